@@ -101,6 +101,7 @@ struct Recipe {
 // file's. Throws FileError.
 Recipe read_recipe(const std::string& path, const std::vector<Override>& overrides = {});
 Recipe parse_recipe(TomlDocument document, const std::vector<Override>& overrides = {});
+std::vector<KeyFacts> recipe_keys();
 
 // Greatest number of steps of a run: a step takes about 300 bytes in memory and a row in the store, and at the least
 // dwell of 0.1 s a million steps take more than a day.

@@ -10,67 +10,135 @@ namespace tactbench::sequences {
 
 namespace {
 
-void read_guard(const TomlTable& root, Recipe& recipe) {
-  const TomlTable guard = root.table("guard");
-  if (recipe.kind == RecipeKind::kPress) {
-    recipe.guard.tolerance_n = guard.number_in("tolerance_n", 0.2, 0.0, 100.0);
-  } else {
-    recipe.guard.tolerance = devices::Psi(guard.number_in("tolerance_psi", 0.2, 0.0, 100.0));
-  }
-  recipe.guard.redo = static_cast<int>(guard.integer("redo", 2, 0, 20));
-  recipe.guard.fail_when_broken = guard.word("on_broken", "fail", {"fail", "flag"}) == "fail";
-  guard.finish();
+KeyTable tolerance_keys(Recipe& recipe) {
+  if (recipe.kind == RecipeKind::kPress)
+    return {key::number("tolerance_n", recipe.guard.tolerance_n, {"N"}, {0.0, 100.0},
+                        "For kind = \"press\": a branch breaks when the force steps back by more than this")};
+  return {key::number("tolerance_psi", recipe.guard.tolerance, {"psi"}, {0.0, 100.0},
+                      "A branch breaks when the pressure steps back by more than this")};
+}
+
+KeyTable guard_keys(BranchRule& guard) {
+  return {key::number("redo", guard.redo, kOne, {0, 20}, "How often a broken branch is done again"),
+          key::word("on_broken", guard.fail_when_broken, {"fail", "flag"}, "fail",
+                    "When it is still broken: fail the run, or flag the branch and go on")};
+}
+
+KeyTable quantity_keys(Suspension& item) {
+  return {key::required(key::word("quantity", item.quantity, {"supply_bar", "temperature_c"},
+                                  "What is watched; the bench needs a sensor of it"))};
+}
+
+// One pair of the two, by item.below.
+KeyTable trip_keys(Suspension& item) {
+  constexpr Unit kOfQuantity{"of the quantity"};
+  if (item.below)
+    return {key::required(key::number("trip_below", item.trip, kOfQuantity, {},
+                                      "Below this the run vents and waits; it goes with resume_above")),
+            key::required(key::number("resume_above", item.resume, kOfQuantity, {},
+                                      "The run goes on once the quantity has stayed above this"))};
+  return {key::required(key::number("trip_above", item.trip, kOfQuantity, {},
+                                    "Above this the run vents and waits; it goes with resume_below")),
+          key::required(key::number("resume_below", item.resume, kOfQuantity, {},
+                                    "The run goes on once the quantity has stayed below this"))};
+}
+
+KeyTable hold_keys(Suspension& item) {
+  return {key::number("hold_s", item.hold_s, {"s"}, {0.0, 86400.0}, "How long it must have stayed there"),
+          key::number("timeout_s", item.timeout_s, {"s"}, {0.0, 7 * 86400.0}, "After a longer wait the run ends")};
 }
 
 void read_suspensions(const TomlTable& root, Recipe& recipe) {
   for (const TomlTable& table : root.tables("suspend")) {
-    Suspension item;
-    item.quantity = table.word("quantity", {"supply_bar", "temperature_c"});
+    Suspension& item = recipe.suspend.emplace_back();
+    read_keys(table, quantity_keys(item));
     item.below = table.has("trip_below");
     if (item.below == table.has("trip_above")) {
       table.fail("quantity", "a [[suspend]] needs either trip_below or trip_above",
                  "for instance trip_below = 6.0 with resume_above = 6.5");
     }
-    item.trip = table.number(item.below ? "trip_below" : "trip_above");
-    const char* resume = item.below ? "resume_above" : "resume_below";
-    item.resume = table.number(resume);
+    read_keys(table, trip_keys(item));
     if (item.below ? item.resume < item.trip : item.resume > item.trip) {
+      const char* resume = item.below ? "resume_above" : "resume_below";
       table.fail(resume,
                  fmt::format("'{}' is {:g}, on the wrong side of the trip at {:g}", resume, item.resume, item.trip),
                  "a quantity must come back past the trip before the run continues");
     }
-    item.hold_s = table.number_in("hold_s", 10.0, 0.0, 86400.0);
-    item.timeout_s = table.number_in("timeout_s", 3600.0, 0.0, 7 * 86400.0);
-    table.finish();
-    recipe.suspend.push_back(item);
+    read_whole(table, hold_keys(item));
   }
 }
 
-void read_rules(const TomlTable& root, Recipe& recipe) {
-  read_guard(root, recipe);
-  read_suspensions(root, recipe);
-  const TomlTable warm_up = root.table("warm_up");
-  recipe.warm_up.drift_percent_per_min = warm_up.number_in("drift_percent_per_min", 0.1, 1e-6, 100.0);
-  recipe.warm_up.at_most_s = warm_up.number_in("at_most_s", 0.0, 0.0, 86400.0);
-  warm_up.finish();
-  const TomlTable dwell = root.table("dwell");
-  recipe.dwell_tolerance_s = dwell.number_in("tolerance_s", 0.25, 0.0, 3600.0);
-  dwell.finish();
-  const TomlTable retry = root.table("retry");
-  recipe.retry.frame = static_cast<int>(retry.integer("frame", 1, 0, 20));
-  recipe.retry.branch = static_cast<int>(retry.integer("branch", 0, 0, 20));
-  recipe.retry.any_passes = retry.word("verdict", "worst", {"worst", "any"}) == "any";
-  retry.finish();
-  const TomlTable timeout = root.table("timeout");
-  recipe.step_timeout_s = timeout.number_in("step_s", 0.0, 0.0, 86400.0);
-  timeout.finish();
-  const TomlTable prompt = root.table("prompt");
-  recipe.prompt_before = prompt.text("before", "");
-  prompt.finish();
-  recipe.rest_restart_s = root.number_in("rest_restart_s", 3600.0, 0.0, 1e9);
+KeyTable warm_up_keys(WarmUp& warm_up) {
+  return {key::number("drift_percent_per_min", warm_up.drift_percent_per_min, {"%/min"}, {1e-6, 100.0},
+                      "The first command waits until the unloaded output drifts less than this"),
+          key::number("at_most_s", warm_up.at_most_s, {"s"}, {0.0, 86400.0},
+                      "It waits at most this long; 0: it does not wait")};
 }
 
+KeyTable dwell_keys(Recipe& recipe) {
+  return {key::number("tolerance_s", recipe.dwell_tolerance_s, {"s"}, {0.0, 3600.0},
+                      "Frames whose dwell differs by more than this are flagged")};
+}
+
+KeyTable retry_keys(Retry& retry) {
+  return {
+      key::number("frame", retry.frame, kOne, {0, 20}, "How often a frame that a device failed is tried again"),
+      key::number("branch", retry.branch, kOne, {0, 20}, "How often a branch in which a device failed is done again"),
+      key::word("verdict", retry.any_passes, {"worst", "any"}, "any",
+                "worst: a frame that needed another attempt is flagged; any: it counts like all others")};
+}
+
+KeyTable timeout_keys(Recipe& recipe) {
+  return {key::number("step_s", recipe.step_timeout_s, {"s"}, {0.0, 86400.0},
+                      "Longest time that one step may take; 0: the bench's own limits alone")};
+}
+
+KeyTable prompt_keys(Recipe& recipe) {
+  return {key::text("before", recipe.prompt_before,
+                    "Question to the operator before the sequence; \"\": none. --yes answers it")};
+}
+
+KeyTable rest_keys(Recipe& recipe) {
+  return {key::number("rest_restart_s", recipe.rest_restart_s, {"s"}, {0.0, 1e9},
+                      "A run that is resumed after a longer rest does the whole repeat again")};
+}
+
+void read_rules(const TomlTable& root, Recipe& recipe) {
+  const auto read = [&](const char* name, std::initializer_list<KeyTable> tables) {
+    const TomlTable table = root.table(name);
+    for (const KeyTable& keys : tables) read_keys(table, keys);
+    table.finish();
+  };
+  read("guard", {tolerance_keys(recipe), guard_keys(recipe.guard)});
+  read_suspensions(root, recipe);
+  read("warm_up", {warm_up_keys(recipe.warm_up)});
+  read("dwell", {dwell_keys(recipe)});
+  read("retry", {retry_keys(recipe.retry)});
+  read("timeout", {timeout_keys(recipe)});
+  read("prompt", {prompt_keys(recipe)});
+  read_keys(root, rest_keys(recipe));
+}
+
+constexpr Unit kOfParameter{"of the parameter"};
 constexpr const char* kTypedPrefix = "recipe.";  // prefix of a recipe's keys on the command line
+
+KeyTable bound_keys(Parameter& parameter) {
+  return {key::required(key::number("low", parameter.low, kOfParameter, {}, "Smallest value allowed")),
+          key::required(key::number("high", parameter.high, kOfParameter, {}, "Largest value allowed")),
+          key::required(key::number("default", parameter.standard, kOfParameter, {},
+                                    "Its value where --set recipe.NAME=... names none"))};
+}
+
+KeyTable value_keys(double& value, const Range& range) {
+  return {key::described(key::number("value", value, kOfParameter, range,
+                                     "Its value, from low to high; --set recipe.NAME=... writes here"),
+                         "that of default")};
+}
+
+KeyTable parameter_text_keys(Parameter& parameter) {
+  return {key::text("unit", parameter.unit, "Its unit, for lists"),
+          key::text("help", parameter.help, "What it does, for lists")};
+}
 
 // Errors in a typed value name the key as typed, not the place where the value is kept.
 double value_of(const TomlTable& table, const Parameter& parameter, const std::vector<Override>& overrides,
@@ -78,7 +146,9 @@ double value_of(const TomlTable& table, const Parameter& parameter, const std::v
   const auto typed = std::find_if(overrides.rbegin(), overrides.rend(),
                                   [&](const Override& item) { return item.key == parameter.name; });
   try {
-    return table.number_in("value", parameter.standard, parameter.low, parameter.high);
+    double value = parameter.standard;
+    read_keys(table, value_keys(value, {parameter.low, parameter.high}));
+    return value;
   } catch (const FileError& error) {
     if (typed == overrides.rend()) throw;
     std::string message = error.what();
@@ -108,9 +178,7 @@ std::vector<Override> read_parameters(TomlDocument& document, Recipe& recipe, co
     const TomlTable table = tables.table(name);
     Parameter parameter;
     parameter.name = name;
-    parameter.low = table.number("low");
-    parameter.high = table.number("high");
-    parameter.standard = table.number("default");
+    read_keys(table, bound_keys(parameter));
     if (parameter.standard < parameter.low || parameter.standard > parameter.high) {
       table.fail(
           "default",
@@ -118,9 +186,7 @@ std::vector<Override> read_parameters(TomlDocument& document, Recipe& recipe, co
           "choose low <= default <= high");
     }
     parameter.value = value_of(table, parameter, overrides, document.name());
-    parameter.unit = table.text("unit", "");
-    parameter.help = table.text("help", "");
-    table.finish();
+    read_whole(table, parameter_text_keys(parameter));
     document.define(name, parameter.value);
     recipe.parameters.push_back(parameter);
   }
@@ -144,7 +210,50 @@ void apply_overrides(TomlDocument& document, const std::vector<Override>& overri
   }
 }
 
+KeyTable head_keys(Recipe& recipe) {
+  return {key::schema(), key::name("name", recipe.name, "Short name, by which reports and lists call it")};
+}
+
+KeyTable kind_keys(Recipe& recipe) {
+  recipe.title = recipe.name;
+  return {key::described(key::text("title", recipe.title, "Title in reports and lists"), "the name"),
+          key::word("kind", recipe.kind, {"levels", "press"},
+                    "levels: pressure in the chamber; press: an object under the z stage")};
+}
+
+KeyTable repeat_keys(Recipe& recipe) {
+  recipe.repeats = static_cast<int>(std::max(recipe.dwell_s.size(), recipe.ramp_psi_per_s.size()));
+  return {key::described(
+      key::number("repeats", recipe.repeats, kOne, {1, 1000}, "How often the whole sequence is carried out"),
+      "as often as the longest list has entries")};
+}
+
 }  // namespace
+
+std::vector<KeyFacts> recipe_keys() {
+  Recipe recipe, press;
+  press.kind = RecipeKind::kPress;
+  Suspension below, above;
+  above.below = false;
+  Parameter parameter;
+  std::vector<KeyFacts> all;
+  const auto add = [&](const std::string& path, std::initializer_list<KeyTable> tables) {
+    for (const KeyTable& keys : tables) add_facts(all, path, keys);
+  };
+  add("", {head_keys(recipe), kind_keys(recipe)});
+  add_levels_keys(all);
+  add("", {repeat_keys(recipe), rest_keys(recipe)});
+  add("guard", {tolerance_keys(recipe), tolerance_keys(press), guard_keys(recipe.guard)});
+  add("suspend[]", {quantity_keys(below), trip_keys(below), trip_keys(above), hold_keys(below)});
+  add("warm_up", {warm_up_keys(recipe.warm_up)});
+  add("dwell", {dwell_keys(recipe)});
+  add("retry", {retry_keys(recipe.retry)});
+  add("timeout", {timeout_keys(recipe)});
+  add("prompt", {prompt_keys(recipe)});
+  add("parameters.NAME", {bound_keys(parameter), value_keys(parameter.value, {}), parameter_text_keys(parameter)});
+  add_press_keys(all);
+  return all;
+}
 
 Recipe parse_recipe(TomlDocument document, const std::vector<Override>& overrides) {
   Recipe recipe;
@@ -153,18 +262,16 @@ Recipe parse_recipe(TomlDocument document, const std::vector<Override>& override
   apply_overrides(document, others);
   const TomlTable root = document.root();
   (void)root.table("parameters");
-  (void)root.integer("schema", 1, 1);
-  recipe.name = root.name("name");
-  recipe.title = root.text("title", recipe.name);
-  const bool press = root.word("kind", "levels", {"levels", "press"}) == "press";
-  recipe.kind = press ? RecipeKind::kPress : RecipeKind::kLevels;
-  if (press) {
+  read_keys(root, head_keys(recipe));
+  read_keys(root, kind_keys(recipe));
+  if (recipe.kind == RecipeKind::kPress) {
     read_press(root, recipe);
   } else {
     read_levels(root, recipe);
   }
-  const long shortest = static_cast<long>(std::max(recipe.dwell_s.size(), recipe.ramp_psi_per_s.size()));
-  recipe.repeats = static_cast<int>(root.integer("repeats", shortest, 1, 1000));
+  const KeyTable repeats = repeat_keys(recipe);
+  const int shortest = recipe.repeats;
+  read_keys(root, repeats);
   if (recipe.repeats < shortest) {
     root.fail("repeats", fmt::format("repeats = {} for a list of {}: not all would be used", recipe.repeats, shortest),
               fmt::format("use at least {}, or shorten the list", shortest));

@@ -35,13 +35,44 @@ std::vector<long> draw(std::uint64_t seed, int count, long low, long high) {
   return points;
 }
 
-std::vector<double> random_points(const TomlTable& root, double step) {
+// In the unit that the file names, and as numbers of it: on the grid of `step`.
+struct InFile {
+  std::string unit;
+  double step = 0.0;
+  std::vector<double> turning_points;
+  long seed = 0, reversals = 1;
+  double low = 0.0, high = 0.0, peak = 0.0;
+};
+constexpr Unit kOfFile{"`unit`"};
+
+KeyTable step_keys(InFile& in) {
+  return {key::required(key::word("unit", in.unit, {"psi", "kPa", "bar"}, "Unit of the pressures in this file")),
+          key::required(key::number("step", in.step, kOfFile, {},
+                                    "Distance of two levels, above 0; a frame is taken at each level between the "
+                                    "turning points"))};
+}
+
+KeyTable point_keys(InFile& in) {
+  return {key::numbers("turning_points", in.turning_points, kOfFile,
+                       "Pressures at which the direction changes, from the first to the last; whole steps apart; or "
+                       "[random]")};
+}
+
+KeyTable random_keys(InFile& in) {
+  return {key::required(key::number("seed", in.seed, kOne, {0, 2e9},
+                                    "Turning points are drawn instead of listed; the same seed gives the same ones")),
+          key::required(key::number("reversals", in.reversals, kOne, {1, 10'000},
+                                    "How many are drawn; an odd number, so that the way back to 0 is a fall")),
+          key::required(key::number("low", in.low, kOfFile, {}, "Lowest turning point that is drawn")),
+          key::required(key::number("high", in.high, kOfFile, {},
+                                    "Highest turning point that is drawn; the sequence begins with a loop to it"))};
+}
+
+std::vector<double> random_points(const TomlTable& root, InFile& in) {
   const TomlTable table = root.table("random");
-  const long seed = table.integer("seed", 0, 2'000'000'000);
-  const long count = table.integer("reversals", 1, 10'000);
-  const double low = table.number("low");
-  const double high = table.number("high");
-  table.finish();
+  read_whole(table, random_keys(in));
+  const long count = in.reversals;
+  const double low = in.low, high = in.high, step = in.step;
   if (count % 2 == 0) {
     table.fail("reversals", fmt::format("{} reversals end on a lower point, and the way to 0 continues falling", count),
                "use an odd number");
@@ -60,7 +91,7 @@ std::vector<double> random_points(const TomlTable& root, double step) {
                fmt::format("a larger step: a run may have {:.0f} steps", kMostSteps));
   }
   std::vector<double> points;
-  for (const long point : draw(static_cast<std::uint64_t>(seed), static_cast<int>(count), std::lround(low / step),
+  for (const long point : draw(static_cast<std::uint64_t>(in.seed), static_cast<int>(count), std::lround(low / step),
                                std::lround(high / step))) {
     points.push_back(static_cast<double>(point) * step);
   }
@@ -87,10 +118,30 @@ void check_points(const TomlTable& root, const std::vector<double>& points, doub
   }
 }
 
+KeyTable settle_keys(Recipe& recipe) {
+  return {key::word("settle", recipe.settle, {"band", "none"}, "band",
+                    "band: a frame waits until the level is reached; none: it is taken as the ramp passes the level")};
+}
+
+KeyTable pace_keys(Recipe& recipe) {
+  if (!recipe.settle) recipe.dwell_s = {0.0};
+  return {dwell_key(recipe.dwell_s),
+          key::numbers_or_one("ramp_psi_per_s", recipe.ramp_psi_per_s, {"psi/s"},
+                              "How fast the set-point changes; 0: as fast as the bench allows. A list: one for each "
+                              "repeat")};
+}
+
+KeyTable level_frame_keys(Recipe& recipe) {
+  recipe.frame_interval_s = 1.0;
+  return {key::number("frames_per_level", recipe.frames_per_level, kOne, {1, 100'000},
+                      "Frames at each level; more than one is a hold"),
+          key::number("frame_interval_s", recipe.frame_interval_s, {"s"}, {0.0, 86400.0},
+                      "Time between two frames of one level")};
+}
+
 void read_pace(const TomlTable& root, Recipe& recipe) {
-  recipe.settle = root.word("settle", "band", {"band", "none"}) == "band";
-  recipe.dwell_s = root.numbers_or_one("dwell_s", recipe.settle ? 2.0 : 0.0);
-  recipe.ramp_psi_per_s = root.numbers_or_one("ramp_psi_per_s", 0.0);
+  read_keys(root, settle_keys(recipe));
+  read_keys(root, pace_keys(recipe));
   for (const double value : recipe.dwell_s) {
     if (value >= 0.0 && value <= 86400.0 && (recipe.settle || value == 0.0)) continue;
     root.fail("dwell_s", fmt::format("'dwell_s' is {:g}, outside 0 to {}", value, recipe.settle ? 86400 : 0),
@@ -102,26 +153,44 @@ void read_pace(const TomlTable& root, Recipe& recipe) {
               fmt::format("use {:g} to 1000{}", kSlowestRamp,
                           recipe.settle ? ", or 0 for the bench's own limit" : ": settle = \"none\" needs a ramp"));
   }
-  recipe.frames_per_level = static_cast<int>(root.integer("frames_per_level", 1, 1, 100'000));
-  recipe.frame_interval_s = root.number_in("frame_interval_s", 1.0, 0.0, 86400.0);
+  read_keys(root, level_frame_keys(recipe));
   if (!recipe.settle && recipe.frames_per_level > 1) {
     root.fail("frames_per_level", "several frames at a level that is only passed", "remove settle = \"none\"");
   }
 }
 
-void read_conditioning(const TomlTable& root, Recipe& recipe, double unit) {
+KeyTable cycle_keys(Conditioning& conditioning) {
+  conditioning.least = std::min(1, conditioning.cycles);
+  return {key::described(
+      key::number("least", conditioning.least, kOne, {0, 100}, "At least so many, where change_percent may end them"),
+      "`1`, or 0 where cycles is 0")};
+}
+
+KeyTable change_keys(Conditioning& conditioning) {
+  return {key::number("change_percent", conditioning.change_percent, {"% of full scale"}, {0.0, 100.0},
+                      "They end when the loop changes from one to the next by less than this; 0: all are done")};
+}
+
+KeyTable peak_keys(InFile& in, bool needed) {
+  const Key peak =
+      key::number("peak", in.peak, kOfFile, {}, "Highest pressure of such a cycle; needed where cycles is above 0");
+  return {needed ? key::required(peak) : peak};
+}
+
+void read_conditioning(const TomlTable& root, Recipe& recipe, InFile& in, double unit) {
   const TomlTable table = root.table("conditioning");
   Conditioning& conditioning = recipe.conditioning;
-  conditioning.cycles = static_cast<int>(table.integer("cycles", 0, 0, 100));
-  conditioning.least = static_cast<int>(table.integer("least", std::min(1, conditioning.cycles), 0, 100));
+  read_keys(table, {cycles_key(conditioning)});
+  read_keys(table, cycle_keys(conditioning));
   // `--set recipe.conditioning.cycles=0` turns it off regardless of the rest of the file.
   if (conditioning.cycles == 0) conditioning.least = 0;
   if (conditioning.least > conditioning.cycles) {
     table.fail("least", fmt::format("at least {} cycles, at most {}", conditioning.least, conditioning.cycles),
                "'cycles' is the greatest number");
   }
-  conditioning.change_percent = table.number_in("change_percent", 0.0, 0.0, 100.0);
-  const double peak = conditioning.cycles > 0 ? table.number("peak") : table.number("peak", 0.0);
+  read_keys(table, change_keys(conditioning));
+  read_keys(table, peak_keys(in, conditioning.cycles > 0));
+  const double peak = in.peak;
   if (peak < 0.0 || (conditioning.cycles > 0 && peak == 0.0)) {
     table.fail("peak", fmt::format("'peak' is {:g}", peak), "a cycle goes from 0 to a peak above 0");
   }
@@ -129,25 +198,59 @@ void read_conditioning(const TomlTable& root, Recipe& recipe, double unit) {
   table.finish();
 }
 
+KeyTable limit_keys(FailFast& limits) {
+  return {key::number("least_response_v", limits.least_response_v, {"V"}, {0.0, 100.0},
+                      "A run ends in its first cycle when the mean output at the first peak is not this far above the "
+                      "unloaded one; 0: no limit"),
+          key::number("most_dead_taxels", limits.most_dead_taxels, kOne, {-1, 1'000'000},
+                      "A run ends in its first cycle when more taxels than this do not respond; -1: no limit")};
+}
+
 }  // namespace
 
+Key dwell_key(std::vector<double>& dwell_s) {
+  return key::numbers_or_one("dwell_s", dwell_s, {"s"},
+                             "Time from the level reached to the frame, 0 to 86400; a list: one for each repeat");
+}
+
+Key cycles_key(Conditioning& conditioning) {
+  return key::number("cycles", conditioning.cycles, kOne, {0, 100},
+                     "Cycles without frames before the first repeat, at most; 0: none. First loads differ");
+}
+
+void add_levels_keys(std::vector<KeyFacts>& all) {
+  Recipe recipe;
+  InFile in;
+  for (const KeyTable& keys :
+       {step_keys(in), settle_keys(recipe), pace_keys(recipe), level_frame_keys(recipe), point_keys(in)})
+    add_facts(all, "", keys);
+  add_facts(all, "random", random_keys(in));
+  for (const KeyTable& keys : {KeyTable{cycles_key(recipe.conditioning)}, cycle_keys(recipe.conditioning),
+                               change_keys(recipe.conditioning), peak_keys(in, false)})
+    add_facts(all, "conditioning", keys);
+  add_facts(all, "limits", limit_keys(recipe.limits));
+}
+
 void read_levels(const TomlTable& root, Recipe& recipe) {
-  const double unit = psi_per_unit(root.word("unit", {"psi", "kPa", "bar"}));
-  const double step = root.number("step");
+  InFile in;
+  read_keys(root, step_keys(in));
+  const double unit = psi_per_unit(in.unit), step = in.step;
   recipe.step = devices::Psi(step * unit);
   if (step <= 0.0) root.fail("step", "'step' must be above 0", "use the distance between levels");
   read_pace(root, recipe);
   if (root.has("random") && root.has("turning_points")) {
     root.fail("random", "both turning_points and [random]", "keep one of the two");
   }
-  const std::vector<double> points = root.has("random") ? random_points(root, step) : root.numbers("turning_points");
+  if (root.has("random"))
+    in.turning_points = random_points(root, in);
+  else
+    read_keys(root, point_keys(in));
+  const std::vector<double>& points = in.turning_points;
   check_points(root, points, step, recipe.frames_per_level > 1);
   for (const double point : points) recipe.turning_points.emplace_back(point * unit);
-  read_conditioning(root, recipe, unit);
+  read_conditioning(root, recipe, in, unit);
   const TomlTable limits = root.table("limits");
-  recipe.limits.least_response_v = limits.number_in("least_response_v", 0.0, 0.0, 100.0);
-  recipe.limits.most_dead_taxels = static_cast<int>(limits.integer("most_dead_taxels", -1, -1, 1'000'000));
-  limits.finish();
+  read_whole(limits, limit_keys(recipe.limits));
 }
 
 }  // namespace tactbench::sequences

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sequences/recipe.h"
+#include "sequences/toml/key_table.h"
 
 namespace tactbench::sequences {
 
@@ -12,11 +13,17 @@ std::vector<Override> read_parameters(TomlDocument& document, Recipe& recipe, co
 
 // kind = "levels": unit, turning points or [random], step, ramp, frames of a level, [conditioning], [limits].
 void read_levels(const TomlTable& root, Recipe& recipe);
+void add_levels_keys(std::vector<KeyFacts>& all);
+
+// Rows of both kinds of recipe.
+Key dwell_key(std::vector<double>& dwell_s);
+Key cycles_key(Conditioning& conditioning);
 
 // Refuses a recipe with more than kMostSteps steps, or one that dwells for more than a year.
 void check_size(const TomlTable& root, const Recipe& recipe);
 
 // kind = "press": [press], [press.grid], [conditioning] in newtons.
 void read_press(const TomlTable& root, Recipe& recipe);
+void add_press_keys(std::vector<KeyFacts>& all);
 
 }  // namespace tactbench::sequences

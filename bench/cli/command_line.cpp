@@ -7,9 +7,9 @@
 #include <cstdio>
 #include <utility>
 
+#include "bench/cli/rig/key_pages.h"
 #include "bench/cli/rig/page_beside.h"
 #include "bench/cli/session.h"
-#include "bench/cli/words/command_tree.h"
 #include "bench/common/build_info.h"
 #include "bench/common/standard_streams.h"
 #include "db/run_store.h"
@@ -150,7 +150,7 @@ int run_command_line(int argc, char** argv) {
   add_rig(app, session);
   add_config(app, session);
   add_selfcheck(app, session);
-  add_completion(app);
+  add_key_reference(app);
   add_dead_man(app, session);
   add_error_reference(app);
   try {

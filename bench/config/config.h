@@ -84,7 +84,7 @@ struct StageConfig {
 
 struct ForceConfig {
   ForceKind kind = ForceKind::kNet;
-  std::string model, serial;  // of the transducer
+  std::string model = "ATI Nano17", serial;  // of the transducer
   StatedCalibration stated;
   double overload_share = 1.0;
   int records = 50;  // averaged into one reading
@@ -110,7 +110,7 @@ struct GaugeConfig {  // a digital gauge as reference
 
 struct EnvironmentSensor {
   std::string quantity;  // temperature_c | supply_bar
-  std::string model, serial;
+  std::string model = "not stated", serial = "not stated";
   StatedCalibration stated;  // of a thermometer
   devices::ModbusEndpoint endpoint;
   bool own_line = false;
@@ -118,7 +118,7 @@ struct EnvironmentSensor {
 };
 
 struct BenchConfig {
-  std::string id, location;
+  std::string id, location = "not stated";
   devices::Origin origin = devices::Origin::kHardware;
   SafetyLimits limits;
   DeadManConfig dead_man;
@@ -156,9 +156,9 @@ struct BenchConfig {
 struct SensorType {
   std::string name;
   int rows = 0, columns = 0;
-  double pitch_mm = 0.0, taxel_area_mm2 = 0.0;
+  double pitch_mm = 2.54, taxel_area_mm2 = 0.0;
   double orientation_deg = 0.0;  // of row 0 against the bench's x axis
-  double output_low_v = 0.0, output_high_v = 0.0;
+  double output_low_v = 0.0, output_high_v = 5.0;
   std::string full_scale;  // "highest mean output of the run"
   std::string text;
 };
@@ -177,6 +177,11 @@ SensorType read_sensor_type(const std::string& path, const std::vector<sequences
 SensorType parse_sensor_type(const std::string& text, const std::string& name);
 analysis::Limits read_limits(const std::string& path);
 analysis::Limits parse_limits(const std::string& text, const std::string& name);
+
+// The keys of each of these files.
+std::vector<sequences::KeyFacts> bench_keys();
+std::vector<sequences::KeyFacts> sensor_type_keys();
+std::vector<sequences::KeyFacts> limits_keys();
 
 // Folder of the shipped recipes and configuration: $TACTBENCH_SHARE, else share/tactbench where installed, else source.
 std::string share_folder();

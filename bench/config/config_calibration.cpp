@@ -8,37 +8,46 @@
 
 namespace tactbench::bench {
 
-std::string read_date(const sequences::TomlTable& table, const std::string& key) {
-  std::string text = table.date_text(key);
-  if (text.empty() || analysis::is_date(text) || analysis::is_placeholder(text)) return text;
-  table.fail(key, fmt::format("'{}' is not a date", text),
-             "write it as \"2026-01-31\" (year, month, day), or leave it empty");
+namespace key = sequences::key;
+
+sequences::Key date_key(const char* name, std::string& date, const char* meaning) {
+  return key::made({name, "date", "-", "", "`\"\"`", meaning}, [name, &date](const sequences::TomlTable& table) {
+    date = table.date_text(name);
+    if (date.empty() || analysis::is_date(date) || analysis::is_placeholder(date)) return;
+    table.fail(name, fmt::format("'{}' is not a date", date),
+               "write it as \"2026-01-31\" (year, month, day), or leave it empty");
+  });
 }
 
-StatedCalibration read_stated_calibration(const sequences::TomlTable& table, const std::string& uncertainty_key,
-                                          double most) {
-  StatedCalibration stated;
-  stated.certificate = table.text("certificate", "");
-  stated.calibrated = read_date(table, "calibrated");
-  stated.due = read_date(table, "due");
-  stated.expanded_uncertainty = table.number_in(uncertainty_key, 0.0, 0.0, most);
+sequences::KeyTable stated_keys(StatedCalibration& stated, const char* uncertainty_key, const sequences::Unit& unit,
+                                const char* certificate_meaning, const char* uncertainty_meaning) {
+  return {key::text("certificate", stated.certificate, certificate_meaning),
+          date_key("calibrated", stated.calibrated, "Date of the calibration, as \"2026-01-31\""),
+          date_key("due", stated.due,
+                   "Last day that the calibration holds; a run made later has no verdict on what rests on it"),
+          key::number(uncertainty_key, stated.expanded_uncertainty, unit, {0.0, 10.0}, uncertainty_meaning)};
+}
+
+void check_dates(const sequences::TomlTable& table, const StatedCalibration& stated) {
   const auto calibrated = analysis::day_of(stated.calibrated), due = analysis::day_of(stated.due);
   if (calibrated && due && *due <= *calibrated) {
     table.fail("due", fmt::format("due on {}, which is not after the calibration of {}", stated.due, stated.calibrated),
                "correct the wrong date");
   }
-  return stated;
 }
 
-void read_chain(const sequences::TomlTable& table, devices::Origin origin, const std::string& drift_key,
-                const std::string& input_key, double most, StatedCalibration& stated) {
-  const std::vector<std::string> words = {"chain", "transducer"};
-  if (origin == devices::Origin::kSimulated)
-    stated.covers = table.word("certificate_covers", "chain", words);
-  else if (table.has("certificate_covers"))
-    stated.covers = table.word("certificate_covers", words);
-  stated.drift = table.number_in(drift_key, 0.0, 0.0, most);
-  stated.input_limit = table.number_in(input_key, 0.0, 0.0, most);
+sequences::KeyTable chain_keys(StatedCalibration& stated, devices::Origin origin, const ChainKeys& names) {
+  const bool simulated = origin == devices::Origin::kSimulated;
+  if (simulated) stated.covers = "chain";
+  const sequences::Key covers =
+      key::word("certificate_covers", stated.covers, {"chain", "transducer"}, names.covers_meaning);
+  return {simulated ? covers : key::optional(covers),
+          key::number(names.drift, stated.drift, {names.drift_unit}, {0.0, 10.0},
+                      "Largest change until the due date, by its history or data sheet"),
+          key::number(names.input, stated.input_limit, {names.input_unit}, {0.0, 10.0}, names.input_meaning)};
+}
+
+void check_chain(const sequences::TomlTable& table, const StatedCalibration& stated, const std::string& input_key) {
   if (stated.covers == "chain" && stated.input_limit > 0.0)
     table.fail(input_key, "the certificate covers the whole chain, and so the input that reads it",
                fmt::format("remove {}, or write certificate_covers = \"transducer\"", input_key));

@@ -5,20 +5,27 @@
 #include <vector>
 
 #include "bench/config/config.h"
+#include "sequences/toml/key_table.h"
 
 namespace tactbench::bench {
 
-// "2026-01-31", or empty where the key is absent or empty. Throws FileError with place and form for anything else.
-std::string read_date(const sequences::TomlTable& table, const std::string& key);
+// A date as "2026-01-31"; empty where the key is absent or empty. FileError with place and form for anything else.
+sequences::Key date_key(const char* name, std::string& date, const char* meaning);
 
-// Keys certificate, calibrated, due and `uncertainty_key`, 0 to `most`. Throws FileError.
-StatedCalibration read_stated_calibration(const sequences::TomlTable& table, const std::string& uncertainty_key,
-                                          double most);
+// certificate, calibrated, due and the expanded uncertainty (key and unit of the instrument, 0 to 10).
+sequences::KeyTable stated_keys(StatedCalibration& stated, const char* uncertainty_key, const sequences::Unit& unit,
+                                const char* certificate_meaning, const char* uncertainty_meaning);
+// Throws FileError where the dates contradict each other.
+void check_dates(const sequences::TomlTable& table, const StatedCalibration& stated);
 
-// What the certificate covers and what it does not contain: keys certificate_covers, `drift_key`, `input_key`, 0 to
-// `most`. A simulated bench that does not say has "chain". Throws FileError where they contradict each other.
-void read_chain(const sequences::TomlTable& table, devices::Origin origin, const std::string& drift_key,
-                const std::string& input_key, double most, StatedCalibration& stated);
+// What the certificate covers and what it does not contain: certificate_covers, drift and limit of what reads the
+// instrument (keys and units of the instrument, 0 to 10). A simulated bench that does not say has "chain".
+struct ChainKeys {
+  const char *drift, *drift_unit, *input, *input_unit, *covers_meaning, *input_meaning;
+};
+sequences::KeyTable chain_keys(StatedCalibration& stated, devices::Origin origin, const ChainKeys& names);
+// Throws FileError where they contradict each other.
+void check_chain(const sequences::TomlTable& table, const StatedCalibration& stated, const std::string& input_key);
 
 // Every value that still says FILL-IN, with its place: "reference.certificate (bench.toml:77)".
 std::vector<std::string> placeholders_of(const BenchConfig& config);

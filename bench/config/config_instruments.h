@@ -7,5 +7,6 @@ namespace tactbench::bench {
 
 // Needs the origin to be read already.
 void read_instruments(const sequences::TomlTable& root, BenchConfig& config);
+void add_instrument_keys(std::vector<sequences::KeyFacts>& all);
 
 }  // namespace tactbench::bench

@@ -3,46 +3,63 @@
 
 #include "bench/config/config_calibration.h"
 #include "db/run_store.h"
-#include "sequences/toml/strict_toml.h"
+#include "sequences/toml/key_table.h"
 
 namespace tactbench::bench {
 
+using sequences::KeyTable;
 using sequences::TomlDocument;
 using sequences::TomlTable;
+namespace key = sequences::key;
 
 namespace {
 
+KeyTable laboratory_rows(analysis::Laboratory& lab) {
+  return {
+      key::schema(),
+      key::text("laboratory", lab.laboratory, "Name of the laboratory"),
+      key::text("address", lab.address, "Address of the laboratory"),
+      key::text("place", lab.place, "Where the calibration was made, if elsewhere"),
+      key::text("accreditation", lab.accreditation,
+                "Number of the accreditation; only with one, and on real data, a report may call itself a "
+                "certificate"),
+      key::text("customer", lab.customer, "Name of the customer"),
+      key::text("customer_address", lab.customer_address, "Address of the customer"),
+      key::text("order", lab.order, "Number of the order, the customer's or your own; a run's own --order precedes it"),
+      date_key("received", lab.received, "Date on which the sensor came"),
+      key::text("condition", lab.condition,
+                "Condition of the sensor when it came: \"new\", \"scratched at the edge of row 0\""),
+      key::text("cable", lab.cable, "Cable between sensor and scanner: type, length, serial number"),
+      key::text("mounting", lab.mounting,
+                "What lies on the sensor and below it: \"cotton fabric 0.4 mm on a steel plate\""),
+      key::text("medium", lab.medium,
+                "What the pressure is made with, and its state: \"dry compressed air, dew point -40 °C\""),
+      key::text("environment", lab.environment,
+                "Temperature and humidity, where no instrument of the bench measured them"),
+      key::text("deviations", lab.deviations, "Deviations from the method, beside those that the run recorded itself"),
+      key::text("remarks", lab.remarks, "Remarks of the laboratory, printed on the report")};
+}
+
+KeyTable instrument_rows(analysis::InstrumentNote& note) {
+  return {
+      key::required(key::text("serial", note.serial, "Serial number of the instrument that the other keys speak of")),
+      key::text("certificate", note.certificate, "Number of its calibration certificate"),
+      key::text("calibrated_by", note.calibrated_by, "Who calibrated it"),
+      date_key("calibrated_on", note.calibrated_on, "Date of the calibration"),
+      date_key("due", note.due, "Last day that the calibration holds; of two due dates the earlier one counts"),
+      key::text("note", note.note, "Remark on it")};
+}
+
 analysis::Laboratory laboratory_of(const TomlDocument& document) {
   const TomlTable root = document.root();
-  (void)root.integer("schema", 1, 1);
   analysis::Laboratory lab;
   lab.sha256 = db::sha256_hex(document.text());
-  lab.laboratory = root.text("laboratory", "");
-  lab.address = root.text("address", "");
-  lab.place = root.text("place", "");
-  lab.accreditation = root.text("accreditation", "");
-  lab.customer = root.text("customer", "");
-  lab.customer_address = root.text("customer_address", "");
-  lab.order = root.text("order", "");
-  lab.received = read_date(root, "received");
-  lab.condition = root.text("condition", "");
-  lab.cable = root.text("cable", "");
-  lab.mounting = root.text("mounting", "");
-  lab.medium = root.text("medium", "");
-  lab.environment = root.text("environment", "");
-  lab.deviations = root.text("deviations", "");
-  lab.remarks = root.text("remarks", "");
+  read_keys(root, laboratory_rows(lab));
   for (const TomlTable& row : root.tables("instrument")) {
-    analysis::InstrumentNote note;
-    note.serial = row.text("serial");
+    analysis::InstrumentNote& note = lab.instruments.emplace_back();
+    read_keys(row, instrument_rows(note));
     if (note.serial.empty()) row.fail("serial", "an instrument without a serial number", "write the serial number");
-    note.certificate = row.text("certificate", "");
-    note.calibrated_by = row.text("calibrated_by", "");
-    note.calibrated_on = read_date(row, "calibrated_on");
-    note.due = read_date(row, "due");
-    note.note = row.text("note", "");
     row.finish();
-    lab.instruments.push_back(note);
   }
   root.finish();
   return lab;
@@ -53,6 +70,15 @@ analysis::Laboratory laboratory_of(const TomlDocument& document) {
 analysis::Laboratory read_laboratory(const std::string& path) { return laboratory_of(TomlDocument::from_file(path)); }
 analysis::Laboratory parse_laboratory(const std::string& text, const std::string& name) {
   return laboratory_of(TomlDocument::from_text(text, name));
+}
+
+std::vector<sequences::KeyFacts> laboratory_keys() {
+  analysis::Laboratory lab;
+  analysis::InstrumentNote note;
+  std::vector<sequences::KeyFacts> all;
+  add_facts(all, "", laboratory_rows(lab));
+  add_facts(all, "instrument[]", instrument_rows(note));
+  return all;
 }
 
 }  // namespace tactbench::bench

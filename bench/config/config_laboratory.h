@@ -2,13 +2,16 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "analysis/report/laboratory.h"
+#include "sequences/toml/strict_toml.h"
 
 namespace tactbench::bench {
 
 // Throws FileError.
 analysis::Laboratory read_laboratory(const std::string& path);
 analysis::Laboratory parse_laboratory(const std::string& text, const std::string& name);
+std::vector<sequences::KeyFacts> laboratory_keys();
 
 }  // namespace tactbench::bench

@@ -4,7 +4,6 @@
 
 #include <filesystem>
 
-#include "bench/common/process_time.h"
 #include "bench/config/config_calibration.h"
 #include "bench/config/config_modbus.h"
 #include "bench/config/config_profile.h"
@@ -13,7 +12,11 @@ namespace tactbench::bench {
 
 using devices::Psi;
 using devices::Volts;
+using sequences::KeyTable;
+using sequences::kMilliseconds;
+using sequences::kOne;
 using sequences::TomlTable;
+namespace key = sequences::key;
 
 namespace {
 
@@ -23,17 +26,53 @@ bool has_own_line(const TomlTable& table) { return table.has("host") || table.ha
 devices::ModbusEndpoint endpoint_or_unit(const TomlTable& table, const BenchConfig& config) {
   if (has_own_line(table)) return read_endpoint(table, config.in_process, std::chrono::seconds(1));
   devices::ModbusEndpoint endpoint = config.module.endpoint;
-  endpoint.unit = static_cast<int>(table.integer("unit", 1, 247));
+  read_keys(table, unit_keys(endpoint, 1));
   return endpoint;
 }
 
+KeyTable profile_keys(std::string& profile, const char* meaning) {
+  return {key::required(key::text("profile", profile, meaning))};
+}
+constexpr const char* kOfModule =
+    "Analog module in front of the regulator: name of a shipped profile, or a file of yours";
+constexpr const char* kOfInputModule =
+    "Module that reads feedback and reference, where the first has no inputs: name of a shipped profile, or a file";
+
+std::string profile_of(const TomlTable& table, const char* meaning) {
+  std::string profile;
+  read_keys(table, profile_keys(profile, meaning));
+  return profile;
+}
+
+KeyTable output_keys(devices::ModuleProfile& profile) {
+  return {
+      key::described(key::number("outputs", profile.outputs.channels, kOne, {1, 64},
+                                 "Number of output words in the module's process image, as its terminals make them"),
+                     "the profile's")};
+}
+
+KeyTable input_keys(devices::ModuleProfile& profile) {
+  return {key::described(key::number("inputs", profile.inputs.channels, kOne, {1, 60},
+                                     "Number of input words in the module's process image"),
+                         "the profile's")};
+}
+
 void read_channels(const TomlTable& table, devices::ModuleProfile& profile) {
-  if (profile.outputs.channels > 0) {
-    profile.outputs.channels = static_cast<int>(table.integer("outputs", profile.outputs.channels, 1, 64));
-  }
-  if (profile.inputs.channels > 0) {
-    profile.inputs.channels = static_cast<int>(table.integer("inputs", profile.inputs.channels, 1, 60));
-  }
+  if (profile.outputs.channels > 0) read_keys(table, output_keys(profile));
+  if (profile.inputs.channels > 0) read_keys(table, input_keys(profile));
+}
+
+KeyTable watchdog_keys(BenchConfig& config) {
+  config.watchdog_s = 1.0;  // where the module has one
+  return {key::number("watchdog_ms", config.watchdog_s, kMilliseconds, {500.0, 60000.0},
+                      "The module sets its outputs to 0 V when it is not written to for this long; only of a module "
+                      "whose profile has a watchdog")};
+}
+
+KeyTable dump_keys(devices::ModuleProfile& profile) {
+  return {key::number("dump_coil", profile.dump_coil, kOne, {-1, 65535},
+                      "Number of the digital output that holds a dump valve closed (without power it opens); -1: no "
+                      "such valve")};
 }
 
 void check_transport(const TomlTable& table, const ModuleConfig& module) {
@@ -43,9 +82,9 @@ void check_transport(const TomlTable& table, const ModuleConfig& module) {
              rtu ? "set transport = \"tcp\", or choose another profile" : "set transport = \"rtu\" and serial_port");
 }
 
-ModuleConfig read_module(const TomlTable& table, const BenchConfig& config) {
+ModuleConfig read_module(const TomlTable& table, const BenchConfig& config, const char* meaning) {
   ModuleConfig module;
-  module.profile = read_module_profile(table.text("profile"));
+  module.profile = read_module_profile(profile_of(table, meaning));
   read_channels(table, module.profile);
   module.endpoint = read_endpoint(table, config.in_process, module.profile.max_reply_delay);
   check_transport(table, module);
@@ -54,28 +93,28 @@ ModuleConfig read_module(const TomlTable& table, const BenchConfig& config) {
 
 void read_modules(const TomlTable& root, BenchConfig& config) {
   const TomlTable table = root.table("module");
-  config.module = read_module(table, config);
+  config.module = read_module(table, config, kOfModule);
   if (config.module.profile.outputs.channels == 0) {
     table.fail("profile", fmt::format("'{}' has no outputs to drive the regulator", config.module.profile.name),
                "name the output module here and this one in [input_module]");
   }
   if (config.module.profile.fail_safe.watchdog_address >= 0) {
-    config.watchdog_s = table.number_in("watchdog_ms", 1000, 500, 60000) / 1000.0;
+    read_keys(table, watchdog_keys(config));
   } else if (table.has("watchdog_ms")) {
     table.fail("watchdog_ms", fmt::format("'{}' has no watchdog that can be set", config.module.profile.name),
                "omit it; `tactbench plan` and `devices check` print the fail-safe layers");
   } else {
     config.watchdog_s = 0.0;
   }
-  config.module.profile.dump_coil = static_cast<int>(table.integer("dump_coil", -1, -1, 65535));
-  table.finish();
+  read_whole(table, dump_keys(config.module.profile));
   if (root.has("input_module")) {
     const TomlTable inputs = root.table("input_module");
     if (has_own_line(inputs)) {
-      config.input_module = read_module(inputs, config);
+      config.input_module = read_module(inputs, config, kOfInputModule);
     } else {
-      config.input_module = ModuleConfig{read_module_profile(inputs.text("profile")), config.module.endpoint, true};
-      config.input_module->endpoint.unit = static_cast<int>(inputs.integer("unit", 0, 247));
+      config.input_module =
+          ModuleConfig{read_module_profile(profile_of(inputs, kOfInputModule)), config.module.endpoint, true};
+      read_keys(inputs, unit_keys(config.input_module->endpoint, 0));
       read_channels(inputs, config.input_module->profile);
       check_transport(inputs, *config.input_module);
     }
@@ -90,42 +129,55 @@ void read_modules(const TomlTable& root, BenchConfig& config) {
   }
 }
 
-devices::LinearSpan read_span(const TomlTable& table, const std::string& volts_key, const std::string& pressure_key,
-                              double psi_per_unit, std::pair<double, double> pressure_default) {
-  const auto volts = table.span(volts_key, {0.0, 10.0});
-  const auto pressure = table.span(pressure_key, pressure_default);
-  return {Volts(volts.first), Volts(volts.second), Psi(pressure.first * psi_per_unit),
-          Psi(pressure.second * psi_per_unit)};
+KeyTable regulator_keys(devices::RegulatorOptions& regulator) {
+  regulator.command_span = {Volts(0.0), Volts(10.0), Psi(0.0), Psi(9.0 * devices::kPsiPerBar)};
+  regulator.feed_interval = std::chrono::milliseconds(450);
+  devices::LinearSpan& span = regulator.command_span;
+  return {
+      key::text("model", regulator.model, "Maker and model, stored with each run"),
+      key::required(key::text("serial", regulator.serial, "Serial number, stored with each run")),
+      key::number("output_channel", regulator.output_channel, kOne, {0, 63},
+                  "Output of the module that carries the set-point, counted from 0"),
+      key::number("feedback_channel", regulator.feedback_channel, kOne, {0, 63},
+                  "Input of the module that carries the regulator's monitor voltage, counted from 0"),
+      key::span("span_v", span.volts_low, span.volts_high, {"V"},
+                "Lowest and highest voltage of set-point and monitor ..."),
+      key::span("span_bar", span.low, span.high, {"bar", devices::kPsiPerBar}, "... and the pressures that they mean"),
+      key::number("feed_interval_ms", regulator.feed_interval, kMilliseconds, {50.0, 500.0},
+                  "The set-point is written again and read back this often; at most 0.6 of the module's "
+                  "watchdog_ms")};
 }
 
 void read_regulator(const TomlTable& table, BenchConfig& config) {
   devices::RegulatorOptions& regulator = config.regulator;
-  regulator.model = table.text("model", regulator.model);
-  regulator.serial = table.text("serial");
-  regulator.output_channel = static_cast<int>(table.integer("output_channel", 0, 0, 63));
-  regulator.feedback_channel = static_cast<int>(table.integer("feedback_channel", 0, 0, 63));
-  regulator.command_span = read_span(table, "span_v", "span_bar", devices::kPsiPerBar, {0.0, 9.0});
+  read_keys(table, regulator_keys(regulator));
   regulator.feedback_span = regulator.command_span;
-  const double feed_ms = table.number_in("feed_interval_ms", 450, 50, 500);
+  const double feed_ms = std::chrono::duration<double, std::milli>(regulator.feed_interval).count();
   if (config.watchdog_s > 0.0 && feed_ms / 1000.0 > 0.6 * config.watchdog_s) {
     table.fail(
         "feed_interval_ms",
         fmt::format("feeding every {:g} ms is too slow for a watchdog of {:g} ms", feed_ms, 1000.0 * config.watchdog_s),
         "keep it at or below 0.6 of [module] watchdog_ms");
   }
-  regulator.feed_interval = seconds(feed_ms / 1000.0);
   regulator.command_limit = Psi(config.limits.command_psi);
   regulator.origin = config.origin;
   table.finish();
 }
 
+KeyTable correction_keys(devices::PressureCorrection& correction) {
+  return {key::numbers("reading_psi", correction.reading_psi, {"psi"}, "Readings of the certificate's table, rising"),
+          key::numbers("correction_psi", correction.correction_psi, {"psi"},
+                       "What is added at each of these readings; between them a straight line"),
+          key::numbers("expanded_uncertainty_psi", correction.expanded_uncertainty_psi, {"psi"},
+                       "Expanded uncertainty of the corrected value at each reading"),
+          key::number("coverage_factor", correction.coverage_factor, kOne, {1.0, 4.0},
+                      "Coverage factor k of these uncertainties")};
+}
+
 devices::PressureCorrection read_correction(const TomlTable& table, bool own_file = false) {
   devices::PressureCorrection correction;
-  if (own_file) (void)table.integer("schema", 1, 1);
-  correction.reading_psi = table.numbers("reading_psi");
-  correction.correction_psi = table.numbers("correction_psi");
-  correction.expanded_uncertainty_psi = table.numbers("expanded_uncertainty_psi");
-  correction.coverage_factor = table.number_in("coverage_factor", 2.0, 1.0, 4.0);
+  if (own_file) read_keys(table, {key::schema()});
+  read_keys(table, correction_keys(correction));
   const std::size_t points = correction.reading_psi.size();
   for (std::size_t i = 1; i < points; ++i) {
     if (correction.reading_psi[i] <= correction.reading_psi[i - 1]) {
@@ -141,30 +193,82 @@ devices::PressureCorrection read_correction(const TomlTable& table, bool own_fil
   return correction;
 }
 
+KeyTable gauge_keys(GaugeConfig& gauge) {
+  return quantity_keys(gauge.quantity, "span_psi", "psi", "Pressures that the values of raw_span mean");
+}
+
 void read_gauge(const TomlTable& table, BenchConfig& config) {
   GaugeConfig gauge;
   gauge.own_line = has_own_line(table);
   gauge.endpoint = endpoint_or_unit(table, config);
-  gauge.quantity = read_quantity_place(table, "span_psi");
-  table.finish();
+  read_whole(table, gauge_keys(gauge));
   config.reference_gauge = gauge;
 }
 
-void read_reference(const TomlTable& table, BenchConfig& config) {
-  config.reference_independent = table.boolean("independent", true);
-  config.reference_stated = read_stated_calibration(table, "expanded_uncertainty_psi", 10.0);
-  read_chain(table, config.origin, "drift_psi", "input_limit_v", 10.0, config.reference_stated);
+KeyTable independent_keys(BenchConfig& config) {
+  return {key::flag("independent", config.reference_independent,
+                    "Whether a transducer or gauge of its own measures the pressure; without one the regulator's "
+                    "monitor stands in, and reports say \"not independently traceable\"")};
+}
+
+KeyTable reference_stated_keys(StatedCalibration& stated) {
+  return stated_keys(stated, "expanded_uncertainty_psi", {"psi"}, "Number of the calibration certificate; \"\": none",
+                     "Expanded uncertainty U of the certificate (k = 2); a correction brings its own");
+}
+
+constexpr ChainKeys kReferenceChain = {
+    "drift_psi",
+    "psi",
+    "input_limit_v",
+    "V",
+    "What the certificate covers: the transducer together with the input that reads it, or the transducer alone",
+    "Limit of error of the input that reads it, by its data sheet; 0: contained in the certificate, or not stated"};
+
+KeyTable reference_limit_keys(BenchConfig& config) {
   ReferenceLimits& limits = config.reference_limits;
-  limits.hysteresis_psi = table.number_in("hysteresis_psi", 0.0, 0.0, 10.0);
-  limits.zero_psi = table.number_in("zero_psi", 0.0, 0.0, 10.0);
-  limits.temperature_psi = table.number_in("temperature_psi", 0.0, 0.0, 10.0);
-  config.reference_resolution_psi = table.number_in("resolution_psi", 0.0, 0.0, 10.0);
+  return {key::number("hysteresis_psi", limits.hysteresis_psi, {"psi"}, {0.0, 10.0},
+                      "Limit of the transducer's hysteresis, to each side; 0: contained or not stated"),
+          key::number("zero_psi", limits.zero_psi, {"psi"}, {0.0, 10.0},
+                      "Limit of the transducer's zero deviation; 0: contained or not stated"),
+          key::number("temperature_psi", limits.temperature_psi, {"psi"}, {0.0, 10.0},
+                      "Limit of what temperature does to the transducer where the bench stands; 0: contained or not "
+                      "stated"),
+          key::number("resolution_psi", config.reference_resolution_psi, {"psi"}, {0.0, 10.0},
+                      "Smallest step that it shows; 0: that of the converter that reads it")};
+}
+
+KeyTable reference_name_keys(devices::TransducerOptions& reference) {
+  return {key::required(key::text("model", reference.model, "Maker and model, stored with each run")),
+          key::required(key::text("serial", reference.serial, "Serial number, stored with each run"))};
+}
+
+KeyTable channel_keys(devices::TransducerOptions& reference) {
+  return {key::number("channel", reference.channel, kOne, {0, 63},
+                      "Input of the module that reads it, counted from 0; not the regulator's")};
+}
+
+KeyTable reference_span_keys(devices::LinearSpan& span) {
+  span.high = Psi(100.0);
+  return {key::span("span_v", span.volts_low, span.volts_high, {"V"}, "Lowest and highest voltage of its output ..."),
+          key::span("span_psi", span.low, span.high, {"psi"}, "... and the pressures that they mean")};
+}
+
+KeyTable correction_file_keys(std::string& file) {
+  return {key::optional(key::text("correction_file", file,
+                                  "File with a correction, as tactbench devices calibrate-reference writes it; instead "
+                                  "of [reference.correction]"))};
+}
+
+void read_reference(const TomlTable& table, BenchConfig& config) {
+  read_keys(table, independent_keys(config));
+  read_keys(table, reference_stated_keys(config.reference_stated));
+  check_dates(table, config.reference_stated);
+  read_keys(table, chain_keys(config.reference_stated, config.origin, kReferenceChain));
+  check_chain(table, config.reference_stated, kReferenceChain.input);
+  read_keys(table, reference_limit_keys(config));
   devices::TransducerOptions& reference = config.reference;
   reference.origin = config.origin;
-  if (config.reference_independent) {
-    reference.model = table.text("model");
-    reference.serial = table.text("serial");
-  }
+  if (config.reference_independent) read_keys(table, reference_name_keys(reference));
   if (table.has("gauge")) {
     if (!config.reference_independent) {
       table.fail("independent", "a gauge is an independent reference", "set independent = true, or remove the gauge");
@@ -177,12 +281,12 @@ void read_reference(const TomlTable& table, BenchConfig& config) {
     config.reference_stated.covers = "chain";
     read_gauge(table.table("gauge"), config);
   } else if (config.reference_independent) {
-    reference.channel = static_cast<int>(table.integer("channel", 1, 0, 63));
+    read_keys(table, channel_keys(reference));
     if (reference.channel == config.regulator.feedback_channel) {
       table.fail("channel", "the reference shares the regulator's feedback channel",
                  "wire the transducer to an input of its own, or set independent = false");
     }
-    reference.span = read_span(table, "span_v", "span_psi", 1.0, {0.0, 100.0});
+    read_keys(table, reference_span_keys(reference.span));
   } else {  // the regulator's own monitor output serves as reference
     reference.model = config.regulator.model + " (feedback)";
     reference.serial = config.regulator.serial;
@@ -190,29 +294,61 @@ void read_reference(const TomlTable& table, BenchConfig& config) {
     reference.span = config.regulator.feedback_span;
   }
   if (table.has("correction")) config.reference_correction = read_correction(table.table("correction"));
+  std::string correction_file;
+  read_keys(table, correction_file_keys(correction_file));
   if (table.has("correction_file")) {
     if (table.has("correction")) {
       table.fail("correction_file", "the correction is given twice", "keep [reference.correction] or correction_file");
     }
     // Beside the bench file, as its other relative names.
-    const auto path = std::filesystem::path(config.file).parent_path() / table.text("correction_file");
+    const auto path = std::filesystem::path(config.file).parent_path() / correction_file;
     const auto document = sequences::TomlDocument::from_file(path.string());
     config.reference_correction = read_correction(document.root(), true);
   }
   table.finish();
 }
 
+KeyTable sensor_keys(EnvironmentSensor& sensor) {
+  return {key::required(key::word("quantity", sensor.quantity, {"temperature_c", "supply_bar"},
+                                  "What the sensor measures; stored at the start and the end of each run")),
+          key::text("model", sensor.model, "Maker and model, stored with each run"),
+          key::text("serial", sensor.serial, "Serial number, stored with each run")};
+}
+
+KeyTable thermometer_keys(EnvironmentSensor& sensor) {
+  return quantity_keys(sensor.place, "span_c", "°C", "Temperatures that the values of raw_span mean");
+}
+
+KeyTable supply_keys(EnvironmentSensor& sensor) {
+  return quantity_keys(sensor.place, "span_bar", "bar", "Supply pressures that the values of raw_span mean");
+}
+
+KeyTable sensor_stated_keys(StatedCalibration& stated) {
+  return stated_keys(stated, "expanded_uncertainty_c", {"°C"},
+                     "Thermometer: number of its calibration certificate; \"\": none",
+                     "Expanded uncertainty U of a temperature (k = 2)");
+}
+
+constexpr ChainKeys kSensorChain = {
+    "drift_c",
+    "°C",
+    "input_limit_c",
+    "°C",
+    "What that certificate covers: the sensor together with what reads it, or the sensor alone",
+    "Limit of error of what reads it, by its data sheet; 0: contained in the certificate, or not stated"};
+
 EnvironmentSensor read_sensor(const TomlTable& table, const BenchConfig& config) {
   EnvironmentSensor sensor;
-  sensor.quantity = table.word("quantity", {"temperature_c", "supply_bar"});
-  sensor.model = table.text("model", "not stated");
-  sensor.serial = table.text("serial", "not stated");
+  read_keys(table, sensor_keys(sensor));
+  const bool thermometer = sensor.quantity == "temperature_c";
   sensor.own_line = has_own_line(table);
   sensor.endpoint = endpoint_or_unit(table, config);
-  sensor.place = read_quantity_place(table, sensor.quantity == "temperature_c" ? "span_c" : "span_bar");
-  if (sensor.quantity == "temperature_c") {
-    sensor.stated = read_stated_calibration(table, "expanded_uncertainty_c", 10.0);
-    read_chain(table, config.origin, "drift_c", "input_limit_c", 10.0, sensor.stated);
+  read_keys(table, thermometer ? thermometer_keys(sensor) : supply_keys(sensor));
+  if (thermometer) {
+    read_keys(table, sensor_stated_keys(sensor.stated));
+    check_dates(table, sensor.stated);
+    read_keys(table, chain_keys(sensor.stated, config.origin, kSensorChain));
+    check_chain(table, sensor.stated, kSensorChain.input);
   }
   table.finish();
   return sensor;
@@ -229,6 +365,38 @@ void read_pressure(const TomlTable& root, BenchConfig& config) {
     config.environment.push_back(read_sensor(sensor, config));
   }
   environment.finish();
+}
+
+void add_pressure_keys(std::vector<sequences::KeyFacts>& all) {
+  constexpr auto kSimulated = devices::Origin::kSimulated;
+  BenchConfig config;
+  std::string text;
+  const auto add = [&](const std::string& path, std::initializer_list<KeyTable> tables) {
+    for (const KeyTable& keys : tables) add_facts(all, path, keys);
+  };
+  for (const bool first : {true, false}) {
+    const std::string path = first ? "module" : "input_module";
+    add(path, {profile_keys(text, first ? kOfModule : kOfInputModule), output_keys(config.module.profile),
+               input_keys(config.module.profile)});
+    add_endpoint_keys(all, path);
+    if (first) add(path, {watchdog_keys(config), dump_keys(config.module.profile)});
+  }
+  add("regulator", {regulator_keys(config.regulator)});
+  StatedCalibration& stated = config.reference_stated;
+  add("reference",
+      {independent_keys(config), reference_stated_keys(stated), chain_keys(stated, kSimulated, kReferenceChain),
+       reference_limit_keys(config), reference_name_keys(config.reference), channel_keys(config.reference),
+       reference_span_keys(config.reference.span), correction_file_keys(text)});
+  GaugeConfig gauge;
+  add_endpoint_keys(all, "reference.gauge");
+  add("reference.gauge", {gauge_keys(gauge)});
+  add("reference.correction", {correction_keys(config.reference_correction)});
+  EnvironmentSensor sensor;
+  const std::string path = "environment.sensor[]";
+  add(path, {sensor_keys(sensor)});
+  add_endpoint_keys(all, path);
+  add(path, {thermometer_keys(sensor), supply_keys(sensor), sensor_stated_keys(sensor.stated),
+             chain_keys(sensor.stated, kSimulated, kSensorChain)});
 }
 
 }  // namespace tactbench::bench

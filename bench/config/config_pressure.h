@@ -7,5 +7,6 @@ namespace tactbench::bench {
 
 // Needs origin and limits to be read already.
 void read_pressure(const sequences::TomlTable& root, BenchConfig& config);
+void add_pressure_keys(std::vector<sequences::KeyFacts>& all);
 
 }  // namespace tactbench::bench

@@ -6,50 +6,66 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "bench/common/process_time.h"
 #include "bench/config/config.h"
 #include "bench/config/config_modbus.h"
-#include "sequences/toml/strict_toml.h"
+#include "sequences/toml/key_table.h"
 
 namespace tactbench::bench {
 
+using sequences::Key;
+using sequences::KeyTable;
+using sequences::kMilliseconds;
+using sequences::kOne;
+using sequences::Range;
 using sequences::TomlTable;
+namespace key = sequences::key;
 
 namespace {
 
 constexpr int kMostRegisters = 120;  // in one reading
 
-int address(const TomlTable& table, const std::string& key, long fallback, long low) {
-  return static_cast<int>(table.integer(key, fallback, low, 65535));
+// One of `known`.
+Key function_key(const char* name, int& function, const std::vector<int>& known, const char* meaning) {
+  return key::made(
+      {name, "whole number", "1", fmt::format("{}", fmt::join(known, ", ")), fmt::format("`{}`", function), meaning},
+      [name, &function, known](const TomlTable& table) {
+        function = static_cast<int>(table.integer(name, function, 0, 127));
+        if (std::find(known.begin(), known.end(), function) != known.end()) return;
+        table.fail(name, fmt::format("function code {} cannot be used here", function),
+                   fmt::format("one of: {}", fmt::join(known, ", ")));
+      });
 }
 
-int function_of(const TomlTable& table, const std::string& key, int fallback, const std::vector<int>& known) {
-  const int value = static_cast<int>(table.integer(key, fallback, 0, 127));
-  if (std::find(known.begin(), known.end(), value) == known.end()) {
-    table.fail(key, fmt::format("function code {} cannot be used here", value),
-               fmt::format("one of: {}", fmt::join(known, ", ")));
-  }
-  return value;
+KeyTable scale_keys(devices::LinearScale& volts) {
+  return {key::span("raw_span", volts.raw_low, volts.raw_high, {"counts"}, "Two values of the register ..."),
+          key::span("volts_span", volts.low, volts.high, {"V"},
+                    "... and the voltages that they mean; 0 V must lie between")};
 }
 
-devices::LinearScale volts_scale(const TomlTable& table) {
-  const auto raw = table.span("raw_span", {0.0, 32767.0});
-  const auto volts = table.span("volts_span", {0.0, 10.0});
-  if (volts.first > 0.0 || volts.second <= 0.0) {
+void read_scale(const TomlTable& table, devices::LinearScale& volts) {
+  read_keys(table, scale_keys(volts));
+  if (volts.low > 0.0 || volts.high <= 0.0)
     table.fail("volts_span", "the span does not hold 0 V", "give the counts of a span that begins at or below 0 V");
-  }
-  return {raw.first, raw.second, volts.first, volts.second};
+}
+
+KeyTable output_keys(devices::ModuleOutputs& out) {
+  return {function_key("function", out.function, {6, 16, 23},
+                       "Modbus function that writes: 6 one register, 16 several, 23 several and reads the inputs"),
+          key::number("address", out.address, kOne, {0, 65535},
+                      "Register of output 0, counted from 0; one register an output"),
+          key::required(key::number("channels", out.channels, kOne, {1, kMostRegisters}, "Number of outputs")),
+          function_key("readback_function", out.readback, {0, 3, 4},
+                       "Function that reads the outputs back after each write; 0: it cannot"),
+          key::number("dead_band_counts", out.dead_band, {"counts"}, {0, 1000},
+                      "What is read back may differ from what was written by this much"),
+          key::number("deadline_ms", out.deadline, kMilliseconds, {1.0, 10000.0, true},
+                      "For this long after a write it may differ by more; 0: never")};
 }
 
 devices::ModuleOutputs read_outputs(const TomlTable& table) {
   devices::ModuleOutputs out;
-  out.function = function_of(table, "function", 16, {6, 16, 23});
-  out.address = address(table, "address", 0, 0);
-  out.channels = static_cast<int>(table.integer("channels", 1, kMostRegisters));
-  out.readback = function_of(table, "readback_function", 3, {0, 3, 4});
-  out.dead_band = static_cast<int>(table.integer("dead_band_counts", 0, 0, 1000));
-  out.deadline = seconds(table.zero_or_in("deadline_ms", 0.0, 1.0, 10000.0) / 1000.0);
-  out.volts = volts_scale(table);
+  read_keys(table, output_keys(out));
+  read_scale(table, out.volts);
   if (out.volts.raw_low < 0.0 || out.volts.raw_high > 65535.0) {
     table.fail("raw_span", "a register holds 0 to 65535 counts", "give the counts as in the register");
   }
@@ -57,31 +73,64 @@ devices::ModuleOutputs read_outputs(const TomlTable& table) {
   return out;
 }
 
+KeyTable input_keys(devices::ModuleInputs& in) {
+  KeyTable keys = {
+      function_key("function", in.function, {3, 4},
+                   "Modbus function that reads: 3 holding registers, 4 input registers"),
+      key::number("address", in.address, kOne, {0, 65535}, "Register of input 0, counted from 0"),
+      key::required(key::number("channels", in.channels, kOne, {1, kMostRegisters / 2}, "Number of inputs")),
+      key::number("spare", in.spare, kOne, {0, 8},
+                  "Registers behind the last input that may be read too; RTU readings then change length, which shows "
+                  "a stale answer")};
+  for (const Key& row : format_keys(in.format)) keys.push_back(row);
+  keys.push_back(key::number("status_offset", in.status_offset, kOne, {-1, kMostRegisters / 2},
+                             "Registers from address to one status word an input; -1: none"));
+  return keys;
+}
+
 devices::ModuleInputs read_inputs(const TomlTable& table) {
   devices::ModuleInputs in;
-  in.function = function_of(table, "function", 4, {3, 4});
-  in.address = address(table, "address", 0, 0);
-  in.channels = static_cast<int>(table.integer("channels", 1, kMostRegisters / 2));
-  in.spare = static_cast<int>(table.integer("spare", 0, 0, 8));
-  in.format = read_format(table, "i16");
-  in.status_offset = static_cast<int>(table.integer("status_offset", -1, -1, kMostRegisters / 2));
-  in.volts = volts_scale(table);
+  read_keys(table, input_keys(in));
+  read_scale(table, in.volts);
   table.finish();
   return in;
+}
+
+KeyTable layer_keys(std::string& text) {
+  return {key::required(
+      key::text("text", text, "What the module does by itself when writes stop; printed before each run"))};
+}
+
+KeyTable fail_safe_keys(devices::ModuleFailSafe& safe) {
+  constexpr Range kNoneOrAddress{-1, 65535};
+  return {key::number("watchdog_address", safe.watchdog_address, kOne, kNoneOrAddress,
+                      "First of the watchdog's registers, as Beckhoff lays them out; -1: none"),
+          key::number("fallbacks_address", safe.fallbacks_address, kOne, kNoneOrAddress,
+                      "Register that counts how often the watchdog acted; -1: none"),
+          key::number("safe_mode_address", safe.safe_mode_address, kOne, kNoneOrAddress,
+                      "First of the discrete inputs that report an output's safe mode (Moxa); -1: none"),
+          key::number("safe_mode_clear_address", safe.safe_mode_clear_address, kOne, kNoneOrAddress,
+                      "First of the coils that end the safe mode (Moxa); -1: none")};
 }
 
 devices::ModuleFailSafe read_fail_safe(const TomlTable& table) {
   devices::ModuleFailSafe safe;
   for (const TomlTable& layer : table.tables("layer")) {
-    safe.layers.push_back(layer.text("text"));
-    layer.finish();
+    read_whole(layer, layer_keys(safe.layers.emplace_back()));
   }
-  safe.watchdog_address = address(table, "watchdog_address", -1, -1);
-  safe.fallbacks_address = address(table, "fallbacks_address", -1, -1);
-  safe.safe_mode_address = address(table, "safe_mode_address", -1, -1);
-  safe.safe_mode_clear_address = address(table, "safe_mode_clear_address", -1, -1);
-  table.finish();
+  read_whole(table, fail_safe_keys(safe));
   return safe;
+}
+
+enum class Transports { kTcp, kRtu, kAny };
+
+KeyTable profile_keys(devices::ModuleProfile& profile, Transports& transports) {
+  return {key::schema(),
+          key::required(key::text("model", profile.model, "Maker and model, printed and stored with each run")),
+          key::required(key::word("transport", transports, {"tcp", "rtu", "any"},
+                                  "Which Modbus it speaks: over the network, over a serial line, or either")),
+          key::number("max_reply_delay_ms", profile.max_reply_delay, kMilliseconds, {1.0, 60000.0},
+                      "The latest that an answer can still come on a serial line")};
 }
 
 std::string profile_folder() { return share_folder() + "/devices/profiles"; }
@@ -115,14 +164,12 @@ std::vector<std::string> shipped_profiles() {
 devices::ModuleProfile read_module_profile(const std::string& name) {
   const sequences::TomlDocument document = sequences::TomlDocument::from_file(find_profile(name));
   const TomlTable root = document.root();
-  (void)root.integer("schema", 1, 1);
   devices::ModuleProfile profile;
   profile.name = std::filesystem::path(name).stem().string();
-  profile.model = root.text("model");
-  const std::string transport = root.word("transport", {"tcp", "rtu", "any"});
-  profile.tcp = transport != "rtu";
-  profile.rtu = transport != "tcp";
-  profile.max_reply_delay = seconds(root.number_in("max_reply_delay_ms", 1000.0, 1.0, 60000.0) / 1000.0);
+  Transports transports = Transports::kTcp;
+  read_keys(root, profile_keys(profile, transports));
+  profile.tcp = transports != Transports::kRtu;
+  profile.rtu = transports != Transports::kTcp;
   if (root.has("outputs")) profile.outputs = read_outputs(root.table("outputs"));
   if (root.has("inputs")) profile.inputs = read_inputs(root.table("inputs"));
   profile.fail_safe = read_fail_safe(root.table("fail_safe"));
@@ -131,6 +178,21 @@ devices::ModuleProfile read_module_profile(const std::string& name) {
     root.fail("outputs", "function 23 reads inputs, and the profile has none", "use function 6 or 16");
   }
   return profile;
+}
+
+std::vector<sequences::KeyFacts> module_profile_keys() {
+  devices::ModuleProfile profile;
+  Transports transports = Transports::kTcp;
+  std::string text;
+  std::vector<sequences::KeyFacts> all;
+  add_facts(all, "", profile_keys(profile, transports));
+  add_facts(all, "outputs", output_keys(profile.outputs));
+  add_facts(all, "outputs", scale_keys(profile.outputs.volts));
+  add_facts(all, "inputs", input_keys(profile.inputs));
+  add_facts(all, "inputs", scale_keys(profile.inputs.volts));
+  add_facts(all, "fail_safe.layer[]", layer_keys(text));
+  add_facts(all, "fail_safe", fail_safe_keys(profile.fail_safe));
+  return all;
 }
 
 }  // namespace tactbench::bench

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "devices/pressure/module_profile.h"
+#include "sequences/toml/strict_toml.h"
 
 namespace tactbench::bench {
 
@@ -12,5 +13,6 @@ namespace tactbench::bench {
 // the shipped profiles when there is none of that name.
 devices::ModuleProfile read_module_profile(const std::string& name);
 std::vector<std::string> shipped_profiles();
+std::vector<sequences::KeyFacts> module_profile_keys();
 
 }  // namespace tactbench::bench

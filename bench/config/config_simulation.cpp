@@ -1,61 +1,96 @@
 #include "bench/config/config_simulation.h"
 
-#include <algorithm>
-#include <limits>
+#include <optional>
+
+#include "sequences/toml/key_table.h"
 
 namespace tactbench::bench {
 
+using sequences::Key;
+using sequences::KeyTable;
+using sequences::kOne;
+using sequences::Range;
 using sequences::TomlTable;
+namespace key = sequences::key;
 
 namespace {
 
-// The value of an enumeration by its word; `words` are in the enumeration's order.
-template <typename Enum>
-Enum word_of(const TomlTable& table, const char* key, Enum usual, const std::vector<std::string>& words) {
-  const std::string word = table.word(key, words[static_cast<std::size_t>(usual)], words);
-  return static_cast<Enum>(std::find(words.begin(), words.end(), word) - words.begin());
-}
+constexpr double kMost = 1e9, kMostSeed = 9007199254740992.0;  // 2^53
 
-void read_chamber(const TomlTable& table, const BenchConfig& config, ChamberOptions& chamber) {
-  chamber.span_psi = config.regulator.command_span.high.value();
-  chamber.reference_span_psi = table.number_in("reference_span_psi", chamber.reference_span_psi, 1.0, 1000.0);
-  chamber.time_constant_s = table.number_in("time_constant_s", chamber.time_constant_s, 0.01, 10.0);
-  chamber.damping = table.number_in("damping", chamber.damping, 0.2, 5.0);
-  chamber.slew_psi_per_s = table.number_in("slew_psi_per_s", chamber.slew_psi_per_s, 1.0, 1000.0);
-  chamber.resolution_v = table.number_in("resolution_v", chamber.resolution_v, 0.0, 0.1);
-  chamber.hysteresis_share = table.number_in("hysteresis_share", chamber.hysteresis_share, 0.0, 0.05);
-  chamber.leak_psi_per_s = table.number_in("leak_psi_per_s", chamber.leak_psi_per_s, 0.0, 50.0);
-  chamber.dump_psi_per_s = table.number_in("dump_psi_per_s", chamber.dump_psi_per_s, 1.0, 10000.0);
-  chamber.reference_noise_psi = table.number_in("reference_noise_psi", chamber.reference_noise_psi, 0.0, 1.0);
-  chamber.feedback_noise_psi = table.number_in("feedback_noise_psi", chamber.feedback_noise_psi, 0.0, 1.0);
-  table.finish();
-}
-
-void read_contact(const TomlTable& table, ContactOptions& contact) {
-  contact.object = word_of(table, "object", contact.object, {"ring", "point", "flat"});
-  const auto read = [&](const char* key, double& value, double low, double high) {
-    value = table.number_in(key, value, low, high);
+Key optional_number(const char* name, std::optional<double>& value, const sequences::Unit& unit, const Range& range,
+                    const char* meaning) {
+  double none = 0.0;
+  Key row = key::optional(key::number(name, none, unit, range, meaning));
+  row.read = [name, &value, range](const TomlTable& table, bool) {
+    value = table.number_in(name, std::nullopt, range.low, range.high);
   };
-  read("outer_diameter_mm", contact.outer_diameter_mm, 0.1, 200.0);
-  read("inner_diameter_mm", contact.inner_diameter_mm, 0.0, contact.outer_diameter_mm - 0.1);
-  read("point_diameter_mm", contact.point_diameter_mm, 0.0, 200.0);
-  read("surface_z_mm", contact.surface_z_mm, 0.0, 1000.0);
-  read("stiffness_n_per_mm", contact.stiffness_n_per_mm, 0.1, 1000.0);
-  read("stiffening_n_per_mm2", contact.stiffening_n_per_mm2, 0.0, 10000.0);
-  read("friction_share", contact.friction_share, 0.0, 0.5);
-  read("relaxation_share", contact.relaxation_share, 0.0, 0.5);
-  read("relaxation_s", contact.relaxation_s, 0.01, 1000.0);
-  read("backlash_mm", contact.backlash_mm, 0.0, 1.0);
-  read("fabric_spread_mm", contact.fabric_spread_mm, 0.05, 20.0);
-  read("pitch_mm", contact.pitch_mm, 0.1, 100.0);
-  read("centre_x_mm", contact.centre_x_mm, -1000.0, 1000.0);
-  read("centre_y_mm", contact.centre_y_mm, -1000.0, 1000.0);
-  read("misplaced_x_mm", contact.misplaced_x_mm, -100.0, 100.0);
-  read("misplaced_y_mm", contact.misplaced_y_mm, -100.0, 100.0);
-  read("misplaced_deg", contact.misplaced_deg, -180.0, 180.0);
-  read("force_noise_n", contact.force_noise_n, 0.0, 1.0);
-  read("torque_noise_nmm", contact.torque_noise_nmm, 0.0, 10.0);
-  table.finish();
+  return row;
+}
+
+KeyTable chamber_keys(ChamberOptions& chamber) {
+  return {key::number("reference_span_psi", chamber.reference_span_psi, {"psi"}, {1.0, 1000.0},
+                      "Pressure at which the reference transducer gives 10 V"),
+          key::number("time_constant_s", chamber.time_constant_s, {"s"}, {0.01, 10.0},
+                      "Time constant of the chamber behind the valve (second order)"),
+          key::number("damping", chamber.damping, kOne, {0.2, 5.0},
+                      "Damping of the chamber's pressure; below 1 it overshoots"),
+          key::number("slew_psi_per_s", chamber.slew_psi_per_s, {"psi/s"}, {1.0, 1000.0},
+                      "Fastest change that the valve's flow allows"),
+          key::number("resolution_v", chamber.resolution_v, {"V"}, {0.0, 0.1},
+                      "Smallest change of the set-point's voltage that the regulator sees"),
+          key::number("hysteresis_share", chamber.hysteresis_share, kOne, {0.0, 0.05},
+                      "Hysteresis of the regulator, as a share of its span"),
+          key::number("leak_psi_per_s", chamber.leak_psi_per_s, {"psi/s"}, {0.0, 50.0},
+                      "Pressure lost through a leak while a level is held"),
+          key::number("dump_psi_per_s", chamber.dump_psi_per_s, {"psi/s"}, {1.0, 10000.0},
+                      "Fall of pressure through an open dump valve"),
+          key::number("reference_noise_psi", chamber.reference_noise_psi, {"psi"}, {0.0, 1.0},
+                      "Noise of the reference, as a standard deviation"),
+          key::number("feedback_noise_psi", chamber.feedback_noise_psi, {"psi"}, {0.0, 1.0},
+                      "Noise of the regulator's monitor, as a standard deviation")};
+}
+
+KeyTable contact_keys(ContactOptions& contact) {
+  Key inner = key::number("inner_diameter_mm", contact.inner_diameter_mm, {"mm"}, {}, "Inner diameter of the ring");
+  inner.facts.range = "0 to 0.1 below outer_diameter_mm";  // checked when both are read
+  return {
+      key::word("object", contact.object, {"ring", "point", "flat"},
+                "Object under the z stage; a recipe whose press.object is ring, point or flat precedes it"),
+      key::number("outer_diameter_mm", contact.outer_diameter_mm, {"mm"}, {0.1, 200.0}, "Outer diameter of the ring"),
+      inner,
+      key::number("point_diameter_mm", contact.point_diameter_mm, {"mm"}, {0.0, 200.0},
+                  "Diameter of the point indenter"),
+      key::number("surface_z_mm", contact.surface_z_mm, {"mm"}, {0.0, 1000.0},
+                  "Position of z at which the object touches the fabric"),
+      key::number("stiffness_n_per_mm", contact.stiffness_n_per_mm, {"N/mm"}, {0.1, 1000.0},
+                  "Stiffness of fabric, film and support at first touch"),
+      key::number("stiffening_n_per_mm2", contact.stiffening_n_per_mm2, {"N/mm²"}, {0.0, 10000.0},
+                  "How much stiffer they become with depth"),
+      key::number("friction_share", contact.friction_share, kOne, {0.0, 0.5},
+                  "Hysteresis of the fabric: more force while loading, less while unloading"),
+      key::number("relaxation_share", contact.relaxation_share, kOne, {0.0, 0.5},
+                  "Share of the force that is lost at a held position"),
+      key::number("relaxation_s", contact.relaxation_s, {"s"}, {0.01, 1000.0},
+                  "Shorter time constant of that loss; the other is ten times as long"),
+      key::number("backlash_mm", contact.backlash_mm, {"mm"}, {0.0, 1.0},
+                  "How far z turns back before the object follows"),
+      key::number("fabric_spread_mm", contact.fabric_spread_mm, {"mm"}, {0.05, 20.0},
+                  "How far the fabric blurs the object's edge, as a standard deviation"),
+      key::number("pitch_mm", contact.pitch_mm, {"mm"}, {0.1, 100.0}, "Distance of two taxels of the simulated array"),
+      key::number("centre_x_mm", contact.centre_x_mm, {"mm"}, {-1000.0, 1000.0},
+                  "Position of x at which the object stands over the array's centre"),
+      key::number("centre_y_mm", contact.centre_y_mm, {"mm"}, {-1000.0, 1000.0},
+                  "Position of y at which the object stands over the array's centre"),
+      key::number("misplaced_x_mm", contact.misplaced_x_mm, {"mm"}, {-100.0, 100.0},
+                  "Error of the sensor's place along x, which a registration has to find"),
+      key::number("misplaced_y_mm", contact.misplaced_y_mm, {"mm"}, {-100.0, 100.0},
+                  "Error of the sensor's place along y, which a registration has to find"),
+      key::number("misplaced_deg", contact.misplaced_deg, {"°"}, {-180.0, 180.0},
+                  "Turn of the sensor, counter-clockwise, which a registration has to find"),
+      key::number("force_noise_n", contact.force_noise_n, {"N"}, {0.0, 1.0},
+                  "Noise of each force axis, as a standard deviation"),
+      key::number("torque_noise_nmm", contact.torque_noise_nmm, {"N mm"}, {0.0, 10.0},
+                  "Noise of each torque axis, as a standard deviation")};
 }
 
 // What is stated of the instruments is what their errors are drawn within.
@@ -86,115 +121,169 @@ InstrumentOptions instruments_of(const BenchConfig& config, std::uint64_t seed) 
   return out;
 }
 
-PlannedFault read_fault(const TomlTable& table) {
-  const auto& words = fault_words();
-  PlannedFault fault;
-  const std::string kind = table.word("kind", words);
-  fault.kind = static_cast<FaultKind>(std::find(words.begin(), words.end(), kind) - words.begin());
-  const auto read = [&](const char* key, std::optional<double>& value, double low, double high) {
-    if (table.has(key)) value = table.number_in(key, low, low, high);
-  };
-  read("at_s", fault.at_s, 0.0, 1e8);
-  read("at_psi", fault.at_psi, 0.0, 1000.0);
-  read("at_n", fault.at_n, 0.0, 1000.0);
-  fault.lasts_s = table.number_in("lasts_s", fault.lasts_s, 0.0, std::numeric_limits<double>::infinity());
-  read("value", fault.value, -1000.0, 1000.0);
-  fault.times = table.integer("times", 0, 0, 1000000000);
-  table.finish();
-  return fault;
+KeyTable fault_keys(PlannedFault& fault) {
+  return {key::required(key::word("kind", fault.kind, fault_words(), "What breaks")),
+          optional_number("at_s", fault.at_s, {"s"}, {0.0, 1e8},
+                          "Process time at which it begins; without any at_ key it begins at once"),
+          optional_number("at_psi", fault.at_psi, {"psi"}, {0.0, 1000.0},
+                          "It begins when the chamber first comes to this pressure from below"),
+          optional_number("at_n", fault.at_n, {"N"}, {0.0, 1000.0},
+                          "It begins when the force on the sensor first comes to this"),
+          key::number("lasts_s", fault.lasts_s, {"s"}, {0.0}, "How long it lasts"),
+          optional_number("value", fault.value, {"of its kind"}, {-1000.0, 1000.0},
+                          "Its size, in the unit of its kind (psi/s for a leak); left out: the usual one"),
+          key::number("times", fault.times, kOne, {0, kMost}, "How many answers it spoils; 0: all while it lasts")};
 }
 
-void read_front_end(const TomlTable& table, ScannerFrontEnd& front_end) {
-  front_end.noise_v = table.number_in("noise_v", front_end.noise_v, 0.0, 1.0);
-  front_end.relay_settle_s = table.number_in("relay_settle_s", front_end.relay_settle_s, 0.0, 1.0);
-  front_end.relay_time_constant_s = table.number_in("relay_time_constant_s", front_end.relay_time_constant_s, 0.0, 1.0);
-  table.finish();
+KeyTable front_end_keys(ScannerFrontEnd& front_end) {
+  return {key::number("noise_v", front_end.noise_v, {"V"}, {0.0, 1.0},
+                      "Noise of one sample of the scanner, as a standard deviation"),
+          key::number("relay_settle_s", front_end.relay_settle_s, {"s"}, {0.0, 1.0},
+                      "Time that the scanner waits after a row's relay has closed"),
+          key::number("relay_time_constant_s", front_end.relay_time_constant_s, {"s"}, {0.0, 1.0},
+                      "Time constant with which the row before fades")};
 }
 
-void read_effects(const TomlTable& table, SpecimenEffects& effects) {
-  effects.row_crosstalk = table.number_in("row_crosstalk", effects.row_crosstalk, 0.0, 0.5);
-  effects.column_crosstalk = table.number_in("column_crosstalk", effects.column_crosstalk, 0.0, 0.5);
-  effects.temperature_coefficient =
-      table.number_in("temperature_coefficient", effects.temperature_coefficient, -0.05, 0.05);
-  effects.lift_off_psi = table.number_in("lift_off_psi", effects.lift_off_psi, 0.0, 5.0);
-  effects.chamber_nonuniformity = table.number_in("chamber_nonuniformity", effects.chamber_nonuniformity, -0.5, 0.5);
-  effects.chamber_tilt = table.number_in("chamber_tilt", effects.chamber_tilt, -0.5, 0.5);
-  effects.chamber_tilt_deg = table.number_in("chamber_tilt_deg", effects.chamber_tilt_deg, -360.0, 360.0);
-  effects.zero_drift_v_per_month = table.number_in("zero_drift_v_per_month", effects.zero_drift_v_per_month, -0.5, 0.5);
-  effects.gain_drift_per_month = table.number_in("gain_drift_per_month", effects.gain_drift_per_month, 0.0, 0.5);
-  effects.gain_drift_per_thousand_cycles =
-      table.number_in("gain_drift_per_thousand_cycles", effects.gain_drift_per_thousand_cycles, -0.5, 0.5);
-  effects.remount_variation = table.number_in("remount_variation", effects.remount_variation, 0.0, 0.5);
-  table.finish();
+KeyTable effect_keys(SpecimenEffects& effects) {
+  return {key::number("row_crosstalk", effects.row_crosstalk, kOne, {0.0, 0.5},
+                      "Share of the row's mean output that is added to each of its taxels"),
+          key::number("column_crosstalk", effects.column_crosstalk, kOne, {0.0, 0.5},
+                      "Share of the column's mean output that is added to each of its taxels"),
+          key::number("temperature_coefficient", effects.temperature_coefficient, {"1/K"}, {-0.05, 0.05},
+                      "Relative change of the output for each kelvin away from 23 °C"),
+          key::number("lift_off_psi", effects.lift_off_psi, {"psi"}, {0.0, 5.0},
+                      "Mean pressure below which the membrane does not touch a taxel"),
+          key::number("chamber_nonuniformity", effects.chamber_nonuniformity, kOne, {-0.5, 0.5},
+                      "Relative difference of pressure from the array's centre to a corner"),
+          key::number("chamber_tilt", effects.chamber_tilt, kOne, {-0.5, 0.5},
+                      "Relative difference of pressure over the array's longer side"),
+          key::number("chamber_tilt_deg", effects.chamber_tilt_deg, {"°"}, {-360.0, 360.0},
+                      "Where that tilt rises to: 0 the last column, 90 row 0"),
+          key::number("zero_drift_v_per_month", effects.zero_drift_v_per_month, {"V/month"}, {-0.5, 0.5},
+                      "Drift of the unloaded output, the same for all taxels"),
+          key::number("gain_drift_per_month", effects.gain_drift_per_month, {"1/month"}, {0.0, 0.5},
+                      "Relative drift of the gain; its standard deviation over taxels"),
+          key::number("gain_drift_per_thousand_cycles", effects.gain_drift_per_thousand_cycles, {"1/1000 cycles"},
+                      {-0.5, 0.5}, "Relative drift of the gain by use; a cycle is 60 psi"),
+          key::number("remount_variation", effects.remount_variation, kOne, {0.0, 0.5},
+                      "Relative change of a taxel's pressure by mounting, as a standard deviation")};
+}
+
+KeyTable defect_keys(TaxelDefect& defect, const devices::HidScannerOptions& scanner) {
+  return {
+      key::required(key::word("kind", defect.kind, {"dead", "stuck", "saturated", "noisy", "swapped"},
+                              "dead reads 0 V, stuck one voltage, saturated the converter's limit; noisy has 50 mV "
+                              "more noise; swapped has changed places with another taxel")),
+      key::required(key::number("row", defect.row, kOne, {0, scanner.rows - 1.0}, "Row of the taxel, counted from 0")),
+      key::required(key::number("column", defect.column, kOne, {0, scanner.columns - 1.0},
+                                "Column of the taxel, counted from 0"))};
+}
+
+KeyTable swap_keys(TaxelDefect& defect, const devices::HidScannerOptions& scanner) {
+  return {key::required(key::number("other_row", defect.other_row, kOne, {0, scanner.rows - 1.0},
+                                    "Row of the taxel that it is swapped with")),
+          key::required(key::number("other_column", defect.other_column, kOne, {0, scanner.columns - 1.0},
+                                    "Column of the taxel that it is swapped with"))};
 }
 
 TaxelDefect read_defect(const TomlTable& table, const devices::HidScannerOptions& scanner) {
   TaxelDefect defect;
-  const std::vector<std::string> words = {"dead", "stuck", "saturated", "noisy", "swapped"};
-  const std::string kind = table.word("kind", words);
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    if (kind == words[i]) defect.kind = static_cast<TaxelDefect::Kind>(i);
-  }
-  defect.row = static_cast<int>(table.integer("row", 0, scanner.rows - 1));
-  defect.column = static_cast<int>(table.integer("column", 0, scanner.columns - 1));
-  if (defect.kind == TaxelDefect::Kind::kSwapped) {
-    defect.other_row = static_cast<int>(table.integer("other_row", 0, scanner.rows - 1));
-    defect.other_column = static_cast<int>(table.integer("other_column", 0, scanner.columns - 1));
-  }
+  read_keys(table, defect_keys(defect, scanner));
+  if (defect.kind == TaxelDefect::Kind::kSwapped) read_keys(table, swap_keys(defect, scanner));
   table.finish();
   return defect;
 }
 
-void read_wire_faults(const TomlTable& table, SimulationConfig& simulation) {
-  constexpr long kMost = 1000000000;
-  auto& module = simulation.module_faults;
-  module.silent_after_requests = table.integer("module_silent_after_requests", -1, -1, kMost);
-  module.dead_after_requests = table.integer("module_dead_after_requests", -1, -1, kMost);
-  auto& scanner = simulation.scanner_faults;
-  scanner.silent_after_scans = table.integer("scanner_silent_after_scans", -1, -1, kMost);
-  scanner.corrupt_scan = table.integer("scanner_corrupt_scan", -1, -1, kMost);
-  scanner.drop_report_scan = table.integer("scanner_drop_report_scan", -1, -1, kMost);
-  scanner.unplug_after_scans = table.integer("scanner_unplug_after_scans", -1, -1, kMost);
-  table.finish();
+KeyTable wire_fault_keys(SimulationConfig& simulation) {
+  return {key::number("module_silent_after_requests", simulation.module_faults.silent_after_requests, kOne, {-1, kMost},
+                      "The module answers this many requests, then none; -1: never"),
+          key::number("module_dead_after_requests", simulation.module_faults.dead_after_requests, kOne, {-1, kMost},
+                      "The module closes its line after this many requests; -1: never"),
+          key::number("scanner_silent_after_scans", simulation.scanner_faults.silent_after_scans, kOne, {-1, kMost},
+                      "The scanner answers this many scans, then none; -1: never"),
+          key::number("scanner_corrupt_scan", simulation.scanner_faults.corrupt_scan, kOne, {-1, kMost},
+                      "Number of the scan in which one bit is wrong; -1: none"),
+          key::number("scanner_drop_report_scan", simulation.scanner_faults.drop_report_scan, kOne, {-1, kMost},
+                      "Number of the scan in which one report is missing; -1: none"),
+          key::number("scanner_unplug_after_scans", simulation.scanner_faults.unplug_after_scans, kOne, {-1, kMost},
+                      "The scanner is unplugged after this many scans; -1: never")};
+}
+
+KeyTable simulation_keys(SimulationConfig& simulation, const devices::HidScannerOptions& scanner) {
+  PlantOptions& plant = simulation.plant;
+  SpecimenOptions& specimen = plant.specimen;
+  return {
+      key::number("seed", plant.seed, kOne, {0, kMostSeed},
+                  "Makes noise and faults; the same seeds give the same run. --seed precedes it"),
+      key::number("sensor_seed", specimen.sensor_seed, kOne, {0, kMostSeed},
+                  "Makes the array: another number is another sensor. --sensor-seed precedes it"),
+      key::number(
+          "instrument_seed", plant.instruments.seed, kOne, {0, kMostSeed},
+          "Draws the errors of reference, force sensor and thermometer within what is stated of them; 0: no errors"),
+      key::word("specimen", specimen.kind, specimen_words(),
+                "Film of the simulated sensor: the paper's, or one that is harder on every model"),
+      key::number("mount_seed", specimen.mount_seed, kOne, {0, kMostSeed},
+                  "Another number: the sensor was taken out and mounted again"),
+      key::number("temperature_c", specimen.temperature_c, {"°C"}, {-20.0, 80.0}, "Temperature of the sensor"),
+      key::number("age_months", specimen.age_months, {"months"}, {0.0, 1200.0},
+                  "Time since the sensor was new, for drifts"),
+      key::word("mount_turn", specimen.mount_turn, mount_turn_words(scanner.rows == scanner.columns),
+                "How the film lies under its wiring; anything but none is a fault in mounting"),
+      key::number("turned_in_chamber_deg", specimen.turned_in_chamber_deg, {"°"}, {-360.0, 360.0},
+                  "Turn of the sensor in the chamber, with its leads, counter-clockwise"),
+      key::word("edge_outside", specimen.edge_outside, mount_edge_words(),
+                "Edge of the array at which lines lie outside the membrane"),
+      key::number("edge_outside_lines", specimen.edge_outside_lines, kOne, {0, 1024},
+                  "How many lines lie there; the membrane does not press them"),
+      key::number("supply_bar", plant.supply_bar, {"bar"}, {0.0, 20.0},
+                  "Pressure of the compressed air in front of the regulator"),
+      key::number("frame_source_port", simulation.frame_source_port, kOne, {0, 65535},
+                  "Port of the simulated frame source; 0: any free one"),
+      key::text("scanner_serial", simulation.scanner_serial, "Serial number that the simulated scanner reports")};
 }
 
 }  // namespace
 
 SimulationConfig read_simulation(const TomlTable& table, const BenchConfig& config, const SeedOptions& seeds) {
   SimulationConfig simulation;
-  constexpr long kMost = 1L << 53;
   PlantOptions& plant = simulation.plant;
   SpecimenOptions& specimen = plant.specimen;
-  plant.seed = seeds.seed.value_or(static_cast<std::uint64_t>(table.integer("seed", 1, 0, kMost)));
-  specimen.sensor_seed =
-      seeds.sensor_seed.value_or(static_cast<std::uint64_t>(table.integer("sensor_seed", 1, 0, kMost)));
-  plant.instruments = instruments_of(config, static_cast<std::uint64_t>(table.integer("instrument_seed", 0, 0, kMost)));
-  specimen.kind = word_of(table, "specimen", specimen.kind, specimen_words());
-  specimen.mount_seed = static_cast<std::uint64_t>(table.integer("mount_seed", 0, 0, kMost));
-  specimen.temperature_c = table.number_in("temperature_c", specimen.temperature_c, -20.0, 80.0);
-  specimen.age_months = table.number_in("age_months", specimen.age_months, 0.0, 1200.0);
-  specimen.mount_turn = word_of(table, "mount_turn", specimen.mount_turn,
-                                mount_turn_words(config.scanner.rows == config.scanner.columns));
-  specimen.turned_in_chamber_deg =
-      table.number_in("turned_in_chamber_deg", specimen.turned_in_chamber_deg, -360.0, 360.0);
-  specimen.edge_outside = word_of(table, "edge_outside", specimen.edge_outside, mount_edge_words());
-  specimen.edge_outside_lines = static_cast<int>(table.integer("edge_outside_lines", 0, 0, 1024));
-  plant.supply_bar = table.number_in("supply_bar", plant.supply_bar, 0.0, 20.0);
+  read_keys(table, simulation_keys(simulation, config.scanner));
+  plant.seed = seeds.seed.value_or(plant.seed);
+  specimen.sensor_seed = seeds.sensor_seed.value_or(specimen.sensor_seed);
+  plant.instruments = instruments_of(config, plant.instruments.seed);
   specimen.rows = config.scanner.rows;
   specimen.columns = config.scanner.columns;
-  simulation.frame_source_port = static_cast<int>(table.integer("frame_source_port", 0, 0, 65535));
-  simulation.scanner_serial = table.text("scanner_serial", simulation.scanner_serial);
-  read_chamber(table.table("chamber"), config, plant.chamber);
-  read_contact(table.table("contact"), plant.contact);
-  read_front_end(table.table("front_end"), plant.scanner);
-  read_effects(table.table("effects"), specimen.effects);
+  plant.chamber.span_psi = config.regulator.command_span.high.value();
+  read_whole(table.table("chamber"), chamber_keys(plant.chamber));
+  const TomlTable contact = table.table("contact");
+  read_whole(contact, contact_keys(plant.contact));
+  contact.check_range("inner_diameter_mm", plant.contact.inner_diameter_mm, 0.0, plant.contact.outer_diameter_mm - 0.1);
+  read_whole(table.table("front_end"), front_end_keys(plant.scanner));
+  read_whole(table.table("effects"), effect_keys(specimen.effects));
   for (const TomlTable& defect : table.tables("defect")) {
     specimen.defects.push_back(read_defect(defect, config.scanner));
   }
-  for (const TomlTable& fault : table.tables("faults")) plant.faults.push_back(read_fault(fault));
-  read_wire_faults(table.table("wire_faults"), simulation);
+  for (const TomlTable& fault : table.tables("faults")) read_whole(fault, fault_keys(plant.faults.emplace_back()));
+  read_whole(table.table("wire_faults"), wire_fault_keys(simulation));
   table.finish();
   return simulation;
+}
+
+void add_simulation_keys(std::vector<sequences::KeyFacts>& all) {
+  SimulationConfig simulation;
+  const devices::HidScannerOptions scanner;
+  PlannedFault fault;
+  TaxelDefect defect;
+  add_facts(all, "simulation", simulation_keys(simulation, scanner));
+  add_facts(all, "simulation.chamber", chamber_keys(simulation.plant.chamber));
+  add_facts(all, "simulation.contact", contact_keys(simulation.plant.contact));
+  add_facts(all, "simulation.front_end", front_end_keys(simulation.plant.scanner));
+  add_facts(all, "simulation.effects", effect_keys(simulation.plant.specimen.effects));
+  add_facts(all, "simulation.defect[]", defect_keys(defect, scanner));
+  add_facts(all, "simulation.defect[]", swap_keys(defect, scanner));
+  add_facts(all, "simulation.faults[]", fault_keys(fault));
+  add_facts(all, "simulation.wire_faults", wire_fault_keys(simulation));
 }
 
 }  // namespace tactbench::bench

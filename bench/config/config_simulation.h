@@ -7,5 +7,6 @@ namespace tactbench::bench {
 
 SimulationConfig read_simulation(const sequences::TomlTable& table, const BenchConfig& config,
                                  const SeedOptions& seeds);
+void add_simulation_keys(std::vector<sequences::KeyFacts>& all);
 
 }  // namespace tactbench::bench

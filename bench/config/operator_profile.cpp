@@ -7,14 +7,18 @@
 
 #include "analysis/pressure_unit.h"
 #include "db/utf8.h"
-#include "sequences/toml/strict_toml.h"
+#include "sequences/toml/key_table.h"
 
 namespace tactbench::bench {
+
+using sequences::KeyTable;
+using sequences::TomlTable;
+namespace key = sequences::key;
 
 namespace {
 
 // "descending, ascending" as two names.
-std::vector<std::string> names_between_commas(const sequences::TomlTable& table, const std::string& key) {
+std::vector<std::string> names_between_commas(const TomlTable& table, const std::string& key) {
   constexpr const char* kBlanks = " \t\r\n";
   std::vector<std::string> names;
   const std::string text = table.name(key);
@@ -32,51 +36,68 @@ std::vector<std::string> names_between_commas(const sequences::TomlTable& table,
 
 }  // namespace
 
-const char* to_string(ProfileKey key) {
-  switch (key) {
-    case ProfileKey::kBench:
-      return "bench";
-    case ProfileKey::kDb:
-      return "db";
-    case ProfileKey::kOperator:
-      return "operator";
-    case ProfileKey::kRecipe:
-      return "recipe";
-    case ProfileKey::kUnits:
-      return "units";
-    case ProfileKey::kLimits:
-      return "limits";
-    case ProfileKey::kFleet:
-      break;
+namespace {
+
+struct ProfileRow {
+  ProfileKey key;
+  const char *name, *variable, *meaning;
+};
+constexpr std::array<ProfileRow, kProfileKeys.size()> kRows = {
+    {{ProfileKey::kBench, "bench", "TACTBENCH_BENCH", "Bench file, where no --bench is typed"},
+     {ProfileKey::kDb, "db", "TACTBENCH_DB", "Store, where no --db is typed"},
+     {ProfileKey::kOperator, "operator", "", "Your name, where no --operator is typed"},
+     {ProfileKey::kRecipe, "recipe", "",
+      "Recipe of run and calibrate, where none is typed; several with commas between them"},
+     {ProfileKey::kLimits, "limits", "", "Limits file by which calibrate judges, and fit with held-out runs"},
+     {ProfileKey::kFleet, "fleet", "TACTBENCH_FLEET",
+      "Database of the fleet, where a verb needs one and TACTBENCH_FLEET is not set"},
+     {ProfileKey::kUnits, "units", "", "Unit of the pressures that are printed, where no --units is typed"}}};
+
+const ProfileRow& row_of(ProfileKey key) { return *std::ranges::find(kRows, key, &ProfileRow::key); }
+
+KeyTable profile_keys(OperatorProfile& profile) {
+  KeyTable keys = {key::described(key::made({"schema", "whole number", "1", "1", "", "Version of this file's format"},
+                                            [](const TomlTable& table) { (void)table.integer("schema", 1, 1, 1); }),
+                                  "`1`")};
+  for (const ProfileRow& row : kRows) {
+    const bool units = row.key == ProfileKey::kUnits;
+    keys.push_back(
+        key::optional(key::made({row.name, "text", "-", units ? "kPa, bar, psi" : "not blank", "", row.meaning},
+                                [&profile, row, units](const TomlTable& table) {
+                                  std::vector<std::string>& values = profile[row.key].values;
+                                  if (row.key == ProfileKey::kRecipe)
+                                    values = names_between_commas(table, row.name);
+                                  else
+                                    values = {table.name(row.name)};
+                                  if (units && !analysis::PressureUnit::from(values.front()))
+                                    table.fail(row.name, "'units' is '" + values.front() + "'", "use kPa, bar or psi");
+                                })));
   }
-  return "fleet";
+  return keys;
 }
 
-std::string variable_of(ProfileKey key) {
-  if (key == ProfileKey::kBench) return "TACTBENCH_BENCH";
-  if (key == ProfileKey::kFleet) return "TACTBENCH_FLEET";
-  return key == ProfileKey::kDb ? "TACTBENCH_DB" : "";
+}  // namespace
+
+const char* to_string(ProfileKey key) { return row_of(key).name; }
+
+std::string variable_of(ProfileKey key) { return row_of(key).variable; }
+
+std::vector<sequences::KeyFacts> operator_profile_keys() {
+  OperatorProfile profile;
+  std::vector<sequences::KeyFacts> all;
+  add_facts(all, "", profile_keys(profile));
+  return all;
 }
 
 namespace {
 
 OperatorProfile profile_of(const sequences::TomlDocument& document) {
   OperatorProfile profile;
-  const sequences::TomlTable root = document.root();
-  (void)root.integer("schema", 1, 1, 1);
-  for (const ProfileKey key : kProfileKeys) {
-    const std::string name = to_string(key);
-    if (!root.has(name)) continue;
-    ProfileValue value;
-    if (key == ProfileKey::kRecipe)
-      value.values = names_between_commas(root, name);
-    else
-      value.values = {root.name(name)};
-    if (key == ProfileKey::kUnits && !analysis::PressureUnit::from(value.values.front()))
-      root.fail(name, "'units' is '" + value.values.front() + "'", "use kPa, bar or psi");
+  const TomlTable root = document.root();
+  read_keys(root, profile_keys(profile));
+  for (auto& [key, value] : profile) {
     const std::vector<sequences::Setting>& read = document.settings();
-    value.origin = std::ranges::find(read, name, &sequences::Setting::key)->origin;
-    profile[key] = value;
+    value.origin = std::ranges::find(read, std::string(to_string(key)), &sequences::Setting::key)->origin;
   }
   root.finish();
   return profile;

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "sequences/toml/strict_toml.h"
+
 namespace tactbench::bench {
 
 inline constexpr const char* kProfileFile = "tactbench.toml";
@@ -30,5 +32,6 @@ using OperatorProfile = std::map<ProfileKey, ProfileValue>;  // without the keys
 OperatorProfile read_operator_profile(const std::string& path = kProfileFile);
 // The file's values alone, from a text; `name` stands for the file in error messages.
 OperatorProfile parse_operator_profile(const std::string& text, const std::string& name);
+std::vector<sequences::KeyFacts> operator_profile_keys();
 
 }  // namespace tactbench::bench

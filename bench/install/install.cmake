@@ -22,35 +22,17 @@ install(FILES bench/install/github-actions.example.yml devices/tactile/frame_ser
   DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT program)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT license)  # the .deb says it in its own way
 
-# Manual pages and completions: what the program just built says of itself.
-file(GLOB shipped CONFIGURE_DEPENDS sequences/*.toml bench/config/*.toml)
-set(WORDS ${PROJECT_BINARY_DIR}/words)
-file(MAKE_DIRECTORY ${WORDS})
-# Section 5, by the names that `tactbench manual-page all` prints; a test compares the two.
-set(KEY_PAGES tactbench-bench tactbench-recipe tactbench-sensor tactbench-limits tactbench-lab tactbench.toml tactbench-nightly
-  tactbench-module)
-set(key_pages "")
-set(key_commands "")
-foreach(page ${KEY_PAGES})
-  list(APPEND key_pages ${WORDS}/${page}.5.gz)
-  list(APPEND key_commands
-    COMMAND ${CMAKE_COMMAND} -E env TACTBENCH_SHARE=${PROJECT_SOURCE_DIR} $<TARGET_FILE:tactbench> manual-page ${page} > ${page}.5
-    COMMAND gzip -9nf ${page}.5)
-endforeach()
-add_custom_command(OUTPUT ${WORDS}/tactbench.1.gz ${WORDS}/tactbench ${WORDS}/_tactbench ${WORDS}/tactbench.fish ${key_pages}
-  COMMAND ${CMAKE_COMMAND} -E env TACTBENCH_SHARE=${PROJECT_SOURCE_DIR} $<TARGET_FILE:tactbench> manual-page > tactbench.1
+# The manual page: --help and --version of the program just built, and bench/install/tactbench.h2m.
+find_program(HELP2MAN help2man REQUIRED)
+add_custom_command(OUTPUT tactbench.1.gz
+  COMMAND ${CMAKE_COMMAND} -E env TACTBENCH_SHARE=${PROJECT_SOURCE_DIR} ${HELP2MAN} --no-info --include
+    ${PROJECT_SOURCE_DIR}/bench/install/tactbench.h2m --output=tactbench.1 $<TARGET_FILE:tactbench>
   COMMAND gzip -9nf tactbench.1
-  COMMAND ${CMAKE_COMMAND} -E env TACTBENCH_SHARE=${PROJECT_SOURCE_DIR} $<TARGET_FILE:tactbench> completion bash > tactbench
-  COMMAND ${CMAKE_COMMAND} -E env TACTBENCH_SHARE=${PROJECT_SOURCE_DIR} $<TARGET_FILE:tactbench> completion zsh > _tactbench
-  COMMAND ${CMAKE_COMMAND} -E env TACTBENCH_SHARE=${PROJECT_SOURCE_DIR} $<TARGET_FILE:tactbench> completion fish > tactbench.fish
-  ${key_commands}
-  WORKING_DIRECTORY ${WORDS} DEPENDS tactbench ${shipped} VERBATIM)
-add_custom_target(tactbench_words ALL DEPENDS ${WORDS}/tactbench.1.gz)
-install(FILES ${WORDS}/tactbench.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
-install(FILES ${key_pages} DESTINATION ${CMAKE_INSTALL_MANDIR}/man5 COMPONENT program)
-install(FILES ${WORDS}/tactbench DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program)
-install(FILES ${WORDS}/_tactbench DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT program)
-install(FILES ${WORDS}/tactbench.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT program)
+  DEPENDS tactbench bench/install/tactbench.h2m VERBATIM)
+add_custom_target(tactbench_manual ALL DEPENDS ${PROJECT_BINARY_DIR}/tactbench.1.gz)
+install(FILES ${PROJECT_BINARY_DIR}/tactbench.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
+install(FILES bench/install/completion.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
+  RENAME tactbench COMPONENT program)
 
 # The compensator: find_package(tactbench) gives tactbench::compensator (static, C++) and tactbench::compensator_shared
 # (C API); pkg-config knows the latter as tactbench-compensator. Headers keep their paths: "analysis/compensate/...".

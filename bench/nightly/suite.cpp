@@ -3,20 +3,29 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <set>
 
 #include "analysis/statistics/conformity/overall_verdict.h"
-#include "sequences/toml/strict_toml.h"
+#include "sequences/toml/key_table.h"
 
 namespace tactbench::bench {
 namespace {
 
+using sequences::Key;
+using sequences::KeyTable;
+using sequences::kOne;
+using sequences::Range;
 using sequences::TomlDocument;
 using sequences::TomlTable;
+namespace key = sequences::key;
 
-constexpr long kLargestSeed = 1L << 53;
+constexpr std::array kStatuses = {"dead", "stuck", "saturated", "unfit"};
 
 std::vector<int> read_taxels(const TomlTable& table, const std::string& status) {
+  if (std::ranges::find(kStatuses, status) == kStatuses.end())
+    table.fail(status, fmt::format("'{}' is not a taxel's status", status),
+               fmt::format("use one of: {}", fmt::join(kStatuses, ", ")));
   std::vector<int> taxels;
   for (const double number : table.numbers(status)) {
     if (number < 0.0 || number > 1e6 || number != static_cast<double>(static_cast<int>(number)))
@@ -28,44 +37,85 @@ std::vector<int> read_taxels(const TomlTable& table, const std::string& status) 
   return taxels;
 }
 
+// Keys whose names the file chooses.
+Key taxels_key(const std::string& status, Scenario& scenario) {
+  return key::made(
+      {status, "list of whole numbers", "1", "0 to 1000000", "",
+       fmt::format("Taxels (row x columns + column) expected with this status, exactly these; NAME is one "
+                   "of {}",
+                   fmt::join(kStatuses, ", "))},
+      [&scenario, status](const TomlTable& table) { scenario.taxels[status] = read_taxels(table, status); });
+}
+
+Key verdict_key(const std::string& criterion, Scenario& scenario) {
+  return key::made({criterion, "one of", "-", fmt::format("{}", fmt::join(analysis::verdict_words(), ", ")), "",
+                    "Expected verdict of a criterion; overall: of all together"},
+                   [&scenario, criterion](const TomlTable& table) {
+                     scenario.verdicts[criterion] = table.word(criterion, analysis::verdict_words());
+                   });
+}
+
+Key figure_key(const std::string& figure, Scenario& scenario) {
+  return key::made(
+      {figure, "[low, high]", "of the figure", "low < high", "", "Lowest and highest value expected of a figure"},
+      [&scenario, figure](const TomlTable& table) { scenario.figures[figure] = table.span(figure, {}); });
+}
+
+using NamedKey = Key (*)(const std::string&, Scenario&);
+constexpr std::array<std::pair<const char*, NamedKey>, 3> kChosenNames = {
+    {{"taxels", taxels_key}, {"verdicts", verdict_key}, {"figures", figure_key}}};
+
+KeyTable name_keys(Scenario& scenario) {
+  return {key::required(
+      key::text("name", scenario.name, "Name of the scenario: small letters, digits and hyphens; also a file's name"))};
+}
+
+// held_out and held_out_2 as one list of runs.
+Key held_out_key(const char* name, Scenario& scenario, const char* meaning) {
+  return key::optional(
+      key::made({name, "list of texts", "-", "", "", meaning},
+                [name, &scenario](const TomlTable& table) { scenario.held_out.push_back(table.texts(name)); }));
+}
+
+KeyTable scenario_keys(Scenario& scenario) {
+  constexpr Range kSeeds{0, 9007199254740992.0};  // 2^53
+  return {
+      key::required(key::text("about", scenario.about, "What it shows, in a sentence")),
+      key::text("bench", scenario.bench, "Bench file, which must be simulated"),
+      key::texts("recipes", scenario.recipes, "Recipes of the run; none: descending and ascending"),
+      key::texts("set", scenario.set, "Overrides of bench file and recipes, as --set of tactbench run"),
+      held_out_key("held_out", scenario,
+                   "A further run of the same sensor with these overrides, on which the models are judged"),
+      held_out_key("held_out_2", scenario, "One more such run; the worst verdict counts"),
+      key::flag("void_held_out", scenario.void_held_out,
+                "Declare the first held-out run void before anything is judged"),
+      key::flag("own_run", scenario.own_run,
+                "Hold the figures of the fit's own run against the limits: no verdict on the sensor"),
+      key::flag("fits", scenario.fits, "Whether the run is fitted and judged; false for recipes without a loop"),
+      key::text("limits", scenario.limits, "Limits file of the verdicts"),
+      key::number("seed", scenario.seed, kOne, kSeeds, "Seed of noise and faults"),
+      key::number("sensor_seed", scenario.sensor_seed, kOne, kSeeds, "Seed of the array"),
+      key::word("outcome", scenario.outcome, {"completed", "stopped", "aborted", "failed"},
+                "Expected end of the last run"),
+      key::text("error", scenario.error, "Expected error of the last run, as TB-...; \"\": none"),
+      key::word("safe", scenario.safe, {"verified", "unverified", "failed"}, "Expected safe state after the last run")};
+}
+
 Scenario read_scenario(const TomlTable& table, const std::set<std::string>& taken) {
   Scenario scenario;
-  scenario.name = table.text("name");
+  read_keys(table, name_keys(scenario));
   const auto plain = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-'; };
   if (scenario.name.empty() || !std::ranges::all_of(scenario.name, plain))
     table.fail("name", fmt::format("'{}' names a file too", scenario.name), "use small letters, digits and hyphens");
   if (taken.count(scenario.name) != 0)
     table.fail("name", fmt::format("two scenarios are named '{}'", scenario.name), "rename one of them");
   scenario.label = scenario.name;
-  scenario.about = table.text("about");
-  scenario.bench = table.text("bench", scenario.bench);
-  scenario.recipes = table.texts("recipes");
+  read_keys(table, scenario_keys(scenario));
   if (scenario.recipes.empty()) scenario.recipes = {"descending", "ascending"};
-  scenario.set = table.texts("set");
-  for (const char* key : {"held_out", "held_out_2"})
-    if (table.has(key)) scenario.held_out.push_back(table.texts(key));
-  scenario.void_held_out = table.boolean("void_held_out", false);
-  scenario.own_run = table.boolean("own_run", false);
-  scenario.fits = table.boolean("fits", true);
-  scenario.limits = table.text("limits", scenario.limits);
-  scenario.seed = static_cast<std::uint64_t>(table.integer("seed", 1, 0, kLargestSeed));
-  scenario.sensor_seed = static_cast<std::uint64_t>(table.integer("sensor_seed", 1, 0, kLargestSeed));
-  scenario.outcome = table.word("outcome", scenario.outcome, {"completed", "stopped", "aborted", "failed"});
-  scenario.error = table.text("error", "");
-  scenario.safe = table.word("safe", scenario.safe, {"verified", "unverified", "failed"});
-  const TomlTable taxels = table.table("taxels");
-  for (const std::string& status : taxels.keys()) {
-    if (const std::vector<std::string> known = {"dead", "stuck", "saturated", "unfit"};
-        std::ranges::find(known, status) == known.end())
-      taxels.fail(status, fmt::format("'{}' is not a taxel's status", status),
-                  "use one of: " + fmt::format("{}", fmt::join(known, ", ")));
-    scenario.taxels[status] = read_taxels(taxels, status);
+  for (const auto& [part, key_of] : kChosenNames) {
+    const TomlTable below = table.table(part);
+    for (const std::string& name : below.keys()) read_keys(below, {key_of(name, scenario)});
   }
-  const TomlTable verdicts = table.table("verdicts");
-  for (const std::string& criterion : verdicts.keys())
-    scenario.verdicts[criterion] = verdicts.word(criterion, analysis::verdict_words());
-  const TomlTable figures = table.table("figures");
-  for (const std::string& figure : figures.keys()) scenario.figures[figure] = figures.span(figure, {});
   if (!scenario.fits && !(scenario.taxels.empty() && scenario.verdicts.empty()))
     table.fail("fits", "verdicts and taxels come from a fit, and fits = false", "omit them, or remove fits = false");
   if (scenario.own_run && !scenario.held_out.empty())
@@ -75,18 +125,18 @@ Scenario read_scenario(const TomlTable& table, const std::set<std::string>& take
                "add held_out, or own_run = true to judge the own figures");
   if (scenario.void_held_out && scenario.held_out.empty())
     table.fail("void_held_out", "there is no held-out run to be declared void", "add held_out");
-  for (const TomlTable* part : {&taxels, &verdicts, &figures}) part->finish();
   table.finish();
   return scenario;
 }
+
+KeyTable suite_rows(Suite& suite) { return {key::schema(), key::name("name", suite.name, "Name of the suite")}; }
 
 Suite suite_from(const TomlDocument& document) {
   Suite suite;
   suite.file = document.name();
   suite.text = document.text();
   const TomlTable root = document.root();
-  (void)root.integer("schema", 1, 1);
-  suite.name = root.name("name");
+  read_keys(root, suite_rows(suite));
   std::set<std::string> names;
   for (const TomlTable& table : root.tables("scenario")) {
     suite.scenarios.push_back(read_scenario(table, names));
@@ -102,6 +152,18 @@ Suite suite_from(const TomlDocument& document) {
 Suite read_suite(const std::string& path) { return suite_from(TomlDocument::from_file(path)); }
 Suite parse_suite(const std::string& text, const std::string& file) {
   return suite_from(TomlDocument::from_text(text, file));
+}
+
+std::vector<sequences::KeyFacts> suite_keys() {
+  Suite suite;
+  Scenario scenario;
+  std::vector<sequences::KeyFacts> all;
+  add_facts(all, "", suite_rows(suite));
+  add_facts(all, "scenario[]", name_keys(scenario));
+  add_facts(all, "scenario[]", scenario_keys(scenario));
+  for (const auto& [part, key_of] : kChosenNames)
+    add_facts(all, std::string("scenario[].") + part, {key_of("NAME", scenario)});
+  return all;
 }
 
 Suite with_seeds(const Suite& suite, int seeds) {

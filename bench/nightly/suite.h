@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "bench/common/shard.h"
+#include "sequences/toml/strict_toml.h"
 
 namespace tactbench::bench {
 
@@ -45,6 +46,7 @@ struct Suite {
 // Throws FileError, with file, line and key.
 Suite read_suite(const std::string& path);
 Suite parse_suite(const std::string& text, const std::string& file);
+std::vector<sequences::KeyFacts> suite_keys();
 
 // Each scenario that many times, with its seed and the following ones; labels "NAME-seed-S".
 Suite with_seeds(const Suite& suite, int seeds);

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -40,6 +41,7 @@ struct Setting {       // a key read, with its value
 };
 
 class TomlTable;
+struct KeyFacts;  // key_table.h
 
 class TomlDocument {
  public:
@@ -74,10 +76,13 @@ class TomlTable {
   // Without a fallback the key is required. All throw FileError with the place.
   [[nodiscard]] double number(const std::string& key) const;
   [[nodiscard]] double number(const std::string& key, double fallback) const;
-  // Like number(), but refuses values outside low..high (both allowed).
-  [[nodiscard]] double number_in(const std::string& key, double fallback, double low, double high) const;
-  // Like number(), but accepts only 0 (none) or low..high.
-  [[nodiscard]] double zero_or_in(const std::string& key, double fallback, double low, double high) const;
+  // Like number(), but refuses values outside low..high (both allowed). Without a fallback the key is required.
+  [[nodiscard]] double number_in(const std::string& key, std::optional<double> fallback, double low, double high) const;
+  // Like number_in(), but accepts 0 (none), too.
+  [[nodiscard]] double zero_or_in(const std::string& key, std::optional<double> fallback, double low,
+                                  double high) const;
+  // Refuses a value of `key` outside low..high, as number_in() does: for limits that other keys set.
+  void check_range(const std::string& key, double value, double low, double high) const;
   [[nodiscard]] long integer(const std::string& key, long low, long high) const;
   [[nodiscard]] long integer(const std::string& key, long fallback, long low, long high) const;
   [[nodiscard]] bool boolean(const std::string& key, bool fallback) const;

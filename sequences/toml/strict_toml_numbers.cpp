@@ -4,17 +4,10 @@
 #include <cmath>
 #include <optional>
 
-#include "sequences/toml/key_recorder.h"
 #include "sequences/toml/strict_toml.h"
 #include "sequences/toml/strict_toml_view.h"
 
 namespace tactbench::sequences {
-
-namespace {
-std::string range_of(long low, long high) {
-  return low == high ? fmt::format("{}", low) : fmt::format("{} to {}", low, high);
-}
-}  // namespace
 
 std::optional<double> TomlTable::View::number_of(const toml::node& node, const std::string& key) const {
   if (node.is_number()) return node.value<double>();
@@ -35,7 +28,6 @@ std::optional<double> TomlTable::View::number_of(const toml::node& node, const s
 }
 
 double TomlTable::number(const std::string& key) const {
-  const KeyRecorder::Reading reading(view_->file, view_->path, key, "number", "", nullptr);
   const toml::node* node = view_->find(key);
   if (node == nullptr) {
     throw FileError("TB-FILE-KEY", fmt::format("'{}' is missing", key), view_->place(nullptr, key),
@@ -52,30 +44,25 @@ double TomlTable::number(const std::string& key) const {
 }
 
 double TomlTable::number(const std::string& key, double fallback) const {
-  const std::string standard = fmt::format("{}", fallback);
-  const KeyRecorder::Reading reading(view_->file, view_->path, key, "number", "", &standard);
   if (has(key)) return number(key);
   view_->note(nullptr, key, fmt::format("{}", fallback));
   return fallback;
 }
 
-double TomlTable::number_in(const std::string& key, double fallback, double low, double high) const {
-  const std::string standard = fmt::format("{:.6g}", fallback);
-  const KeyRecorder::Reading reading(view_->file, view_->path, key, "number",
-                                     fmt::format("{:.6g} to {:.6g}", low, high), &standard);
-  const double value = number(key, fallback);
-  if (value < low || value > high) {
-    fail(key, fmt::format("'{}' is {}, outside {:g} to {:g}", key, view_->as_typed(key, value), low, high),
-         fmt::format("use {:g} to {:g}", low, high));
-  }
+double TomlTable::number_in(const std::string& key, std::optional<double> fallback, double low, double high) const {
+  const double value = fallback ? number(key, *fallback) : number(key);
+  check_range(key, value, low, high);
   return value;
 }
 
-double TomlTable::zero_or_in(const std::string& key, double fallback, double low, double high) const {
-  const std::string standard = fmt::format("{:.6g}", fallback);
-  const KeyRecorder::Reading reading(view_->file, view_->path, key, "number",
-                                     fmt::format("0, or {:.6g} to {:.6g}", low, high), &standard);
-  const double value = number(key, fallback);
+void TomlTable::check_range(const std::string& key, double value, double low, double high) const {
+  if (value >= low && value <= high) return;
+  fail(key, fmt::format("'{}' is {}, outside {:g} to {:g}", key, view_->as_typed(key, value), low, high),
+       fmt::format("use {:g} to {:g}", low, high));
+}
+
+double TomlTable::zero_or_in(const std::string& key, std::optional<double> fallback, double low, double high) const {
+  const double value = fallback ? number(key, *fallback) : number(key);
   if (value != 0.0 && (value < low || value > high)) {
     fail(key, fmt::format("'{}' is {}, neither 0 nor {:g} to {:g}", key, view_->as_typed(key, value), low, high),
          fmt::format("use 0 for none, or {:g} to {:g}", low, high));
@@ -84,7 +71,6 @@ double TomlTable::zero_or_in(const std::string& key, double fallback, double low
 }
 
 long TomlTable::integer(const std::string& key, long low, long high) const {
-  const KeyRecorder::Reading reading(view_->file, view_->path, key, "whole number", range_of(low, high), nullptr);
   const double value = number(key);
   if (value != std::floor(value) || value < static_cast<double>(low) || value > static_cast<double>(high)) {
     fail(key, fmt::format("'{}' is {:g}, not a whole number from {} to {}", key, value, low, high),
@@ -94,15 +80,12 @@ long TomlTable::integer(const std::string& key, long low, long high) const {
 }
 
 long TomlTable::integer(const std::string& key, long fallback, long low, long high) const {
-  const std::string standard = fmt::format("{}", fallback);
-  const KeyRecorder::Reading reading(view_->file, view_->path, key, "whole number", range_of(low, high), &standard);
   if (has(key)) return integer(key, low, high);
   view_->note(nullptr, key, fmt::format("{}", fallback));
   return fallback;
 }
 
 std::vector<double> TomlTable::numbers(const std::string& key) const {
-  const KeyRecorder::Reading reading(view_->file, view_->path, key, "list of numbers", "", nullptr);
   const toml::node* node = view_->find(key);
   const toml::array* array = node == nullptr ? nullptr : node->as_array();
   if (array == nullptr) {
@@ -121,8 +104,6 @@ std::vector<double> TomlTable::numbers(const std::string& key) const {
 }
 
 std::pair<double, double> TomlTable::span(const std::string& key, std::pair<double, double> fallback) const {
-  const std::string standard = fmt::format("[{}, {}]", fallback.first, fallback.second);
-  const KeyRecorder::Reading reading(view_->file, view_->path, key, "[low, high]", "low < high", &standard);
   if (!has(key)) {
     view_->note(nullptr, key, fmt::format("[{}, {}]", fallback.first, fallback.second));
     return fallback;
@@ -135,8 +116,6 @@ std::pair<double, double> TomlTable::span(const std::string& key, std::pair<doub
 }
 
 std::vector<double> TomlTable::numbers_or_one(const std::string& key, double fallback) const {
-  const std::string standard = fmt::format("{}", fallback);
-  const KeyRecorder::Reading reading(view_->file, view_->path, key, "number, or list of numbers", "", &standard);
   const toml::node* node = view_->find(key);
   if (node != nullptr && node->is_array()) {
     std::vector<double> values = numbers(key);
@@ -147,8 +126,6 @@ std::vector<double> TomlTable::numbers_or_one(const std::string& key, double fal
 }
 
 std::vector<std::vector<double>> TomlTable::number_lists(const std::string& key, std::size_t size) const {
-  const KeyRecorder::Reading reading(view_->file, view_->path, key, fmt::format("lists of {} numbers", size).c_str(),
-                                     "", nullptr);
   const toml::node* node = view_->find(key);
   const toml::array* array = node == nullptr ? nullptr : node->as_array();
   std::vector<std::vector<double>> lists;

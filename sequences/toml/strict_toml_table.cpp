@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <set>
 
-#include "sequences/toml/key_recorder.h"
 #include "sequences/toml/strict_toml.h"
 #include "sequences/toml/strict_toml_view.h"
 
@@ -29,13 +28,9 @@ const char* kind_of(const toml::node& node) {
   }
 }
 
-bool TomlTable::has(const std::string& key) const {
-  const KeyRecorder::Reading reading(view_->file, view_->path, key, "", "", nullptr, true);
-  return view_->find(key) != nullptr;
-}
+bool TomlTable::has(const std::string& key) const { return view_->find(key) != nullptr; }
 
 std::vector<std::string> TomlTable::keys() const {
-  KeyRecorder::chosen_names(view_->file, view_->path);
   std::vector<std::string> names;
   if (view_->table == nullptr) return names;
   for (const auto& [key, node] : *view_->table) names.emplace_back(key.str());
@@ -47,8 +42,6 @@ void TomlTable::fail(const std::string& key, const std::string& message, const s
 }
 
 bool TomlTable::boolean(const std::string& key, bool fallback) const {
-  const std::string standard = fallback ? "true" : "false";
-  const KeyRecorder::Reading reading(view_->file, view_->path, key, "true or false", "", &standard);
   const toml::node* node = view_->find(key);
   if (node != nullptr && !node->is_boolean()) {
     fail(key, fmt::format("'{}' must be true or false", key), "write true or false");
@@ -59,7 +52,6 @@ bool TomlTable::boolean(const std::string& key, bool fallback) const {
 }
 
 std::string TomlTable::text(const std::string& key) const {
-  const KeyRecorder::Reading reading(view_->file, view_->path, key, "text", "", nullptr);
   const toml::node* node = view_->find(key);
   if (node == nullptr) {
     throw FileError("TB-FILE-KEY", fmt::format("'{}' is missing", key), view_->place(nullptr, key),
@@ -74,15 +66,12 @@ std::string TomlTable::text(const std::string& key) const {
 }
 
 std::string TomlTable::text(const std::string& key, const std::string& fallback) const {
-  const std::string standard = fmt::format("\"{}\"", fallback);
-  const KeyRecorder::Reading reading(view_->file, view_->path, key, "text", "", &standard);
   if (has(key)) return text(key);
   view_->note(nullptr, key, fmt::format("\"{}\"", fallback));
   return fallback;
 }
 
 std::string TomlTable::name(const std::string& key) const {
-  const KeyRecorder::Reading reading(view_->file, view_->path, key, "text", "not blank", nullptr);
   std::string value = text(key);
   if (value.find_first_not_of(" \t\r\n") == std::string::npos)
     fail(key, fmt::format("'{}' is empty", key), "give a short name");
@@ -90,8 +79,6 @@ std::string TomlTable::name(const std::string& key) const {
 }
 
 std::string TomlTable::date_text(const std::string& key) const {
-  const std::string standard = "\"\"";
-  const KeyRecorder::Reading reading(view_->file, view_->path, key, "date", "", &standard);
   const toml::node* node = view_->find(key);
   const auto* const date = node == nullptr ? nullptr : node->as_date();
   if (date == nullptr) return text(key, "");
@@ -102,8 +89,6 @@ std::string TomlTable::date_text(const std::string& key) const {
 }
 
 std::vector<std::string> TomlTable::texts(const std::string& key) const {
-  const std::string standard = "[]";
-  const KeyRecorder::Reading reading(view_->file, view_->path, key, "list of texts", "", &standard);
   const toml::node* node = view_->find(key);
   const toml::array* array = node == nullptr ? nullptr : node->as_array();
   std::vector<std::string> values;
@@ -121,8 +106,6 @@ std::vector<std::string> TomlTable::texts(const std::string& key) const {
 }
 
 std::string TomlTable::word(const std::string& key, const std::vector<std::string>& words) const {
-  const KeyRecorder::Reading reading(view_->file, view_->path, key, "one of", fmt::format("{}", fmt::join(words, ", ")),
-                                     nullptr);
   std::string value = text(key);
   if (std::find(words.begin(), words.end(), value) != words.end()) return value;
   const std::string near = nearest_word(value, words);
@@ -132,9 +115,6 @@ std::string TomlTable::word(const std::string& key, const std::vector<std::strin
 
 std::string TomlTable::word(const std::string& key, const std::string& fallback,
                             const std::vector<std::string>& words) const {
-  const std::string standard = fmt::format("\"{}\"", fallback);
-  const KeyRecorder::Reading reading(view_->file, view_->path, key, "one of", fmt::format("{}", fmt::join(words, ", ")),
-                                     &standard);
   return has(key) ? word(key, words) : text(key, fallback);
 }
 
@@ -152,7 +132,6 @@ TomlTable TomlTable::table(const std::string& key) const {
 }
 
 std::vector<TomlTable> TomlTable::tables(const std::string& key) const {
-  const KeyRecorder::Reading reading(view_->file, view_->path, key, "", "", nullptr, true);
   std::vector<TomlTable> result;
   const toml::node* node = view_->find(key);
   if (node == nullptr) return result;

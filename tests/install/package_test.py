@@ -33,7 +33,7 @@ with tempfile.TemporaryDirectory() as folder:
         for document in ("copyright", "changelog.Debian.gz"):
             assert f"./usr/share/doc/{name}/{document}" in lines, (name, document)
     for path in ("bin/tactbench", "lib/udev/rules.d/70-tactbench.rules", "lib/systemd/system/tactbench-nightly.timer",
-                 "lib/sysusers.d/tactbench.conf", "lib/tmpfiles.d/tactbench.conf", "share/man/man1/tactbench.1.gz", "share/man/man5/tactbench-recipe.5.gz", "share/tactbench/sequences/descending.toml"):
+                 "lib/sysusers.d/tactbench.conf", "lib/tmpfiles.d/tactbench.conf", "share/man/man1/tactbench.1.gz", "share/tactbench/sequences/descending.toml"):
         assert f"./usr/{path}\n" in contents["tactbench"], path
     assert "libtactbench_compensator.so.1.0.0" in contents["libtactbench-compensator1"]
     assert "libtactbench_compensator.so ->" in contents["libtactbench-compensator-dev"]

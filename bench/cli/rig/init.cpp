@@ -5,9 +5,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "bench/cli/rig/key_pages.h"
 #include "bench/cli/session.h"
 #include "bench/common/output_file.h"
 #include "bench/config/config.h"
+#include "bench/config/config_laboratory.h"
 #include "bench/config/operator_profile.h"
 #include "db/utf8.h"
 
@@ -26,26 +28,26 @@ std::string profile_text(const std::string& operator_name) {
       "# What need not be typed with every verb, for the folder in which tactbench is started. The command line "
       "precedes\n"
       "# the environment (TACTBENCH_BENCH, TACTBENCH_DB, TACTBENCH_FLEET), and that precedes this file: tactbench "
-      "config show "
-      "--origin.\n"
-      "bench = \"bench.toml\"        # --bench\n"
-      "db = \"runs.db\"              # --db\n"
-      "operator = {}               # --operator\n"
-      "recipe = \"production\"       # of run and calibrate\n"
-      "limits = \"limits.toml\"      # by which calibrate judges, and fit its held-out runs\n"
-      "# units = \"kPa\"              # --units of what is printed: kPa, bar or psi\n",
+      "config show --origin.\n"
+      "bench = \"bench.toml\"\ndb = \"runs.db\"\noperator = {}\nrecipe = \"production\"\n"
+      "limits = \"limits.toml\"\n# units = \"kPa\"\n",
       nlohmann::json(operator_name).dump());
 }
 
+struct StarterFile {
+  const char *shipped, *name;
+  std::vector<sequences::KeyFacts> (*keys)();
+};
+
 void init(const InitOptions& options, const Session& session) {
   namespace fs = std::filesystem;
-  const std::vector<std::pair<std::string, std::string>> files = {
-      {options.rig ? "paper-rig.example.toml" : "simulated.toml", "bench.toml"},
-      {"sensor.toml", "sensor.toml"},
-      {"limits.toml", "limits.toml"},
-      {"lab.toml", "lab.toml"}};
+  const std::vector<StarterFile> files = {
+      {options.rig ? "paper-rig.example.toml" : "simulated.toml", "bench.toml", bench_keys},
+      {"sensor.toml", "sensor.toml", sensor_type_keys},
+      {"limits.toml", "limits.toml", limits_keys},
+      {"lab.toml", "lab.toml", laboratory_keys}};
   std::vector<std::string> names;
-  for (const auto& [shipped, name] : files) names.push_back(name);
+  for (const StarterFile& file : files) names.emplace_back(file.name);
   if (!options.operator_name.empty()) names.emplace_back(kProfileFile);
   for (const std::string& name : names) {
     const fs::path target = fs::path(options.folder) / name;
@@ -56,24 +58,20 @@ void init(const InitOptions& options, const Session& session) {
     check_output(target.string(), "a file of tactbench init", session.replace);  // never over a store
   }
   nlohmann::ordered_json written = nlohmann::ordered_json::array();
-  std::error_code failed;
+  std::error_code failed;  // then writing fails, too
   fs::create_directories(options.folder, failed);
-  for (const auto& [shipped, name] : files) {
-    const fs::path target = fs::path(options.folder) / name;
-    // Not find_config(), which prefers a file of that name in the current folder: that may be the target.
-    const fs::path source = fs::path(share_folder()) / "bench/config" / shipped;
-    fs::copy_file(source, target, fs::copy_options::overwrite_existing, failed);
-    if (failed) {
-      throw Error(ExitCode::kUsage, "TB-FILE-WRITE", fmt::format("cannot write: {}", failed.message()), target.string(),
-                  "check folder, space and permissions");
-    }
-    written.push_back(target.string());
-  }
-  if (!options.operator_name.empty()) {
-    const std::string target = (fs::path(options.folder) / kProfileFile).string();
-    write_output(target, profile_text(options.operator_name), session.replace);
+  const auto write = [&](const std::string& name, const std::string& text,
+                         const std::vector<sequences::KeyFacts>& keys) {
+    const std::string target = (fs::path(options.folder) / name).string();
+    write_output(target, with_meanings(text, keys), session.replace);
     written.push_back(target);
+  };
+  for (const StarterFile& file : files) {
+    // Not find_config(), which prefers a file of that name in the current folder: that may be the target.
+    const fs::path shipped = fs::path(share_folder()) / "bench/config" / file.shipped;
+    write(file.name, sequences::TomlDocument::from_file(shipped.string()).text(), file.keys());
   }
+  if (!options.operator_name.empty()) write(kProfileFile, profile_text(options.operator_name), operator_profile_keys());
   if (session.json) {
     print_json("init", {{"files", written}});
     return;
