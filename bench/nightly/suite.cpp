@@ -41,9 +41,7 @@ std::vector<int> read_taxels(const TomlTable& table, const std::string& status) 
 Key taxels_key(const std::string& status, Scenario& scenario) {
   return key::made(
       {status, "list of whole numbers", "1", "0 to 1000000", "",
-       fmt::format("Taxels (row x columns + column) expected with this status, exactly these; NAME is one "
-                   "of {}",
-                   fmt::join(kStatuses, ", "))},
+       "Taxels (row x columns + column) expected as dead, stuck, saturated or not modelled: exactly these"},
       [&scenario, status](const TomlTable& table) { scenario.taxels[status] = read_taxels(table, status); });
 }
 

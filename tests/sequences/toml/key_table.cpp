@@ -85,7 +85,7 @@ TEST_CASE("rows of keys refuse what their facts exclude, and keys without a row"
   CHECK(id_of(need + "shar = 1") == "TB-FILE-KEY");
 }
 
-TEST_CASE("rows of keys say of themselves what they are; rows of another kind of table are added") {
+TEST_CASE("rows of keys say of themselves what they are, and those of another kind of table are added") {
   Values values;
   std::vector<KeyFacts> all;
   add_facts(all, "part", rows_of(values));
