@@ -65,7 +65,7 @@ ColumnMap column_map_from(const std::string& text) {
     if (name.size() > 1 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
     if (name.empty() || !map.columns.contains(role))
       throw AnalysisError(
-          Cause::kUsage, "TB-TABLE-MAP", fmt::format("--map: \"{}\" does not name role and column", pair),
+          "TB-TABLE-MAP", fmt::format("--map: \"{}\" does not name role and column", pair),
           "write role=COLUMN with the roles input, output, sequence, taxel; COLUMN is a number from 1 or "
           "a name, in double quotes where it holds a comma");
     map.columns[role] = name;
@@ -76,8 +76,7 @@ ColumnMap column_map_from(const std::string& text) {
 TableReader::TableReader(std::istream& stream, std::string file, const ColumnMap& map, TableNeeds needs,
                          bool skip_bad_rows)
     : stream_(&stream), file_(std::move(file)), skip_bad_rows_(skip_bad_rows) {
-  if (!read_line())
-    throw AnalysisError(Cause::kUsage, "TB-TABLE-EMPTY", fmt::format("{}: the table is empty", file_), kFormat);
+  if (!read_line()) throw AnalysisError("TB-TABLE-EMPTY", fmt::format("{}: the table is empty", file_), kFormat);
   header_ = line_.starts_with("\xEF\xBB\xBF") ? line_.substr(3) : line_;  // without a byte order mark
   if (header_.ends_with('\r')) header_.pop_back();
   const std::size_t number = number_;
@@ -94,7 +93,7 @@ void TableReader::read_names(std::size_t line, const ColumnMap& map, TableNeeds 
   names_.assign(fields_.all.begin(), fields_.all.end());
   if (std::ranges::all_of(names_, is_number))
     throw AnalysisError(
-        Cause::kUsage, "TB-TABLE-COLUMN",
+        "TB-TABLE-COLUMN",
         fmt::format("{}:{}: numbers in place of the names of the columns: {}", file_, line, fmt::join(names_, ", ")),
         kFormat);
   const auto column_of = [&](const char* role, bool needed) {
@@ -140,7 +139,7 @@ std::size_t TableReader::column(std::size_t line, const std::string& wanted, con
   if (error == std::errc() && end == wanted.data() + wanted.size() && number >= 1 && number <= names_.size())
     return number - 1;
   if (!needed) return kAbsent;
-  throw AnalysisError(Cause::kUsage, "TB-TABLE-COLUMN",
+  throw AnalysisError("TB-TABLE-COLUMN",
                       fmt::format("{}:{}: no column \"{}\" for the {}; the line names {}", file_, line, wanted, role,
                                   fmt::join(names_, ", ")),
                       kFormat);
@@ -174,13 +173,13 @@ bool TableReader::read_line() {
     if (!text.empty() && text.front() != '#') return true;
   }
   if (stream_->bad())
-    throw AnalysisError(Cause::kUsage, "TB-TABLE-OPEN", fmt::format("{}: reading failed after line {}", file_, number_),
+    throw AnalysisError("TB-TABLE-OPEN", fmt::format("{}: reading failed after line {}", file_, number_),
                         "check the disk and the file");
   return false;
 }
 
 void TableReader::refuse(std::size_t line, const std::string& what) const {
-  throw AnalysisError(Cause::kUsage, "TB-TABLE-ROW", fmt::format("{}:{}: {}", file_, line, what),
+  throw AnalysisError("TB-TABLE-ROW", fmt::format("{}:{}: {}", file_, line, what),
                       "correct or remove the line; fit and import leave such rows out with --skip-bad-rows");
 }
 
@@ -248,7 +247,7 @@ void TableReader::skip(const std::string& reason) {
 
 void TableReader::check_skipped() const {
   if (skipped_.count <= rows_) return;
-  throw AnalysisError(Cause::kUsage, "TB-TABLE-SKIPPED",
+  throw AnalysisError("TB-TABLE-SKIPPED",
                       fmt::format("{}: {} of {} cannot be read, which is more than half; the first is {}", file_,
                                   skipped_.count, counted(skipped_.count + rows_, "row"), skipped_.first.front()),
                       "check separators, decimal commas and the assignment of columns (--map)");

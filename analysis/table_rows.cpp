@@ -68,7 +68,7 @@ Table read_table(std::istream& stream, const std::string& file, const ColumnMap&
       at = now;
     }
     if (++rows > kMostRows)
-      throw AnalysisError(Cause::kUsage, "TB-TABLE-ROW", fmt::format("{}: more than {} rows", file, kMostRows),
+      throw AnalysisError("TB-TABLE-ROW", fmt::format("{}: more than {} rows", file, kMostRows),
                           "take the sequences that are to be fitted, or every other row");
     if (series.empty() || series[last].taxel != row.taxel || series[last].sequence != row.sequence) {
       const auto [place, fresh] = places.try_emplace({std::string(row.sequence), row.taxel}, series.size());
@@ -79,7 +79,7 @@ Table read_table(std::istream& stream, const std::string& file, const ColumnMap&
       last = place->second;
     }
     if (const std::string wrong = row.step ? orders[last].see(*row.step) : std::string(); !wrong.empty())
-      throw AnalysisError(Cause::kUsage, "TB-TABLE-STEP",
+      throw AnalysisError("TB-TABLE-STEP",
                           fmt::format("{}:{}: {} in sequence \"{}\"{}", file, row.line, wrong, row.sequence,
                                       reader.has_taxel() ? fmt::format(", taxel {}", row.taxel) : ""),
                           "rows must be in the order in which they were measured, each once; give the column another "
@@ -89,7 +89,7 @@ Table read_table(std::istream& stream, const std::string& file, const ColumnMap&
   }
   reader.check_skipped();
   if (series.empty())
-    throw AnalysisError(Cause::kUsage, "TB-TABLE-EMPTY", fmt::format("{}: no row follows the line of names", file),
+    throw AnalysisError("TB-TABLE-EMPTY", fmt::format("{}: no row follows the line of names", file),
                         "write a row for each sample below the names");
   table.input_unit = reader.input_unit();
   table.output_unit = reader.output_unit();

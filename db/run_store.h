@@ -15,28 +15,17 @@
 
 namespace tactbench::db {
 
-// The kind of failure; the exit code depends only on this, not on the id.
-enum class Cause {
-  kStore,  // the store cannot be used, or contradicts the request
-  kUsage,  // the named item is missing, exists already, or has a name that is not allowed; the store is sound
-};
-
 // The error type of db/. id: TB-STORE-OPEN, TB-STORE-OTHER-SCHEMA, TB-STORE-NETWORK, TB-STORE-LOCKED, TB-STORE-FULL,
 // TB-STORE-NOT-FOUND, TB-STORE-SQL, TB-STORE-CONFLICT, TB-STORE-EXISTS, TB-STORE-TAG, TB-STORE-FOREIGN,
 // TB-STORE-TOO-LONG, TB-STORE-TOO-LARGE, TB-STORE-NOT-TEXT, TB-STORE-BLANK, TB-STORE-PRUNED.
 class StoreError : public std::runtime_error {
  public:
-  StoreError(Cause cause, std::string id, const std::string& message, std::string remedy)
-      : std::runtime_error(message), cause_(cause), id_(std::move(id)), remedy_(std::move(remedy)) {}
-  // With cause kStore, the most common one.
   StoreError(std::string id, const std::string& message, std::string remedy)
-      : StoreError(Cause::kStore, std::move(id), message, std::move(remedy)) {}
-  [[nodiscard]] Cause cause() const { return cause_; }
+      : std::runtime_error(message), id_(std::move(id)), remedy_(std::move(remedy)) {}
   [[nodiscard]] const std::string& id() const { return id_; }
   [[nodiscard]] const std::string& remedy() const { return remedy_; }
 
  private:
-  Cause cause_;
   std::string id_, remedy_;
 };
 
@@ -175,8 +164,8 @@ class RunStore {
   // or its sensor is registered differently here. Models, verdicts and approvals must be as stored, too. Verdicts are
   // copied with the judged run; without it they are left out, even if the models' run is copied.
   std::vector<std::int64_t> copy_runs_from(const RunStore& other, const std::vector<std::int64_t>& runs);
-  // For copies of runs that come from several stores of one run each. The next run gets this number, or the next free one
-  // above it. And the fits that the run's verdicts are by, in the order of verdicts(); 0: as it is.
+  // For copies of runs that come from several stores of one run each. The next run gets this number, or the next free
+  // one above it. And the fits that the run's verdicts are by, in the order of verdicts(); 0: as it is.
   void number_next_run(std::int64_t number);
   void link_verdicts(std::int64_t run, const std::vector<std::int64_t>& fits);
   // The run with this UUID, which is the same run in every store; 0: none.

@@ -89,7 +89,7 @@ std::int64_t take_run(sqlite::Connection& connection, std::int64_t run) {
                   "WHERE run = {})), 0)",
                   run));
   if (there != 0) {
-    throw StoreError(Cause::kUsage, "TB-STORE-EXISTS",
+    throw StoreError("TB-STORE-EXISTS",
                      fmt::format("run {} is in {} already, as run {}", run, connection.path(), there), "leave it out");
   }
   take_sensor(connection, run);

@@ -58,7 +58,7 @@ FitRecord RunStore::fit(std::int64_t fit) const {
     there += fmt::format("{}{} (run {})", there.empty() ? "" : ", ", rows.value<std::int64_t>(0),
                          rows.value<std::int64_t>(1));
   }
-  throw StoreError(Cause::kUsage, "TB-STORE-NOT-FOUND",
+  throw StoreError("TB-STORE-NOT-FOUND",
                    fmt::format("store {} has no fit {}; it has {}", path(), fit, there.empty() ? "none yet" : there),
                    "make one: tactbench fit RUN");
 }

@@ -61,7 +61,7 @@ void RunStore::Database::require_run(std::int64_t run) {
   std::vector<std::int64_t> numbers;
   sqlite::Statement rows(connection, "SELECT run FROM runs ORDER BY run");
   while (rows.step()) rows.read(numbers.emplace_back());
-  throw StoreError(Cause::kUsage, "TB-STORE-NOT-FOUND",
+  throw StoreError("TB-STORE-NOT-FOUND",
                    fmt::format("store {} has no run {}; {}", path, run,
                                numbers.empty() ? "it has none yet" : "it has " + ranges(numbers)),
                    "see 'tactbench runs list', or name another store with --db");
@@ -216,7 +216,7 @@ void RunStore::Database::require_frames(std::int64_t run) {
   std::string rule, utc;
   row.read(rule, utc);
   throw StoreError(
-      Cause::kUsage, "TB-STORE-PRUNED",
+      "TB-STORE-PRUNED",
       fmt::format("store {}: the frames of run {} were removed on {}, by the rule {}", path, run, utc, rule),
       "figures, models and verdicts are there (tactbench runs show); a simulated run can be carried out "
       "again with its seeds, or take a snapshot from before");

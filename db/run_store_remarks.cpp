@@ -21,7 +21,7 @@ void check_tag(const std::string& tag) {
   const bool pair = equals == std::string::npos || (equals > 0 && equals + 1 < tag.size() && tag.rfind('=') == equals);
   if (!tag.empty() && tag.size() <= 64 && pair && std::ranges::all_of(tag, fits)) return;
   throw StoreError(
-      Cause::kUsage, "TB-STORE-TAG", fmt::format("'{}' is not a valid tag", tag),
+      "TB-STORE-TAG", fmt::format("'{}' is not a valid tag", tag),
       "a tag is one word of up to 64 letters, digits and . _ : / + -, or two with = between them (lot=A7); "
       "longer words go into a note");
 }
@@ -33,12 +33,11 @@ void check_words(const std::string& what, const std::string& text, std::size_t l
   for (std::string_view rest = text; !rest.empty(); ++characters) {
     const CodePoint c = decode_utf8(rest);
     if (!c.valid)
-      throw StoreError(Cause::kUsage, "TB-STORE-NOT-TEXT", fmt::format("{} is not UTF-8", what),
-                       "type it again; nothing was stored");
+      throw StoreError("TB-STORE-NOT-TEXT", fmt::format("{} is not UTF-8", what), "type it again; nothing was stored");
     rest.remove_prefix(c.bytes);
   }
   if (characters <= longest) return;
-  throw StoreError(Cause::kUsage, "TB-STORE-TOO-LONG",
+  throw StoreError("TB-STORE-TOO-LONG",
                    fmt::format("{} has {} characters, at most {} are allowed", what, characters, longest),
                    "shorten it; nothing was stored");
 }
@@ -46,7 +45,7 @@ void check_words(const std::string& what, const std::string& text, std::size_t l
 void check_said(const std::string& what, const std::string& text, std::size_t longest) {
   check_words(what, text, longest);
   if (!is_blank(text)) return;
-  throw StoreError(Cause::kUsage, "TB-STORE-BLANK", fmt::format("{} is empty or blank", what),
+  throw StoreError("TB-STORE-BLANK", fmt::format("{} is empty or blank", what),
                    "write what is to stand there; nothing was stored");
 }
 
@@ -63,7 +62,7 @@ void RunStore::set_tags(std::int64_t run, const std::vector<std::string>& add, c
   }
   for (const std::string& tag : remove) tags.erase(tag);
   if (tags.size() > kMostTags) {
-    throw StoreError(Cause::kUsage, "TB-STORE-TAG",
+    throw StoreError("TB-STORE-TAG",
                      fmt::format("run {} would have {} tags, at most {} are allowed", run, tags.size(), kMostTags),
                      "remove some with --remove");
   }

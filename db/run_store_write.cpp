@@ -207,7 +207,7 @@ void RunStore::void_branch(std::int64_t branch, const std::string& reason) {
                          .bind(branch)
                          .first<std::int64_t>();
   if (!known) {
-    throw StoreError(Cause::kUsage, "TB-STORE-NOT-FOUND", fmt::format("store {} has no branch {}", path(), branch),
+    throw StoreError("TB-STORE-NOT-FOUND", fmt::format("store {} has no branch {}", path(), branch),
                      "name a branch that begin_branch gave");
   }
   const std::int64_t run = *known;

@@ -46,7 +46,7 @@ class TakenName {
   }
   [[noreturn]] void refuse(int error) const {
     if (error == EEXIST) {
-      throw StoreError(Cause::kUsage, "TB-STORE-EXISTS", fmt::format("{} exists already and is not overwritten", path_),
+      throw StoreError("TB-STORE-EXISTS", fmt::format("{} exists already and is not overwritten", path_),
                        "name a file that does not exist yet");
     }
     throw StoreError(error == ENOSPC || error == EDQUOT ? "TB-STORE-FULL" : "TB-STORE-OPEN",

@@ -10,7 +10,7 @@ class Actuator {
   virtual ~Actuator() = default;
   // Reads the device's state and makes it ready without driving anything; commands are sent from then on. Before arm(),
   // every command throws Fault TB-<DEVICE>-NOT-ARMED. A command that is out of its limits or not-a-number throws Fault
-  // TB-<DEVICE>-LIMIT, of Cause::kLimit. In both cases nothing is sent. arm() throws Fault.
+  // TB-<DEVICE>-LIMIT. In both cases nothing is sent. arm() throws Fault.
   virtual void arm() = 0;
   // Stops commands until arm(). A failed exchange also disarms, because the device's state is then not known.
   virtual void disarm() noexcept = 0;

@@ -8,30 +8,16 @@
 
 namespace tactbench::devices {
 
-// The kind of failure; the exit code depends only on this, not on the id.
-enum class Cause {
-  kDevice,  // an instrument or its link failed, or is not as expected
-  kLimit,   // a limit or an interlock refused a command, or ended the work
-};
-
 class Fault : public std::runtime_error {
  public:
-  Fault(Cause cause, std::string id, std::string device, const std::string& message, std::string remedy)
-      : std::runtime_error(message),
-        cause_(cause),
-        id_(std::move(id)),
-        device_(std::move(device)),
-        remedy_(std::move(remedy)) {}
-  // With cause kDevice, the most common one.
-  Fault(std::string id, std::string device, const std::string& message, std::string remedy)
-      : Fault(Cause::kDevice, std::move(id), std::move(device), message, std::move(remedy)) {}
-  [[nodiscard]] Cause cause() const { return cause_; }
+  // `remedy` empty: who shows the fault to a person knows one for the id (bench/common/error_table.h).
+  Fault(std::string id, std::string device, const std::string& message, std::string remedy = {})
+      : std::runtime_error(message), id_(std::move(id)), device_(std::move(device)), remedy_(std::move(remedy)) {}
   [[nodiscard]] const std::string& id() const { return id_; }
   [[nodiscard]] const std::string& device() const { return device_; }
   [[nodiscard]] const std::string& remedy() const { return remedy_; }
 
  private:
-  Cause cause_;
   std::string id_;
   std::string device_;
   std::string remedy_;

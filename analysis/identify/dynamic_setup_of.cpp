@@ -14,7 +14,7 @@ namespace tactbench::analysis {
 namespace {
 
 AnalysisError refusal(const SensorModel& model, int taxel, const std::string& why) {
-  return {Cause::kUsage, "TB-MODEL-COMPENSATOR",
+  return {"TB-MODEL-COMPENSATOR",
           fmt::format("the model of {} makes no dynamic compensator: taxel {}: {}", model.source, taxel, why),
           "fit it again: tactbench fit RUN --model dynamic --rate RUN --creep RUN"};
 }

@@ -167,7 +167,7 @@ std::vector<History> named(const std::vector<History>& histories, const std::vec
     std::vector<std::string> there;
     for (const History& history : histories)
       if (std::ranges::find(there, history.name) == there.end()) there.push_back(history.name);
-    throw AnalysisError(Cause::kUsage, "TB-MODEL-SEQUENCE",
+    throw AnalysisError("TB-MODEL-SEQUENCE",
                         fmt::format("no sequence \"{}\"; those there are: \"{}\"", name, fmt::join(there, "\", \"")),
                         "name one of these (a table without a column sequence has one, named 1)");
   }

@@ -23,7 +23,7 @@ std::vector<double> ModelTaxel::predicted(const History& history, bool free_run)
 const ModelTaxel& SensorModel::taxel(int number) const {
   const auto found = std::ranges::find(taxels, number, &ModelTaxel::taxel);
   if (found != taxels.end()) return *found;
-  throw AnalysisError(Cause::kUsage, "TB-MODEL-TAXEL",
+  throw AnalysisError("TB-MODEL-TAXEL",
                       fmt::format("the model of {} has no taxel {}; it has {} of them", source, number, taxels.size()),
                       "name one of these with --taxel, or give the table a column that does");
 }

@@ -228,7 +228,7 @@ Histories histories_of(const std::vector<TableSeries>& series, const std::string
   std::map<int, TaxelHistories> taxels;
   for (const TableSeries& own : series) {
     if (own.input.size() < 4)
-      throw AnalysisError(Cause::kUsage, "TB-TABLE-SHORT",
+      throw AnalysisError("TB-TABLE-SHORT",
                           fmt::format("{}: sequence {} of taxel {} has {}", source, own.sequence, own.taxel,
                                       counted(own.input.size(), "sample")),
                           "a history of at least 4 samples is needed to see a loop");
@@ -241,11 +241,11 @@ Histories histories_of(const std::vector<TableSeries>& series, const std::string
   for (auto& [number, taxel] : taxels) {
     const Span x = span_of(taxel.fit, &History::x), y = span_of(taxel.fit, &History::y);
     if (x.length() <= 0.0)
-      throw AnalysisError(Cause::kUsage, "TB-TABLE-CONSTANT",
+      throw AnalysisError("TB-TABLE-CONSTANT",
                           fmt::format("{}: the input of taxel {} is {} in all rows", source, number, x.low),
                           "a history needs inputs that rise and fall; --map input=COL names another column");
     if (options.turn >= x.length())
-      throw AnalysisError(Cause::kUsage, "TB-TABLE-TURN",
+      throw AnalysisError("TB-TABLE-TURN",
                           fmt::format("{}: --turn {:g} is not less than what the inputs of taxel {} span, {:g} to {:g}",
                                       source, options.turn, number, x.low, x.high),
                           "state in input units by how much an input goes back when it turns, noise apart");

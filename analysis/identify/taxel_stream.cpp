@@ -38,7 +38,7 @@ TaxelStream::TaxelStream(const SensorModel& model, const ModelTaxel& taxel, doub
   try {
     dynamic_.emplace(*setup_, 0);
   } catch (const std::invalid_argument& error) {
-    throw AnalysisError(Cause::kUsage, "TB-MODEL-COMPENSATOR",
+    throw AnalysisError("TB-MODEL-COMPENSATOR",
                         fmt::format("{}, taxel {}: {}", model.source, taxel.taxel, error.what()),
                         "check its parameters (tactbench model show), or fit it again");
   }

@@ -135,7 +135,7 @@ ordered_json evaluation_json(const NamedEvaluation& named) {
 
 void check_operator(const std::string& name) {
   if (!db::is_blank(name)) return;
-  throw Error(ExitCode::kUsage, "TB-USAGE", "--operator is empty", "--operator", "give a name: it is recorded");
+  throw Error("TB-USAGE", "--operator is empty", "--operator", "give a name: it is recorded");
 }
 
 void add_manner(CLI::App& verb, Session& session) {

@@ -80,8 +80,8 @@ std::string_view fitting(std::string_view text, std::size_t columns) {
 
 void write_raw(std::FILE* stream, std::string_view text) {
   if (std::fwrite(text.data(), 1, text.size(), stream) == text.size() || stream == stderr) return;
-  throw Error(ExitCode::kUsage, "TB-FILE-WRITE", fmt::format("the result cannot be written: {}", std::strerror(errno)),
-              "standard output", "check space and permissions of the file, or the reader of the pipe");
+  throw Error("TB-FILE-WRITE", fmt::format("the result cannot be written: {}", std::strerror(errno)), "standard output",
+              "check space and permissions of the file, or the reader of the pipe");
 }
 
 }  // namespace

@@ -87,8 +87,8 @@ std::string beginning_of(const std::string& path) {
   std::string text(kLooked, '\0');
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (stream.bad() || !stream.is_open()) {
-    throw Error(ExitCode::kUsage, "TB-FILE-EXISTS", "there is a file that cannot be read, so what it is cannot be seen",
-                path, "write to another name, or remove it");
+    throw Error("TB-FILE-EXISTS", "there is a file that cannot be read, so what it is cannot be seen", path,
+                "write to another name, or remove it");
   }
   text.resize(static_cast<std::size_t>(stream.gcount()));
   return text;
@@ -110,8 +110,7 @@ bool belongs_to_store(const std::string& path) {
 }
 
 [[noreturn]] void cannot_write(const std::string& path, int error) {
-  throw Error(ExitCode::kUsage, "TB-FILE-WRITE", fmt::format("cannot write the file: {}", std::strerror(error)), path,
-              "check folder, space and permissions");
+  throw Error("TB-FILE-WRITE", fmt::format("cannot write the file: {}", std::strerror(error)), path);
 }
 
 // What a stream writes, into an open file that it closes.
@@ -226,23 +225,20 @@ void check_output(const std::string& path, const std::string& kind, bool replace
   if (!store && (!there || !S_ISREG(status.st_mode) || status.st_size == 0)) return;
   const std::string found = store ? kStoreLog : kind_of_file(beginning_of(path));
   if (found == kStoreFile || found == kStoreLog) {
-    throw Error(ExitCode::kUsage, "TB-FILE-STORE", fmt::format("the file is {} and is never written over", found), path,
-                "write to another name");
+    throw Error("TB-FILE-STORE", fmt::format("the file is {} and is never written over", found), path);
   }
   if (named_descriptor(path)) return;  // the user chose the redirection
   if (found == kPageFile || found == kReportDocument) {
     if (const std::string number = signed_number_in(file_text(path)); !number.empty())
-      throw Error(ExitCode::kUsage, "TB-REPORT-SIGNED", fmt::format("the file holds the signed report {}", number),
-                  path, "a signed report is not written over: name another file");
+      throw Error("TB-REPORT-SIGNED", fmt::format("the file holds the signed report {}", number), path);
   }
   if (replace || (found == kind && found != kUnknownFile)) return;
   constexpr std::size_t kShown = 120;
   const auto shown = [](const std::string& text) {
     return text.size() <= kShown ? text : text.substr(0, kShown) + "...";
   };
-  throw Error(ExitCode::kUsage, "TB-FILE-EXISTS",
-              fmt::format("there is {}, and {} would take its place", shown(found), shown(kind)), path,
-              "write to another name, or add --replace if it is not needed any more");
+  throw Error("TB-FILE-EXISTS", fmt::format("there is {}, and {} would take its place", shown(found), shown(kind)),
+              path);
 }
 
 std::size_t write_output(const std::string& path, const std::string& kind, const WriteOutput& write, bool replace) {
@@ -272,8 +268,7 @@ void write_whole(const std::string& path, const std::string& text) {
   stream.close();
   if (!stream.fail()) fs::rename(partial, path, failed);
   if (stream.fail() || failed) {
-    throw Error(ExitCode::kUsage, "TB-FILE-WRITE", "cannot write the file", path,
-                "check folder, space and permissions");
+    throw Error("TB-FILE-WRITE", "cannot write the file", path);
   }
 }
 

@@ -13,7 +13,7 @@ SplitOverrides split_overrides(const std::vector<std::string>& set) {
   for (const std::string& text : set) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos || equals == 0) {
-      throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("'{}' is not key=value", text), "--set " + text,
+      throw Error("TB-USAGE", fmt::format("'{}' is not key=value", text), "--set " + text,
                   "write --set table.key=value, for a recipe --set recipe.key=value");
     }
     const sequences::Override item{text.substr(0, equals), text.substr(equals + 1)};

@@ -32,8 +32,7 @@ bool may_stand_in_name(char c) {
 }
 
 [[noreturn]] void refuse_folder(const std::string& path, const std::string& why) {
-  throw Error(ExitCode::kUsage, "TB-FOLDER-UNSAFE", "the folder cannot be trusted: " + why, path,
-              "remove it, or name a folder of your own (TMPDIR, XDG_STATE_HOME, TACTBENCH_RUNTIME_DIR)");
+  throw Error("TB-FOLDER-UNSAFE", "the folder cannot be trusted: " + why, path);
 }
 
 // The status of what is there; does not follow a link.

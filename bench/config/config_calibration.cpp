@@ -91,14 +91,11 @@ void refuse_placeholders(const BenchConfig& config) {
   if (config.origin != devices::Origin::kHardware) return;
   const std::vector<std::string> found = placeholders_of(config), unclear = without_covers(config);
   if (found.empty() && !unclear.empty())
-    throw Error(ExitCode::kUsage, "TB-BENCH-COVERS",
-                fmt::format("{}: not stated what the certificate covers", fmt::join(unclear, ", ")), config.file,
-                "write certificate_covers = \"chain\" where it was calibrated with what reads it here, else "
-                "\"transducer\" and the limit of error of what reads it");
+    throw Error("TB-BENCH-COVERS", fmt::format("{}: not stated what the certificate covers", fmt::join(unclear, ", ")),
+                config.file);
   if (found.empty()) return;
-  throw Error(ExitCode::kUsage, "TB-BENCH-FILL-IN",
-              fmt::format("the bench file is not filled in: {}", fmt::join(found, ", ")), config.file,
-              "replace each FILL-IN by the value on the instrument or its certificate; \"\" where there is none");
+  throw Error("TB-BENCH-FILL-IN", fmt::format("the bench file is not filled in: {}", fmt::join(found, ", ")),
+              config.file);
 }
 
 }  // namespace tactbench::bench

@@ -32,9 +32,7 @@ constexpr int kSignsATimeout = 8;
 constexpr double kOwnShare = 0.9;  // of the timeout: this process counts itself as stopped before the dead-man fires
 
 [[noreturn]] void fail(const std::string& why) {
-  throw Fault("TB-DEADMAN-START", "dead-man", fmt::format("starting the dead-man: {}", why),
-              "Check that the module accepts a second connection (some accept only one), that nothing on the network "
-              "blocks it, and that this program may start processes.");
+  throw Fault("TB-DEADMAN-START", "dead-man", fmt::format("starting the dead-man: {}", why));
 }
 
 // Between fork() and exec(): system calls only.

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "bench/common/process_time.h"
-#include "bench/guard/interlock.h"
+#include "devices/fault.h"
 
 namespace tactbench::bench {
 
@@ -50,8 +50,8 @@ void Guard::log(const std::string& actuator, const std::string& text, bool let_t
 void Guard::refuse(const char* id, const char* actuator, const std::string& asked, const std::string& why,
                    const std::string& remedy) const {
   log(actuator, fmt::format("{}: {}", asked, why), false);
-  throw Interlock(id, actuator,
-                  fmt::format("{} was asked for and refused by the guard: {}; nothing was sent", asked, why), remedy);
+  throw devices::Fault(
+      id, actuator, fmt::format("{} was asked for and refused by the guard: {}; nothing was sent", asked, why), remedy);
 }
 
 void Guard::trip(const std::string& id, const std::string& what) noexcept {
@@ -116,8 +116,7 @@ void Guard::judge_pressure(const char* name, double psi) {
   const std::string what =
       fmt::format("{:.1f} psi measured by the {}, above the trip of {:.1f} psi", psi, name, limits_.safety.trip_psi);
   trip("TB-CHAMBER-TRIP", what);
-  throw Interlock("TB-CHAMBER-TRIP", "chamber", what + "; vented",
-                  "check regulator and reference before the next run; the limit is [limits] trip_psi");
+  throw devices::Fault("TB-CHAMBER-TRIP", "chamber", what + "; vented");
 }
 
 void Guard::note_feedback(Psi pressure, Nanoseconds time) {
@@ -139,8 +138,7 @@ void Guard::note_force(const devices::Wrench& wrench, Nanoseconds time) {
     const std::string what = fmt::format("F{} = {:.2f} N measured, beyond the limit of {:g} N", "xyz"[i], force[i],
                                          limits_.safety.force_n[i]);
     trip("TB-FORCE-TRIP", what);
-    throw Interlock("TB-FORCE-TRIP", "force sensor", what + "; stage halted",
-                    "check what the indenter presses on; the limit is [limits] force_n");
+    throw devices::Fault("TB-FORCE-TRIP", "force sensor", what + "; stage halted");
   }
 }
 

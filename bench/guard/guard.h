@@ -49,7 +49,7 @@ class Guard {
   void set_actuators(devices::PressureSource* source, devices::Stage* stage);
   void set_watcher(Watcher* watcher) { watcher_ = watcher; }  // may be null
 
-  // From now on commands pass and readings trip; before, each command throws Interlock TB-GUARD-NOT-ARMED.
+  // From now on commands pass and readings trip; before, each command throws Fault TB-GUARD-NOT-ARMED.
   void arm() { armed_ = true; }
   [[nodiscard]] bool armed() const { return armed_; }
   void feed();  // progress, for the dead-man; the rig's clock does it in each wait
@@ -60,7 +60,7 @@ class Guard {
   // A person has inspected the rig. A dead-man that has fired stays fired.
   void reset(const std::string& who);
 
-  // Readings, as they are taken. When armed, one beyond its limit trips and throws Interlock TB-CHAMBER-TRIP or
+  // Readings, as they are taken. When armed, one beyond its limit trips and throws Fault TB-CHAMBER-TRIP or
   // TB-FORCE-TRIP; after a trip readings are only kept.
   void note_feedback(devices::Psi pressure, devices::Nanoseconds time);
   void note_reference(devices::Psi pressure, devices::Nanoseconds time);
@@ -70,7 +70,7 @@ class Guard {
     return force_.time.count() < 0 ? std::nullopt : std::optional(force_.value);
   }
 
-  // Checks of commands. Each logs what passes, and logs and throws Interlock for what does not. Ids:
+  // Checks of commands. Each logs what passes, and logs and throws Fault for what does not. Ids:
   // TB-GUARD-NOT-ARMED, TB-GUARD-TRIPPED, TB-DEADMAN-..., TB-CHAMBER-LIMIT, TB-CHAMBER-RATE, TB-CHAMBER-STALE,
   // TB-STAGE-LIMIT, TB-STAGE-ENVELOPE, TB-FORCE-STALE.
   void check_pressure(devices::Psi pressure);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/guard/interlock.h"
+#include "devices/fault.h"
 
 namespace tactbench::bench {
 
@@ -112,7 +112,8 @@ devices::ForceReading GuardedForce::read(int records) {
   } catch (const devices::Fault& fault) {
     if (tared_ && guard_.armed() && (fault.id() == "TB-FORCE-OVERLOAD" || fault.id() == "TB-FORCE-SATURATED")) {
       guard_.trip("TB-FORCE-TRIP", fault.what());
-      throw Interlock("TB-FORCE-TRIP", fault.device(), std::string(fault.what()) + "; stage halted", fault.remedy());
+      throw devices::Fault("TB-FORCE-TRIP", fault.device(), std::string(fault.what()) + "; stage halted",
+                           fault.remedy());
     }
     throw;
   }

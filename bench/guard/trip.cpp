@@ -74,10 +74,8 @@ std::string state_folder(const std::string& machine) {
     base = given;
   } else if (is_group_folder(machine)) {
     if (::faccessat(AT_FDCWD, machine.c_str(), R_OK | W_OK | X_OK, AT_EACCESS) == 0) return machine;
-    throw Error(ExitCode::kUsage, "TB-STATE-DENIED",
-                fmt::format("user {} may not see the trips of this machine's rigs", geteuid()), machine,
-                "become a member of its group (adduser NAME tactbench); for a simulated rig set XDG_STATE_HOME to a "
-                "folder of your own");
+    throw Error("TB-STATE-DENIED", fmt::format("user {} may not see the trips of this machine's rigs", geteuid()),
+                machine);
   } else if (const std::string home = set_variable("HOME"); !home.empty()) {
     base = fs::path(home) / ".local/state";
   } else {
@@ -146,8 +144,7 @@ void TripFile::reset(const Trip& trip, const std::string& operator_name) const {
                log_path());
     fs::remove(path_);
   } catch (const std::system_error&) {
-    throw Error(ExitCode::kUsage, "TB-FILE-WRITE", "cannot remove the trip or write its log", path_,
-                "check folder, space and permissions");
+    throw Error("TB-FILE-WRITE", "cannot remove the trip or write its log", path_);
   }
 }
 
@@ -156,9 +153,9 @@ void refuse_tripped(const BenchConfig& config) {
   const TripFile file(config.id);
   const std::optional<Trip> trip = file.read();
   if (!trip) return;
-  throw Error(ExitCode::kStopped, "TB-BENCH-TRIPPED",
-              fmt::format("bench '{}' tripped at {} ({}): {}", config.id, trip->utc, trip->id, trip->what), file.path(),
-              "inspect the rig and find the cause, then: tactbench devices reset --bench FILE --operator NAME");
+  throw Error("TB-BENCH-TRIPPED",
+              fmt::format("bench '{}' tripped at {} ({}): {}", config.id, trip->utc, trip->id, trip->what),
+              file.path());
 }
 
 }  // namespace tactbench::bench

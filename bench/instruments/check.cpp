@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "analysis/counted.h"
+#include "bench/common/error.h"
 #include "bench/config/calibration_words.h"
 #include "bench/rig/device_records.h"
 #include "bench/safety/fail_safe.h"
@@ -39,7 +40,7 @@ DeviceCheck check(const std::string& role, const std::function<void(DeviceCheck&
   } catch (const devices::Fault& fault) {
     result.state = means_absent(fault.id()) ? State::kAbsent : State::kWrong;
     result.notes.insert(result.notes.begin(), fmt::format("{}: {}", fault.id(), fault.what()));
-    result.remedy = fault.remedy();
+    result.remedy = as_error(std::current_exception()).remedy();
   }
   return result;
 }

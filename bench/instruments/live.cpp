@@ -53,18 +53,17 @@ LiveSummary live_frames(const BenchConfig& config, const analysis::SensorModel& 
   rig.open_array();
   devices::TactileArray& array = rig.array();
   if (array.rows() != model.rows || array.columns() != model.columns)
-    throw Error(ExitCode::kUsage, "TB-LIVE-SHAPE",
+    throw Error("TB-LIVE-SHAPE",
                 fmt::format("the array has {} x {} taxels, the model {} x {}", array.rows(), array.columns(),
                             model.rows, model.columns),
-                config.file, "give the model of this sensor");
+                config.file);
   const double volts_per_count = array.volts_per_count().value();
   auto compensator = [&] {
     try {
       const double noisier = std::sqrt(static_cast<double>(model.scans) / options.scans);
       return analysis::ArrayStream(model, volts_per_count, noisier, kMostLostInARow);
     } catch (const std::invalid_argument& error) {  // invalid numbers of a hand-edited model
-      throw Error(ExitCode::kUsage, "TB-MODEL-COMPENSATOR", error.what(), model.source,
-                  "check its parameters (tactbench model show), or fit it again");
+      throw Error("TB-MODEL-COMPENSATOR", error.what(), model.source);
     }
   }();
   LiveSummary summary;

@@ -52,12 +52,11 @@ ReferenceCalibration calibrate_reference(const std::vector<GaugePoint>& points, 
   const std::vector<double>& readings = result.correction.reading_psi;
   const auto fall = std::adjacent_find(readings.begin(), readings.end(), std::greater_equal<>());
   if (fall != readings.end()) {
-    throw Error(ExitCode::kDevice, "TB-REFERENCE-FLAT",
+    throw Error("TB-REFERENCE-FLAT",
                 fmt::format("the reference's reading does not rise with the pressure: {:.3f} psi, and {:.3f} psi at "
                             "the next level",
                             fall[0], fall[1]),
-                "calibrate-reference",
-                "check the transducer's supply, wiring, channel and span, or give levels further apart");
+                "calibrate-reference");
   }
   for (const GaugePoint& point : points) {
     const double corrected = result.correction.corrected(devices::Psi(point.reference_psi)).value();

@@ -40,7 +40,7 @@ ScanEntry ask_modbus(const std::string& text) {
   endpoint.host = text.substr(0, colon);
   if (colon != std::string::npos) endpoint.port = std::atoi(text.c_str() + colon + 1);
   if (endpoint.host.empty() || endpoint.port <= 0 || endpoint.port > 65535) {
-    throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("'{}' is not HOST or HOST:PORT", text), "--modbus " + text,
+    throw Error("TB-USAGE", fmt::format("'{}' is not HOST or HOST:PORT", text), "--modbus " + text,
                 "e.g. --modbus 192.168.0.10:502");
   }
   endpoint.response_timeout = std::chrono::milliseconds(500);

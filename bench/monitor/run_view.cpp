@@ -10,6 +10,7 @@
 
 #include "analysis/counted.h"
 #include "analysis/documents/run_json.h"
+#include "bench/common/error_table.h"
 #include "bench/common/for_people.h"
 
 namespace tactbench::bench {
@@ -191,9 +192,8 @@ ExitCode exit_code_of(const db::RunRecord& run) {
   if (ended && run.safe_state != db::SafeState::kVerified) return ExitCode::kUnsafe;
   if (run.outcome == db::Outcome::kCompleted) return ExitCode::kPass;
   if (run.outcome == db::Outcome::kStopped || run.outcome == db::Outcome::kAborted) return ExitCode::kStopped;
-  const auto is = [&](const char* id) { return run.reason.starts_with(id); };
-  if (is("TB-SEATING:") || is("TB-RUN-HOPELESS:")) return ExitCode::kCriterionFailed;
-  return is("TB-STORE-") ? ExitCode::kStore : ExitCode::kDevice;
+  const ErrorRow* error = error_row(std::string_view(run.reason).substr(0, run.reason.find(':')));
+  return error != nullptr ? error->exit_code : ExitCode::kDevice;
 }
 
 }  // namespace tactbench::bench

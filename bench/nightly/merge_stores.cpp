@@ -26,7 +26,7 @@ struct StoredPart {
 };
 
 [[noreturn]] void refuse_parts(const std::string& what, const std::string& where, const std::string& remedy) {
-  throw Error(ExitCode::kUsage, "TB-MERGE-SHARD", what, where, remedy);
+  throw Error("TB-MERGE-SHARD", what, where, remedy);
 }
 
 std::vector<db::RunStore> open_parts(const std::vector<std::string>& names, const db::RunStore& store) {
@@ -34,10 +34,10 @@ std::vector<db::RunStore> open_parts(const std::vector<std::string>& names, cons
   for (std::size_t i = 0; i < names.size(); ++i) {
     std::error_code missing;
     if (fs::equivalent(names[i], store.path(), missing))
-      throw Error(ExitCode::kUsage, "TB-USAGE", "a store is not merged into itself", names[i], "leave it out");
+      throw Error("TB-USAGE", "a store is not merged into itself", names[i], "leave it out");
     for (std::size_t j = 0; j < i; ++j)
       if (fs::equivalent(names[i], names[j], missing))
-        throw Error(ExitCode::kUsage, "TB-USAGE", "this store is named twice", names[i], "name each store once");
+        throw Error("TB-USAGE", "this store is named twice", names[i], "name each store once");
     parts.push_back(db::RunStore::open_read_only(names[i]));
   }
   return parts;

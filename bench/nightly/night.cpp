@@ -47,8 +47,7 @@ std::string talk_in(const fs::path& log) {
 void refuse_store_of_others(const std::string& path) {
   std::error_code missing;
   if (fs::file_size(path, missing) == 0 || missing || is_scenario_store(path)) return;
-  throw Error(ExitCode::kUsage, "TB-FILE-STORE",
-              "a file of this name exists that is not a store of a night; it is never removed", path,
+  throw Error("TB-FILE-STORE", "a file of this name exists that is not a store of a night; it is never removed", path,
               "name another folder with --stores");
 }
 
@@ -84,10 +83,11 @@ class Night {
       if (!child.program.ended_by(last)) child.program.kill_group();
     children_.clear();
     const auto done = std::ranges::count_if(results_, [](const auto& result) { return result.has_value(); });
-    throw Error(code_of_signal(signal), "TB-NIGHTLY-STOPPED",
+    throw Error("TB-NIGHTLY-STOPPED",
                 fmt::format("the night was ended by {} after {} of {}", signal_text(signal), done,
                             analysis::counted(results_.size(), "scenario")),
-                suite_.file, "--db keeps nothing of a night that did not end; start it again");
+                suite_.file)
+        .by_signal(signal);
   }
 
   [[nodiscard]] fs::path file(std::size_t scenario, const char* ending) const {
@@ -120,16 +120,15 @@ class Night {
     const std::string program = child.words.front(), log = file(scenario, ".log").string();
     child.output = ::open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0644);
     if (child.output < 0)
-      throw Error(ExitCode::kUsage, "TB-FILE-WRITE", fmt::format("cannot write the file: {}", std::strerror(errno)),
-                  log, "check folder, space and permissions; a link is not followed");
+      throw Error("TB-FILE-WRITE", fmt::format("cannot write the file: {}", std::strerror(errno)), log,
+                  "check folder, space and permissions; a link is not followed");
     const std::string head = fmt::format("{}{}\n", kTalkHead, own.label);  // by which the next night recognises it
     (void)!::write(child.output, head.data(), head.size());
     try {
       children_.push_back({scenario, ChildProgram(std::move(child)), NightClock::now(), false});
     } catch (const std::system_error& error) {
-      throw Error(ExitCode::kInternal, "TB-NIGHTLY-SPAWN",
-                  fmt::format("scenario {} could not be started: {}", own.label, error.code().message()), program,
-                  "check the limits of processes and memory");
+      throw Error("TB-NIGHTLY-SPAWN",
+                  fmt::format("scenario {} could not be started: {}", own.label, error.code().message()), program);
     }
   }
 

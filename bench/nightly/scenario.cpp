@@ -52,8 +52,8 @@ bool run_once(const Scenario& scenario, const std::vector<std::string>& set, std
   RunRequest request;
   request.bench = read_bench(find_config(scenario.bench), overrides.bench, {seed, scenario.sensor_seed});
   if (!request.bench.simulation)
-    throw Error(ExitCode::kUsage, "TB-NIGHTLY-BENCH", "the nightly suite runs on simulated rigs only",
-                fmt::format("scenario {}, bench {}", scenario.name, scenario.bench), "name a simulated bench");
+    throw Error("TB-NIGHTLY-BENCH", "the nightly suite runs on simulated rigs only",
+                fmt::format("scenario {}, bench {}", scenario.name, scenario.bench));
   for (const std::string& name : scenario.recipes)
     request.recipes.push_back(sequences::read_recipe(find_recipe(name), overrides.recipe));
   check_recipes(request.recipes, request.bench);

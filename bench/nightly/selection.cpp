@@ -13,8 +13,8 @@ Suite selected(Suite suite, const Selection& selection) {
   if (!selection.only.empty()) {
     std::erase_if(suite.scenarios, [&](const Scenario& scenario) { return scenario.name != selection.only; });
     if (suite.scenarios.empty())
-      throw Error(ExitCode::kUsage, "TB-NIGHTLY-SCENARIO", fmt::format("there is no scenario '{}'", selection.only),
-                  suite.file, "tactbench nightly SUITE --list shows them");
+      throw Error("TB-NIGHTLY-SCENARIO", fmt::format("there is no scenario '{}'", selection.only), suite.file,
+                  "tactbench nightly SUITE --list shows them");
   }
   if (selection.seed)
     for (Scenario& scenario : suite.scenarios) scenario.seed = *selection.seed;

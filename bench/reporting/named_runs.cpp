@@ -18,17 +18,16 @@ std::vector<db::RunRecord> named_runs(analysis::Runs& runs, const std::vector<st
   std::vector<db::RunRecord> records;
   for (const std::int64_t run : numbers) {
     if (std::ranges::find(records, run, &db::RunRecord::run) != records.end())
-      throw Error(ExitCode::kUsage, "TB-RUN-TWICE", fmt::format("run {} is named twice", run), named.at,
+      throw Error("TB-RUN-TWICE", fmt::format("run {} is named twice", run), named.at,
                   "name each run once: counted twice, it would look like a repetition");
     if (run == named.models_of)
-      throw Error(ExitCode::kUsage, "TB-RUN-OWN",
-                  fmt::format("the models were made from run {}: it is not independent data for them", run), named.at,
-                  "name other runs of the same sensor");
+      throw Error("TB-RUN-OWN",
+                  fmt::format("the models were made from run {}: it is not independent data for them", run), named.at);
     records.push_back(runs.record(run));
     const db::RunRecord& record = records.back();
     if (!record.is_void()) continue;
     if (!void_too || !named.void_can_be_taken)
-      throw Error(ExitCode::kUsage, "TB-RUN-VOID", void_in_words(record), named.at,
+      throw Error("TB-RUN-VOID", void_in_words(record), named.at,
                   named.void_can_be_taken ? "name another run, or add --void-too: the results are then marked"
                                           : "name another run: a void run cannot be accepted");
     tty::print(stderr, "warning: {}; used because of --void-too\n", void_in_words(record));

@@ -30,7 +30,7 @@ namespace fs = std::filesystem;
 constexpr auto kPdfDeadline = std::chrono::seconds(120);
 
 [[noreturn]] void pdf_failed(const std::string& what, const std::string& where, const std::string& remedy) {
-  throw Error(ExitCode::kUsage, "TB-REPORT-PDF", what, where, remedy);
+  throw Error("TB-REPORT-PDF", what, where, remedy);
 }
 
 std::string in_path(const std::string& program) {

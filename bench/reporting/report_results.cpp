@@ -39,7 +39,7 @@ analysis::ArrayGeometry geometry_of(const db::RunRecord& run) {
 }
 
 [[noreturn]] void refuse_own(const StudyRun& study) {
-  throw Error(ExitCode::kUsage, "TB-REPORT-STUDY",
+  throw Error("TB-REPORT-STUDY",
               fmt::format("run {} is the report's own, which the others are held against", study.run),
               fmt::format("--studies {}{}{}", study.run, study.role.empty() ? "" : ":", study.role),
               "name the further runs only");
@@ -71,8 +71,7 @@ class StudyGatherer {
     if (analysis::at_another_temperature(runs_.temperatures_c(input_.run.run), runs_.temperatures_c(study.run))) return;
     if (own) refuse_own(study);
     throw Error(
-        ExitCode::kUsage, "TB-REPORT-STUDY",
-        fmt::format("run {} holds plain loops, whose purpose is not recorded", study.run),
+        "TB-REPORT-STUDY", fmt::format("run {} holds plain loops, whose purpose is not recorded", study.run),
         fmt::format("--studies {}", study.run),
         fmt::format("{0}:mount when the sensor was mounted anew, {0}:90 when it was turned in the chamber by 90 "
                     "degrees counter-clockwise; a run at another temperature is known by its thermometer's readings, "
@@ -167,11 +166,11 @@ std::vector<StudyRun> study_runs_of(const std::vector<std::string>& words) {
     const bool is_number = error == std::errc() && end == number.data() + number.size() && !number.empty();
     const bool is_role = colon == std::string::npos || std::ranges::find(kStudyRoles, study.role) != kStudyRoles.end();
     if (!is_number || !is_role)
-      throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("'{}' is no run with a role", word), "--studies",
+      throw Error("TB-USAGE", fmt::format("'{}' is no run with a role", word), "--studies",
                   "RUN, RUN:mount, RUN:0, RUN:90, RUN:180 or RUN:270");
     const auto same = [&](const StudyRun& other) { return other.run == study.run && other.role == study.role; };
     if (std::ranges::any_of(out, same))
-      throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("'{}' is named twice", word), "--studies",
+      throw Error("TB-USAGE", fmt::format("'{}' is named twice", word), "--studies",
                   "each run once: one counted twice would seem to repeat itself");
     out.push_back(std::move(study));
   }
@@ -183,7 +182,7 @@ void add_results(analysis::ReportInput& input, analysis::Runs& runs, const Repor
   const bool evaluated = !input.evaluation.levels.empty();  // a run under an object has no full loop
   if (input.fit.taxels.empty() || (!evaluated && !extras.previous.empty())) {
     if (studies.empty() && extras.previous.empty()) return;
-    throw Error(ExitCode::kUsage, "TB-REPORT-STUDY", "studies and earlier models need models of the report's own run",
+    throw Error("TB-REPORT-STUDY", "studies and earlier models need models of the report's own run",
                 fmt::format("run {}", input.run.run), fmt::format("fit it first: tactbench fit {}", input.run.run));
   }
   std::optional<analysis::SensorModel> previous;

@@ -29,7 +29,7 @@ bool may_be_written(const std::string& path, const std::string& number, const db
   const std::string there = signed_report_in(path, store);
   if (there.empty()) return true;
   if (there == number) return false;
-  throw Error(ExitCode::kUsage, "TB-REPORT-SIGNED", fmt::format("the file holds the signed report {}", there), path,
+  throw Error("TB-REPORT-SIGNED", fmt::format("the file holds the signed report {}", there), path,
               "a signed report is not written over: name another file with -o");
 }
 

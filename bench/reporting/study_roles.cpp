@@ -56,7 +56,7 @@ std::optional<double> degrees_in(const Recorded& recorded) {
 }
 
 [[noreturn]] void refuse(const StudyRun& study, const std::string& what, const std::string& remedy) {
-  throw Error(ExitCode::kUsage, "TB-REPORT-STUDY", what, fmt::format("--studies {}:{}", study.run, study.role), remedy);
+  throw Error("TB-REPORT-STUDY", what, fmt::format("--studies {}:{}", study.run, study.role), remedy);
 }
 
 // Turned against the report's own run, 0 to 360 degrees; none where the run does not record it.

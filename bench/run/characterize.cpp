@@ -194,8 +194,7 @@ class RunLifecycle {
     ending_.take_last_command(place());
     const bool safe = proof_.state == db::SafeState::kVerified;
     if (!safe) {
-      ending_.by(Error(ExitCode::kUnsafe, "TB-SAFE-UNVERIFIED", "the safe state could not be proved",
-                       fmt::format("run {}", result_.run), "read the chamber's own gauge before touching the rig"));
+      ending_.by(Error("TB-SAFE-UNVERIFIED", "the safe state could not be proved", fmt::format("run {}", result_.run)));
     }
     result_.outcome = ending_.outcome();
     const std::string reason =

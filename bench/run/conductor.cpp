@@ -103,9 +103,7 @@ void Conductor::branch(const BranchSpan& span) {
       recorder_.event("branch-broken", "TB-BRANCH-BROKEN", what);
       give_up("TB-BRANCH-BROKEN: " + path.what);
       if (broken++ >= recipe.guard.redo) {
-        throw Fault("TB-BRANCH-BROKEN", "sequencer", fmt::format("{}, {}", what, analysis::counted(broken, "time")),
-                    "see the traces of the void branches: a leak, an overshooting valve or a tolerance below the "
-                    "noise; the recipe's [guard] table has tolerance_psi, redo and on_broken");
+        throw Fault("TB-BRANCH-BROKEN", "sequencer", fmt::format("{}, {}", what, analysis::counted(broken, "time")));
       }
     } catch (const Suspended& suspended) {
       give_up("suspended: " + suspended.what);
@@ -215,11 +213,10 @@ void Conductor::fail_fast(const Step& step) {
   const double mean = sum / static_cast<double>(now.size());
   const bool weak = mean < limits.least_response_v;
   if (!weak && (limits.most_dead_taxels < 0 || dead <= limits.most_dead_taxels)) return;
-  throw Error(ExitCode::kCriterionFailed, "TB-RUN-HOPELESS",
+  throw Error("TB-RUN-HOPELESS",
               fmt::format("at the first {:.0f} psi the array answers with {:.3f} V on average and {} not at all",
                           step.setpoint.value(), mean, analysis::counted(dead, "taxel")),
-              fmt::format("recipe '{}' [limits]", recipe.name),
-              "check seating, connector and membrane; the limits are least_response_v and most_dead_taxels");
+              fmt::format("recipe '{}' [limits]", recipe.name));
 }
 
 void Conductor::give_up(const std::string& reason) {

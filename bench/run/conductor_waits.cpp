@@ -92,9 +92,7 @@ void Conductor::suspend(const Suspended& suspended) {
   while (!watch.may_resume(rig.environment(), rig.clock().now())) {
     if (rig.clock().now() > deadline) {
       throw Fault("TB-RUN-SUSPENDED", "surroundings",
-                  fmt::format("{}, and it did not come back within {:g} s", suspended.what, suspended.timeout_s),
-                  "restore the supply or the room's temperature, then `tactbench resume`; the recipe's [[suspend]] has "
-                  "timeout_s");
+                  fmt::format("{}, and it did not come back within {:g} s", suspended.what, suspended.timeout_s));
     }
     sequencer_.idle();
   }
@@ -152,8 +150,7 @@ bool Conductor::vented(const std::string& why) {
 
 void Conductor::vent(const std::string& why) {
   if (vented(why)) return;
-  throw Error(ExitCode::kUnsafe, "TB-SAFE-UNVERIFIED", "the safe state could not be proved " + why,
-              fmt::format("run {}", status_.run), "read the chamber's own gauge before touching the rig");
+  throw Error("TB-SAFE-UNVERIFIED", "the safe state could not be proved " + why, fmt::format("run {}", status_.run));
 }
 
 void Conductor::recover() {

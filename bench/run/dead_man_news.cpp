@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include "bench/common/for_people.h"
-#include "bench/guard/interlock.h"
 #include "bench/rig/rig.h"
 #include "bench/run/control/progress.h"
 #include "bench/run/recorder.h"
+#include "devices/fault.h"
 
 namespace tactbench::bench {
 
@@ -33,7 +33,7 @@ void tell_dead_man_news(Rig& rig) {
 
 void check_dead_man(Rig& rig) {
   if (rig.dead_man() == nullptr) return;
-  if (const auto lost = rig.dead_man()->lost()) throw Interlock(lost->id, "dead-man", lost->what, lost->remedy);
+  if (const auto lost = rig.dead_man()->lost()) throw devices::Fault(lost->id, "dead-man", lost->what, lost->remedy);
 }
 
 }  // namespace tactbench::bench

@@ -11,7 +11,7 @@ class Rig;
 void record_dead_man_news(Rig& rig, Recorder& recorder, Progress& progress);
 // The same for verbs that keep no record: one line each on standard error.
 void tell_dead_man_news(Rig& rig);
-// Throws Interlock TB-DEADMAN-SILENT, TB-DEADMAN-ENDED, TB-DEADMAN-BLIND when it no longer watches.
+// Throws Fault TB-DEADMAN-SILENT, TB-DEADMAN-ENDED, TB-DEADMAN-BLIND when it no longer watches.
 void check_dead_man(Rig& rig);
 
 }  // namespace tactbench::bench

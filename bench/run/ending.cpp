@@ -9,15 +9,11 @@ namespace {
 Error error_of(const Leave& leave, const std::string& where) {
   if (leave.command != Command::kStop) {
     const bool panic = leave.command == Command::kPanic;
-    return Error(ExitCode::kStopped, panic ? "TB-RUN-PANIC" : "TB-RUN-ABORTED",
-                 fmt::format("{} by {}", panic ? "panic" : "aborted", leave.who), where,
-                 "inspect the rig before the next run; the frames so far are kept")
+    return Error(panic ? ErrorId("TB-RUN-PANIC") : ErrorId("TB-RUN-ABORTED"),
+                 fmt::format("{} by {}", panic ? "panic" : "aborted", leave.who), where)
         .by_word();
   }
-  return Error(leave.signal != 0 ? code_of_signal(leave.signal) : ExitCode::kStopped, "TB-RUN-STOPPED",
-               "stopped by " + leave.who, where,
-               "the frames so far are kept; `tactbench resume` repeats the interrupted branch and continues")
-      .by_word();
+  return Error("TB-RUN-STOPPED", "stopped by " + leave.who, where).by_signal(leave.signal).by_word();
 }
 
 bool command_wins(const Leave& leave, const Error& met) {
@@ -26,10 +22,8 @@ bool command_wins(const Leave& leave, const Error& met) {
 
 // 7 outranks all other exit codes.
 Error with_fault(const Error& word, const Error& met) {
-  const ExitCode code = met.code() == ExitCode::kUnsafe ? ExitCode::kUnsafe : word.code();
-  return Error(code, word.id(), fmt::format("{}; also, while the run ended: {}", word.what(), met.id()), word.where(),
-               word.remedy())
-      .by_word();
+  return word.with_message(fmt::format("{}; also, while the run ended: {}", word.what(), met.id()))
+      .with_rig_state(word.rig_state(), met.code() != ExitCode::kUnsafe);
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ void check_limits_of(const Recipe& recipe, const BenchConfig& bench) {
   for (const Margin& margin : margins(sequences::compile(recipe, 0), bench)) {
     if (margin.within()) continue;
     const bool high = margin.highest > margin.high_limit;
-    throw Error(ExitCode::kUsage, "TB-RECIPE-LIMIT",
+    throw Error("TB-RECIPE-LIMIT",
                 fmt::format("recipe '{}' goes to {:.2f} {} of {}, beyond the bench's limit of {:.2f} {}", recipe.name,
                             high ? margin.highest : margin.lowest, margin.unit, margin.axis,
                             high ? margin.high_limit : margin.low_limit, margin.unit),
@@ -47,7 +47,7 @@ void check_limits_of(const Recipe& recipe, const BenchConfig& bench) {
 
 void check_devices_of(const Recipe& recipe, const BenchConfig& bench) {
   const auto lacking = [&](const std::string& what, const std::string& remedy) {
-    throw Error(ExitCode::kUsage, "TB-RECIPE-DEVICES",
+    throw Error("TB-RECIPE-DEVICES",
                 fmt::format("recipe '{}' needs {}, which bench '{}' does not have", recipe.name, what, bench.id),
                 bench.file, remedy);
   };
@@ -68,8 +68,7 @@ void check_press_of(const Recipe& recipe, const BenchConfig& bench) {
   const std::vector<std::string> complaints = press_complaints(recipe, bench, any);
   if (complaints.empty()) return;
   throw Error(
-      ExitCode::kUsage, "TB-RECIPE-LIMIT", complaints.front(),
-      fmt::format("recipe '{}', bench '{}'", recipe.name, bench.id),
+      "TB-RECIPE-LIMIT", complaints.front(), fmt::format("recipe '{}', bench '{}'", recipe.name, bench.id),
       "lower forces_n, or slow approach or servo down; the limits are [limits] force_n and clear_z_mm and those "
       "of [stage]");
 }

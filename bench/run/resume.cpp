@@ -20,8 +20,7 @@ using sequences::Step;
 namespace {
 
 [[noreturn]] void changed(std::int64_t run, const std::string& what) {
-  throw Error(ExitCode::kUsage, "TB-RUN-CHANGED", fmt::format("run {} {}", run, what), fmt::format("run {}", run),
-              "its recipes or this program make other steps than it was begun with: start a new run");
+  throw Error("TB-RUN-CHANGED", fmt::format("run {} {}", run, what), fmt::format("run {}", run));
 }
 
 void check_same_recipes(const db::RunRecord& record, const std::vector<sequences::Recipe>& recipes) {
@@ -45,8 +44,8 @@ ResumePoint reopen(db::RunStore& store, std::int64_t run, const std::vector<sequ
   point.had_ended = fmt::format("{}: {}", to_string(record.outcome), record.reason);
 
   if (record.outcome == db::Outcome::kCompleted) {
-    throw Error(ExitCode::kUsage, "TB-RUN-COMPLETED", fmt::format("run {} is completed: nothing is left to do", run),
-                fmt::format("run {}", run), "start a new run");
+    throw Error("TB-RUN-COMPLETED", fmt::format("run {} is completed: nothing is left to do", run),
+                fmt::format("run {}", run));
   }
   check_same_recipes(record, recipes);
 

@@ -108,11 +108,10 @@ std::optional<BenchConfig> stored_bench(const db::RunRecord& run) {
 void check_geometry(const RunRequest& request) {
   const devices::HidScannerOptions& scanner = request.bench.scanner;
   if (request.sensor_type.rows == scanner.rows && request.sensor_type.columns == scanner.columns) return;
-  throw Error(ExitCode::kUsage, "TB-SENSOR-GEOMETRY",
+  throw Error("TB-SENSOR-GEOMETRY",
               fmt::format("sensor type '{}' has {} x {} taxels, the bench's scanner {} x {}", request.sensor_type.name,
                           request.sensor_type.rows, request.sensor_type.columns, scanner.rows, scanner.columns),
-              request.bench.file + " [scanner], sensor " + request.sensor.serial,
-              "use the bench file of this sensor's scanner, or correct rows and columns");
+              request.bench.file + " [scanner], sensor " + request.sensor.serial);
 }
 
 void check_same_devices(const db::RunRecord& begun, const std::vector<db::DeviceRecord>& now) {
@@ -123,8 +122,7 @@ void check_same_devices(const db::RunRecord& begun, const std::vector<db::Device
     if (same != now.end()) continue;
     throw devices::Fault(
         "TB-RESUME-DEVICES", before.role,
-        fmt::format("run {} began with {} '{}', which is not there now", begun.run, before.model, before.serial),
-        "connect the device that the run began with, or start a new run");
+        fmt::format("run {} began with {} '{}', which is not there now", begun.run, before.model, before.serial));
   }
 }
 
@@ -135,10 +133,7 @@ void keep_devices(db::RunStore& store, std::int64_t run, const std::vector<db::D
     store.set_devices(run, devices);  // a new run, or one that died before it knew its devices
   } catch (const db::StoreError& error) {
     if (error.id() != "TB-STORE-TOO-LONG" && error.id() != "TB-STORE-NOT-TEXT") throw;
-    throw devices::Fault(
-        "TB-DEVICE-NAME", "instruments", error.what(),
-        "it answers nonsense, or another device does: check wiring, address and firmware, and what the "
-        "bench file calls it");
+    throw devices::Fault("TB-DEVICE-NAME", "instruments", error.what());
   }
 }
 

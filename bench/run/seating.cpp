@@ -124,9 +124,8 @@ void check_seat(Sequencer& sequencer, Recorder& recorder, const db::RunStore& st
     }
   }
   if (failed.empty()) return;
-  throw Error(ExitCode::kCriterionFailed, "TB-SEATING", fmt::format("{}", fmt::join(failed, "; ")),
-              fmt::format("sensor {}, seating check at {:.1f} psi", request.sensor.serial, now.pressure_psi),
-              "reseat the sensor and its connector; `tactbench runs show` prints what the check found");
+  throw Error("TB-SEATING", fmt::format("{}", fmt::join(failed, "; ")),
+              fmt::format("sensor {}, seating check at {:.1f} psi", request.sensor.serial, now.pressure_psi));
 }
 
 }  // namespace tactbench::bench

@@ -33,8 +33,7 @@ Baseline Sequencer::read_baseline() {
   const double highest = std::max(readings_.feedback.pressure.value(), readings_.reference.pressure.value());
   if (highest >= rig_.config().limits.safe_psi) {
     throw Fault("TB-CHAMBER-NOT-VENTED", "chamber",
-                fmt::format("the chamber holds {:.1f} psi before the first command", highest),
-                "vent the chamber; check the zero of regulator and reference");
+                fmt::format("the chamber holds {:.1f} psi before the first command", highest));
   }
   std::string flags;
   return baseline_of(read_array(flags));
@@ -96,8 +95,7 @@ void Sequencer::check_array() {
   if (stuck.all) {
     throw Fault("TB-SCANNER-STALE", "tactile scanner",
                 fmt::format("the frame at {:.1f} psi is to the last bit the one before, at another pressure",
-                            readings_.reference.pressure.value()),
-                "the scanner repeats what it read: restart it; check its firmware's buffer");
+                            readings_.reference.pressure.value()));
   }
   if (!stuck.rows.empty()) add_flag("row-stuck");
 }
@@ -158,8 +156,7 @@ void Sequencer::settle(const Step& step) {
                   fmt::format("chamber did not reach {:.1f} psi ({:.1f} kPa) within {:g} s; last reading {:.2f} psi by "
                               "the regulator, {:.2f} psi by the reference, moving {:.2f} psi/s",
                               step.setpoint.value(), devices::kilopascals(step.setpoint), settling.timeout_s,
-                              readings_.feedback.pressure.value(), reference, slope),
-                  "check the compressor supply and for leaks; raise [settling] timeout_s or band_psi");
+                              readings_.feedback.pressure.value(), reference, slope));
     }
   }
   readings_.in_band_since = clock.now();
@@ -230,7 +227,7 @@ void Sequencer::check_agreement() {
   const Nanoseconds now = rig_.clock().now();
   if (!disagree_since_) disagree_since_ = now;
   if (now - *disagree_since_ < seconds(limits.disagreement_s)) return;
-  throw Fault(devices::Cause::kLimit, "TB-CHAMBER-DISAGREE", "chamber",
+  throw Fault("TB-CHAMBER-DISAGREE", "chamber",
               fmt::format("the regulator's feedback reads {:.2f} psi and the reference {:.2f} psi, apart for {:.1f} s",
                           readings_.feedback.pressure.value(), readings_.reference.pressure.value(),
                           devices::in_seconds(now - *disagree_since_)),

@@ -19,8 +19,7 @@ void load_specimen(Rig& rig, const std::string& file) {
   try {
     rig.plant()->set_specimen_state(analysis::whole_file(file, {kLargestState}, "TB-SPECIMEN-STATE", ""));
   } catch (const std::exception& error) {
-    throw Error(ExitCode::kUsage, "TB-SPECIMEN-STATE", fmt::format("not a specimen state: {}", error.what()), file,
-                "give a file that --specimen-state wrote for this sensor seed, or a new name");
+    throw Error("TB-SPECIMEN-STATE", fmt::format("not a specimen state: {}", error.what()), file);
   }
 }
 
@@ -29,8 +28,7 @@ void save_specimen(Rig& rig, const std::string& file) {
   std::ofstream stream(file);
   stream << rig.plant()->specimen_state();
   if (!stream.flush()) {
-    throw Error(ExitCode::kUsage, "TB-SPECIMEN-STATE", "cannot write the specimen state", file,
-                "check folder and space");
+    throw Error("TB-SPECIMEN-STATE", "cannot write the specimen state", file, "check folder and space");
   }
 }
 

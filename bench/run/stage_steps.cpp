@@ -50,9 +50,9 @@ std::vector<std::string> press_complaints(const sequences::Recipe& recipe, const
 void StageSteps::open(const sequences::Recipe& recipe) {
   Rig& rig = sequencer_.rig();
   if (rig.stage_gate() == nullptr || !rig.config().force) {
-    throw Error(ExitCode::kUsage, "TB-BENCH-NO-STAGE",
+    throw Error("TB-BENCH-NO-STAGE",
                 fmt::format("recipe '{}' presses, but the bench has no stage or no force sensor", recipe.name),
-                rig.config().file, "add [stage] and [force] to the bench file, or leave the recipe out");
+                rig.config().file);
   }
   // The module's watchdog may set its outputs to 0 meanwhile, where they are anyway.
   if (rig.source().armed()) rig.source().disarm();
@@ -63,8 +63,7 @@ void StageSteps::open(const sequences::Recipe& recipe) {
   // The calibrated range is known only once the sensor is open. Nothing has moved yet.
   const std::vector<std::string> complaints = press_complaints(recipe, rig.config(), force.range());
   if (!complaints.empty()) {
-    throw Error(ExitCode::kStopped, "TB-PRESS-LIMIT", fmt::format("recipe '{}': {}", recipe.name, complaints.front()),
-                rig.config().file, "lower forces_n, slow approach or servo down, or fit another calibration");
+    throw Error("TB-PRESS-LIMIT", fmt::format("recipe '{}': {}", recipe.name, complaints.front()), rig.config().file);
   }
   PressHooks hooks;
   hooks.wait = [this](devices::Nanoseconds time) { sequencer_.wait_until(time); };

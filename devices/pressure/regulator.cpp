@@ -58,7 +58,7 @@ std::uint16_t Regulator::command(Psi pressure) {
   const Volts volts = options_.command_span.voltage(pressure);
   const bool reachable = volts >= Volts(scale.low) && volts <= Volts(scale.high);
   if (!allowed || !reachable) {
-    throw Fault(Cause::kLimit, "TB-CHAMBER-LIMIT", "regulator",
+    throw Fault("TB-CHAMBER-LIMIT", "regulator",
                 fmt::format("{:g} psi was requested, {}; nothing was sent", pressure.value(),
                             allowed ? fmt::format("which needs {:g} V of an output of {:g} to {:g} V", volts.value(),
                                                   scale.low, scale.high)

@@ -17,7 +17,7 @@ void check_times(const SensorModel& model, const Histories& histories) {
   for (const TaxelHistories& taxel : histories.taxels)
     for (const History& history : taxel.score)
       if (history.time_s.size() != history.x.size())
-        throw AnalysisError(Cause::kUsage, "TB-MODEL-DYNAMIC",
+        throw AnalysisError("TB-MODEL-DYNAMIC",
                             fmt::format("{} tells no times, and without them the dynamic model of {} cannot undo lag "
                                         "and creep",
                                         histories.source, model.source),

@@ -30,7 +30,7 @@ ArrayStream::ArrayStream(const SensorModel& model, double volts_per_count, doubl
   }
   if (model.array().size() != static_cast<std::size_t>(model.rows) * static_cast<std::size_t>(model.columns))
     throw AnalysisError(
-        Cause::kUsage, "TB-MODEL-COMPENSATOR",
+        "TB-MODEL-COMPENSATOR",
         fmt::format("{} of {} cannot compensate frames: it is not of a whole array", label_of(model), model.source),
         "fit a run of the array: tactbench fit RUN");
   if (model.dynamics) {

@@ -239,7 +239,7 @@ std::string sha256_of(const SensorModel& document) { return db::sha256_hex(to_te
 
 SensorModel document_from_text(const std::string& text, const std::string& file) {
   const auto refuse = [&](const std::string& what) -> AnalysisError {
-    return {Cause::kUsage, "TB-MODEL-DOCUMENT", fmt::format("{} is no model: {}", file, what),
+    return {"TB-MODEL-DOCUMENT", fmt::format("{} is no model: {}", file, what),
             "give a file that tactbench fit -o or model export wrote"};
   };
   try {

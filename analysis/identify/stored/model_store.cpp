@@ -43,8 +43,7 @@ bool is_whole(const SensorModel& fit) {
 
 [[noreturn]] void malformed(const db::FitRecord& record, const std::string& what) {
   throw AnalysisError(
-      Cause::kStored, "TB-MODEL-STORED",
-      fmt::format("fit {} of run {} cannot be read: {}", record.fit, record.run, what),
+      "TB-MODEL-STORED", fmt::format("fit {} of run {} cannot be read: {}", record.fit, record.run, what),
       fmt::format("fit the run again: tactbench fit {}; tactbench db check lists what else is damaged", record.run));
 }
 
@@ -54,7 +53,7 @@ std::vector<double> values_of(std::span<const double> values) { return {values.b
 
 FrameSetup frame_setup_of(const SensorModel& document, double volts_per_count) {
   const auto refuse = [&](const std::string& why) -> AnalysisError {
-    return {Cause::kUsage, "TB-MODEL-COMPENSATOR",
+    return {"TB-MODEL-COMPENSATOR",
             fmt::format("{} of {} cannot compensate frames: {}", label_of(document), document.source, why),
             "fit ELAM on a run of the array: tactbench fit RUN --model elam"};
   };
@@ -147,13 +146,11 @@ SensorModel load_model(const std::string& model, const db::RunStore* store) {
                               model);
   }
   if (store == nullptr)
-    throw AnalysisError(Cause::kUsage, "TB-MODEL-OPEN", fmt::format("{} names a run, and no store is given", model),
-                        "add --db FILE");
+    throw AnalysisError("TB-MODEL-OPEN", fmt::format("{} names a run, and no store is given", model), "add --db FILE");
   if (colon != std::string::npos) {
     const auto fit = number_from(std::string_view(model).substr(colon + 1));
     if (fit && store->fit(*fit).run == *run) return load_fit(store->fit(*fit));
-    throw AnalysisError(Cause::kUsage, "TB-MODEL-OPEN",
-                        fmt::format("run {} has no fit \"{}\"", *run, model.substr(colon + 1)),
+    throw AnalysisError("TB-MODEL-OPEN", fmt::format("run {} has no fit \"{}\"", *run, model.substr(colon + 1)),
                         "tactbench runs show RUN lists its fits");
   }
   return load_fit(*store, *run);

@@ -28,7 +28,7 @@ RecordingStream::RecordingStream(const SensorModel& model, const ModelTaxel& tax
     try {
       dynamic_.emplace(*setup_, 0);
     } catch (const std::invalid_argument& error) {
-      throw AnalysisError(Cause::kUsage, "TB-MODEL-COMPENSATOR",
+      throw AnalysisError("TB-MODEL-COMPENSATOR",
                           fmt::format("{}, taxel {}: {}", model.source, taxel.taxel, error.what()),
                           "check its parameters (tactbench model show), or fit it again");
     }

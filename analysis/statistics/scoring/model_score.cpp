@@ -37,7 +37,7 @@ void check_same_source(const SensorModel& document, const Histories& histories) 
                     or_not_stated(histories.sensor_serial), or_not_stated(histories.scanner_serial)),
         "score on runs of the sensor that was fitted");
   if (document.input_unit != histories.input_unit || document.output_unit != histories.output_unit)
-    throw AnalysisError(Cause::kUsage, "TB-MODEL-UNITS",
+    throw AnalysisError("TB-MODEL-UNITS",
                         fmt::format("the model has {}, {} has {}", units_of(document.input_unit, document.output_unit),
                                     histories.source, units_of(histories.input_unit, histories.output_unit)),
                         "give the units of the table: --input-unit U --output-unit U");

@@ -27,7 +27,7 @@ namespace {
 using sequences::Recipe;
 
 [[noreturn]] void refuse(const std::string& what, const std::string& where, const std::string& remedy) {
-  throw Error(ExitCode::kUsage, "TB-USAGE", what, where, remedy);
+  throw Error("TB-USAGE", what, where, remedy);
 }
 
 // As a shell takes it for one word.
@@ -89,7 +89,7 @@ class Calibration {
     }
     if (options_.held_out == 0) check_levels(judging, limits);
     if (!sensor_ && bench_.origin == devices::Origin::kHardware && !std::filesystem::exists(options_.type))
-      throw Error(ExitCode::kUsage, "TB-SENSOR-UNKNOWN",
+      throw Error("TB-SENSOR-UNKNOWN",
                   fmt::format("sensor '{}' is new, and there is no file '{}' that describes its type", options_.serial,
                               options_.type),
                   "--type " + options_.type, "name its sensor type file: --type FILE; or correct the serial number");
@@ -114,11 +114,10 @@ class Calibration {
     if (lacking.empty()) return;
     std::vector<double> levels;
     for (const LackingLevel& level : lacking) levels.push_back(level.pressure_psi);
-    throw Error(ExitCode::kUsage, "TB-CALIBRATE-LEVELS",
+    throw Error("TB-CALIBRATE-LEVELS",
                 fmt::format("limits '{}' judge at {} psi, which {} does not measure: no sensor could pass", limits.name,
                             fmt::join(levels, ", "), fmt::join(options_.held_out_recipes, ", ")),
-                "--held-out-recipe",
-                "name a recipe that measures it (tactbench plan RECIPE --limits FILE), or other limits");
+                "--held-out-recipe");
   }
 
   void check_run(const db::RunRecord& run, const char* option) const {
@@ -223,8 +222,7 @@ class Calibration {
       std::string remedy = error.remedy();
       if (remedy.ends_with('.')) remedy.pop_back();
       remedy += (remedy.empty() ? "" : "; ") + way;
-      const Error more(error.code(), error.id(), error.what(), error.where(), remedy, rig_state(error));
-      throw error.asked_for() ? more.by_word() : more;
+      throw error.with_remedy(remedy).with_rig_state(rig_state(error), true);
     }
   }
 

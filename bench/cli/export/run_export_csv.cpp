@@ -99,8 +99,8 @@ std::string csv_names(int rows, int columns, bool volts) {
 const db::BranchRecord& branch_in(const std::vector<db::BranchRecord>& branches, std::int64_t key) {
   const auto found = std::ranges::lower_bound(branches, key, {}, &db::BranchRecord::branch);
   if (found != branches.end() && found->branch == key) return *found;
-  throw Error(ExitCode::kStore, "TB-STORE-SQL", fmt::format("a frame names the branch {}, which the run lacks", key),
-              "runs export", "tactbench verify RUN shows what else differs");
+  throw Error("TB-STORE-SQL", fmt::format("a frame names the branch {}, which the run lacks", key), "runs export",
+              "tactbench verify RUN shows what else differs");
 }
 
 void frames_csv(const db::RunStore& store, const db::RunRecord& run, std::ostream& stream) {

@@ -26,10 +26,10 @@ std::vector<std::string> models_of(const std::string& list) {
   std::vector<std::string> models = split_list(list);
   for (const std::string& model : models) {
     if (std::ranges::find(known, model) != known.end() || model == analysis::kDynamicModel) continue;
-    throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("there is no model '{}'", model), "--model",
+    throw Error("TB-USAGE", fmt::format("there is no model '{}'", model), "--model",
                 fmt::format("all, or some of {}; or {} alone", fmt::join(known, ", "), analysis::kDynamicModel));
   }
-  if (models.empty()) throw Error(ExitCode::kUsage, "TB-USAGE", "no model is named", "--model", "e.g. --model all");
+  if (models.empty()) throw Error("TB-USAGE", "no model is named", "--model", "e.g. --model all");
   return models;
 }
 
@@ -37,7 +37,7 @@ std::vector<std::string> models_of(const std::string& list) {
 void check_dynamic(const FitOptions& options) {
   const FitModelsOptions& models = options.models;
   const auto refuse = [](const std::string& what, const std::string& remedy) {
-    throw Error(ExitCode::kUsage, "TB-USAGE", what, "fit", remedy);
+    throw Error("TB-USAGE", what, "fit", remedy);
   };
   const bool dynamic = std::ranges::find(models.models, analysis::kDynamicModel) != models.models.end();
   if (!dynamic && (models.rate_run != 0 || models.creep_run != 0))
@@ -92,7 +92,7 @@ void fit(FitOptions options, Session& session) {
   if (options.check.empty() && names_runs(options.models.source)) return fit_many(options.models, session);
   take_limits_of_profile(options.models, session);
   if (!options.models.lab.empty() && options.models.limits.empty())
-    throw Error(ExitCode::kUsage, "TB-USAGE", "--lab is for judging, and there are no limits", "--lab",
+    throw Error("TB-USAGE", "--lab is for judging, and there are no limits", "--lab",
                 "add --limits FILE, or leave --lab out");
   if (options.check.empty())
     fit_models(options.models, session);

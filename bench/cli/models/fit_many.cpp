@@ -49,7 +49,7 @@ std::vector<std::int64_t> chosen_runs(const std::string& source, const db::RunSt
     chosen.push_back(run.run);
   }
   if (!chosen.empty()) return chosen;
-  throw Error(ExitCode::kUsage, "TB-FIT-NONE", fmt::format("of the runs {} none can be fitted", source), store.path(),
+  throw Error("TB-FIT-NONE", fmt::format("of the runs {} none can be fitted", source), store.path(),
               "tactbench runs list shows what there is; void runs are taken with --void-too");
 }
 
@@ -62,7 +62,7 @@ bool names_runs(const std::string& source) {
 void fit_many(const FitModelsOptions& options, Session& session) {
   if (options.models.size() > 1 || !options.output.empty() || !options.score.empty() || !options.held_out.empty() ||
       options.rate_run != 0)
-    throw Error(ExitCode::kUsage, "TB-USAGE", "several runs are fitted with one model each, and not judged", "fit",
+    throw Error("TB-USAGE", "several runs are fitted with one model each, and not judged", "fit",
                 "leave out --score, --held-out, --rate, --creep, --output, and name one --model; or name one run");
   const std::vector<std::int64_t> runs =
       chosen_runs(options.source, db::RunStore::open_read_only(session.db), session.void_too);

@@ -52,18 +52,17 @@ void check_scored(const FitModelsOptions& options, const analysis::Histories& hi
   for (const std::string& name : options.score) {
     const bool sequence = std::ranges::find(histories.sequences, name) != histories.sequences.end();
     if (std::ranges::find(named, sequence ? name : plain(name)) != named.end())
-      throw Error(ExitCode::kUsage, "TB-RUN-TWICE", fmt::format("'{}' is named twice", name), "--score",
-                  "name each run, table or sequence once");
+      throw Error("TB-RUN-TWICE", fmt::format("'{}' is named twice", name), "--score");
     named.push_back(sequence ? name : plain(name));
     if (!sequence && plain(name) == plain(options.source))
-      throw Error(ExitCode::kUsage, "TB-RUN-OWN",
+      throw Error("TB-RUN-OWN",
                   fmt::format("the models are made from {}: it is no independent data for them", histories.source),
                   "--score", "name other runs or tables, or with --fit the sequences to fit, and score on the others");
   }
 }
 
 [[noreturn]] void refuse(const std::string& what, const std::string& remedy) {
-  throw Error(ExitCode::kUsage, "TB-USAGE", what, "fit", remedy);
+  throw Error("TB-USAGE", what, "fit", remedy);
 }
 
 // A `fit` from its source to what it prints.
@@ -71,7 +70,7 @@ class Fit {
  public:
   Fit(const FitModelsOptions& options, Session& session) : options_(options), session_(session) {
     if (!options.output.empty() && options.models.size() > 1)
-      throw Error(ExitCode::kUsage, "TB-USAGE", "--output takes one model, and several are named", "fit --output",
+      throw Error("TB-USAGE", "--output takes one model, and several are named", "fit --output",
                   "name one with --model");
     // Before an hour of anything.
     if (!options.output.empty()) check_output(options.output, kModelFile, session.replace);
@@ -179,7 +178,7 @@ class Fit {
       if (number == 0) continue;
       const db::RunRecord run = named_runs(*runs_, {number}, {option}, session_.void_too).front();
       if (std::ranges::find(options_.held_out, number) != options_.held_out.end())
-        throw Error(ExitCode::kUsage, "TB-RUN-OWN",
+        throw Error("TB-RUN-OWN",
                     fmt::format("run {} is named by {}: it is no independent data for the model", number, option),
                     "--held-out", "name runs that the model is not made from");
       *source = {number, run.content_sha256};

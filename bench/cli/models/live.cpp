@@ -42,10 +42,7 @@ class CsvFile {
   void put(const std::string& line) {
     if (std::fputs(line.c_str(), file_.get()) < 0) failed();
   }
-  [[noreturn]] void failed() const {
-    throw Error(ExitCode::kUsage, "TB-FILE-WRITE", "cannot write the frames", path_,
-                "check folder, space and permissions");
-  }
+  [[noreturn]] void failed() const { throw Error("TB-FILE-WRITE", "cannot write the frames", path_); }
   std::string path_;
   std::unique_ptr<std::FILE, Close> file_;
 };

@@ -132,7 +132,7 @@ struct AdjustOptions {
 
 void adjust(const AdjustOptions& options, const Session& session) {
   if (!options.zero && !options.gain)
-    throw Error(ExitCode::kUsage, "TB-USAGE", "nothing to adjust is named", "model adjust", "add --zero, or --gain");
+    throw Error("TB-USAGE", "nothing to adjust is named", "model adjust", "add --zero, or --gain");
   check_output(options.output, kModelFile, session.replace);
   const SensorModel parent = load_model(options.model, session);
   const analysis::Histories by = read_source(options.by, options.table, session);

@@ -43,8 +43,7 @@ double parameter_factor(const std::string& unit, const ShownInput& input) {
 void diff_models(const std::string& first, const std::string& second, Session& session) {
   const SensorModel a = load_model(first, session), b = load_model(second, session);
   if (a.model != b.model)
-    throw Error(ExitCode::kUsage, "TB-MODEL-DIFF", fmt::format("one is {}, the other {}", a.model, b.model),
-                "model diff", "compare models of one kind");
+    throw Error("TB-MODEL-DIFF", fmt::format("one is {}, the other {}", a.model, b.model), "model diff");
   struct Line {
     std::string name, unit;
     double sum = 0.0, worst = 0.0;

@@ -41,20 +41,19 @@ int only_taxel(const analysis::SensorModel& model, const std::string& wanted) {
     const char* end = wanted.data() + wanted.size();
     if (const auto [last, fault] = std::from_chars(wanted.data(), end, taxel); fault == std::errc() && last == end)
       return taxel;
-    throw Error(ExitCode::kUsage, "TB-MODEL-TAXEL", fmt::format("'{}' is not the number of a taxel", wanted), "--taxel",
+    throw Error("TB-MODEL-TAXEL", fmt::format("'{}' is not the number of a taxel", wanted), "--taxel",
                 "add --taxel N or --taxel mean");
   }
   if (model.taxels.size() == 1) return model.taxels.front().taxel;
-  throw Error(ExitCode::kUsage, "TB-MODEL-TAXEL",
-              fmt::format("the model has {} taxels and the table names none", model.taxels.size()), "--taxel",
-              "add --taxel N or --taxel mean, or a column taxel");
+  throw Error("TB-MODEL-TAXEL", fmt::format("the model has {} taxels and the table names none", model.taxels.size()),
+              "--taxel");
 }
 
 const analysis::ModelTaxel& fitted(const analysis::SensorModel& model, int number) {
   const analysis::ModelTaxel& taxel = model.taxel(number);
   if (taxel.fit.model != nullptr) return taxel;
-  throw Error(ExitCode::kInconclusive, "TB-MODEL-TAXEL", fmt::format("taxel {} has no model: {}", number, taxel.why()),
-              "--taxel", "choose another taxel");
+  throw Error("TB-ANALYSIS-NO-TAXEL", fmt::format("taxel {} has no model: {}", number, taxel.why()), "--taxel",
+              "choose another taxel");
 }
 
 // One history: a taxel in a sequence. What is added to a row of the table, after its separator.
@@ -90,7 +89,7 @@ class Compensator {
     double seconds = 0.0;
     if (timed_) {
       if (!row.time_s || (before_ && *row.time_s < *before_))
-        throw Error(ExitCode::kUsage, "TB-TABLE-ROW", row.time_s ? "the time goes back" : "time_s is not a number",
+        throw Error("TB-TABLE-ROW", row.time_s ? "the time goes back" : "time_s is not a number",
                     fmt::format("line {}", row.line), "times in seconds rise within a taxel's sequence");
       seconds = *row.time_s - before_.value_or(*row.time_s);
       before_ = row.time_s;
@@ -138,15 +137,14 @@ void apply(const PredictOptions& options, const Session& session, analysis::Tabl
     const char* remedy = "check its name and rights; - is standard input";
     const bool has_text = analysis::check_file(options.file, true, "TB-TABLE-OPEN", remedy);
     if (has_text) file.open(options.file);
-    if (!file) throw Error(ExitCode::kUsage, "TB-TABLE-OPEN", "the table cannot be read", options.file, remedy);
+    if (!file) throw Error("TB-TABLE-OPEN", "the table cannot be read", options.file, remedy);
   }
   std::istream& in = options.file == "-" ? std::cin : file;
   analysis::TableReader reader(in, options.file == "-" ? "standard input" : options.file,
                                analysis::column_map_from(options.map), needs);
   const bool in_time = model.dynamics && analysis::in_time(*model.dynamics);
   if (in_time && needs == analysis::TableNeeds::kOutput && !reader.has_time())
-    throw Error(ExitCode::kUsage, "TB-TABLE-COLUMN",
-                "the model undoes lag and creep, and the table has no column of times", options.file,
+    throw Error("TB-TABLE-COLUMN", "the model undoes lag and creep, and the table has no column of times", options.file,
                 "add a column time_s in seconds, or use a model without them");
   if (in_time && needs == analysis::TableNeeds::kInput)
     tty::print(stderr,
@@ -162,7 +160,7 @@ void apply(const PredictOptions& options, const Session& session, analysis::Tabl
   const auto flush = [&] {
     const std::string& sent = ::isatty(STDOUT_FILENO) != 0 ? text = for_people(text) : text;
     if (std::fwrite(sent.data(), 1, sent.size(), stdout) != sent.size() || std::fflush(stdout) != 0)
-      throw Error(ExitCode::kUsage, "TB-FILE-WRITE", "the table cannot be written", "standard output",
+      throw Error("TB-FILE-WRITE", "the table cannot be written", "standard output",
                   "check space and permissions of the file, or who reads the pipe");
     text.clear();
   };
@@ -178,7 +176,7 @@ void apply(const PredictOptions& options, const Session& session, analysis::Tabl
           histories.try_emplace({std::string(row.sequence), taxel.taxel}, model, taxel, options).first->second;
       text += fmt::format("{}{}{}\n", row.text, separator, written(history.step(row, reader.separator()), reader));
     } catch (const std::invalid_argument& error) {
-      throw Error(ExitCode::kUsage, "TB-MODEL-DOCUMENT",
+      throw Error("TB-MODEL-DOCUMENT",
                   fmt::format("the model of taxel {} has no value there: {}", taxel.taxel, error.what()),
                   fmt::format("{}, line {}", options.file, row.line),
                   "check its parameters (tactbench model show), or fit it again");

@@ -34,14 +34,13 @@ void list_scenarios(const Suite& suite, const Session& session) {
 // The store of one part of a night holds that part alone: parts are put together by what their stores say.
 void check_store_of_part(const NightlyOptions& options, const Session& session) {
   if (!options.keeps)
-    throw Error(ExitCode::kUsage, "TB-USAGE", "one part of a night is kept in a store, and none is named", "--shard",
+    throw Error("TB-USAGE", "one part of a night is kept in a store, and none is named", "--shard",
                 "add --db FILE, one for each part; tactbench runs merge puts them together");
   if (!options.files.html.empty())
-    throw Error(ExitCode::kUsage, "TB-USAGE", "a page is of a whole night, and this is one part of it", "--html",
+    throw Error("TB-USAGE", "a page is of a whole night, and this is one part of it", "--html",
                 "leave it out; tactbench runs merge --html writes the page of the whole night");
   if (db::RunStore::open(session.db, db::Durability::kNormal).runs().empty()) return;
-  throw Error(ExitCode::kUsage, "TB-SHARD-STORE",
-              "this store holds runs, and one part of a night needs a store of its own", session.db, "name a new file");
+  throw Error("TB-SHARD-STORE", "this store holds runs, and one part of a night needs a store of its own", session.db);
 }
 
 // In a terminal one line that is written over, elsewhere a line a scenario, for the log of a night.

@@ -132,9 +132,10 @@ std::string on_purpose(const Judgement& judgement, std::int64_t drifted) {
 void end_if_asked(const StopRequest& signals, std::int64_t run) {
   const int signal = signals.signal();
   if (signal == 0) return;
-  throw Error(code_of_signal(signal), "TB-DEMO-STOPPED",
+  throw Error("TB-DEMO-STOPPED",
               fmt::format("the demo was ended by {} before its report was written", signal_text(signal)),
-              fmt::format("run {}", run), "its runs are stored: tactbench runs list; or start it again");
+              fmt::format("run {}", run))
+      .by_signal(signal);
 }
 
 void demo(const DemoOptions& options, Session& session) {

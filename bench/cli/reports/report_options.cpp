@@ -26,13 +26,13 @@ ModelNamed model_named(const std::string& text, std::int64_t run) {
     good = good && read.ec == std::errc() && read.ptr == end && named.fit > 0;
   }
   if (good) return named;
-  throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("'{}' names no stored models", text), "--model",
+  throw Error("TB-USAGE", fmt::format("'{}' names no stored models", text), "--model",
               "RUN, or RUN:FIT (tactbench runs show RUN lists its fits)");
 }
 
 void check_report_options(const ReportOptions& options) {
   const auto refuse = [](const std::string& what, const std::string& remedy) {
-    throw Error(ExitCode::kUsage, "TB-USAGE", what, "report", remedy);
+    throw Error("TB-USAGE", what, "report", remedy);
   };
   if (options.compare && options.batch) refuse("--compare and --batch cannot be combined", "give one of them");
   if (options.compare && options.runs.size() != 2)
@@ -51,17 +51,16 @@ void check_independent_of_dynamics(const db::RunStore& store, const analysis::Se
   if (!fit.dynamics) return;
   for (const std::int64_t run : source_runs(store, fit))
     if (std::ranges::find(held_out, run) != held_out.end())
-      throw Error(ExitCode::kUsage, "TB-RUN-OWN",
+      throw Error("TB-RUN-OWN",
                   fmt::format("the models, or their lag or creep, were made from run {}: it is not independent data "
                               "for them",
                               run),
-                  "--held-out", "name other runs of the same sensor");
+                  "--held-out");
 }
 
 void check_models_of_array(analysis::Runs& runs, const analysis::SensorModel& fit, const ModelNamed& named) {
   const auto refuse = [&](const char* why) {
-    throw Error(ExitCode::kUsage, "TB-USAGE",
-                fmt::format("a report cannot use fit {}:{}: {}", named.run, named.fit, why), "--model",
+    throw Error("TB-USAGE", fmt::format("a report cannot use fit {}:{}: {}", named.run, named.fit, why), "--model",
                 "name a fit of the whole array of a run that the bench made (tactbench model list shows the fits), or "
                 "make one: tactbench fit RUN");
   };
@@ -84,7 +83,7 @@ void check_report_runs(analysis::Runs& runs, const ReportOptions& options, const
   std::vector<std::int64_t> independent = options.held_out;
   (void)named_runs(runs, independent, {"--held-out", model_run}, session.void_too);
   if (std::ranges::find(independent, run) != independent.end())
-    throw Error(ExitCode::kUsage, "TB-RUN-TWICE", fmt::format("run {} is the report's own", run), "--held-out",
+    throw Error("TB-RUN-TWICE", fmt::format("run {} is the report's own", run), "--held-out",
                 "name only further runs: this one is included in any case");
   if (!options.extras.previous.empty()) check_model_named(runs, options.extras.previous, "--previous", session);
   std::vector<std::int64_t> studied;

@@ -23,7 +23,7 @@ void check_signature(const Judgement& judgement, std::int64_t run, const std::st
       if (std::getline(std::cin, answer) && (answer == "y" || answer == "yes")) return;
     }
     throw Error(
-        ExitCode::kUsage, "TB-REPORT-NO-VERDICT", "the report has no verdict, and signing it was not confirmed",
+        "TB-REPORT-NO-VERDICT", "the report has no verdict, and signing it was not confirmed",
         fmt::format("--approve-by, run {}", run),
         fmt::format(
             "judge first: tactbench fit {} --held-out RUN --limits limits.toml; or sign anyway with --without-verdict",
@@ -41,12 +41,12 @@ void check_reason(const std::vector<db::ReportRecord>& before, const std::string
   const bool own = std::ranges::find(before, number, &db::ReportRecord::number) != before.end();
   if (own && signing) return;  // the store refuses it
   if (!reason.empty() && (own || before.empty()))
-    throw Error(ExitCode::kUsage, "TB-REPORT-REASON",
+    throw Error("TB-REPORT-REASON",
                 own ? fmt::format("report {} is signed already and keeps the reason that it was signed with", number)
                     : fmt::format("report {} replaces none: no report of this run is signed", number),
                 "report --reason", "leave --reason out");
   if (signing && !before.empty() && reason.empty())
-    throw Error(ExitCode::kUsage, "TB-REPORT-REASON",
+    throw Error("TB-REPORT-REASON",
                 fmt::format("report {} would replace the signed report {}, and no reason is stated", number,
                             before.back().number),
                 "report --approve-by", "state what changed and why: --reason TEXT");

@@ -147,8 +147,8 @@ void verify_report(const std::string& named, Session& session) {
   const db::RunStore store = db::RunStore::open_read_only(session.db);
   const bool is_file = std::filesystem::is_regular_file(named);
   if (!is_file && !is_number(named))
-    throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("'{}' is neither a file nor the number of a report", named),
-                "reports verify", "a number is as in 1-2ccd46bc: tactbench reports list shows those that were signed");
+    throw Error("TB-USAGE", fmt::format("'{}' is neither a file nor the number of a report", named), "reports verify",
+                "a number is as in 1-2ccd46bc: tactbench reports list shows those that were signed");
   const std::string number = is_file ? signed_report_in(named, store) : named;
   const std::optional<KnownReport> known = number.empty() ? std::optional<KnownReport>() : known_report(store, number);
   std::vector<Finding> findings;

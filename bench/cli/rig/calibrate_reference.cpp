@@ -43,10 +43,7 @@ CLI::Validator as_psi() {
           ""};
 }
 
-[[noreturn]] void stopped(const std::string& why) {
-  throw Error(ExitCode::kStopped, "TB-CALIBRATION-STOPPED", why, "calibrate-reference",
-              "nothing was written; start again when ready");
-}
+[[noreturn]] void stopped(const std::string& why) { throw Error("TB-CALIBRATION-STOPPED", why, "calibrate-reference"); }
 
 // Called in every wait of this verb while it controls the chamber.
 void check_interruptions(Rig& rig, const StopRequest& stop) {
@@ -154,18 +151,18 @@ std::vector<GaugePoint> measure(Rig& rig, const CalibrationOptions& options, con
 void calibrate(const CalibrationOptions& options, const Session& session) {
   BenchConfig config = read_bench(find_config(options.bench), split_overrides(options.set).bench);
   if (!config.reference_independent) {
-    throw Error(ExitCode::kUsage, "TB-USAGE", "this bench has no reference of its own to calibrate", options.bench,
+    throw Error("TB-USAGE", "this bench has no reference of its own to calibrate", options.bench,
                 "set [reference] independent = true and describe the transducer or gauge");
   }
   if (options.levels.size() < 2) {
-    throw Error(ExitCode::kUsage, "TB-USAGE", "a calibration needs readings at two levels or more", "--levels",
+    throw Error("TB-USAGE", "a calibration needs readings at two levels or more", "--levels",
                 "give rising levels within the command limit");
   }
   for (std::size_t i = 0; i < options.levels.size(); ++i) {
     const double level = options.levels[i];
     if (level >= 0.0 && level <= config.limits.command_psi && (i == 0 || level > options.levels[i - 1])) continue;
     throw Error(
-        ExitCode::kUsage, "TB-USAGE",
+        "TB-USAGE",
         fmt::format("level {:g} psi does not rise, or is beyond 0 to {:g} psi", level, config.limits.command_psi),
         "--levels", "give rising levels within the command limit");
   }
@@ -192,8 +189,7 @@ void calibrate(const CalibrationOptions& options, const Session& session) {
     throw as_error(failed, "calibrate-reference").with_rig_state(proof.text, proof.state == db::SafeState::kVerified);
   }
   if (proof.state != db::SafeState::kVerified) {
-    throw Error(ExitCode::kUnsafe, "TB-SAFE-UNVERIFIED", "the safe state could not be proved", "calibrate-reference",
-                "read the chamber's own gauge before touching the rig", proof.text);
+    throw Error("TB-SAFE-UNVERIFIED", "the safe state could not be proved", "calibrate-reference", {}, proof.text);
   }
   const ReferenceCalibration calibration = calibrate_reference(points, options.uncertainty_psi, options.resolution_psi);
   const std::string heading =

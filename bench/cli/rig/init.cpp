@@ -52,8 +52,8 @@ void init(const InitOptions& options, const Session& session) {
   for (const std::string& name : names) {
     const fs::path target = fs::path(options.folder) / name;
     if (fs::exists(target) && !session.replace) {
-      throw Error(ExitCode::kUsage, "TB-FILE-EXISTS", fmt::format("'{}' exists already", target.string()),
-                  target.string(), "give another folder, or --replace to overwrite it");
+      throw Error("TB-FILE-EXISTS", fmt::format("'{}' exists already", target.string()), target.string(),
+                  "give another folder, or --replace to overwrite it");
     }
     check_output(target.string(), "a file of tactbench init", session.replace);  // never over a store
   }

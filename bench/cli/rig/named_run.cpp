@@ -75,9 +75,8 @@ std::string listed(const std::vector<LiveRun>& runs, const std::vector<SilentBen
   return fmt::format("{}", fmt::join(lines, "; "));
 }
 
-[[noreturn]] void refuse_word(const std::string& id, const std::string& what, const std::string& name,
-                              const std::string& remedy) {
-  throw Error(ExitCode::kUsage, id, what, name, remedy);
+[[noreturn]] void refuse_word(ErrorId id, const std::string& what, const std::string& name, const std::string& remedy) {
+  throw Error(id, what, name, remedy);
 }
 
 [[noreturn]] void refuse_silent(const std::vector<SilentBench>& silent) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/common/error.h"
 #include "bench/run/control/control_client.h"
 
 namespace CLI {
@@ -35,8 +36,7 @@ Candidates candidates(const NamedRun& named, const Session& session);
 LiveRun only_one(const Candidates& found, const NamedRun& named, const std::string& verb, bool urgent);
 // Throws Error TB-RUN-SILENT or TB-RUN-DENIED for the first of them.
 [[noreturn]] void refuse_silent(const std::vector<SilentBench>& silent);
-[[noreturn]] void refuse_word(const std::string& id, const std::string& what, const std::string& name,
-                              const std::string& remedy);
+[[noreturn]] void refuse_word(ErrorId id, const std::string& what, const std::string& name, const std::string& remedy);
 
 bool same_store(const std::string& one, const std::string& other);
 std::string bench_id_of(const std::string& bench);  // of a bench file's name, or the id itself. Throws FileError

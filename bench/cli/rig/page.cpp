@@ -36,7 +36,7 @@ void check(PageVerbOptions& options) {
   PageOptions& page = options.page;
   if (!page.operator_name.empty()) check_operator(page.operator_name);
   if (!page.night.empty() && !std::filesystem::is_regular_file(page.night)) {
-    throw Error(ExitCode::kUsage, "TB-FILE-MISSING", "there is no such file", page.night,
+    throw Error("TB-FILE-MISSING", "there is no such file", page.night,
                 "name the page that `tactbench nightly --html` wrote");
   }
   if (!options.tls.empty()) {
@@ -44,11 +44,9 @@ void check(PageVerbOptions& options) {
     page.http.key = options.tls[1];
   } else if (!is_loopback(page.http.address)) {
     throw Error(
-        ExitCode::kUsage, "TB-PAGE-OPEN",
+        "TB-PAGE-OPEN",
         fmt::format("on {} everybody on the network could read the link's keys on their way", page.http.address),
-        "--listen " + page.http.address,
-        "add --tls CERTIFICATE KEY; or leave --listen out and come through a tunnel: "
-        "ssh -L 8765:127.0.0.1:8765 THIS-MACHINE");
+        "--listen " + page.http.address);
   }
 }
 

@@ -135,7 +135,7 @@ std::string renamed(const std::string& text, const std::string& from, const std:
   const std::string line = fmt::format("\nname = \"{}\"", from);
   const std::size_t at = text.find(line);
   if (at == std::string::npos)
-    throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("the name of '{}' is not found in its file", from), "--from",
+    throw Error("TB-USAGE", fmt::format("the name of '{}' is not found in its file", from), "--from",
                 "start from a shipped recipe");
   return text.substr(0, at) + fmt::format("\nname = \"{}\"", name) + text.substr(at + line.size());
 }
@@ -144,7 +144,7 @@ void make(const RecipesOptions& options, const Session& session) {
   const std::string& name = options.recipes.front();
   constexpr const char* kAllowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_";
   if (name.empty() || name.find_first_not_of(kAllowed) != std::string::npos)
-    throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("'{}' is no name of a recipe", name), "recipes new",
+    throw Error("TB-USAGE", fmt::format("'{}' is no name of a recipe", name), "recipes new",
                 "use letters, digits, - and _");
   const Recipe from = sequences::read_recipe(find_recipe(options.from));
   const std::string text = renamed(from.text, from.name, name);
@@ -152,7 +152,7 @@ void make(const RecipesOptions& options, const Session& session) {
   (void)sequences::parse_recipe(sequences::TomlDocument::from_text(text, path));
   // A copy begins as its original does, so the kind of the file would not protect it.
   if (std::filesystem::exists(path) && !session.replace)
-    throw Error(ExitCode::kUsage, "TB-FILE-EXISTS", fmt::format("'{}' exists already", path), path,
+    throw Error("TB-FILE-EXISTS", fmt::format("'{}' exists already", path), path,
                 "give another name or -o FILE, or --replace to overwrite it");
   write_output(path, text, session.replace);
   if (session.json) return print_json("recipes.new", {{"name", name}, {"from", from.name}, {"path", path}});

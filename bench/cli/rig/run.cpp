@@ -33,8 +33,8 @@ db::SensorRecord registered(const db::RunStore& store, const std::string& serial
   if (const std::optional<db::SensorRecord> sensor = store.sensor(serial)) return *sensor;
   std::vector<std::string> known;
   for (const db::SensorRecord& record : store.sensors()) known.push_back(record.serial);
-  throw Error(ExitCode::kUsage, "TB-SENSOR-UNKNOWN",
-              fmt::format("sensor '{}' is not registered in '{}'", serial, db_path), "--sensor " + serial,
+  throw Error("TB-SENSOR-UNKNOWN", fmt::format("sensor '{}' is not registered in '{}'", serial, db_path),
+              "--sensor " + serial,
               known.empty() ? fmt::format("tactbench sensors add {} --type sensor.toml --db {}", serial, db_path)
                             : fmt::format("registered: {}; or tactbench sensors add", fmt::join(known, ", ")));
 }
@@ -117,11 +117,11 @@ CarriedOut begin_and_carry_out(const RunOptions& options, const Session& session
   request.label = options.label;
   request.pace = options.rate;
   if (!options.specimen_state.empty() && !request.bench.simulation) {
-    throw Error(ExitCode::kUsage, "TB-USAGE", "--specimen-state is for a simulated bench", "--specimen-state",
+    throw Error("TB-USAGE", "--specimen-state is for a simulated bench", "--specimen-state",
                 "leave it out: real film keeps its own state");
   }
   if (options.rate > 0.0 && !request.bench.simulation) {
-    throw Error(ExitCode::kUsage, "TB-USAGE", "--rate is for a bench simulated in this process", "--rate",
+    throw Error("TB-USAGE", "--rate is for a bench simulated in this process", "--rate",
                 "leave it out: instruments have the pace that they have");
   }
   const BenchLock bench_lock(request.bench);
@@ -150,9 +150,8 @@ void resume_run(std::int64_t number, const ResumeOptions& options, Session& sess
   const db::RunRecord record = db::RunStore::open_read_only(session.db).run(number);
   const auto stored = stored_overrides(record.overrides_json);
   if (!stored)
-    throw Error(ExitCode::kStore, "TB-RESUME-SETTINGS",
-                fmt::format("the settings (--set) kept with run {} cannot be read", number), session.db,
-                "tactbench db check shows what else is damaged; start a new run");
+    throw Error("TB-RESUME-SETTINGS", fmt::format("the settings (--set) kept with run {} cannot be read", number),
+                session.db);
   std::vector<std::string> set;
   for (const sequences::Override& item : *stored) set.push_back(item.key + "=" + item.value);
   const SplitOverrides overrides = split_overrides(set);
@@ -165,9 +164,9 @@ void resume_run(std::int64_t number, const ResumeOptions& options, Session& sess
   request.bench = options.bench.empty() ? parse_bench(record.bench_toml, name, overrides.bench, seeds)
                                         : read_bench(find_config(options.bench), overrides.bench, seeds);
   if (request.bench.id != record.bench_id) {
-    throw Error(ExitCode::kUsage, "TB-RESUME-BENCH",
+    throw Error("TB-RESUME-BENCH",
                 fmt::format("run {} belongs to bench '{}', not to '{}'", number, record.bench_id, request.bench.id),
-                options.bench, "resume it on its own bench, or start a new run");
+                options.bench);
   }
   for (const db::SequenceRecord& sequence : record.sequences) {
     request.recipes.push_back(

@@ -83,7 +83,7 @@ void print_served(const SimulatedRig& rig, const Session& session, const Simulat
 void simulate(const SimulateOptions& options, const Session& session) {
   BenchConfig config = read_bench(find_config(options.bench), split_overrides(options.set).bench);
   if (!config.in_process) {
-    throw Error(ExitCode::kUsage, "TB-USAGE", "only a simulated bench can be simulated", options.bench,
+    throw Error("TB-USAGE", "only a simulated bench can be simulated", options.bench,
                 "give a bench file with origin = \"simulated\", such as simulated.toml");
   }
   const devices::SteadyClock clock(options.rate);

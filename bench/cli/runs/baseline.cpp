@@ -25,8 +25,7 @@ std::int64_t run_number_of(const std::string& text, const std::string& whole) {
   std::int64_t number = 0;
   const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (fault != std::errc() || end != text.data() + text.size() || number < 1)
-    throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("'{}' is not a run", whole), "RUNS",
-                "a number, or a range such as 12-55");
+    throw Error("TB-USAGE", fmt::format("'{}' is not a run", whole), "RUNS", "a number, or a range such as 12-55");
   return number;
 }
 
@@ -62,7 +61,7 @@ void refuse_short(const db::RunStore& store, const std::map<std::string, std::ve
     const std::size_t counted = counted_runs(store, subject, runs);
     if (counted >= analysis::kLeastStartUp) continue;
     throw Error(
-        ExitCode::kUsage, "TB-BASELINE-SHORT",
+        "TB-BASELINE-SHORT",
         fmt::format("{} has {} among these runs{}; a chart needs {}, and {} are recommended", subject,
                     analysis::counted(counted, "measurement"), counted < runs.size() ? ", each counted once" : "",
                     analysis::kLeastStartUp, analysis::kRecommendedStartUp),
@@ -79,7 +78,7 @@ void accept_baseline(const BaselineOptions& options, const Session& session) {
   db::RunStore store = db::RunStore::open(session.db);
   const auto chosen = chosen_runs(options.runs, store, session);
   if (chosen.empty())
-    throw Error(ExitCode::kUsage, "TB-BASELINE-NO-FIGURES", "none of these runs has stored figures", session.db,
+    throw Error("TB-BASELINE-NO-FIGURES", "none of these runs has stored figures", session.db,
                 "nightly --db and fit store figures; tactbench trend lists them");
   refuse_short(store, chosen);
   auto json = nlohmann::ordered_json::array();

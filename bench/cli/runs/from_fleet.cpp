@@ -25,9 +25,10 @@ std::string fleet_named(const std::string& given, Session& session) {
   const OperatorProfile& profile = session.profile.values();
   const auto value = profile.find(ProfileKey::kFleet);
   if (value != profile.end()) return value->second.values.front();
-  throw Error(ExitCode::kUsage, "TB-USAGE", "no fleet is named", "fleet",
-              "name it: --to \"host=db.lab dbname=tactile user=bench_a sslmode=verify-full\"; or set TACTBENCH_FLEET, or "
-              "write fleet = \"...\" into tactbench.toml");
+  throw Error(
+      "TB-USAGE", "no fleet is named", "fleet",
+      "name it: --to \"host=db.lab dbname=tactile user=bench_a sslmode=verify-full\"; or set TACTBENCH_FLEET, or "
+      "write fleet = \"...\" into tactbench.toml");
 }
 
 }  // namespace
@@ -41,7 +42,7 @@ void add_from(CLI::App& verb, std::string& from) {
 
 std::int64_t run_number(const std::string& text) {
   if (names_run(text)) return std::stoll(text);
-  throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("'{}' is not a run number", text), "command line",
+  throw Error("TB-USAGE", fmt::format("'{}' is not a run number", text), "command line",
               "tactbench runs list shows the numbers; a UUID is taken with --from alone");
 }
 
@@ -68,10 +69,10 @@ void FromFleet::take_one(db::RunStore& store, const fleet::FleetRun& run) {
   for (const db::SensorRecord& sensor : body.sensors()) {
     const auto known = store.sensor(sensor.serial);
     if (known && (known->type_sha256 != sensor.type_sha256 || known->scanner_serial != sensor.scanner_serial))
-      throw fleet::FleetError(fleet::FleetCause::kUsage, "TB-FLEET-CONFLICT",
-                              fmt::format("these runs have sensor '{}' registered with two types or scanners",
-                                          sensor.serial),
-                              "name runs of one registration");
+      throw fleet::FleetError(
+          fleet::FleetCause::kUsage, "TB-FLEET-CONFLICT",
+          fmt::format("these runs have sensor '{}' registered with two types or scanners", sensor.serial),
+          "name runs of one registration");
   }
   store.number_next_run(run.run);
   (void)store.copy_runs_from(body, {runs.front().run});

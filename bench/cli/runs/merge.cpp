@@ -32,8 +32,7 @@ void merge_and_report(const MergeOptions& options, Session& session) {
   const MergedStores merged = merge_stores(options.parts, store);
   const bool files = !(options.files.html.empty() && options.files.junit.empty() && options.files.metrics.empty());
   if (files && merged.nights.empty())
-    throw Error(ExitCode::kUsage, "TB-MERGE-NIGHT", "these stores brought no night, and files of one were asked for",
-                session.db, "leave out --html, --junit and --metrics");
+    throw Error("TB-MERGE-NIGHT", "these stores brought no night, and files of one were asked for", session.db);
   for (const MergedNight& night : merged.nights) {
     session.code = std::max(session.code, code_of_night(night.suite, night.results), [](ExitCode a, ExitCode b) {
       const auto rank = [](ExitCode code) {

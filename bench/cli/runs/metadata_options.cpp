@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kLongestTag = 64;
 
 [[noreturn]] void refuse_metadata(const std::string& what, const char* option, const std::string& remedy) {
-  throw Error(ExitCode::kUsage, "TB-USAGE", what, option, remedy);
+  throw Error("TB-USAGE", what, option, remedy);
 }
 
 std::string metadata_tag(const std::string& key, const std::string& value, const char* option) {

@@ -33,7 +33,7 @@ std::string begin_of_kept(const std::string& rule) {
   for (std::size_t i = 0; date && i < pattern.size(); ++i)
     date = pattern[i] == 'd' ? rule[i] >= '0' && rule[i] <= '9' : rule[i] == '-';
   if (date) return rule;
-  throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("'{}' names no nights to keep", rule), "--keep",
+  throw Error("TB-USAGE", fmt::format("'{}' names no nights to keep", rule), "--keep",
               "days or weeks back from now (30d, 8w), or the first day to keep (2026-01-31, UTC)");
 }
 

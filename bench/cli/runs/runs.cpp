@@ -34,7 +34,7 @@ void check_since(const std::string& since) {
     fits = pattern[i] == 'd' ? since[i] >= '0' && since[i] <= '9' : since[i] == '-';
   }
   if (fits) return;
-  throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("'{}' is not a date", since), "--since",
+  throw Error("TB-USAGE", fmt::format("'{}' is not a date", since), "--since",
               "write it as 2026-01-31, or 2026-01-31T12:00:00Z (UTC)");
 }
 
@@ -104,10 +104,9 @@ void RunsList::add(const ListedRun& listed, nlohmann::ordered_json row) {
     rows_->push_back(std::move(row));
     return;
   }
-  const std::string remarks =
-      fmt::format("{}{}{}{}", recipe_cell(run), run.purpose.empty() ? "" : "; " + run.purpose,
-                  run.tags.empty() ? "" : fmt::format(" [{}]", fmt::join(run.tags, " ")),
-                  run.is_void() ? fmt::format(" VOID: {}", run.void_reason) : "");
+  const std::string remarks = fmt::format("{}{}{}{}", recipe_cell(run), run.purpose.empty() ? "" : "; " + run.purpose,
+                                          run.tags.empty() ? "" : fmt::format(" [{}]", fmt::join(run.tags, " ")),
+                                          run.is_void() ? fmt::format(" VOID: {}", run.void_reason) : "");
   const std::string gone =
       listed.pruned ? fmt::format(" ({} removed)", analysis::counted(listed.pruned->frames, "frame")) : "";
   const std::string state = !listed.lives ? "" : *listed.lives ? " (under way)" : " (no process carries it out)";

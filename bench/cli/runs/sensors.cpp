@@ -53,7 +53,7 @@ void show_sensor(const std::string& serial, const Session& session) {
   const db::RunStore store = db::RunStore::open_read_only(session.db);
   const std::optional<db::SensorRecord> sensor = store.sensor(serial);
   if (!sensor) {
-    throw Error(ExitCode::kUsage, "TB-SENSOR-UNKNOWN", fmt::format("sensor '{}' is not registered", serial), session.db,
+    throw Error("TB-SENSOR-UNKNOWN", fmt::format("sensor '{}' is not registered", serial), session.db,
                 "tactbench sensors list shows the registered ones");
   }
   nlohmann::ordered_json runs = nlohmann::ordered_json::array();

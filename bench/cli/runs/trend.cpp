@@ -27,7 +27,7 @@ std::vector<std::string> chosen_subjects(const TrendOptions& options, const db::
     chosen.push_back(subject);
   }
   if (!chosen.empty()) return chosen;
-  throw Error(ExitCode::kUsage, "TB-TREND-NONE", "there are no such figures", store.path(),
+  throw Error("TB-TREND-NONE", "there are no such figures", store.path(),
               subjects.empty() ? std::string("fit, nightly --db and rig check store figures")
                                : fmt::format("there are: {}", fmt::join(subjects, ", ")));
 }
@@ -100,7 +100,7 @@ void trend(const TrendOptions& options, Session& session) {
   for (const std::string& subject : chosen_subjects(options, store))
     if (Followed followed = follow(store, subject); followed.run != 0) subjects.push_back(std::move(followed));
   if (subjects.empty())
-    throw Error(ExitCode::kUsage, "TB-TREND-NONE", "all runs with such figures are void", store.path(),
+    throw Error("TB-TREND-NONE", "all runs with such figures are void", store.path(),
                 "tactbench runs list --all shows why");
   std::vector<Followed*> family;
   for (Followed& followed : subjects) family.push_back(&followed);
@@ -112,7 +112,7 @@ void trend(const TrendOptions& options, Session& session) {
     if (origin != "simulated") origin = followed.origin;
   }
   if (figures == 0)
-    throw Error(ExitCode::kUsage, "TB-TREND-NONE", fmt::format("there is no figure '{}'", options.figure), "--figure",
+    throw Error("TB-TREND-NONE", fmt::format("there is no figure '{}'", options.figure), "--figure",
                 "omit it to list all");
   const auto any = [&](bool FollowedFigure::*what) {
     return std::ranges::any_of(subjects, [&](const Followed& f) { return std::ranges::any_of(f.figures, what); });

@@ -41,9 +41,8 @@ void verify(std::int64_t number, Session& session) {
   const db::RunStore store = db::RunStore::open_read_only(session.db);
   const db::RunRecord run = store.run(number);
   if (run.outcome == db::Outcome::kIncomplete) {
-    throw Error(ExitCode::kInconclusive, "TB-VERIFY-NOT-ENDED",
-                fmt::format("run {} has not ended: it has no hash to compare with yet", number), session.db,
-                "wait for its end; a run whose process died is closed at the next start of a run");
+    throw Error("TB-VERIFY-NOT-ENDED", fmt::format("run {} has not ended: it has no hash to compare with yet", number),
+                session.db);
   }
   const RunVerification verified = verify_run(store, number);
   const auto& [content, beside, results, first] = verified;

@@ -30,7 +30,7 @@ class WantedVerdict {
     const std::vector<std::string> known = words();
     if (std::ranges::find(known, word) != known.end()) return;
     const std::string near = sequences::nearest_word(word, known);
-    throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("there is no verdict '{}'", typed), "--verdict",
+    throw Error("TB-USAGE", fmt::format("there is no verdict '{}'", typed), "--verdict",
                 fmt::format("{}one of: {}", near.empty() ? "" : fmt::format("did you mean '{}'? ", near),
                             fmt::join(known, ", ")));
   }

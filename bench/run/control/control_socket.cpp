@@ -37,8 +37,8 @@ MachineName own_name(const BenchConfig& bench, const MachineName* given) {
   const std::string name = file_name(bench.id);
   MachineName taken(bench.in_process ? fmt::format("{}/process/{}", name, getpid()) : name);
   if (taken.held()) return taken;
-  throw Error(ExitCode::kUsage, "TB-BENCH-LOCKED", fmt::format("bench '{}' is in use by {}", bench.id, taken.owner()),
-              shown_name(taken.text()), "wait for it to end, or end it: tactbench stop");
+  throw Error("TB-BENCH-LOCKED", fmt::format("bench '{}' is in use by {}", bench.id, taken.owner()),
+              shown_name(taken.text()));
 }
 
 bool hung_up(int descriptor) {

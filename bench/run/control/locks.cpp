@@ -22,7 +22,7 @@ std::string holder_of(const MachineName& name) {
 }
 
 [[noreturn]] void refuse_bench(const std::string& what, const MachineName& name, const std::string& remedy) {
-  throw Error(ExitCode::kUsage, "TB-BENCH-LOCKED", what, shown_name(name.text()), remedy);
+  throw Error("TB-BENCH-LOCKED", what, shown_name(name.text()), remedy);
 }
 
 }  // namespace

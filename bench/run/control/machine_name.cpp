@@ -44,8 +44,7 @@ AbstractAddress abstract_address(const std::string& text) {
   AbstractAddress made;
   made.address.sun_family = AF_UNIX;  // sun_path[0] stays 0: abstract
   if (text.size() >= sizeof(made.address.sun_path)) {
-    throw Error(ExitCode::kUsage, "TB-BENCH-NAME", "the name is too long for the system", text,
-                "give the bench a shorter id");
+    throw Error("TB-BENCH-NAME", "the name is too long for the system", text);
   }
   std::memcpy(made.address.sun_path + 1, text.data(), text.size());
   made.size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + text.size());
@@ -65,8 +64,8 @@ MachineName::MachineName(const std::string& what) : text_(what) {
   if (descriptor_ >= 0) ::close(descriptor_);
   descriptor_ = -1;
   if (why == EADDRINUSE) return;
-  throw Error(ExitCode::kUsage, "TB-BENCH-NAME", fmt::format("the system gives no socket: {}", std::strerror(why)),
-              shown_name(what), "check the limits of open files (ulimit -n) and memory");
+  throw Error("TB-BENCH-NAME", fmt::format("the system gives no socket: {}", std::strerror(why)), shown_name(what),
+              "check the limits of open files (ulimit -n) and memory");
 }
 
 MachineName::~MachineName() {

@@ -49,8 +49,7 @@ StoreLocks::StoreLocks(const std::string& db_path)
   if (file_ >= 0 && ::fstat(file_, &found) == 0 && S_ISREG(found.st_mode)) return;
   const std::string why = file_ >= 0 ? "it is no file" : std::strerror(errno);
   if (file_ >= 0) ::close(file_);
-  throw Error(ExitCode::kStore, "TB-STORE-LOCK", "the store's lock file cannot be used: " + why, path_,
-              "check folder and permissions; a file that no process holds may be removed");
+  throw Error("TB-STORE-LOCK", "the store's lock file cannot be used: " + why, path_);
 }
 
 StoreLocks::~StoreLocks() { ::close(file_); }
@@ -63,8 +62,8 @@ bool StoreLocks::take(std::int64_t byte, bool exclusive) const {
   wanted.l_len = 1;
   if (::fcntl(file_, F_OFD_SETLK, &wanted) == 0) return true;
   if (errno == EAGAIN || errno == EACCES) return false;
-  throw Error(ExitCode::kStore, "TB-STORE-LOCK", fmt::format("the store cannot be locked: {}", std::strerror(errno)),
-              path_, "keep the store on a local disk");
+  throw Error("TB-STORE-LOCK", fmt::format("the store cannot be locked: {}", std::strerror(errno)), path_,
+              "keep the store on a local disk");
 }
 
 bool StoreLocks::take_within(std::int64_t byte, bool exclusive, std::chrono::milliseconds longest) const {
@@ -78,15 +77,15 @@ bool StoreLocks::take_within(std::int64_t byte, bool exclusive, std::chrono::mil
 
 void StoreLocks::share(std::chrono::milliseconds longest) const {
   if (take_within(kWhole, false, longest)) return;
-  throw Error(ExitCode::kStore, "TB-STORE-LOCK",
+  throw Error("TB-STORE-LOCK",
               fmt::format("another start has held the store for {:g} s", static_cast<double>(longest.count()) / 1000.0),
               path_, "see what has the store open, and try again");
 }
 
 void StoreLocks::take_run(std::int64_t run, std::chrono::milliseconds longest) const {
   if (take_within(run, true, longest)) return;
-  throw Error(ExitCode::kUsage, "TB-RUN-LIVE", fmt::format("another process carries out run {} of this store", run),
-              path_, "wait for it to end, or end it: tactbench stop " + std::to_string(run));
+  throw Error("TB-RUN-LIVE", fmt::format("another process carries out run {} of this store", run), path_,
+              "wait for it to end, or end it: tactbench stop " + std::to_string(run));
 }
 
 RunLock::RunLock(const std::string& db_path) : locks_(db_path) { locks_.share(kOtherStart); }

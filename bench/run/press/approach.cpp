@@ -19,15 +19,13 @@ void check_free(const PressAxis& axis, const ForceSample& reading, double limit_
   if (std::abs(reading.force_n) < limit_n) return;
   throw Fault("TB-PRESS-NOT-FREE", "force sensor",
               fmt::format("{:.2f} N at z = {:.3f} mm, where nothing should be touched (below {:g} N)", reading.force_n,
-                          axis.z_mm(), limit_n),
-              "Tare the sensor in the air; check that nothing pulls at the indenter or its cable, and the clear z.");
+                          axis.z_mm(), limit_n));
 }
 
 [[noreturn]] void no_contact(const PressAxis& axis, double from_mm) {
   throw Fault("TB-PRESS-NO-CONTACT", "stage z",
               fmt::format("z went from {:.3f} to {:.3f} mm without {:g} N on the force sensor", from_mm, axis.z_mm(),
-                          axis.options().contact_n),
-              "Check that object and specimen are mounted, x and y, and the deepest z of the bench.");
+                          axis.options().contact_n));
 }
 
 // Backs off until the force is gone; the specimen may recover slowly and follow.
@@ -57,8 +55,7 @@ ContactPoint find_contact(PressAxis& axis, double clear_z_mm) {
   if (touch.force_n < 0.0) {
     throw Fault("TB-PRESS-SIGN", "force sensor",
                 fmt::format("on contact Fz reads {:.2f} N, pressing should read {} it", touch.wrench.force_n[2],
-                            options.pressing_sign < 0.0 ? "below zero, not above" : "above zero, not below"),
-                "Correct the sign of pressing for this mount of the sensor: the servo would press without end.");
+                            options.pressing_sign < 0.0 ? "below zero, not above" : "above zero, not below"));
   }
   back_off(axis);
 

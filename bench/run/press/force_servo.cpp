@@ -107,8 +107,7 @@ void ForceServo::check_bounds(double target_n, double force_n, int moves, Nanose
   throw Fault("TB-PRESS-TIMEOUT", "stage z",
               fmt::format("{:.2f} N were not reached within {} moves and {:g} s; last reading {:.2f} N at {:.3f} mm, "
                           "{:.1f} N/mm",
-                          target_n, options.most_moves, options.level_timeout_s, force_n, axis_.z_mm(), stiffness_),
-              "Look whether the specimen yields or slips; raise the level's timeout, moves or tolerance.");
+                          target_n, options.most_moves, options.level_timeout_s, force_n, axis_.z_mm(), stiffness_));
 }
 
 double ForceServo::next_z(double target_n, double force_n, double step_mm, Branch branch) const {
@@ -123,8 +122,7 @@ double ForceServo::next_z(double target_n, double force_n, double step_mm, Branc
       "TB-PRESS-NO-FORCE", "stage z",
       fmt::format("{:.2f} N were asked for; {:.2f} N are there at z = {:.3f} mm, {:.3f} mm from the contact, and "
                   "the press may not go beyond {:.3f} mm",
-                  target_n, force_n, axis_.z_mm(), axis_.z_mm() - contact_z_mm_, loading ? high : low),
-      "Check that object and specimen are where they should be, and the bench's bounds of z.");
+                  target_n, force_n, axis_.z_mm(), axis_.z_mm() - contact_z_mm_, loading ? high : low));
 }
 
 ServoResult ForceServo::to(double target_n, Branch branch, double band_n) {

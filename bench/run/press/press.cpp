@@ -149,8 +149,7 @@ bool Press::dwell(const PressLevel& level, PressReading& reading) {
 PressReading Press::press(const PressLevel& level, const std::function<void()>& frame) {
   if (!contact_) {
     throw Fault("TB-PRESS-NO-APPROACH", "stage z",
-                fmt::format("{:.2f} N were asked for before contact was found at this place", level.force_n),
-                "Let the recipe approach after each home, retract and move.");
+                fmt::format("{:.2f} N were asked for before contact was found at this place", level.force_n));
   }
   PressReading reading;
   reading.commanded_at = clock_.now();

@@ -34,8 +34,7 @@ auto PressAxis::guarded(Act act) {
 double PressAxis::find() {
   const devices::AxisState state = stage_.state(Axis::kZ);
   if (!state.homed) {
-    throw Fault("TB-PRESS-NOT-HOMED", "stage z", "z was to move under force and has not been homed; nothing was sent",
-                "Let the recipe home the stage first; after a loss of power too.");
+    throw Fault("TB-PRESS-NOT-HOMED", "stage z", "z was to move under force and has not been homed; nothing was sent");
   }
   return z_mm_ = state.position.value();
 }
@@ -49,8 +48,7 @@ ForceSample PressAxis::read(int records, bool moving) {
   if (!(std::abs(taken.force_n) <= options_.force_limit_n)) {  // NaN is beyond
     throw Fault("TB-PRESS-FORCE-LIMIT", "force sensor",
                 fmt::format("{:.2f} N on the indenter, the limit is {:g} N; the stage was halted at about {:.3f} mm",
-                            taken.force_n, options_.force_limit_n, z_mm_),
-                "Look at the object and the specimen; a smaller servo speed leaves more time to stop.");
+                            taken.force_n, options_.force_limit_n, z_mm_));
   }
   return taken;
 }

@@ -67,16 +67,14 @@ std::array<double, 2> touch_centre_mm(std::span<const double> frame, std::span<c
   const auto peak = std::max_element(rise.begin(), rise.end());
   if (!(*peak >= least)) {
     throw Fault("TB-MOUNT-NO-TOUCH", kDevice,
-                fmt::format("no taxel rose by {:g} over its baseline, the highest by {:.4g}", least, *peak),
-                "Check that x and y meet the array, and that the touch presses hard enough.");
+                fmt::format("no taxel rose by {:g} over its baseline, the highest by {:.4g}", least, *peak));
   }
   const auto at = static_cast<int>(peak - rise.begin());
   const int row = at / columns;
   const int column = at % columns;
   if (row == 0 || row == rows - 1 || column == 0 || column == columns - 1) {
     throw Fault("TB-MOUNT-EDGE", kDevice,
-                fmt::format("the touch is strongest at row {}, column {}, on the array's edge", row, column),
-                "Touch further inside: at the edge a part of it is not seen.");
+                fmt::format("the touch is strongest at row {}, column {}, on the array's edge", row, column));
   }
   double sum = 0.0, x = 0.0, y = 0.0;
   for (std::size_t i = 0; i < taxels; ++i) {
@@ -117,8 +115,7 @@ std::string MountRegistration::json() const {
 MountRegistration register_mount(const std::vector<Touch>& touches, double pitch_mm,
                                  const RegistrationOptions& options) {
   if (touches.size() < 3) {
-    throw Fault("TB-MOUNT-TOUCHES", kDevice, fmt::format("{} touches were made, 3 are needed", touches.size()),
-                "Let the recipe touch at 3 or 4 corners of a quadrangle.");
+    throw Fault("TB-MOUNT-TOUCHES", kDevice, fmt::format("{} touches were made, 3 are needed", touches.size()));
   }
   Points taxel(2, touches.size());
   Points stage(2, touches.size());
@@ -133,8 +130,7 @@ MountRegistration register_mount(const std::vector<Touch>& touches, double pitch
         "TB-MOUNT-COLLINEAR", kDevice,
         fmt::format("the touches lie within {:.2f} mm (rms) of one line, {:g} mm are needed: a flip could not be "
                     "recognised",
-                    narrow_mm, options.least_spread_mm),
-        "Touch at the corners of a triangle or quadrangle as wide as the array allows.");
+                    narrow_mm, options.least_spread_mm));
   }
   const Fit straight = fit(taxel, stage, 1.0);
   const Fit mirrored = fit(taxel, stage, -1.0);
@@ -157,8 +153,7 @@ MountRegistration register_mount(const std::vector<Touch>& touches, double pitch
     throw Fault("TB-MOUNT-RESIDUAL", kDevice,
                 fmt::format("the touches miss their places by {:.3f} mm (rms), {:g} mm are allowed; angle {:.2f} deg, "
                             "scale {:.4f}",
-                            made.rms_mm, options.most_rms_mm, made.angle_deg, made.scale),
-                "Look for a dead row or column, a slipped mount or the wrong pitch; touch again.");
+                            made.rms_mm, options.most_rms_mm, made.angle_deg, made.scale));
   }
   return made;
 }

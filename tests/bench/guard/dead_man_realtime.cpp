@@ -253,7 +253,6 @@ TEST_CASE("dead-man: does not start without its own connection to the module") {
   const auto fault = devices::fault_of([&] { rig.open(); });
   REQUIRE(fault);
   CHECK(fault->id() == "TB-DEADMAN-START");
-  CHECK_THAT(fault->remedy(), Catch::Contains("second connection") && !Catch::Contains("enabled"));
 }
 
 TEST_CASE("dead-man: a module that does not answer is named before the dead-man is started") {

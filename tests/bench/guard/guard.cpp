@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "bench/common/error_table.h"
 #include "bench/common/process_time.h"
 #include "devices/fault.h"
 #include "tests/devices/fault_of.h"
@@ -22,7 +23,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 template <class Act>
 std::string id_of(Act&& act) {
   const auto fault = devices::fault_of(act);
-  if (fault) CHECK(fault->cause() == devices::Cause::kLimit);  // whatever its id
+  if (fault) CHECK(error_row(fault->id())->exit_code == ExitCode::kStopped);
   return fault ? fault->id() : "";
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/common/error.h"
 #include "bench/common/process_time.h"
 #include "bench/guard/guard.h"
 #include "devices/fault.h"
@@ -56,7 +57,8 @@ class TalkingGuard {
     said.push_back(what);
     const auto fault = devices::fault_of(deed);
     if (fault)
-      said.push_back(fmt::format("  {} {}: {} | {}", fault->id(), fault->device(), fault->what(), fault->remedy()));
+      said.push_back(fmt::format("  {} {}: {} | {}", fault->id(), fault->device(), fault->what(),
+                                 as_error(std::make_exception_ptr(*fault)).remedy()));
   }
   void wait(double s) { clock.wait_until(clock.now() + seconds(s)); }
   void see(double psi) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bench/common/build_info.h"
+#include "bench/common/error.h"
 #include "bench/common/utc.h"
 #include "db/run_store.h"
 #include "devices/fault.h"
@@ -34,7 +35,9 @@ db::DeviceRecord device(const std::string& role, const std::string& model, const
 
 std::string said_of(const std::function<void()>& act) {
   const auto fault = devices::fault_of(act);
-  return fault ? fault->id() + " | " + fault->device() + " | " + fault->what() + " | " + fault->remedy() : "";
+  if (!fault) return "";
+  return fault->id() + " | " + fault->device() + " | " + fault->what() + " | " +
+         as_error(std::make_exception_ptr(*fault)).remedy();
 }
 
 }  // namespace

@@ -52,7 +52,8 @@ TEST_CASE("predict: which taxel a table without a column of taxels speaks of") {
         "--taxel N or --taxel mean, or a column taxel\n");
   const Finished dead = several.of_table("predict", table, {"--taxel", "1"});
   CHECK(dead.code == 6);
-  CHECK(dead.err == "error: taxel 1 has no model: dead [TB-MODEL-TAXEL]\n  at: --taxel\n  try: choose another taxel\n");
+  CHECK(dead.err ==
+        "error: taxel 1 has no model: dead [TB-ANALYSIS-NO-TAXEL]\n  at: --taxel\n  try: choose another taxel\n");
   for (const std::string wrong : {"1.5", "99999999999999999999"}) {
     const Finished refused = several.of_table("predict", table, {"--taxel", wrong});
     CHECK(refused.code == 2);
