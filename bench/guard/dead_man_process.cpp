@@ -24,7 +24,7 @@ using devices::Nanoseconds;
 namespace {
 
 constexpr int kSocket = 3;  // in the dead-man
-constexpr Nanoseconds kStart = std::chrono::seconds(10);
+constexpr Nanoseconds kLongestStart = std::chrono::seconds(10);
 constexpr Nanoseconds kLine = std::chrono::seconds(5);
 constexpr Nanoseconds kEnd = std::chrono::seconds(1);
 constexpr Nanoseconds kEndPoll = std::chrono::milliseconds(50);
@@ -74,7 +74,7 @@ DeadManProcess::DeadManProcess(const BenchConfig& config)
   start(config.dead_man.program);
   const nlohmann::json bench = {{"name", config.file}, {"bench", config.resolved}};
   if (!channel_->send(analysis::json_line(bench))) fail("it does not accept the bench's description");
-  const std::optional<devices::ChannelPacket> answer = channel_->receive(kStart);
+  const std::optional<devices::ChannelPacket> answer = channel_->receive(kLongestStart);
   if (!answer || answer->text != "ready") {
     fail(answer ? answer->text : channel_->closed() ? "it ended at once" : "it did not answer");
   }

@@ -16,7 +16,7 @@ namespace tactbench::bench {
 
 namespace {
 
-constexpr double kConverterRange = 65535.0;
+constexpr double kFullScaleCounts = 65535.0;
 constexpr double kJudgedPsi = 5.0;  // below, weak taxels do not respond
 
 struct Seating {
@@ -68,13 +68,13 @@ std::optional<ArrayBasis> array_basis(const db::RunStore& store, const db::RunRe
 
 ArrayView view_of_frame(const ArrayBasis& basis, const db::SeenFrame& frame) {
   ArrayView view;
-  view.full_scale_v = basis.volts_per_count * kConverterRange;
+  view.full_scale_v = basis.volts_per_count * kFullScaleCounts;
   view.rows = frame.rows;
   view.columns = frame.columns;
   view.volts = db::mean_counts(frame);
   for (double& volts : view.volts) volts *= basis.volts_per_count;
   for (std::size_t i = 0; i < frame.counts.size(); ++i)
-    if (frame.counts[i] == kConverterRange) view.saturated.push_back(static_cast<int>(i % view.volts.size()));
+    if (frame.counts[i] == kFullScaleCounts) view.saturated.push_back(static_cast<int>(i % view.volts.size()));
   std::ranges::sort(view.saturated);
   view.saturated.erase(std::unique(view.saturated.begin(), view.saturated.end()), view.saturated.end());
   if (frame.wrench) {  // an object presses on a part of the array
@@ -98,7 +98,7 @@ std::optional<ArrayView> newest_array(const db::RunStore& store, const db::RunRe
   }
   if (frame) return view_of_frame(basis, *frame);
   ArrayView view;
-  view.full_scale_v = basis.volts_per_count * kConverterRange;
+  view.full_scale_v = basis.volts_per_count * kFullScaleCounts;
   view.title = fmt::format("seating check at {:.1f} psi", seating->pressure_psi);
   view.rows = seating->rows;
   view.columns = seating->columns;

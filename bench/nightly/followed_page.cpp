@@ -70,7 +70,7 @@ Markup figure_state(const FollowedFigure& figure) {
   return markup("<span class=\"pass\"><span class=\"sign\">✓</span> within</span>");
 }
 
-std::string baseline_text(const Followed& followed) {
+std::string followed_baseline(const Followed& followed) {
   if (!followed.baseline) return {};
   const db::BaselineRecord& own = *followed.baseline;
   std::string text =
@@ -86,7 +86,7 @@ Markup figures_of_subject(const Followed& followed) {
   Markup out = markup(
       "<div class=\"wide\"><table class=\"figures\"><caption>{}{}</caption><thead><tr><th>figure</th><th "
       "class=\"n\">newest</th><th class=\"n\">baseline</th><th>runs</th><th></th></tr></thead><tbody>\n",
-      Text(followed.subject), Text(baseline_text(followed)));
+      Text(followed.subject), Text(followed_baseline(followed)));
   for (const FollowedFigure& figure : followed.figures) {
     out += markup("<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td><td class=\"n\">", Text(figure.name),
                   significant(figure.values.back(), 5));

@@ -33,19 +33,19 @@ bool equal(double a, double b) { return a == b || std::abs(a - b) <= 1e-9 * std:
 std::vector<std::string> changed_figures(const SubjectHistory& history, std::int64_t earlier,
                                          const std::map<std::string, double>& figures) {
   std::vector<std::string> lines;
-  std::size_t present = 0;
+  std::size_t stored_figures = 0;
   for (const auto& [name, before] : history.figures_of(earlier)) {
     const auto own = figures.find(name);
-    present += own == figures.end() ? 0 : 1;
+    stored_figures += own == figures.end() ? 0 : 1;
     if (own == figures.end())
       lines.push_back(fmt::format("{} is missing; run {} has it, of the same frames", name, earlier));
     else if (!equal(own->second, before))
       lines.push_back(
           fmt::format("{} is {:.9g}, was {:.9g} in run {}, of the same frames", name, own->second, before, earlier));
   }
-  if (present < figures.size())
+  if (stored_figures < figures.size())
     lines.push_back(fmt::format("{} that run {} does not have, of the same frames",
-                                analysis::counted(figures.size() - present, "figure"), earlier));
+                                analysis::counted(figures.size() - stored_figures, "figure"), earlier));
   return lines;
 }
 

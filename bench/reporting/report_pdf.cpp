@@ -105,11 +105,12 @@ std::string date_variable(const std::string& utc) {
 
 // True when it ended by itself with 0. At the deadline its whole group is killed.
 bool run_to_end(std::vector<std::string> words, const std::string& log, const std::string& utc) {
+  const int output = ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
+  if (output < 0) return false;
   ChildStart start;
   start.words = std::move(words);
   start.environment = environment_with({date_variable(utc)});
-  start.output = ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
-  if (start.output < 0) return false;
+  start.output = output;
   try {
     ChildProgram program(std::move(start));
     const std::optional<int> status = program.ended_by(std::chrono::steady_clock::now() + kPdfDeadline);

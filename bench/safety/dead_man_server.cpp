@@ -41,7 +41,7 @@ namespace {
 
 constexpr Nanoseconds kFirstPacket = std::chrono::seconds(10);
 constexpr Nanoseconds kEarlierEnds = std::chrono::seconds(8);  // less than the starter waits
-constexpr Nanoseconds kLongestWait = std::chrono::seconds(5);
+constexpr Nanoseconds kLongestPoll = std::chrono::seconds(5);
 constexpr Nanoseconds kSeldom = std::chrono::seconds(5);
 constexpr Nanoseconds kRtuSilence = std::chrono::milliseconds(50);  // longer than the answer to the last request
 constexpr Nanoseconds kBackOff = std::chrono::seconds(10);
@@ -82,7 +82,7 @@ class Server {
     dead_man.feed(now());
     for (;;) {
       bool fed = false;
-      auto packet = channel_.receive(std::clamp(dead_man.left(now()), Nanoseconds(0), kLongestWait));
+      auto packet = channel_.receive(std::clamp(dead_man.left(now()), Nanoseconds(0), kLongestPoll));
       // Waiting messages count as sent now: a dead-man that was itself delayed must not blame the sequencer, which
       // checks itself whether it was stopped.
       for (; packet; packet = channel_.receive(Nanoseconds(0))) {

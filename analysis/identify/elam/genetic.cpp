@@ -14,7 +14,7 @@ namespace {
 // The size is usual for five variables. Of seven settings of crossover and mutation this came nearest to the exact J on
 // four noisy copies of the rebuilt paper taxel, where sga's own defaults end at twice that J; on others it is caught in
 // local minima all the same.
-constexpr unsigned kGenes = 5, kIndividuals = 50, kGenerations = 500;
+constexpr unsigned kGenes = 5, kIndividuals = 50, kGeneticGenerations = 500;
 constexpr double kCrossover = 0.8, kCrossoverSpread = 1.0, kMutation = 0.2, kMutationSpread = 0.05;
 
 GeneticSearch* loaded() {
@@ -60,7 +60,7 @@ ElamFit identify_elam_ga(const PatternCurve& ascending, const PatternCurve& desc
   const ElamSamples samples = searched_samples(model, branches);
   Searched searched{model, samples};
   double best[kGenes];
-  if (!loaded()({cost, &searched, kGenes, kIndividuals, kGenerations, kCrossover, kCrossoverSpread, kMutation,
+  if (!loaded()({cost, &searched, kGenes, kIndividuals, kGeneticGenerations, kCrossover, kCrossoverSpread, kMutation,
                  kMutationSpread, seed},
                 best))
     throw std::runtime_error("pagmo's genetic algorithm failed");

@@ -19,7 +19,7 @@ constexpr int kFirstSteps = 6, kSecondSteps = 30, kLastSteps = 60;
 constexpr double kEqualJ = 1e-7;  // share of J by which points differ that are not one
 constexpr double kApart = 1e-4;   // the same of ends that are not yet at their minimum
 constexpr double kFirstSize = 0.1;
-constexpr int kTournament = 300, kGenerations = 250;
+constexpr int kTournament = 300, kGpiGenerations = 250;
 constexpr double kFurther[] = {2.0, 1.0, 0.5};  // sizes of the last evolutions, about the best: neighbouring minima
 
 // What the data leave open: standard errors above 1, a factor e or the whole output. By the parameter that the unknown
@@ -112,7 +112,7 @@ class GpiIdentifier final : public Identifier {
     search.descend(found, kLastSteps);
     GpiFound best = *std::ranges::min_element(found, {}, &GpiFound::j);
     for (const double size : kFurther) {
-      GpiFound further = search.evolve(best, size, kGenerations);
+      GpiFound further = search.evolve(best, size, kGpiGenerations);
       search.descend(std::span(&further, 1), kLastSteps);
       if (further.j < best.j) best = further;
     }

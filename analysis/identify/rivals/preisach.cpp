@@ -19,7 +19,7 @@
 namespace tactbench::analysis {
 namespace {
 
-constexpr std::size_t kMostRows = 100;
+constexpr std::size_t kMostIntervals = 100;
 constexpr double kFlattest = 0.1;  // of the mean slope
 
 constexpr double kRidge = 1e-4;  // of the Gram matrix's mean diagonal
@@ -41,7 +41,7 @@ struct CellState {
   // The shares after going to x without a turn.
   void moved(double x, double* now) const {
     const double at = (x - x_low) / span * static_cast<double>(rows);
-    std::array<double, kMostRows> share;
+    std::array<double, kMostIntervals> share;
     for (std::size_t i = 0; i < rows; ++i) share[i] = std::clamp(at - static_cast<double>(i), 0.0, 1.0);
     for (std::size_t i = 0, cell = 0; i < rows; ++i)
       for (std::size_t j = 0; j <= i; ++j, ++cell) now[cell] = generalized_play(share[i], share[j], 0.0, on[cell]);
@@ -163,8 +163,9 @@ class PreisachIdentifier final : public Identifier {
 }  // namespace
 
 std::unique_ptr<Identifier> prepare_preisach(const FitData& like, const IdentifyOptions& options) {
-  if (options.cells < 1 || options.cells > static_cast<int>(kMostRows))
-    throw std::invalid_argument(fmt::format("Preisach: {} intervals; 1 to {} are possible", options.cells, kMostRows));
+  if (options.cells < 1 || options.cells > static_cast<int>(kMostIntervals))
+    throw std::invalid_argument(
+        fmt::format("Preisach: {} intervals; 1 to {} are possible", options.cells, kMostIntervals));
   return std::make_unique<PreisachIdentifier>(like, static_cast<std::size_t>(options.cells), options.by_input);
 }
 

@@ -14,8 +14,8 @@
 namespace tactbench::analysis {
 namespace {
 
-constexpr double kAtRestShare = 0.01;  // of the output's span
-constexpr double kSameInput = 1e-12;   // of the input's range: InverseStream has settled
+constexpr double kAtRestShare = 0.01;    // of the output's span
+constexpr double kSettledInput = 1e-12;  // of the input's range: InverseStream has settled
 
 }  // namespace
 
@@ -86,7 +86,7 @@ Compensated RecordingStream::by_inverse(double output) {
   if (ahead >= 0.0 || ahead < -dead_band_) own.furthest = output;
   if (!own.midway) return result;
   const double midway = own.midway->step(output), half = std::abs(midway - result.pressure_psi);
-  if (half <= kSameInput * (taxel_->fit.model->x_high() - taxel_->fit.model->x_low())) {
+  if (half <= kSettledInput * (taxel_->fit.model->x_high() - taxel_->fit.model->x_low())) {
     own.midway.reset();
     return result;
   }

@@ -17,7 +17,7 @@ using html::Text;
 namespace {
 
 // The level of another evaluation at the same set-point; null where it has none.
-const LevelFigures* same_level(const std::optional<AsFound>& previous, double pressure_psi) {
+const LevelFigures* found_level(const std::optional<AsFound>& previous, double pressure_psi) {
   if (!previous) return nullptr;
   for (const LevelFigures& level : previous->evaluation.levels)
     if (std::abs(level.pressure_psi - pressure_psi) < 0.05) return &level;
@@ -138,7 +138,7 @@ Markup found_levels(const ReportInput& input) {
         "<th scope=\"col\" class=\"n\">left</th>");
   out += markup("</tr></thead><tbody>\n");
   for (const LevelFigures& level : input.evaluation.levels) {
-    const LevelFigures* found = same_level(input.more.previous, level.pressure_psi);
+    const LevelFigures* found = found_level(input.more.previous, level.pressure_psi);
     out += markup("<tr>{}", level_cells(level.pressure_psi, input.unit));
     for (const auto& [raw, compensated] : {std::pair{&LevelFigures::raw_distance, &LevelFigures::comp_distance},
                                            std::pair{&LevelFigures::raw_std_up, &LevelFigures::comp_std_up},

@@ -13,7 +13,7 @@ namespace tactbench::analysis {
 namespace {
 
 // One level as it was held once: the frames from one command to the next.
-struct Hold {
+struct RigHold {
   int repeat = 0, branch = 0;
   double setpoint_psi = 0.0, before_psi = 0.0;  // before: the level that was left
   bool first = false;                           // of its repeat: nothing was left
@@ -22,16 +22,16 @@ struct Hold {
   double settling_s = 0.0;
 };
 
-std::vector<Hold> holds_of(const StoredRun& run) {
+std::vector<RigHold> holds_of(const StoredRun& run) {
   std::map<std::int64_t, db::BranchRecord> branches;
   for (const db::BranchRecord& branch : run.branches) branches[branch.branch] = branch;
-  std::vector<Hold> holds;
+  std::vector<RigHold> holds;
   for (const db::FrameRecord& frame : run.frames) {
     const db::BranchRecord& branch = branches.at(frame.branch);
     if (branch.is_void || frame.wrench || !std::isfinite(frame.reference_psi)) continue;
     const bool same_repeat = !holds.empty() && holds.back().repeat == branch.repeat;
     if (!same_repeat || holds.back().setpoint_psi != frame.setpoint_psi) {
-      Hold hold;
+      RigHold hold;
       hold.repeat = branch.repeat;
       hold.branch = branch.ordinal;
       hold.first = !same_repeat;
@@ -71,7 +71,7 @@ void keep_mean(std::map<std::string, double>& figures, const char* name, const s
 }
 
 // While the set-point moves, (set-point - reference) / rate; the first polls of a ramp are still catching up.
-void gather_lags(const Hold& hold, std::vector<double>& lags) {
+void gather_lags(const RigHold& hold, std::vector<double>& lags) {
   constexpr std::size_t kCatchingUp = 4;
   for (std::size_t i = kCatchingUp; i < hold.approach.size(); ++i) {
     const db::TracePoint &before = hold.approach[i - 1], &now = hold.approach[i];
@@ -87,7 +87,7 @@ std::map<std::string, double> chamber_figures(const StoredRun& run) {
   std::map<std::string, double> figures;
   std::vector<double> zero_reference, zero_feedback, offsets, settling, venting, lags, noise;
   std::map<std::pair<double, bool>, std::vector<double>> by_level;  // (set-point, rising) -> reference, by repeat
-  for (const Hold& hold : holds_of(run)) {
+  for (const RigHold& hold : holds_of(run)) {
     const double reference = mean_of(hold.reference_psi), feedback = mean_of(hold.feedback_psi);
     const bool under_pressure = hold.setpoint_psi > 0.0;
     keep_largest(figures, "reference_minus_feedback_psi", reference - feedback);

@@ -44,8 +44,8 @@ struct Estimate {
 };
 
 Estimate estimate_of(std::span<const Stretch> stretches, std::size_t order, bool divided) {
-  constexpr std::array<double, kHighest + 1> kEven = {0, 1, 2, 3, 4, 5, 6};
-  const Weights even = *weights_of(std::span(kEven).first(order + 1));
+  constexpr std::array<double, kHighest + 1> kEvenPlaces = {0, 1, 2, 3, 4, 5, 6};
+  const Weights even = *weights_of(std::span(kEvenPlaces).first(order + 1));
   std::size_t all = 0;
   for (const Stretch& stretch : stretches) all += stretch.y.size() > order ? stretch.y.size() - order : 0;
   const std::size_t stride = 1 + all / kLooked;

@@ -13,10 +13,10 @@ constexpr double kAtRest = 0.01;  // of the input's span
 // 0.1, 0.2, 0.5, 1, ...: a value belongs to the bin whose lower bound is the greatest not above it.
 Bin bin_of(double value) {
   const double decade = std::pow(10.0, std::floor(std::log10(value)));
-  constexpr double kSteps[] = {1.0, 2.0, 5.0, 10.0};
+  constexpr double kBinSteps[] = {1.0, 2.0, 5.0, 10.0};
   std::size_t i = 2;
-  while (i > 0 && value < kSteps[i] * decade * (1.0 - 1e-6)) --i;
-  return {kSteps[i] * decade, kSteps[i + 1] * decade, {}};
+  while (i > 0 && value < kBinSteps[i] * decade * (1.0 - 1e-6)) --i;
+  return {kBinSteps[i] * decade, kBinSteps[i + 1] * decade, {}};
 }
 
 void add_to(std::vector<Bin>& bins, const Bin& bin) {

@@ -45,10 +45,10 @@ double relative_spread(const std::vector<double>& values, const std::vector<bool
 // Turn, mirror, another pattern. False where the last seating's taxels may not be compared one by one.
 bool compare_pattern(int rows, int columns, const std::vector<double>& now, const std::vector<double>& before,
                      const SeatingOptions& options, SeatingResult& result) {
-  constexpr std::ptrdiff_t kFewest = 16;  // by chance alone, fewer taxels resemble each other
+  constexpr std::ptrdiff_t kFewestTaxels = 16;  // by chance alone, fewer taxels resemble each other
   const std::vector<bool> use_now = answering(now, options.least_response_v);
   const std::vector<bool> use_before = answering(before, options.least_response_v);
-  if (std::count(use_now.begin(), use_now.end(), true) < kFewest) return true;
+  if (std::count(use_now.begin(), use_now.end(), true) < kFewestTaxels) return true;
   if (relative_spread(before, use_before) < options.least_spread) return true;
   const auto fits = compare_positions(rows, columns, now, before, use_now, use_before);
   const double identity = fits.front().correlation;

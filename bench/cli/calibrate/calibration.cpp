@@ -31,7 +31,7 @@ using sequences::Recipe;
 }
 
 // As a shell takes it for one word.
-std::string shell_word(const std::string& text) {
+std::string command_word(const std::string& text) {
   constexpr const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./:=,+%@";
   if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
   std::string quoted = "'";
@@ -241,7 +241,7 @@ class Calibration {
     if (resumed) (run == 0 ? run : held_out) = begun_;
     if (run == 0 && begun_ == 0) return {};
     const std::string again = calibrate_again(options_, session_, run, held_out);
-    return resumed ? fmt::format("to continue: tactbench resume {} --db {}, then {}", begun_, shell_word(session_.db),
+    return resumed ? fmt::format("to continue: tactbench resume {} --db {}, then {}", begun_, command_word(session_.db),
                                  again)
                    : "to continue: " + again;
   }
@@ -261,11 +261,11 @@ std::string calibrate_again(const CalibrateOptions& options, Session& session, s
                             std::int64_t held_out) {
   const CalibrateOptions standard;
   const OperatorProfile& profile = session.profile.values();
-  std::string words = "tactbench calibrate " + shell_word(options.serial);
+  std::string words = "tactbench calibrate " + command_word(options.serial);
   const auto add = [&](const char* option, const std::vector<std::string>& values,
                        const std::vector<std::string>& otherwise) {
     if (values == otherwise) return;
-    for (const std::string& value : values) words += fmt::format(" {} {}", option, shell_word(value));
+    for (const std::string& value : values) words += fmt::format(" {} {}", option, command_word(value));
   };
   const auto otherwise = [&](ProfileKey key, const std::vector<std::string>& built_in) {
     const auto given = profile.find(key);

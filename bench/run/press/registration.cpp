@@ -23,7 +23,7 @@ namespace {
 
 constexpr const char* kDevice = "sensor mount";
 
-struct Fit {
+struct PlaneFit {
   Matrix2d turn;  // orthogonal, determinant as asked
   double scale = 1.0;
   Vector2d offset;
@@ -31,7 +31,7 @@ struct Fit {
 };
 
 // Least squares of to = scale turn from + offset over orthogonal `turn` with that determinant.
-Fit fit(const Points& from, const Points& to, double determinant) {
+PlaneFit fit(const Points& from, const Points& to, double determinant) {
   const auto count = static_cast<double>(from.cols());
   const Vector2d from_mean = from.rowwise().mean();
   const Vector2d to_mean = to.rowwise().mean();
@@ -39,7 +39,7 @@ Fit fit(const Points& from, const Points& to, double determinant) {
   const Points b = to.colwise() - to_mean;
   const Eigen::JacobiSVD<Matrix2d> svd(b * a.transpose(), Eigen::ComputeFullU | Eigen::ComputeFullV);
   Vector2d signs(1.0, determinant * svd.matrixU().determinant() * svd.matrixV().determinant() > 0.0 ? 1.0 : -1.0);
-  Fit result;
+  PlaneFit result;
   result.turn = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
   result.scale = svd.singularValues().dot(signs) / a.squaredNorm();
   result.offset = to_mean - result.scale * result.turn * from_mean;
@@ -132,11 +132,11 @@ MountRegistration register_mount(const std::vector<Touch>& touches, double pitch
                     "recognised",
                     narrow_mm, options.least_spread_mm));
   }
-  const Fit straight = fit(taxel, stage, 1.0);
-  const Fit mirrored = fit(taxel, stage, -1.0);
+  const PlaneFit straight = fit(taxel, stage, 1.0);
+  const PlaneFit mirrored = fit(taxel, stage, -1.0);
   MountRegistration made;
   made.flipped = mirrored.rms < straight.rms;
-  const Fit& best = made.flipped ? mirrored : straight;
+  const PlaneFit& best = made.flipped ? mirrored : straight;
   // The first column of turn is where the taxels' x goes, with either flip.
   made.angle_deg = std::atan2(best.turn(1, 0), best.turn(0, 0)) * 180.0 / std::numbers::pi;
   made.offset_mm = {best.offset[0], best.offset[1]};

@@ -13,7 +13,7 @@ using namespace synthetic;
 
 namespace {
 
-constexpr std::size_t kTaxels = 20, kLevels = 20;
+constexpr std::size_t kResidualTaxels = 20, kLevels = 20;
 
 // All values of all taxels differ, so that each tells where it was read: from 0.3 psi, as a fitted taxel leaves.
 std::vector<double> residual_of(std::size_t taxel) {
@@ -83,13 +83,13 @@ constexpr std::size_t kSetupOfBefore = offsetof(tb_compensator_setup, residual_l
 
 TEST_CASE("residual in frames: noise and what the plain form's place leaves, at most one interval off") {
   for (const bool unknown : {false, true}) {
-    const Frames frames = random_reversals(kTaxels, 1500, 0.0015, 0.7, unknown ? 25.0 : 0.0);
+    const Frames frames = random_reversals(kResidualTaxels, 1500, 0.0015, 0.7, unknown ? 25.0 : 0.0);
     FrameSetup alone = frames.setup;
     alone.start_unknown = unknown;
     const std::vector<double>& knots = alone.pressure_psi;
     FrameCompensator<double> fast(with_residuals(alone)), noise(alone);
     std::vector<TaxelCompensator> plain = plain_of(frames, unknown);
-    Results<double> with(kTaxels), without(kTaxels);
+    Results<double> with(kResidualTaxels), without(kResidualTaxels);
     int exact = 0, near = 0, all = 0, fallen = 0;
     double sum = 0.0, expected = 0.0;
     for (std::size_t f = 0; f < frames.pressure.size(); ++f) {
@@ -97,7 +97,7 @@ TEST_CASE("residual in frames: noise and what the plain form's place leaves, at 
       noise.frame(frames.at(f), without.output());
       REQUIRE(with.pressure == without.pressure);
       REQUIRE(with.status == without.status);
-      for (std::size_t t = 0; t < kTaxels; ++t) {
+      for (std::size_t t = 0; t < kResidualTaxels; ++t) {
         const Compensated one = plain[t].step(frames.at(f)[t] * alone.volts_per_count);
         const std::vector<double> psi = residual_of(t);
         const ResidualBins bins{knots.front(), knots.back(), psi};
@@ -126,13 +126,13 @@ TEST_CASE("residual in frames: noise and what the plain form's place leaves, at 
 }
 
 TEST_CASE("residual in frames: the same bits on each level, in counts and volts, after a loss, a tare and a reset") {
-  const Frames frames = random_reversals(kTaxels, 400, 0.002, 0.7);
+  const Frames frames = random_reversals(kResidualTaxels, 400, 0.002, 0.7);
   FrameSetup setup = with_residuals(frames.setup);
   setup.taxels[3].usable = false;
   setup.taxels[4].residual_psi.clear();
   FrameCompensator<float> base(setup), best(setup);
   base.set_dispatch(Dispatch::kBase);
-  Results<float> a(kTaxels), b(kTaxels);
+  Results<float> a(kResidualTaxels), b(kResidualTaxels);
   for (std::size_t f = 0; f < frames.pressure.size(); ++f) {
     base.frame(frames.at(f), a.output());
     best.frame(frames.at(f), b.output());
@@ -141,7 +141,7 @@ TEST_CASE("residual in frames: the same bits on each level, in counts and volts,
   }
   CHECK(a.uncertainty[3] == 60.0F);
   FrameCompensator<float> alone(frames.setup);
-  Results<float> c(kTaxels);
+  Results<float> c(kResidualTaxels);
   for (std::size_t f = 0; f < frames.pressure.size(); ++f) alone.frame(frames.at(f), c.output());
   CHECK(a.uncertainty[4] == c.uncertainty[4]);  // not known: noise alone
   const float last = a.uncertainty[5];
@@ -178,7 +178,7 @@ TEST_CASE("residual in frames: wrong sizes and values are refused by taxel") {
 }
 
 TEST_CASE("C API: residuals reach the uncertainty, and structs that end before them work and give noise alone") {
-  const Frames frames = random_reversals(kTaxels, 300, 0.002, 0.7);
+  const Frames frames = random_reversals(kResidualTaxels, 300, 0.002, 0.7);
   FrameCompensator<double> fast(with_residuals(frames.setup)), noise(frames.setup);
   constexpr std::size_t kSetup = sizeof(tb_compensator_setup), kTaxel = sizeof(tb_compensator_taxel);
   static_assert(kSetupOfBefore < kSetup && kTaxelOfBefore < kTaxel);
@@ -195,12 +195,12 @@ TEST_CASE("C API: residuals reach the uncertainty, and structs that end before t
     REQUIRE(caller.create(&handles.back(), why) == TB_COMPENSATOR_OK);
     CHECK(why.empty());
   }
-  Results<double> with(kTaxels), without(kTaxels), given(kTaxels);
+  Results<double> with(kResidualTaxels), without(kResidualTaxels), given(kResidualTaxels);
   for (std::size_t f = 0; f < frames.pressure.size(); ++f) {
     fast.frame(frames.at(f), with.output());
     noise.frame(frames.at(f), without.output());
     for (std::size_t k = 0; k < handles.size(); ++k) {
-      REQUIRE(tb_compensator_counts_double(handles[k], frames.at(f).data(), kTaxels, given.pressure.data(),
+      REQUIRE(tb_compensator_counts_double(handles[k], frames.at(f).data(), kResidualTaxels, given.pressure.data(),
                                            given.uncertainty.data(), given.status.data()) == TB_COMPENSATOR_OK);
       REQUIRE(given.pressure == with.pressure);
       REQUIRE(given.uncertainty == (k == 0 ? with.uncertainty : without.uncertainty));

@@ -12,9 +12,9 @@ using namespace tactbench::analysis;
 
 namespace {
 
-using Values = std::vector<double>;
+using SeriesValues = std::vector<double>;
 
-TaxelHistories one_history(int number, const Values& x, const Values& y, double noise = 0.0) {
+TaxelHistories one_history(int number, const SeriesValues& x, const SeriesValues& y, double noise = 0.0) {
   TaxelHistories taxel;
   taxel.taxel = number;
   taxel.noise = noise;
@@ -32,7 +32,7 @@ Histories gathered(std::vector<TaxelHistories> taxels) {
 }
 
 // The output is the input, along turning points in steps of a quarter.
-TableSeries straight_series(const std::string& name, const Values& turns, int taxel = 0) {
+TableSeries straight_series(const std::string& name, const SeriesValues& turns, int taxel = 0) {
   TableSeries series{name, taxel, {turns.front()}, {}};
   for (const double turn : turns)
     while (std::abs(turn - series.input.back()) > 1e-9) {
@@ -58,9 +58,9 @@ std::string id_of_table(const std::vector<TableSeries>& table, const HistoriesOp
   return "none";
 }
 
-const Values kThereAndBack{0, 1, 2, 1, 0};
+const SeriesValues kThereAndBack{0, 1, 2, 1, 0};
 // Three turns inside the range either way.
-const Values kEnoughTurns{0, 10, 2, 10, 2, 10, 2, 10, 0, 8, 0, 8, 0, 8, 0};
+const SeriesValues kEnoughTurns{0, 10, 2, 10, 2, 10, 2, 10, 0, 8, 0, 8, 0, 8, 0};
 
 }  // namespace
 
@@ -77,8 +77,8 @@ TEST_CASE("histories by hand: the mean taxel is the usable ones' mean, its noise
   CHECK(mean.taxel == kMeanTaxel);
   CHECK(mean.noise == Approx(0.25));
   CHECK(mean.turn == 0.2);
-  CHECK(mean.fit[0].y == Values{0.5, 2, 5, 3.5, 0.5});
-  CHECK(mean.score[0].y == Values{0.5, 2, 5, 3.5, 0.5});
+  CHECK(mean.fit[0].y == SeriesValues{0.5, 2, 5, 3.5, 0.5});
+  CHECK(mean.score[0].y == SeriesValues{0.5, 2, 5, 3.5, 0.5});
   CHECK_FALSE(histories.falling);
   // Their loop's mean.
   const auto data = mean_fit_data(histories, {0, 2}, {});
@@ -87,7 +87,7 @@ TEST_CASE("histories by hand: the mean taxel is the usable ones' mean, its noise
   CHECK(data->descending.y()[1] == 3.5);
   CHECK(data->ascending.y()[0] == 0.5);
   CHECK(data->ascending.y()[2] == 5.0);
-  CHECK(data->histories[0].y == Values{0.5, 2, 5, 3.5, 0.5});
+  CHECK(data->histories[0].y == SeriesValues{0.5, 2, 5, 3.5, 0.5});
   CHECK(mean_taxel_of(histories).taxels.size() == 1);
   CHECK(mean_taxel_of(histories).taxels[0].noise == Approx(0.25));
   // One taxel has no mean; inputs that differ give none; without a usable one there is nothing.
@@ -108,7 +108,7 @@ TEST_CASE("histories by hand: the mean taxel is the usable ones' mean, its noise
 
 TEST_CASE("histories by hand: outputs are negated where they fall with the input over all usable taxels") {
   // Mean inputs are 0.8: of these outputs the sum of products is -3.2 and, of the second taxel, 1.6 times as much.
-  const Values falls{0, -1, -2, -1, 0}, rises{0, 2, 4, 2, 0};
+  const SeriesValues falls{0, -1, -2, -1, 0}, rises{0, 2, 4, 2, 0};
   TaxelHistories stuck = one_history(2, kThereAndBack, {0, -100, -200, -100, 0});
   stuck.status = TaxelStatus::kSaturated;
   const Histories both = gathered({one_history(0, kThereAndBack, falls), one_history(1, kThereAndBack, rises), stuck});
@@ -116,8 +116,8 @@ TEST_CASE("histories by hand: outputs are negated where they fall with the input
   CHECK(both.taxels[0].fit[0].y == falls);
   const Histories down = gathered({one_history(0, kThereAndBack, falls)});
   CHECK(down.falling);
-  CHECK(down.taxels[0].fit[0].y == Values{0, 1, 2, 1, 0});
-  CHECK(down.taxels[0].score[0].y == Values{0, 1, 2, 1, 0});
+  CHECK(down.taxels[0].fit[0].y == SeriesValues{0, 1, 2, 1, 0});
+  CHECK(down.taxels[0].score[0].y == SeriesValues{0, 1, 2, 1, 0});
   CHECK_FALSE(gathered({one_history(0, kThereAndBack, {3, 3, 3, 3, 3})}).falling);
   // Each history about its own mean: a zero that moved between two is no fall.
   TaxelHistories shifted = one_history(0, kThereAndBack, rises);
@@ -127,7 +127,7 @@ TEST_CASE("histories by hand: outputs are negated where they fall with the input
 
 TEST_CASE("histories by hand: both patterns begin and end in the mean of what was measured, or there is no rise") {
   TaxelHistories taxel = one_history(0, {0, 1, 2, 2}, {0.2, 2, 5, 5});
-  const Values down{2, 1, 0, 0};
+  const SeriesValues down{2, 1, 0, 0};
   taxel.fit.push_back({"2", down, {5.4, 3, 0.4, 0.4}, branches_along(down), {}, {}});
   const FitData data = fit_data_of(taxel, {});
   CHECK(data.no_loop.empty());
@@ -147,7 +147,7 @@ TEST_CASE("histories by hand: both patterns begin and end in the mean of what wa
 }
 
 TEST_CASE("histories by hand: without a loop the ends are mean outputs within a hundredth of the inputs' ends") {
-  const Values x{0, 10, 5, 9.9, 2, 6, 0.1, 0.12}, y{1, 9, 4, 8, 2, 5, 3, 6};
+  const SeriesValues x{0, 10, 5, 9.9, 2, 6, 0.1, 0.12}, y{1, 9, 4, 8, 2, 5, 3, 6};
   const FitData data = fit_data_of(one_history(0, x, y), {});
   CHECK_FALSE(data.no_loop.empty());
   REQUIRE(data.ascending.x().size() == 2);
@@ -224,7 +224,7 @@ TEST_CASE("tables by hand: a start further than a hundredth from both ends is to
 }
 
 TEST_CASE("tables by hand: three turns inside the range either way are enough, those at its ends do not count") {
-  const auto few = [](const Values& turns) { return warned({straight_series("1", turns)}); };
+  const auto few = [](const SeriesValues& turns) { return warned({straight_series("1", turns)}); };
   CHECK(few(kEnoughTurns).empty());
   CHECK_THAT(few({0, 10, 2, 10, 2, 10, 0, 8, 0, 8, 0, 8, 0}),
              Catch::Contains("3 branches begin there and fall, 2 rise"));

@@ -9,7 +9,7 @@ using namespace tactbench::analysis;
 
 namespace {
 
-TableSeries straight_series(const std::string& name, const std::vector<double>& x, int taxel = 0) {
+TableSeries doubtful_series(const std::string& name, const std::vector<double>& x, int taxel = 0) {
   TableSeries series{name, taxel, x, {}};
   for (const double input : x) series.output.push_back(2.0 * input);
   return series;
@@ -37,7 +37,7 @@ TEST_CASE("doubts: a start is in mid-range beyond 1 % of the span from both ends
   const auto start = [](double first, double turn = 0.0) {
     std::vector<double> way = kSoundWay;
     way.insert(way.begin(), {first});
-    return about(doubts_of({straight_series("a", way)}, turn), "in mid-range");
+    return about(doubts_of({doubtful_series("a", way)}, turn), "in mid-range");
   };
   CHECK(start(0.99).empty());
   CHECK_THAT(start(1.01), Catch::StartsWith("1 of 1 sequence starts in mid-range (\"a\"; the first at 1.01, 1 % of the "
@@ -48,7 +48,7 @@ TEST_CASE("doubts: a start is in mid-range beyond 1 % of the span from both ends
   CHECK_FALSE(start(5.1, 5.0).empty());
   std::vector<TableSeries> five;
   for (const char* name : {"a", "b", "c", "d", "e"}) {
-    five.push_back(straight_series(name, kSoundWay));
+    five.push_back(doubtful_series(name, kSoundWay));
     if (name[0] != 'b') five.back().input[0] = 25.0;
   }
   CHECK_THAT(about(doubts_of(five), "in mid-range"),
@@ -58,7 +58,7 @@ TEST_CASE("doubts: a start is in mid-range beyond 1 % of the span from both ends
 
 TEST_CASE("doubts: three inner branches of each direction are needed, those that begin at the ends do not count") {
   const auto inner = [](const std::vector<double>& way) {
-    return about(doubts_of({straight_series("a", way)}), "few reversals");
+    return about(doubts_of({doubtful_series("a", way)}), "few reversals");
   };
   CHECK(inner(kSoundWay).empty());
   CHECK_THAT(inner({0, 100, 20, 80, 30, 70, 40, 100, 0}),
@@ -70,23 +70,23 @@ TEST_CASE("doubts: three inner branches of each direction are needed, those that
 }
 
 TEST_CASE("doubts: no external loop, and one that does not reach the extremes") {
-  CHECK_THAT(about(doubts_of({straight_series("a", {0, 100, 20, 80, 30, 70, 40, 60, 50, 55})}), "no external loop"),
+  CHECK_THAT(about(doubts_of({doubtful_series("a", {0, 100, 20, 80, 30, 70, 40, 60, 50, 55})}), "no external loop"),
              Catch::StartsWith("no external loop: no sweep falls over the full pressure range"));
-  CHECK(about(doubts_of({straight_series("a", kSoundWay)}), "external loop").empty());
+  CHECK(about(doubts_of({doubtful_series("a", kSoundWay)}), "external loop").empty());
 }
 
 TEST_CASE("doubts: a dead band of more than 2 % of the span, of the taxel where it is widest") {
   // Six noises of an output that spans 200.
   const auto band = [](double noise) {
-    return about(doubts_of({straight_series("a", kSoundWay)}, 0.0, noise), "dead band");
+    return about(doubts_of({doubtful_series("a", kSoundWay)}, 0.0, noise), "dead band");
   };
   CHECK(band(0.66).empty());
   CHECK_THAT(band(0.67), Catch::StartsWith("the dead band of compensation is 2.01 % of the outputs' span (six times a "
                                            "noise of 0.67): lesser reversals"));
-  TableSeries narrow = straight_series("a", kSoundWay, 3);
+  TableSeries narrow = doubtful_series("a", kSoundWay, 3);
   for (double& y : narrow.output) y *= 0.5;
   CHECK_THAT(
-      about(doubts_of({straight_series("a", kSoundWay, 1), narrow}, 0.0, 0.67), "dead band"),
+      about(doubts_of({doubtful_series("a", kSoundWay, 1), narrow}, 0.0, 0.67), "dead band"),
       Catch::StartsWith("the dead band of compensation is 4.02 % of the outputs' span (six times a noise of 0.67, "
                         "taxel 3, 2 above 2 %)"));
 }
@@ -100,12 +100,12 @@ TEST_CASE("tables that are too short, constant, or whose turn is as wide as the 
     }
     return std::string();
   };
-  CHECK(refused({straight_series("a", {0, 1, 2, 0})}).empty());
-  CHECK(refused({straight_series("a", {0, 1, 2})}) == "TB-TABLE-SHORT t: sequence a of taxel 0 has 3 samples");
-  CHECK(refused({straight_series("a", {5, 5, 5, 5}, 2)}) ==
+  CHECK(refused({doubtful_series("a", {0, 1, 2, 0})}).empty());
+  CHECK(refused({doubtful_series("a", {0, 1, 2})}) == "TB-TABLE-SHORT t: sequence a of taxel 0 has 3 samples");
+  CHECK(refused({doubtful_series("a", {5, 5, 5, 5}, 2)}) ==
         "TB-TABLE-CONSTANT t: the input of taxel 2 is 5 in all rows");
-  CHECK(refused({straight_series("a", {0, 1, 2, 0})}, 1.99).empty());
-  CHECK(refused({straight_series("a", {0, 1, 2, 0})}, 2.0) ==
+  CHECK(refused({doubtful_series("a", {0, 1, 2, 0})}, 1.99).empty());
+  CHECK(refused({doubtful_series("a", {0, 1, 2, 0})}, 2.0) ==
         "TB-TABLE-TURN t: --turn 2 is not less than what the inputs of taxel 0 span, 0 to 2");
 }
 

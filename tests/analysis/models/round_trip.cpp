@@ -11,7 +11,7 @@ using namespace synthetic;
 
 namespace {
 
-constexpr int kHistories = tactbench::tests::kSanitized ? 200 : 1000, kTurns = 8, kSteps = 4;
+constexpr int kHistories = tactbench::tests::kSanitized ? 200 : 1000, kTurns = 8, kTurnSteps = 4;
 
 double full_scale(const HysteresisModel& model) {
   return std::abs(predict(model, std::vector{model.x_high()}).front());
@@ -26,8 +26,8 @@ double direct_of_inverse(const HysteresisModel& model, unsigned seed) {
   for (int t = 0; t < kTurns; ++t) {
     const double low = state->output_at(model.x_low()), high = state->output_at(model.x_high());
     const double from = outputs.back(), to = low + (high - low) * uniform(random);
-    for (int k = 1; k <= kSteps; ++k) {
-      outputs.push_back(from + (to - from) * k / kSteps);
+    for (int k = 1; k <= kTurnSteps; ++k) {
+      outputs.push_back(from + (to - from) * k / kTurnSteps);
       state->go(state->input_at(outputs.back()));
     }
   }
@@ -65,8 +65,8 @@ void inverse_of_direct(const HysteresisModel& model, unsigned seed, InverseOfDir
       to = from;
     }
     if (to == from) break;
-    for (int k = 1; k <= kSteps; ++k) {
-      inputs.push_back(k == kSteps ? to : from + (to - from) * k / kSteps);
+    for (int k = 1; k <= kTurnSteps; ++k) {
+      inputs.push_back(k == kTurnSteps ? to : from + (to - from) * k / kTurnSteps);
       counts.push_back(observable(inputs.back()));
     }
     state->go(to);

@@ -36,7 +36,7 @@ TEST_CASE("a run is read on first use, and the result does not change") {
   const TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("runs.db"));
   const Begun begun = begin_pressed(store);
-  Runs runs(store);
+  analysis::Runs runs(store);
   const db::RunRecord& record = runs.record(begun.run);
   const Dataset& dataset = runs.dataset(begun.run);
   const Dataset loaded = load_dataset(store, begun.run);
@@ -54,7 +54,7 @@ TEST_CASE("a run is read on first use, and the result does not change") {
   CHECK(runs.temperatures_c(begun.run) == std::vector{23.0});
   CHECK(&runs.store() == &store);
 
-  Runs later(store);
+  analysis::Runs later(store);
   CHECK((later.history(begun.run).frames == 0 && later.history(begun.run).void_frames == 4));
   CHECK(later.press_runs(begun.run).empty());
   CHECK(later.temperatures_c(begun.run) == std::vector{23.0, 28.0});
@@ -67,7 +67,7 @@ TEST_CASE("a run without a dataset throws the reason each time, and still has it
   db::RunRecord record = example_run();
   record.devices.pop_back();  // the scanner, whose calibration scales the counts
   const Begun begun = begin_pressed(store, record);
-  Runs runs(store);
+  analysis::Runs runs(store);
   for (int i = 0; i < 2; ++i) {
     CHECK(analysis_error([&] { runs.dataset(begun.run); }) == "TB-ANALYSIS-NO-CALIBRATION");
     CHECK(analysis_error([&] { runs.press_runs(begun.run); }) == "TB-ANALYSIS-NO-CALIBRATION");

@@ -25,7 +25,7 @@ Finished carry_out(const TemporaryFolder& folder, const std::string& recipe,
   return run;
 }
 
-void prepare(const TemporaryFolder& folder) {
+void prepare_traced_run(const TemporaryFolder& folder) {
   REQUIRE(call(folder, {"init"}).code == 0);
   REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
   write_file(folder.path("three.toml"),
@@ -79,7 +79,7 @@ void copy_as_before(const db::RunStore& from, db::RunStore& to) {
 TEST_CASE(
     "devices check, plan and run warn about overdue instruments, the verdict is inconclusive, stored and verified") {
   const TemporaryFolder folder;
-  prepare(folder);
+  prepare_traced_run(folder);
   const std::vector<std::string> overdue = {"--set", "reference.due=2020-01-31"};
   const auto with = [&](std::vector<std::string> words) {
     words.insert(words.end(), overdue.begin(), overdue.end());
@@ -125,7 +125,7 @@ TEST_CASE(
 TEST_CASE(
     "a laboratory file that contradicts the run changes no certificate, is named, and its earlier due date counts") {
   const TemporaryFolder folder;
-  prepare(folder);
+  prepare_traced_run(folder);
   for (int i = 0; i < 2; ++i) carry_out(folder, "three.toml");
   REQUIRE(call(folder, {"fit", "1", "--held-out", "2", "--limits", "far.toml"}).code == 0);
   const json before = report_json(folder, {"1"}, 0);
@@ -164,7 +164,7 @@ TEST_CASE(
 
 TEST_CASE("the report of a ring is a test report that states the traceability of its forces") {
   const TemporaryFolder folder;
-  prepare(folder);
+  prepare_traced_run(folder);
   carry_out(folder, "three.toml");
   REQUIRE(call(folder, {"fit", "1"}).code == 0);
   carry_out(folder, "ring", {"--set", "recipe.repeats=1"});
@@ -205,7 +205,7 @@ TEST_CASE("the report of a ring is a test report that states the traceability of
 
 TEST_CASE("a stored pass on an overdue reference verifies on a run of before, and fails on a present one") {
   const TemporaryFolder folder;
-  prepare(folder);
+  prepare_traced_run(folder);
   carry_out(folder, "three.toml", {"--set", "reference.due=2020-01-31"});
   {
     const db::RunStore now = db::RunStore::open_read_only(folder.path("runs.db"));

@@ -99,7 +99,7 @@ ScenarioResult night_of_one(KeptNights& nights, const std::vector<NightRun>& run
   return results[0];
 }
 
-using Lines = std::vector<std::string>;
+using TextLines = std::vector<std::string>;
 
 }  // namespace
 
@@ -117,7 +117,7 @@ TEST_CASE("a night's runs are taken once, with its tag, its figures and its resu
   CHECK((results[1].runs[0].run == 2 && results[1].runs[1].run == 3));
   const std::vector<db::RunRecord> runs = nights.store().runs();
   REQUIRE(runs.size() == 3);
-  for (const db::RunRecord& run : runs) CHECK(nights.store().run(run.run).tags == Lines{"nightly"});
+  for (const db::RunRecord& run : runs) CHECK(nights.store().run(run.run).tags == TextLines{"nightly"});
   CHECK(nights.store().figures_of(1, "nightly/one") == std::map<std::string, double>{{"a", 2.0}});
   CHECK(nights.store().figures_of(2, "nightly/two") == std::map<std::string, double>{{"b", 3.0}});
   CHECK(nights.store().figures_of(3, "nightly/two").empty());
@@ -148,18 +148,18 @@ TEST_CASE("fixed seeds: the first night, one of the same frames with other figur
   const ScenarioResult second = night_of_one(
       nights, {{}}, {{"a", 2.5}, {"c", 1.0000000009}, {"d", 0.0}, {"e", 4.0}, {"f", 4.0}}, "2026-01-03T00:00:00Z");
   CHECK(second.compared == "same frames as run 1");
-  CHECK(second.remarks == Lines{"a is 2.5, was 2 in run 1, of the same frames",
-                                "b is missing; run 1 has it, of the same frames",
-                                "2 figures that run 1 does not have, of the same frames"});
+  CHECK(second.remarks == TextLines{"a is 2.5, was 2 in run 1, of the same frames",
+                                    "b is missing; run 1 has it, of the same frames",
+                                    "2 figures that run 1 does not have, of the same frames"});
   const ScenarioResult third = night_of_one(
       nights, {{}}, {{"a", 2.5}, {"c", 1.0000000029}, {"d", 1e-300}, {"e", 4.0}, {"f", 4.0}}, "2026-01-04T00:00:00Z");
   CHECK(third.compared == "same frames as run 2");
   CHECK(third.remarks ==
-        Lines{"c is 1, was 1 in run 2, of the same frames", "d is 1e-300, was 0 in run 2, of the same frames"});
+        TextLines{"c is 1, was 1 in run 2, of the same frames", "d is 1e-300, was 0 in run 2, of the same frames"});
   const ScenarioResult fourth = night_of_one(nights, {{.counts = 8}}, {{"a", 9.0}}, "2026-01-05T00:00:00Z");
   CHECK(fourth.compared == "frames changed since run 3 (2026-01-02, commit 0123456789ab)");
   CHECK(fourth.remarks ==
-        Lines{"with the same seeds the frames changed since run 3 (2026-01-02, commit 0123456789ab)"});
+        TextLines{"with the same seeds the frames changed since run 3 (2026-01-02, commit 0123456789ab)"});
   const ScenarioResult other = night_of_one(nights, {{.seed = 2}}, {{"a", 9.0}}, "2026-01-06T00:00:00Z");
   CHECK(other.compared == "first run with this seed");
 }

@@ -17,7 +17,7 @@ using namespace tactbench::bench;
 
 namespace {
 
-const char* const kHead = "schema = 1\nname = \"s\"\n";
+const char* const kNightHead = "schema = 1\nname = \"s\"\n";
 const char* const kOne = "schema = 1\nname = \"s\"\n[[scenario]]\nname = \"one\"\nabout = \"first\"\n";
 
 std::string with(const char* head, const char* rest) { return fmt::format("{}{}", head, rest); }
@@ -58,7 +58,7 @@ TEST_CASE("the shipped suite has at least thirty scenarios, all readable, and ev
 }
 
 TEST_CASE("a faulty suite file: the error names the place") {
-  CHECK(refusal(kHead).find("no scenario") != std::string::npos);
+  CHECK(refusal(kNightHead).find("no scenario") != std::string::npos);
   CHECK(refusal(with(kOne, "recipe = \"x\"\n")).find("s.toml:6") != std::string::npos);
   CHECK(refusal(with(kOne, "recipes = \"ring\"\n")).find("must be a list of texts") != std::string::npos);
   CHECK(refusal(with(kOne, "recipes = [\"ring\", 3]\n")).find("element 2 of 'recipes'") != std::string::npos);
@@ -77,7 +77,7 @@ TEST_CASE("a faulty suite file: the error names the place") {
         std::string::npos);
   CHECK(refusal(with(kOne, "[[scenario]]\nname = \"one\"\nabout = \"again\"\n")).find("two scenarios") !=
         std::string::npos);
-  CHECK(refusal(with(kHead, "[[scenario]]\nname = \"../x\"\nabout = \"\"\n")).find("names a file") !=
+  CHECK(refusal(with(kNightHead, "[[scenario]]\nname = \"../x\"\nabout = \"\"\n")).find("names a file") !=
         std::string::npos);
 }
 
@@ -147,9 +147,9 @@ TEST_CASE("a suite's numbers have bounds, its names are plain, and a scenario ha
              Catch::Contains("taxel -1 is not a whole number"));
   CHECK_THAT(refusal(with(kOne, "[scenario.taxels]\ndead = [1000001]\n")), Catch::Contains("is not a whole number"));
   for (const char* name : {"", "A", "a_b", "a b", "a.b"})
-    CHECK_THAT(refusal(fmt::format("{}[[scenario]]\nname = \"{}\"\nabout = \"\"\n", kHead, name)),
+    CHECK_THAT(refusal(fmt::format("{}[[scenario]]\nname = \"{}\"\nabout = \"\"\n", kNightHead, name)),
                Catch::Contains("names a file too"));
-  CHECK(refusal(with(kHead, "[[scenario]]\nname = \"az-09\"\nabout = \"\"\n")) == "accepted");
+  CHECK(refusal(with(kNightHead, "[[scenario]]\nname = \"az-09\"\nabout = \"\"\n")) == "accepted");
   CHECK(refusal("schema = 2\nname = \"s\"\n[[scenario]]\nname = \"a\"\nabout = \"\"\n") != "accepted");
   const Scenario scenario = parse_suite(kOne, "s.toml").scenarios.front();
   CHECK(scenario.recipes == std::vector<std::string>{"descending", "ascending"});

@@ -32,7 +32,7 @@ about = "a recipe that does not exist"
 recipes = ["no-such"]
 )";
 
-nlohmann::json json_of(const Finished& finished) { return nlohmann::json::parse(finished.out); }
+nlohmann::json night_json(const Finished& finished) { return nlohmann::json::parse(finished.out); }
 
 }  // namespace
 
@@ -46,7 +46,7 @@ TEST_CASE("a night: green is reported, red states the reason, a broken scenario 
   CHECK(night.code == 1);
   CHECK_THAT(read_file(folder.path("night.prom")), Catch::Contains("tactbench_nightly_green{scenario=\"whole\"} 1\n"));
   CHECK_THAT(read_file(folder.path("night.html")), Catch::Contains("3 scenarios, 2 red, 0 not run."));
-  const nlohmann::json result = json_of(night);
+  const nlohmann::json result = night_json(night);
   CHECK(result.at("red") == 2);
   CHECK(result.at("scenarios").at(0).at("wrong").empty());
   CHECK(result.at("scenarios").at(1).at("wrong").at(0) == "the list of dead taxels is 52, must be none");
@@ -62,7 +62,7 @@ TEST_CASE("a scenario repeated with the same seed has the same content, with ano
     const Finished night = run_program(
         program_path(), {"nightly", "./small.toml", "--only", "whole", "--seed", seed, "--json"}, folder.path());
     REQUIRE(night.code == 0);
-    return json_of(night).at("scenarios").at(0).at("runs").at(0).at("content_sha256").get<std::string>();
+    return night_json(night).at("scenarios").at(0).at("runs").at(0).at("content_sha256").get<std::string>();
   };
   const std::string first = hash("7");
   CHECK(first.size() == 64);
@@ -77,7 +77,7 @@ TEST_CASE("a scenario that does not end in time is killed and red, and none is s
       program_path(), {"nightly", "./small.toml", "--jobs", "1", "--limit", "0.05", "--stop-on-red", "--json"},
       folder.path());
   CHECK(night.code == 1);
-  const nlohmann::json result = json_of(night);
+  const nlohmann::json result = night_json(night);
   CHECK(result.at("not_run") == 2);
   CHECK(result.at("scenarios").at(0).at("wrong").at(0).get<std::string>().find("was killed") != std::string::npos);
 }
@@ -95,15 +95,15 @@ TEST_CASE("nights are kept in one store, compared with a baseline, and changes a
   const Finished seeds = call({"nightly", "./suite.toml", "--db", "nights.db", "--seeds", "8", "--json"});
   INFO(seeds.err << seeds.out);
   REQUIRE(seeds.code == 0);
-  CHECK(json_of(seeds).at("scenarios").at(3).at("name") == "short-seed-4");
-  CHECK(json_of(seeds).at("scenarios").at(3).at("runs").at(0).at("run") == 4);
-  CHECK(json_of(seeds).at("scenarios").at(3).at("compared") == "first run with this seed");
+  CHECK(night_json(seeds).at("scenarios").at(3).at("name") == "short-seed-4");
+  CHECK(night_json(seeds).at("scenarios").at(3).at("runs").at(0).at("run") == 4);
+  CHECK(night_json(seeds).at("scenarios").at(3).at("compared") == "first run with this seed");
   CHECK(call({"baseline", "accept", "1-8", "--db", "nights.db", "--by", "K. Lee"}).code == 2);
   REQUIRE(call({"baseline", "accept", "1-8", "--db", "nights.db", "--by", "K. Lee", "--reason", "as made"}).code == 0);
   const Finished same = call({"nightly", "./suite.toml", "--db", "nights.db", "--json", "--html", "night.html"});
   INFO(same.err << same.out);
   CHECK(same.code == 0);
-  CHECK(json_of(same).at("scenarios").at(0).at("compared") == "same frames as run 1");
+  CHECK(night_json(same).at("scenarios").at(0).at("compared") == "same frames as run 1");
   CHECK(run_program("/usr/bin/xmllint", {"--noout", "night.html"}, folder.path()).code == 0);
   {  // another program's analysis of the same frames
     db::RunStore store = db::RunStore::open(folder.path("nights.db"));
@@ -115,18 +115,18 @@ TEST_CASE("nights are kept in one store, compared with a baseline, and changes a
   }
   const Finished moved = call({"nightly", "./suite.toml", "--db", "nights.db", "--json"});
   CHECK(moved.code == 6);
-  CHECK_THAT(json_of(moved).at("scenarios").at(0).at("remarks").at(0).get<std::string>(),
+  CHECK_THAT(night_json(moved).at("scenarios").at(0).at("remarks").at(0).get<std::string>(),
              Catch::StartsWith("mean_error_psi is ") && Catch::EndsWith("in run 9, of the same frames"));
   const Finished noisy = call({"nightly", "./noisy.toml", "--db", "nights.db", "--junit", "night.xml", "--json"});
   CHECK(noisy.code == 1);
-  const nlohmann::json result = json_of(noisy).at("scenarios").at(0);
+  const nlohmann::json result = night_json(noisy).at("scenarios").at(0);
   CHECK(result.at("compared").get<std::string>().starts_with("frames changed since run 10"));
   const std::string junit = read_file(folder.path("night.xml"));
   CHECK_THAT(junit, Catch::Contains("noisiest_taxel_mv is") && Catch::Contains("of the baseline (mean"));
   const Finished trend = call({"trend", "--subject", "nightly/short", "--figure", "noisiest_taxel_mv", "--db",
                                "nights.db", "--check", "--json"});
   CHECK(trend.code == 1);
-  CHECK(json_of(trend).at("subjects").at(0).at("figures").at(0).at("values").size() == 11);
+  CHECK(night_json(trend).at("subjects").at(0).at("figures").at(0).at("values").size() == 11);
   CHECK(call({"trend", "--subject", "nightly/none", "--db", "nights.db"}).code == 2);
   CHECK(call({"db", "check", "--db", "nights.db"}).code == 0);
 }

@@ -34,7 +34,7 @@ std::string taken_as(const StudyWords& words) {
   }
 }
 
-constexpr const char* kLoops =
+constexpr const char* kLoopWords =
     "schema = 1\nname = \"a\"\nunit = \"psi\"\nturning_points = [0, 20, 0]\nstep = 10\ndwell_s = 2\n";
 
 class RunsOfStudies {
@@ -96,8 +96,8 @@ TEST_CASE("studies as typed: runs, and the five roles") {
 
 TEST_CASE("studies: without models of the report's own run there is nothing to hold them against") {
   RunsOfStudies runs;
-  runs.add(kLoops);
-  runs.add(kLoops);
+  runs.add(kLoopWords);
+  runs.add(kLoopWords);
   const std::string refusal =
       "2 TB-REPORT-STUDY | studies and earlier models need models of the report's own run | run 1 | fit it first: "
       "tactbench fit 1";
@@ -110,7 +110,7 @@ TEST_CASE("studies: without models of the report's own run there is nothing to h
 
 TEST_CASE("studies: the report's own run is counted in any case, and is no study") {
   RunsOfStudies runs;
-  runs.add(kLoops);
+  runs.add(kLoopWords);
   CHECK(runs.refusal({"1:0"}).empty());
   for (const char* word : {"1", "1:90", "1:mount"})
     CHECK(
@@ -122,8 +122,8 @@ TEST_CASE("studies: the report's own run is counted in any case, and is no study
 
 TEST_CASE("studies: a run of plain loops needs a role, and one that paces has none") {
   RunsOfStudies runs;
-  runs.add(kLoops);
-  const std::int64_t plain = runs.add(kLoops), without = runs.add("");
+  runs.add(kLoopWords);
+  const std::int64_t plain = runs.add(kLoopWords), without = runs.add("");
   CHECK(
       runs.refusal({"2"}) ==
       "2 TB-REPORT-STUDY | run 2 holds plain loops, whose purpose is not recorded | --studies 2 | 2:mount when the "

@@ -19,7 +19,7 @@ using bench::InstrumentErrors;
 namespace {
 
 constexpr int kBenches = 600;
-constexpr const char* kThermometer =
+constexpr const char* kThermometerText =
     "[{quantity = 'temperature_c', unit = 9, address = 7, type = 'i16', raw_span = [-1000, 1000], span_c = [-100, "
     "100], certificate = 'T', expanded_uncertainty_c = 0.3, drift_c = 0.2}]";
 
@@ -148,7 +148,7 @@ TEST_CASE("instruments: U of force sensor and thermometer holds what is drawn fo
                            {"force.drift_n", "0.1"},
                            {"force.certificate_covers", "transducer"},
                            {"force.input_limit_n", "0.15"},
-                           {"environment.sensor", kThermometer}};
+                           {"environment.sensor", kThermometerText}};
   int force_within = 0, force_half = 0, warm_within = 0, warm_half = 0;
   for (const BenchConfig& config : benches_with(changes)) {
     const db::RunRecord run = record_of(config);
@@ -175,7 +175,7 @@ TEST_CASE("instruments: the plant's reference and thermometer have their errors,
   const Changes changes = {{"reference.expanded_uncertainty_psi", "1"},
                            {"reference.hysteresis_psi", "0.5"},
                            {"simulation.chamber.reference_noise_psi", "0"},
-                           {"environment.sensor", kThermometer}};
+                           {"environment.sensor", kThermometerText}};
   const BenchConfig config = bench_with(changes, 5);
   devices::TurnedClock clock;
   bench::Plant plant(config.simulation->plant, clock);

@@ -20,7 +20,7 @@ using namespace std::chrono_literals;
 
 constexpr Nanoseconds kForever = Nanoseconds::max();
 
-Volts volts_for(double psi) { return Volts(psi / ChamberOptions().span_psi * 10.0); }
+Volts plant_volts_for(double psi) { return Volts(psi / ChamberOptions().span_psi * 10.0); }
 double psi_of_reference(Volts volts) { return volts.value() / 10.0 * ChamberOptions().reference_span_psi; }
 double psi_of_feedback(Volts volts) { return volts.value() / 10.0 * ChamberOptions().span_psi; }
 
@@ -46,7 +46,7 @@ struct PlantRig {
   explicit PlantRig(const PlantOptions& options = PlantOptions()) : plant(options, clock) {}
   void wait(Nanoseconds time) { clock.wait_until(clock.now() + time); }
   void hold(double psi, Nanoseconds time) {
-    plant.drive(volts_for(psi), kForever, Volts(0.0));
+    plant.drive(plant_volts_for(psi), kForever, Volts(0.0));
     wait(time);
   }
   devices::TurnedClock clock;
@@ -85,7 +85,7 @@ TEST_CASE("plant: noise of both transducers is as stated") {
 TEST_CASE("plant: the watchdog's fallback takes over at its own time, at any time of the query") {
   const auto pressure_after = [](Nanoseconds hold, bool ask_often) {
     PlantRig rig;
-    rig.plant.drive(volts_for(20.0), hold, volts_for(0.0));
+    rig.plant.drive(plant_volts_for(20.0), hold, plant_volts_for(0.0));
     for (int i = 0; i < 300; ++i) {
       rig.wait(10ms);
       if (ask_often) static_cast<void>(rig.plant.true_pressure());
@@ -106,7 +106,7 @@ TEST_CASE("plant: the watchdog's fallback takes over at its own time, at any tim
 TEST_CASE("plant: a drive whose limit has passed drives the fallback at once") {
   PlantRig rig;
   rig.hold(20.0, 3s);
-  rig.plant.drive(volts_for(40.0), rig.clock.now() - 1ms, volts_for(0.0));
+  rig.plant.drive(plant_volts_for(40.0), rig.clock.now() - 1ms, plant_volts_for(0.0));
   rig.wait(3s);
   CHECK(rig.plant.true_pressure().value() == Approx(0.0).margin(1e-6));
 }
@@ -116,10 +116,10 @@ TEST_CASE("plant: neither feeding the watchdog nor queries change the plant") {
     PlantRig rig;
     rig.clock.wait_until(1234567ns);
     for (const double level : {10.0, 40.0, 24.0, 26.0}) {
-      rig.plant.drive(volts_for(level), kForever, Volts(0.0));
+      rig.plant.drive(plant_volts_for(level), kForever, Volts(0.0));
       for (int i = 0; i < 9; ++i) {
         rig.wait(287654321ns);
-        if (feed) rig.plant.drive(volts_for(level), kForever, Volts(0.0));
+        if (feed) rig.plant.drive(plant_volts_for(level), kForever, Volts(0.0));
         if (ask) {
           static_cast<void>(rig.plant.true_pressure());
           static_cast<void>(rig.plant.feedback());
@@ -279,7 +279,7 @@ TEST_CASE("plant: the fixed grid agrees with a fine one, and a sweep is cheap") 
     rig.hold(level, 2400ms);
     const double coarse = mean_volts(scan(rig.plant));
     spent_s += tests::processor_seconds() - before_s;
-    chamber.command(volts_for(level));
+    chamber.command(plant_volts_for(level));
     for (int i = 0; i < 240; ++i) {
       chamber.advance(0.01);
       fine.advance(chamber.pressure().value(), 0.01);

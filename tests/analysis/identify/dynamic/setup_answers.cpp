@@ -39,7 +39,7 @@ SensorModel of_films(std::vector<ModelTaxel> taxels) {
   return model;
 }
 
-std::string refused_setup(const SensorModel& model) {
+std::string setup_refusal(const SensorModel& model) {
   try {
     (void)dynamic_setup_of(model, model.taxels, 1.0, 1.0);
   } catch (const AnalysisError& error) {
@@ -77,27 +77,27 @@ TEST_CASE("a dynamic compensator's setup by hand: Everett's table, divider and n
 }
 
 TEST_CASE("a dynamic compensator is refused where the models do not carry it, each for what it is", "[dynamic]") {
-  CHECK(refused_setup(of_films({film_taxel(0, 0.125, 0.0), film_taxel(1, 0.125, 0.0)})).empty());
+  CHECK(setup_refusal(of_films({film_taxel(0, 0.125, 0.0), film_taxel(1, 0.125, 0.0)})).empty());
   SensorModel none = of_films({film_taxel(4, 0.125, 0.0)});
   none.dynamics.reset();
-  CHECK(refused_setup(none) == "taxel 4: it has no lag and creep");
+  CHECK(setup_refusal(none) == "taxel 4: it has no lag and creep");
   none.taxels.clear();
-  CHECK(refused_setup(none) == "taxel 0: it has no lag and creep");
-  CHECK(refused_setup(of_films({ModelTaxel()})) == "taxel 0: none of its taxels is fitted");
+  CHECK(setup_refusal(none) == "taxel 0: it has no lag and creep");
+  CHECK(setup_refusal(of_films({ModelTaxel()})) == "taxel 0: none of its taxels is fitted");
   ModelTaxel plain = straight_array::straight_taxel(20.0);
   plain.taxel = 6;
-  CHECK(refused_setup(of_films({plain})) == "taxel 6: it is not Preisach on the linearised output");
-  CHECK(refused_setup(of_films({film_taxel(0, 0.125, 0.0), film_taxel(3, 0.125, 0.0, 49.0)})) ==
+  CHECK(setup_refusal(of_films({plain})) == "taxel 6: it is not Preisach on the linearised output");
+  CHECK(setup_refusal(of_films({film_taxel(0, 0.125, 0.0), film_taxel(3, 0.125, 0.0, 49.0)})) ==
         "taxel 3: its range or number of intervals is not that of the others");
   // With a divider the film has to begin at 0, within a billionth of its 7 V.
-  CHECK(refused_setup(of_films({film_taxel(0, 0.125, 6.9e-9)})).empty());
-  CHECK(refused_setup(of_films({film_taxel(0, 0.125, 7.1e-9)})) ==
+  CHECK(setup_refusal(of_films({film_taxel(0, 0.125, 6.9e-9)})).empty());
+  CHECK(setup_refusal(of_films({film_taxel(0, 0.125, 7.1e-9)})) ==
         "taxel 0: its divider does not count from the unloaded output");
-  CHECK(refused_setup(of_films({film_taxel(0, 0.125, -7.1e-9)})) ==
+  CHECK(setup_refusal(of_films({film_taxel(0, 0.125, -7.1e-9)})) ==
         "taxel 0: its divider does not count from the unloaded output");
-  CHECK(refused_setup(of_films({film_taxel(0, 0.01, 0.5)})) ==
+  CHECK(setup_refusal(of_films({film_taxel(0, 0.01, 0.5)})) ==
         "taxel 0: its divider does not count from the unloaded output");
-  CHECK(refused_setup(of_films({film_taxel(0, 0.0, 0.5)})).empty());
+  CHECK(setup_refusal(of_films({film_taxel(0, 0.0, 0.5)})).empty());
 }
 
 TEST_CASE("a divider counts from its own zero, whatever little the film begins at", "[dynamic]") {

@@ -39,7 +39,7 @@ struct Example {
   ElamModel model;
   ElamSamples samples;
 };
-Example example(bool uniform, double top) {
+Example lanes_example(bool uniform, double top) {
   Loop loop = paper_loop();
   for (std::size_t i = 1; i + 1 < loop.x.size(); i += 3)
     if (!uniform) loop.x[i] += 0.7;
@@ -83,7 +83,7 @@ TEST_CASE("lanes give the plain model's values, with the same bits at every vect
   const Unforce unforce;
   for (const bool uniform : {true, false}) {
     for (const double top : {9.0, 2.9}) {
-      Example e = example(uniform, top);
+      Example e = lanes_example(uniform, top);
       const LaneProblem down = lane_problem(e.model, e.samples.descending, false);
       const LaneProblem up = lane_problem(e.model, e.samples.ascending, true);
       CHECK(up.table.uniform() == uniform);
@@ -130,7 +130,7 @@ TEST_CASE("lanes give the plain model's values, with the same bits at every vect
 TEST_CASE("a fit is the same bit for bit on every level") {
   const Unforce unforce;
   for (const double top : {9.0, 2.9}) {
-    const Example e = example(true, top);
+    const Example e = lanes_example(true, top);
     std::vector<ElamParameters> found;
     for (const Dispatch level : dispatches()) {
       force_lane_dispatch(level);
@@ -144,7 +144,7 @@ TEST_CASE("a fit is the same bit for bit on every level") {
 }
 
 TEST_CASE("searches accept sparse data: no curves, one sample, a branch that stops short") {
-  Example e = example(true, 9.0);
+  Example e = lanes_example(true, 9.0);
   CHECK(fit_descending(e.model, {}) == 0.0);
   CHECK(fit_ascending(e.model, {}) == 0.0);
   CurveSamples one;

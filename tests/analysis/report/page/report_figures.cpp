@@ -14,7 +14,7 @@ using namespace tactbench::analysis;
 namespace {
 
 constexpr PressureUnit kFiguresUnit = PressureUnit::kKilopascal;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 // `text` without its tags.
 std::string untagged(const std::string& text) {
@@ -189,12 +189,12 @@ TEST_CASE("five runs and more go into further tables") {
 TEST_CASE("values that are not numbers are null in the JSON and not available on the page") {
   ReportInput input = example::example_input();
   Evaluation& e = input.evaluation;
-  e.mean_error_psi = e.hysteresis_max_fs = e.levels[3].comp_distance = kNan;
+  e.mean_error_psi = e.hysteresis_max_fs = e.levels[3].comp_distance = kNoNumber;
   e.max_error_psi = std::numeric_limits<double>::infinity();
-  e.traces[0].model_v[5] = e.traces[0].pressure_psi[9] = kNan;
-  e.levels[2].raw_up_v[8] = kNan;
-  input.verdicts[0].value = kNan;
-  input.fit.taxels.back().fit.j = kNan;
+  e.traces[0].model_v[5] = e.traces[0].pressure_psi[9] = kNoNumber;
+  e.levels[2].raw_up_v[8] = kNoNumber;
+  input.verdicts[0].value = kNoNumber;
+  input.fit.taxels.back().fit.j = kNoNumber;
   e.levels[27].flat_taxels = 254;  // every fitted one: nothing observable is left
   e.levels[27].comp_distance_observable = 0.0;
   const Report report = render_report(input);

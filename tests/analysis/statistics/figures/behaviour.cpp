@@ -8,7 +8,7 @@ using namespace tactbench::analysis;
 
 namespace {
 
-constexpr double kSteps[] = {0.0, 20.0, 40.0, 60.0, 40.0, 20.0, 0.0};
+constexpr double kStaircase[] = {0.0, 20.0, 40.0, 60.0, 40.0, 20.0, 0.0};
 
 // Three taxels and one that does not count. Taxel t: up g p / 60, down g (p / 60 + h x (1 - x) x 4), x = p / 60, so
 // that the distance is h of full scale at 30 psi; repeat r adds r millivolt above 0 psi, and each repeat ends 2 mV
@@ -26,8 +26,8 @@ Dataset known_loops(int repeats) {
   SequenceData sequence{"loop", {}};
   for (int r = 0; r < repeats; ++r) {
     Repeat repeat;
-    for (std::size_t i = 0; i < std::size(kSteps); ++i) {
-      const double p = kSteps[i], x = p / 60.0;
+    for (std::size_t i = 0; i < std::size(kStaircase); ++i) {
+      const double p = kStaircase[i], x = p / 60.0;
       repeat.steps.push_back({p, p});
       for (std::size_t t = 0; t < 4; ++t) {
         double v = kGain[t] * (x + (i > 3 ? kGap[t] * 4.0 * x * (1.0 - x) : 0.0));

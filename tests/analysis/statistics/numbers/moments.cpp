@@ -11,35 +11,35 @@ using namespace tactbench::analysis;
 
 namespace {
 
-using Numbers = std::vector<double>;
+using Doubles = std::vector<double>;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
 TEST_CASE("moments: means of all, of chosen ones and of none") {
-  CHECK(mean_of(Numbers{1.0, 2.0, 6.0}) == 3.0);
-  CHECK(mean_by_shares(Numbers{1.0, 2.0, 5.0, 8.0}) == 4.0);
-  CHECK(mean_of(Numbers{0.1, 0.2, 0.3}) == 0.20000000000000004);
-  CHECK(mean_by_shares(Numbers{0.1, 0.2, 0.3}) == 0.2);
-  CHECK(std::isnan(mean_of(Numbers{})));
-  CHECK(std::isnan(mean_by_shares(Numbers{})));
-  const Numbers frame{1.0, 10.0, 100.0, 1000.0};
+  CHECK(mean_of(Doubles{1.0, 2.0, 6.0}) == 3.0);
+  CHECK(mean_by_shares(Doubles{1.0, 2.0, 5.0, 8.0}) == 4.0);
+  CHECK(mean_of(Doubles{0.1, 0.2, 0.3}) == 0.20000000000000004);
+  CHECK(mean_by_shares(Doubles{0.1, 0.2, 0.3}) == 0.2);
+  CHECK(std::isnan(mean_of(Doubles{})));
+  CHECK(std::isnan(mean_by_shares(Doubles{})));
+  const Doubles frame{1.0, 10.0, 100.0, 1000.0};
   const std::vector<int> chosen{3, 1};
   const std::vector<std::size_t> none;
   CHECK(mean_of_chosen(std::span<const double>(frame), std::span<const int>(chosen)) == 505.0);
   CHECK(std::isnan(mean_of_chosen(std::span<const double>(frame), std::span<const std::size_t>(none))));
-  CHECK(finite_of(Numbers{kNan, 2.0, kInfinite, 1.0, -kInfinite}) == Numbers{2.0, 1.0});
+  CHECK(finite_of(Doubles{kNan, 2.0, kInfinite, 1.0, -kInfinite}) == Doubles{2.0, 1.0});
 }
 
 TEST_CASE("moments: deviations about the mean and about a given value") {
-  const Numbers values{2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0};  // mean 5, squares 32
+  const Doubles values{2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0};  // mean 5, squares 32
   CHECK(squares_about(values, 5.0) == 32.0);
   CHECK(squares_about(values, 1.0) == 32.0 + 8.0 * 16.0);
   CHECK(sample_variance(values) == 32.0 / 7.0);
   CHECK(sample_deviation(values) == std::sqrt(32.0 / 7.0));
-  CHECK(sample_deviation(Numbers{3.0, 3.0}) == 0.0);
-  CHECK(std::isnan(sample_deviation(Numbers{3.0})));
-  CHECK(std::isnan(sample_variance(Numbers{})));
+  CHECK(sample_deviation(Doubles{3.0, 3.0}) == 0.0);
+  CHECK(std::isnan(sample_deviation(Doubles{3.0})));
+  CHECK(std::isnan(sample_variance(Doubles{})));
 }
 
 TEST_CASE("moments: medians and quantiles name a value that is there, or lie between two") {
@@ -47,23 +47,23 @@ TEST_CASE("moments: medians and quantiles name a value that is there, or lie bet
   CHECK(median_of({9.0, 1.0, 5.0, 2.0}) == 3.5);
   CHECK(median_of({kNan, 4.0, kInfinite}) == 4.0);
   CHECK(std::isnan(median_of({kNan})));
-  const Numbers ten{9.0, 8.0, 7.0, 6.0, 5.0, 4.0, 3.0, 2.0, 1.0, 0.0};
+  const Doubles ten{9.0, 8.0, 7.0, 6.0, 5.0, 4.0, 3.0, 2.0, 1.0, 0.0};
   CHECK(quantile_of(ten, 0.0) == 0.0);
   CHECK(quantile_of(ten, 0.25) == 2.0);
   CHECK(quantile_of(ten, 0.5) == 5.0);
   CHECK(quantile_of(ten, 0.9) == 9.0);
   CHECK(quantile_of(ten, 1.0) == 9.0);
   CHECK(quantile_of({7.0}, 0.5) == 7.0);
-  const Numbers sorted{0.0, 10.0, 20.0, 40.0};
+  const Doubles sorted{0.0, 10.0, 20.0, 40.0};
   CHECK(quantile_between(sorted, 0.0) == 0.0);
   CHECK(quantile_between(sorted, 0.5) == 15.0);
   CHECK(quantile_between(sorted, 0.75) == 25.0);
   CHECK(quantile_between(sorted, 1.0) == 40.0);
-  CHECK(quantile_between(Numbers{7.0}, 0.9) == 7.0);
+  CHECK(quantile_between(Doubles{7.0}, 0.9) == 7.0);
 }
 
 TEST_CASE("moments: the line of least squares, what it leaves, and the correlation") {
-  const Numbers x{0.0, 1.0, 2.0, 3.0, 4.0}, y{1.0, 3.0, 5.0, 7.0, 9.0};
+  const Doubles x{0.0, 1.0, 2.0, 3.0, 4.0}, y{1.0, 3.0, 5.0, 7.0, 9.0};
   for (const LineFit& line : {line_fit(x, y), line_fit_by_shares(x, y)}) {
     CHECK(line.slope() == Approx(2.0));
     CHECK(line.at_zero() == Approx(1.0));
@@ -71,13 +71,13 @@ TEST_CASE("moments: the line of least squares, what it leaves, and the correlati
     CHECK(squares_off(line, x, y) == Approx(0.0).margin(1e-20));
   }
   // (0, 0), (1, 3), (2, 0): mean 1, level; it leaves 1 + 4 + 1.
-  const LineFit level = line_fit(Numbers{0.0, 1.0, 2.0}, Numbers{0.0, 3.0, 0.0});
+  const LineFit level = line_fit(Doubles{0.0, 1.0, 2.0}, Doubles{0.0, 3.0, 0.0});
   CHECK(level.slope() == 0.0);
   CHECK(level.at_zero() == 1.0);
   CHECK(level.correlation() == 0.0);
-  CHECK(squares_off(level, Numbers{0.0, 1.0, 2.0}, Numbers{0.0, 3.0, 0.0}) == 6.0);
-  CHECK(line_fit(x, Numbers{9.0, 7.0, 5.0, 3.0, 1.0}).correlation() == Approx(-1.0));
-  const LineFit upright = line_fit(Numbers{2.0, 2.0}, Numbers{0.0, 1.0});
+  CHECK(squares_off(level, Doubles{0.0, 1.0, 2.0}, Doubles{0.0, 3.0, 0.0}) == 6.0);
+  CHECK(line_fit(x, Doubles{9.0, 7.0, 5.0, 3.0, 1.0}).correlation() == Approx(-1.0));
+  const LineFit upright = line_fit(Doubles{2.0, 2.0}, Doubles{0.0, 1.0});
   CHECK(upright.correlation() == 0.0);
   CHECK(std::isnan(upright.slope()));
 }

@@ -9,14 +9,14 @@ using namespace tactbench::analysis;
 
 namespace {
 
-constexpr int kWide = 17;
+constexpr int kWidePattern = 17;
 
 // One taxel of 1 V over a zero of 0.1 V. Those within two pitches along rows and columns show 5 % of it (too little to
 // move the print's centre); further away its rows show 0.4 % and its columns 0.3 %, one pitch to either side included.
 PointFrame print(int position, int at, double force_n, bool rising = true) {
   PointFrame frame{position, rising, force_n, {}};
-  for (int row = 0; row < kWide; ++row) {
-    for (int column = 0; column < kWide; ++column) {
+  for (int row = 0; row < kWidePattern; ++row) {
+    for (int column = 0; column < kWidePattern; ++column) {
       const int down = std::abs(row - at), along = std::abs(column - at);
       double share = 0.0;
       if (down == 0 && along == 0)
@@ -43,7 +43,7 @@ std::vector<PointFrame> four_prints(double force_n = 5.0) {
 }  // namespace
 
 TEST_CASE("taxels at exactly the reach do not count, the next ones do") {
-  const Crosstalk c = crosstalk_of(7, four_prints(), kWide, kWide);
+  const Crosstalk c = crosstalk_of(7, four_prints(), kWidePattern, kWidePattern);
   REQUIRE(c.assessed());
   CHECK(c.run == 7);
   CHECK(c.positions == 4);
@@ -61,7 +61,7 @@ TEST_CASE("taxels at exactly the reach do not count, the next ones do") {
 }
 
 TEST_CASE("shares over distance by hand, the print itself included") {
-  const Crosstalk c = crosstalk_of(7, four_prints(), kWide, kWide);
+  const Crosstalk c = crosstalk_of(7, four_prints(), kWidePattern, kWidePattern);
   REQUIRE(c.distance_pitches.size() == 15);  // the corner prints see 14 pitches
   CHECK(c.distance_pitches[3] == 3.0);
   // Over the three rows next to the centre: 1, 0.05, 0.05 at no distance.
@@ -79,7 +79,7 @@ TEST_CASE("only rising frames of the highest force count, within a tenth of it")
   frames.push_back(print(3, 14, 4.5));         // just a tenth less
   frames.push_back(print(1, 6, 4.4));          // a lower level
   frames.push_back(print(2, 10, 5.0, false));  // on its way down
-  const Crosstalk c = crosstalk_of(7, frames, kWide, kWide);
+  const Crosstalk c = crosstalk_of(7, frames, kWidePattern, kWidePattern);
   REQUIRE(c.assessed());
   CHECK(c.force_n == Approx((4 * 5.0 + 4.6 + 4.5) / 6));
   CHECK(c.row.samples == 6 * 3 * 12);

@@ -25,14 +25,15 @@ const InstrumentRow& row_named(const InstrumentUncertainty& budget, const std::s
   throw std::runtime_error("no row " + name);
 }
 
-constexpr const char* kForceSensor =
+constexpr const char* kForceSensorText =
     R"({"expanded_uncertainty_n":0.3,"drift_n":0.12,"input_limit_n":0.06,"certificate_covers":"transducer",)"
     R"("calibrated":"2026-01-31","due":"2027-01-31"})";
 
 }  // namespace
 
 TEST_CASE("force sensor by hand: certificate over 2, drift and input over sqrt 3, and their root sum of squares") {
-  const InstrumentUncertainty budget = instrument_uncertainty(run_with("force sensor", kForceSensor), "force sensor");
+  const InstrumentUncertainty budget =
+      instrument_uncertainty(run_with("force sensor", kForceSensorText), "force sensor");
   CHECK(budget.unit == "N");
   CHECK(budget.covers == CertificateCovers::kTransducer);
   REQUIRE(budget.rows.size() == 3);
@@ -53,10 +54,10 @@ TEST_CASE("force sensor by hand: certificate over 2, drift and input over sqrt 3
 
 TEST_CASE("force sensor by hand: beyond the due date its drift grows, a laboratory's earlier date counts") {
   // 365 days from calibration to due date; 730 days after the calibration it is twice the limit.
-  const db::RunRecord late = run_with("force sensor", kForceSensor, "2028-01-31T00:00:00Z");
+  const db::RunRecord late = run_with("force sensor", kForceSensorText, "2028-01-31T00:00:00Z");
   CHECK(row_named(instrument_uncertainty(late, "force"), "drift").width == Approx(0.24));
   const std::vector<InstrumentNote> notes{{"77", "", "", "", "2026-03-02", ""}};  // 30 days, of 95 that have passed
-  CHECK(row_named(instrument_uncertainty(run_with("force sensor", kForceSensor), "force", notes), "drift").width ==
+  CHECK(row_named(instrument_uncertainty(run_with("force sensor", kForceSensorText), "force", notes), "drift").width ==
         Approx(0.12 * 95.0 / 30.0));
 }
 

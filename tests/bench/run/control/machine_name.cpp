@@ -26,8 +26,8 @@ using namespace tactbench::tests;
 
 namespace {
 
-constexpr uid_t kNobody = 65534;
-constexpr gid_t kSomeGroup = 54321;
+constexpr uid_t kNobodyHere = 65534;
+constexpr gid_t kGroupHere = 54321;
 
 // A process of its own, which lives until the object goes; `stay`, called by its work, says that all is ready.
 using Stay = std::function<void()>;
@@ -68,7 +68,8 @@ class Apart {
 };
 
 void become_nobody(gid_t group) {
-  if (setgroups(1, &group) != 0 || setgid(kNobody) != 0 || setuid(kNobody) != 0) throw std::runtime_error("no rights");
+  if (setgroups(1, &group) != 0 || setgid(kNobodyHere) != 0 || setuid(kNobodyHere) != 0)
+    throw std::runtime_error("no rights");
 }
 
 template <class Work>
@@ -140,7 +141,7 @@ TEST_CASE("machine names: TACTBENCH_RUNTIME_DIR is a separate scope, a folder of
   CHECK_THAT(refusal_of(hold), Catch::StartsWith("TB-FOLDER-UNSAFE") && Catch::Contains("other users may enter"));
   REQUIRE(chmod(folder.path().c_str(), 0700) == 0);
   if (geteuid() != 0) return;
-  REQUIRE(chown(folder.path().c_str(), kNobody, kNobody) == 0);
+  REQUIRE(chown(folder.path().c_str(), kNobodyHere, kNobodyHere) == 0);
   CHECK_THAT(refusal_of(hold), Catch::StartsWith("TB-FOLDER-UNSAFE") && Catch::Contains("belongs to user 65534"));
 }
 
@@ -153,7 +154,7 @@ TEST_CASE("machine names: the holder of a bench's name is named, and not trusted
   config.id = "squatted-" + std::to_string(getpid());
   const Variable scope("TACTBENCH_RUNTIME_DIR", std::nullopt);
   const Apart stranger([&](const Stay& stay) {
-    become_nobody(kNobody);
+    become_nobody(kNobodyHere);
     const MachineName name(config.id);
     if (name.held()) stay();
   });
@@ -162,15 +163,15 @@ TEST_CASE("machine names: the holder of a bench's name is named, and not trusted
              Catch::StartsWith("TB-BENCH-LOCKED") && Catch::Contains("nobody (pid "));
   const int connected = connect_to_name(config.id);
   REQUIRE(connected >= 0);
-  const std::optional<Peer> peer = peer_of(connected, kSomeGroup);
+  const std::optional<Peer> peer = peer_of(connected, kGroupHere);
   close(connected);
   REQUIRE(peer);
-  CHECK(peer->user == kNobody);
+  CHECK(peer->user == kNobodyHere);
   CHECK(peer->process == stranger.process());
   CHECK_FALSE(peer->in_group);
   CHECK_FALSE(is_trusted(*peer, 5));
   CHECK_FALSE(is_trusted(*peer, 0));
-  CHECK(is_trusted(*peer, kNobody));
+  CHECK(is_trusted(*peer, kNobodyHere));
 }
 
 TEST_CASE("machine names: root, the own user and the group are trusted, by what the process is and not by its name") {
@@ -183,7 +184,7 @@ TEST_CASE("machine names: root, the own user and the group are trusted, by what 
     const MachineName name("rig-" + std::to_string(member));
     REQUIRE(name.held());
     const Apart client([&](const Stay& stay) {
-      become_nobody(member ? kSomeGroup : kNobody);
+      become_nobody(member ? kGroupHere : kNobodyHere);
       if (connect_to_name(name.text()) >= 0) stay();
     });
     // The scope's folder is root's: another user is refused there.
@@ -191,13 +192,13 @@ TEST_CASE("machine names: root, the own user and the group are trusted, by what 
     const Variable scope("TACTBENCH_RUNTIME_DIR", std::nullopt);
     const MachineName open("group-" + std::to_string(getpid()) + "-" + std::to_string(member));
     const Apart other([&](const Stay& stay) {
-      become_nobody(member ? kSomeGroup : kNobody);
+      become_nobody(member ? kGroupHere : kNobodyHere);
       if (connect_to_name(open.text()) >= 0) stay();
     });
     REQUIRE(other.ready());
     const int accepted = accept4(open.descriptor(), nullptr, nullptr, SOCK_CLOEXEC);
     REQUIRE(accepted >= 0);
-    const std::optional<Peer> peer = peer_of(accepted, kSomeGroup);
+    const std::optional<Peer> peer = peer_of(accepted, kGroupHere);
     close(accepted);
     REQUIRE(peer);
     CHECK(peer->in_group == member);

@@ -24,7 +24,7 @@ using std::chrono::milliseconds;
 namespace {
 
 template <class Work>
-std::string refused_as(const Work& work) {
+std::string lock_refused_as(const Work& work) {
   const auto error = refusal_by(work);
   if (!error) return "not refused";
   return error->id();
@@ -98,7 +98,7 @@ TEST_CASE("store locks: runs share a store, a start that searches for dead runs 
   REQUIRE(start.take_whole());
   const StoreLocks late(own.path);
   CHECK_FALSE(late.take_whole());
-  CHECK(refused_as([&] { late.share(milliseconds(20)); }) == "TB-STORE-LOCK");
+  CHECK(lock_refused_as([&] { late.share(milliseconds(20)); }) == "TB-STORE-LOCK");
 }
 
 TEST_CASE("store locks: a run waits while another start holds the store, and counts as live afterwards") {
@@ -139,8 +139,8 @@ TEST_CASE("store locks: a run has one process, another run of the store can have
   CHECK(is_carried_out(own.path, 7) == true);
   CHECK(is_carried_out(own.path, 9) == false);
   CHECK(is_carried_out(own.folder.path("none.db"), 7) == std::nullopt);
-  CHECK(refused_as([&] { other.take_again(7); }) == "TB-RUN-LIVE");
-  CHECK(refused_as([&] { other.take_again(8); }) == "not refused");
+  CHECK(lock_refused_as([&] { other.take_again(7); }) == "TB-RUN-LIVE");
+  CHECK(lock_refused_as([&] { other.take_again(8); }) == "not refused");
   const RunRequest request = [&] {
     RunRequest made = small_request();
     made.resume = own.begin();
@@ -148,7 +148,7 @@ TEST_CASE("store locks: a run has one process, another run of the store can have
   }();
   const RunLock holder(own.path);
   holder.take_again(request.resume);
-  CHECK(refused_as([&] { (void)run_small(request, own.store); }) == "TB-RUN-LIVE");
+  CHECK(lock_refused_as([&] { (void)run_small(request, own.store); }) == "TB-RUN-LIVE");
   CHECK(own.store.run(request.resume).outcome == db::Outcome::kIncomplete);
 }
 
@@ -170,7 +170,7 @@ TEST_CASE("store locks: one empty file beside the store, with the store's mode, 
   write_file(precious, "kept");
   std::filesystem::remove(own.path + "-lock");
   std::filesystem::create_symlink(precious, own.path + "-lock");
-  CHECK(refused_as([&] { const RunLock lock(own.path); }) == "TB-STORE-LOCK");
+  CHECK(lock_refused_as([&] { const RunLock lock(own.path); }) == "TB-STORE-LOCK");
   CHECK(read_file(precious) == "kept");
 }
 
@@ -189,6 +189,6 @@ TEST_CASE("store locks: they hold one descriptor while they live, none where the
   CHECK(next_descriptor() == before);
   std::filesystem::remove(kept.path + "-lock");
   CHECK(::mkfifo((kept.path + "-lock").c_str(), 0600) == 0);
-  CHECK(refused_as([&] { const StoreLocks locks(kept.path); }) == "TB-STORE-LOCK");
+  CHECK(lock_refused_as([&] { const StoreLocks locks(kept.path); }) == "TB-STORE-LOCK");
   CHECK(next_descriptor() == before);
 }

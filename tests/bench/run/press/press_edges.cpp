@@ -27,8 +27,8 @@ std::vector<std::string> complaints_of(const std::vector<double>& forces, const 
   return bench::press_complaints({{}, forces}, options, envelope);
 }
 
-double below(double value) { return std::nextafter(value, -1e300); }
-double above(double value) { return std::nextafter(value, 1e300); }
+double just_below(double value) { return std::nextafter(value, -1e300); }
+double just_above(double value) { return std::nextafter(value, 1e300); }
 
 }  // namespace
 
@@ -41,11 +41,11 @@ TEST_CASE("press preflight: a force with tolerance and overshoot may be just the
   PressEnvelope envelope = kWide;
   options.force_limit_n = envelope.force_range[2] = most_n;
   CHECK(complaints_of({30.0}, options, envelope).empty());
-  options.force_limit_n = below(most_n);
+  options.force_limit_n = just_below(most_n);
   REQUIRE(complaints_of({30.0}, options, envelope).size() == 1);
   CHECK(complaints_of({30.0}, options, envelope)[0] ==
         "30 N, with its tolerance and 0.20 N of overshoot, are beyond the bench's force limit of 30.5 N");
-  envelope.force_range[2] = below(most_n);
+  envelope.force_range[2] = just_below(most_n);
   const auto both = complaints_of({30.0}, options, envelope);
   REQUIRE(both.size() == 2);
   CHECK_THAT(both[0], Catch::Contains("0.20 N of overshoot (0.05 mm/s x 0.04 s x 100 N/mm), are beyond the 30.5 N"));
@@ -58,14 +58,14 @@ TEST_CASE("press preflight: a force with tolerance and overshoot may be just the
 
 TEST_CASE("press preflight: contact, search and the smallest step, each to its edge") {
   CHECK(complaints_of({0.2}).empty());
-  const auto light = complaints_of({below(0.2)});
+  const auto light = complaints_of({just_below(0.2)});
   REQUIRE(light.size() == 1);
   CHECK(light[0] == "0.2 N are less than the 0.2 N that count as contact");
   PressOptions options;
   options.force_limit_n = 0.2 + bench::overshoot_n(0.5, 0.04 + 0.02, 0.02, 100.0);
   CHECK(options.force_limit_n == Approx(4.2));
   CHECK(complaints_of({2.0}, options).empty());
-  options.force_limit_n = below(options.force_limit_n);
+  options.force_limit_n = just_below(options.force_limit_n);
   const auto search = complaints_of({2.0}, options);
   REQUIRE(search.size() == 1);
   CHECK(search[0] ==
@@ -88,15 +88,15 @@ TEST_CASE("press preflight: places at the ends of the axes are inside, each axis
   };
   CHECK(at(0.0, 1.0) == 0);
   CHECK(at(60.0, 61.0) == 0);
-  CHECK(at(below(0.0), 30.0) == 1);
-  CHECK(at(above(60.0), 30.0) == 1);
-  CHECK(at(30.0, below(1.0)) == 1);
-  CHECK(at(30.0, above(61.0)) == 1);
+  CHECK(at(just_below(0.0), 30.0) == 1);
+  CHECK(at(just_above(60.0), 30.0) == 1);
+  CHECK(at(30.0, just_below(1.0)) == 1);
+  CHECK(at(30.0, just_above(61.0)) == 1);
   PressOptions options;
   options.clear_z_mm = options.deepest_z_mm = 40.0;
   CHECK(bench::press_complaints({{}, {}}, options, kWide) ==
         std::vector<std::string>{"clear z is not above the deepest z"});
-  options.clear_z_mm = below(40.0);
+  options.clear_z_mm = just_below(40.0);
   CHECK(bench::press_complaints({{}, {}}, options, kWide).empty());
   options.clear_z_mm = -1.0;
   CHECK(bench::press_complaints({{}, {}}, options, kWide) ==
@@ -152,7 +152,7 @@ TEST_CASE("registration: the centre of a touch by hand") {
   const auto id = [&](const std::vector<double>& made, int rows, int columns, double least) {
     return fault_id_of([&] { (void)bench::touch_centre_mm(made, baseline, rows, columns, 2.0, least); });
   };
-  CHECK(id(frame, 3, 4, above(10.0)) == "TB-MOUNT-NO-TOUCH");
+  CHECK(id(frame, 3, 4, just_above(10.0)) == "TB-MOUNT-NO-TOUCH");
   CHECK_THROWS_AS(bench::touch_centre_mm(frame, baseline, 3, 5, 2.0, 1.0), std::invalid_argument);
   CHECK_THROWS_AS(bench::touch_centre_mm(frame, std::vector<double>(11), 3, 4, 2.0, 1.0), std::invalid_argument);
   for (std::size_t i = 0; i < 12; ++i) {
