@@ -176,7 +176,7 @@ TEST_CASE("fit of runs: the dynamic model where none is named, ELAM without inne
 
 TEST_CASE("fit of runs: limits of the profile judge held-out runs alone, and people are told so") {
   const FolderOfRuns of;
-  const std::string told = "judged by limits.toml (tactbench.toml:7)\n";
+  const std::string told = "judged by limits.toml (tactbench.toml:12)\n";
   const Finished judged = of.fit({"1", "--model", "mpi", "--held-out", "2"});
   CHECK_THAT(judged.err, Catch::StartsWith(told));
   CHECK_THAT(judged.out, Catch::Contains("\n\n  run  requirement "));
