@@ -10,20 +10,19 @@
 #include "tests/support/process.h"
 
 using namespace tactbench::tests;
-using nlohmann::json;
 
 TEST_CASE("selfcheck: all pass here, the file holds what is printed, and nothing else is left") {
   const TemporaryFolder folder;
   const Finished finished = run_program(program_path(), {"selfcheck", "--json", "-o", "record.json"}, folder.path());
   INFO(finished.out << finished.err);
   REQUIRE(finished.code == 0);
-  const json record = json::parse(finished.out);
-  CHECK(record == json::parse(read_file(folder.path("record.json"))));
+  const nlohmann::json record = nlohmann::json::parse(finished.out);
+  CHECK(record == nlohmann::json::parse(read_file(folder.path("record.json"))));
   CHECK(record["schema"] == "tactbench.selfcheck");
   CHECK(record["failed"] == 0);
   CHECK(record["libraries"].size() >= 10);
   std::map<std::string, int> areas;
-  for (const json& check : record["checks"]) {
+  for (const nlohmann::json& check : record["checks"]) {
     CHECK(check["pass"] == true);
     ++areas[check["area"].get<std::string>()];
   }
@@ -40,9 +39,9 @@ TEST_CASE("selfcheck: without a sound bench file the run's checks fail by name, 
       run_program("/usr/bin/env", {"TACTBENCH_SHARE=" + folder.path("share"), program_path(), "selfcheck", "--json"},
                   folder.path());
   CHECK(finished.code == 1);
-  const json record = json::parse(finished.out);
+  const nlohmann::json record = nlohmann::json::parse(finished.out);
   CHECK(record["failed"] == 3);
-  for (const json& check : record["checks"]) CHECK(check["pass"] == (check["area"] != "run"));
+  for (const nlohmann::json& check : record["checks"]) CHECK(check["pass"] == (check["area"] != "run"));
 }
 
 TEST_CASE("selfcheck: a file of another kind is not overwritten") {

@@ -12,6 +12,7 @@ namespace {
 
 class FigureReporter : public benchmark::ConsoleReporter {
  public:
+  FigureReporter() : ConsoleReporter(OO_Tabular) {}
   void ReportRuns(const std::vector<Run>& runs) override {
     ConsoleReporter::ReportRuns(runs);
     for (const Run& run : runs) {
@@ -71,9 +72,8 @@ int main(int count, char** words) {
     return 0;
   }
   // The best of five repetitions, in turn, so that a slow spell of the machine falls on all; options of the caller win.
-  std::string repetitions = "--benchmark_repetitions=5", in_turn = "--benchmark_enable_random_interleaving=true",
-              only = "--benchmark_display_aggregates_only=false";
-  std::vector<char*> all{words[0], repetitions.data(), in_turn.data(), only.data()};
+  std::string repetitions = "--benchmark_repetitions=5", in_turn = "--benchmark_enable_random_interleaving=true";
+  std::vector<char*> all{words[0], repetitions.data(), in_turn.data()};
   all.insert(all.end(), words + 1, words + count);
   int length = static_cast<int>(all.size());
   benchmark::Initialize(&length, all.data());

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <functional>
 #include <stdexcept>
 #include <thread>
 
@@ -81,11 +82,14 @@ void echo(benchmark::State& state) {
   for (auto _ : state) echo.exchange();
 }
 
-// `exchange`: what is measured on a rig of its own.
-void on_rig(benchmark::State& state, const std::vector<sequences::Override>& overrides, void (*exchange)(Rig& rig)) {
+using Exchange = std::function<void()>;
+
+// On a rig of its own; `prepare` gives what is measured.
+void on_rig(benchmark::State& state, const std::vector<sequences::Override>& overrides, Exchange (*prepare)(Rig& rig)) {
   Rig rig(read_bench(find_config("simulated.toml"), overrides));
   rig.open();
-  for (auto _ : state) exchange(rig);
+  const Exchange exchange = prepare(rig);
+  for (auto _ : state) exchange();
 }
 
 void modbus_rtu(benchmark::State& state) {
@@ -228,22 +232,24 @@ const bool registered = [] {
     timed("wires/" + name, act)->UseRealTime();
     if (name != "echo") declare({{"wires_" + name + "_over_echo", "wires/" + name, {"wires/echo"}}});
   };
-  const auto plain = [&](const std::string& name, void (*exchange)(Rig& rig)) {
-    wire(name, [exchange](benchmark::State& state) { on_rig(state, {}, exchange); });
+  const auto plain = [&](const std::string& name, Exchange (*prepare)(Rig& rig),
+                         const std::vector<sequences::Override>& overrides = {}) {
+    wire(name, [=](benchmark::State& state) { on_rig(state, overrides, prepare); });
   };
   wire("echo", echo);
-  plain("modbus_tcp_read", [](Rig& rig) { rig.module().refresh(devices::Nanoseconds(-1)); });
-  plain("modbus_tcp_command", [](Rig& rig) { (void)rig.source().command(devices::Psi(0.0)); });
-  plain("hid_scan_256_taxels", [](Rig& rig) { (void)rig.array().read(1); });
-  plain("zaber_question", [](Rig& rig) {
+  plain("modbus_tcp_read",
+        [](Rig& rig) -> Exchange { return [&rig] { rig.module().refresh(devices::Nanoseconds(-1)); }; });
+  plain("modbus_tcp_command",
+        [](Rig& rig) -> Exchange { return [&rig] { (void)rig.source().command(devices::Psi(0.0)); }; });
+  plain("hid_scan_256_taxels", [](Rig& rig) -> Exchange { return [&rig] { (void)rig.array().read(1); }; });
+  plain("frame_source_scan_256_taxels", [](Rig& rig) -> Exchange { return [&rig] { (void)rig.array().read(1); }; },
+        {{"scanner.kind", "frame-source"}});
+  plain("zaber_question", [](Rig& rig) -> Exchange {
     rig.stage()->arm();
-    (void)rig.stage()->state(devices::Axis::kX);
+    return [&rig] { (void)rig.stage()->state(devices::Axis::kX); };
   });
-  plain("net_ft_record", [](Rig& rig) { (void)rig.open_force().read(1); });
-  plain("net_ft_50_records", [](Rig& rig) { (void)rig.open_force().read(50); });
-  wire("frame_source_scan_256_taxels", [](benchmark::State& state) {
-    on_rig(state, {{"scanner.kind", "frame-source"}}, [](Rig& rig) { (void)rig.array().read(1); });
-  });
+  plain("net_ft_record", [](Rig& rig) -> Exchange { return [&net = rig.open_force()] { (void)net.read(1); }; });
+  plain("net_ft_50_records", [](Rig& rig) -> Exchange { return [&net = rig.open_force()] { (void)net.read(50); }; });
   wire("modbus_rtu_read", modbus_rtu);
   timed("wires/hang_up_to_fault", hang_up_to_fault)->UseManualTime()->Iterations(20);
   timed("sequence/run", sequence_run)->UseManualTime()->Iterations(1);
