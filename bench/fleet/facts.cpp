@@ -52,7 +52,7 @@ Json rests_on(const db::RunStore& store, const db::RunRecord& run) {
   for (const db::FitRecord& fit : store.fits(run.run)) {
     if (fit.model != analysis::kDynamicModel) continue;
     try {
-      for (const std::int64_t source : source_runs(store, analysis::load_fit(store, fit)))
+      for (const std::int64_t source : source_runs(store, analysis::load_fit(fit)))
         uuids.insert(store.run(source).uuid);
     } catch (const analysis::AnalysisError&) {  // verify says what is wrong with it
     }
@@ -71,8 +71,7 @@ void drop_zero_bytes(Json& json) {
 Json said_of(const db::RunStore& store, const db::RunRecord& run) {
   Json fits = Json::array(), reports = Json::array(), figures = Json::object();
   for (const db::FitRecord& fit : store.fits(run.run))
-    fits.push_back(
-        {{"model", fit.model}, {"program_version", fit.program_version}, {"created_utc", fit.created_utc}});
+    fits.push_back({{"model", fit.model}, {"program_version", fit.program_version}, {"created_utc", fit.created_utc}});
   for (const db::ReportRecord& report : store.reports(run.run))
     reports.push_back({{"number", report.number},
                        {"content_sha256", report.content_sha256},
@@ -80,8 +79,7 @@ Json said_of(const db::RunStore& store, const db::RunRecord& run) {
                        {"approved_utc", report.approved_utc},
                        {"replaces", report.replaces},
                        {"reason", report.reason}});
-  for (const std::string& subject : store.subjects_of(run.run))
-    figures[subject] = store.figures_of(run.run, subject);
+  for (const std::string& subject : store.subjects_of(run.run)) figures[subject] = store.figures_of(run.run, subject);
   const auto worst = standing_verdict(standing_verdicts(store, run.run));
   return {{"tags", run.tags},
           {"notes", run.notes},
@@ -126,7 +124,8 @@ std::vector<LocalRun> ended_runs(const db::RunStore& store) {
   return runs;
 }
 
-std::vector<LocalRun> waiting_runs(db::fleet::Link& link, const std::vector<LocalRun>& runs, const std::string& source) {
+std::vector<LocalRun> waiting_runs(db::fleet::Link& link, const std::vector<LocalRun>& runs,
+                                   const std::string& source) {
   std::vector<std::string> uuids;
   for (const LocalRun& own : runs)  // no damaged one keeps the others from being asked for
     if (own.run.uuid.find_first_not_of("0123456789abcdef-") == std::string::npos) uuids.push_back(own.run.uuid);

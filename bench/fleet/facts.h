@@ -1,5 +1,5 @@
-// What the fleet keeps of a run beside its body, and people ask by: facts in JSON. Also what of a store the fleet does not
-// have, and the way back: verdicts of runs that come from several rows.
+// What the fleet keeps of a run beside its body, and people ask by: facts in JSON. Also what of a store the fleet does
+// not have, and the way back: verdicts of runs that come from several rows.
 #pragma once
 
 #include <cstdint>
@@ -13,12 +13,12 @@
 
 namespace tactbench::bench {
 
-// A hash of the run's content and of all that is said of it: tags, notes, void, fits, verdicts, figures, reports. The same in
-// each copy of the store.
+// A hash of the run's content and of all that is said of it: tags, notes, void, fits, verdicts, figures, reports. The
+// same in each copy of the store.
 std::string said_sha256(const db::RunStore& store, const db::RunRecord& run);
 // The facts: run_json() with frames, sensor_type, verdict (the standing one), fits, verdicts (each with the UUID of its
-// models' run and the fit's position among that run's), figures, reports, rests_on: the UUIDs of the runs that its models
-// and verdicts rest on. Without zero bytes in texts, which jsonb does not keep.
+// models' run and the fit's position among that run's), figures, reports, rests_on: the UUIDs of the runs that its
+// models and verdicts rest on. Without zero bytes in texts, which jsonb does not keep.
 std::string facts_of(const db::RunStore& store, const db::RunRecord& run);
 
 struct LocalRun {
@@ -28,8 +28,8 @@ struct LocalRun {
 };
 // Ended runs by number; without those whose frames were removed, since the fleet keeps whole runs.
 std::vector<LocalRun> ended_runs(const db::RunStore& store);
-// Those of `runs` that the server does not have as they are. A state that some store pushed already is sent again only when
-// it is a change to the last one of this store (`source`): an old copy of a store takes nothing back.
+// Those of `runs` that the server does not have as they are. A state that some store pushed already is sent again only
+// when it is a change to the last one of this store (`source`): an old copy of a store takes nothing back.
 std::vector<LocalRun> waiting_runs(db::fleet::Link& link, const std::vector<LocalRun>& runs, const std::string& source);
 
 // "host:/path/runs.db": the store, as the fleet knows it.

@@ -21,14 +21,15 @@ std::string pack_run(const RunStore& store, std::int64_t run, const std::string&
   std::string plain(std::filesystem::file_size(path), '\0');
   if (plain.size() > kLargestStore)
     throw FleetError(FleetCause::kStore, "TB-FLEET-LARGE",
-                     fmt::format("run {} takes {} MB, and the fleet keeps runs up to {} MB", run, plain.size() / 1'000'000,
-                                 kLargestStore / 1'000'000),
+                     fmt::format("run {} takes {} MB, and the fleet keeps runs up to {} MB", run,
+                                 plain.size() / 1'000'000, kLargestStore / 1'000'000),
                      "it stays in the store: take a snapshot of that (tactbench db snapshot)");
   std::ifstream(path, std::ios::binary).read(plain.data(), static_cast<std::streamsize>(plain.size()));
   std::filesystem::remove(path);
   uLongf size = compressBound(plain.size());
   std::string body(size, '\0');
-  (void)compress(reinterpret_cast<Bytef*>(body.data()), &size, reinterpret_cast<const Bytef*>(plain.data()), plain.size());
+  (void)compress(reinterpret_cast<Bytef*>(body.data()), &size, reinterpret_cast<const Bytef*>(plain.data()),
+                 plain.size());
   body.resize(size);
   return body;
 }
@@ -52,7 +53,8 @@ void unpack_run(const std::string& body, const std::string& path) {
   if (!file)
     throw StoreError("TB-STORE-FULL", fmt::format("{} could not be written", path), "free space for temporary files");
   if (!whole)
-    throw FleetError(FleetCause::kStore, "TB-FLEET-CHANGED", "what was pushed of the run is no store compressed by zlib",
+    throw FleetError(FleetCause::kStore, "TB-FLEET-CHANGED",
+                     "what was pushed of the run is no store compressed by zlib",
                      "the bench's own store has what was measured");
 }
 

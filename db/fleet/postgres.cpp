@@ -242,8 +242,7 @@ Link::Link(const std::string& conninfo, std::chrono::seconds silence, std::chron
                               known(libpq().PQport(handle)));
   libpq().PQsetErrorVerbosity(handle, PQERRORS_VERBOSE);  // brings the SQLSTATE, which is the same in every language
   libpq().PQsetNoticeProcessor(
-      handle,
-      [](void* state, const char* notice) { static_cast<State*>(state)->notices += 64 + std::strlen(notice); },
+      handle, [](void* state, const char* notice) { static_cast<State*>(state)->notices += 64 + std::strlen(notice); },
       state_.get());
   const auto deadline = Time::now() + patience;
   for (PostgresPollingStatusType polled = PGRES_POLLING_WRITING; libpq().PQstatus(handle) != CONNECTION_BAD;) {

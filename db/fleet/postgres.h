@@ -16,8 +16,8 @@ namespace tactbench::db::fleet {
 
 using Row = std::vector<std::string>;  // the bytes of each column; NULL as ""
 
-inline constexpr std::chrono::seconds kPatience(10);  // for connecting
-inline constexpr std::chrono::seconds kSilence(60);   // without a byte the server counts as lost
+inline constexpr std::chrono::seconds kPatience(10);      // for connecting
+inline constexpr std::chrono::seconds kSilence(60);       // without a byte the server counts as lost
 inline constexpr std::size_t kLargestAnswer = 256 << 20;  // bytes of one statement's rows, unless more is expected
 
 class Link {

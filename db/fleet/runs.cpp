@@ -19,8 +19,8 @@ constexpr std::size_t kLargestList = 1 << 30;  // bytes: some 300 000 runs
 
 std::vector<FleetRun> runs_in(Link& link, const std::string& rest, const std::vector<std::string>& parameters) {
   std::vector<FleetRun> runs;
-  for (Row& row : link.query(fmt::format("SELECT {} FROM fleet.every_run r {}", kColumns, rest), kColumnCount, parameters,
-                             kLargestList))
+  for (Row& row : link.query(fmt::format("SELECT {} FROM fleet.every_run r {}", kColumns, rest), kColumnCount,
+                             parameters, kLargestList))
     runs.push_back({link.number(row[0]), link.number(row[1]), std::move(row[2]), std::move(row[3]), std::move(row[4]),
                     std::move(row[5]), std::move(row[6]), std::move(row[7])});
   return runs;
@@ -46,17 +46,19 @@ std::int64_t add_run(Link& link, const SentRun& run) {
   const std::string sha256 = sha256_hex(run.body);
   const std::vector<Row> added = link.query(
       "INSERT INTO fleet.runs (uuid, content_sha256, said_sha256, source, facts, body, body_sha256) VALUES "
-      "($1::text, $2::text, $3::text, $4::text, $5::text::jsonb, $6::bytea, $7::text) RETURNING run::text, revision::text",
+      "($1::text, $2::text, $3::text, $4::text, $5::text::jsonb, $6::bytea, $7::text) RETURNING run::text, "
+      "revision::text",
       2, {run.uuid, run.content_sha256, run.said_sha256, run.source, run.facts, run.body, sha256});
   if (added.empty())  // another push was faster
-    return link.number(link.query_row("SELECT run::text FROM fleet.owners WHERE uuid = $1::text", 1, {run.uuid}).front());
-  const Row back = link.query_row(
-      "SELECT uuid, content_sha256, body FROM fleet.runs WHERE revision = $1::text::bigint", 3, {added.front()[1]},
-      run.body.size() + kLargestAnswer);
+    return link.number(
+        link.query_row("SELECT run::text FROM fleet.owners WHERE uuid = $1::text", 1, {run.uuid}).front());
+  const Row back = link.query_row("SELECT uuid, content_sha256, body FROM fleet.runs WHERE revision = $1::text::bigint",
+                                  3, {added.front()[1]}, run.body.size() + kLargestAnswer);
   if (back[0] != run.uuid || back[1] != run.content_sha256 || sha256_hex(back[2]) != sha256)
-    throw FleetError(FleetCause::kStore, "TB-FLEET-DIFFERS",
-                     fmt::format("fleet {}: what came to the server of run {} is not what was sent", link.where(), run.uuid),
-                     "nothing was kept there: push again, and report it when it comes again");
+    throw FleetError(
+        FleetCause::kStore, "TB-FLEET-DIFFERS",
+        fmt::format("fleet {}: what came to the server of run {} is not what was sent", link.where(), run.uuid),
+        "nothing was kept there: push again, and report it when it comes again");
   transaction.commit();
   return link.number(added.front()[0]);
 }
@@ -85,10 +87,10 @@ std::vector<FleetRun> find_runs(Link& link, const std::string& origin, const std
                    {origin});
   } catch (const FleetError& error) {
     if (where.empty() || (error.id() != "TB-FLEET-SQL" && error.id() != "TB-FLEET-DENIED")) throw;
-    throw FleetError(
-        FleetCause::kUsage, "TB-FLEET-WHERE",
-        fmt::format("the condition \"{}\" cannot be used: {}", where, error.what()),
-        "a condition in SQL over the columns of fleet.every_run: \"sensor_type = 'array-16' AND bench_id = 'bench-2'\"");
+    throw FleetError(FleetCause::kUsage, "TB-FLEET-WHERE",
+                     fmt::format("the condition \"{}\" cannot be used: {}", where, error.what()),
+                     "a condition in SQL over the columns of fleet.every_run: \"sensor_type = 'array-16' AND bench_id "
+                     "= 'bench-2'\"");
   }
 }
 

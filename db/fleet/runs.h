@@ -25,8 +25,8 @@ struct KnownRow {
 };
 std::vector<KnownRow> known_rows(Link& link, const std::vector<std::string>& uuids);
 
-// Sends the run, reads it back within the transaction, and commits when it is what was sent; it is there whole or not at
-// all. Returns the fleet's number of the run, also when it was there. TB-FLEET-DIFFERS, TB-FLEET-OWNER; nothing was
+// Sends the run, reads it back within the transaction, and commits when it is what was sent; it is there whole or not
+// at all. Returns the fleet's number of the run, also when it was there. TB-FLEET-DIFFERS, TB-FLEET-OWNER; nothing was
 // changed then.
 std::int64_t add_run(Link& link, const SentRun& run);
 

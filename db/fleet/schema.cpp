@@ -153,10 +153,10 @@ void check_schema(Link& link) {
     throw FleetError(FleetCause::kStore, "TB-FLEET-EMPTY",
                      fmt::format("fleet {}: this database holds no fleet yet", link.where()),
                      "make it once, as a role that may create schemas and roles: tactbench fleet migrate");
-  throw FleetError(FleetCause::kStore, "TB-FLEET-SCHEMA",
-                   fmt::format("fleet {}: it has schema {}, and this program writes {}", link.where(), schema,
-                               kFleetSchema),
-                   "use the version of tactbench that made it, or another database");
+  throw FleetError(
+      FleetCause::kStore, "TB-FLEET-SCHEMA",
+      fmt::format("fleet {}: it has schema {}, and this program writes {}", link.where(), schema, kFleetSchema),
+      "use the version of tactbench that made it, or another database");
 }
 
 int make_fleet(Link& link, const std::string& program_version) {

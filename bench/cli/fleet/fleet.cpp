@@ -24,9 +24,10 @@ void migrate_fleet(const std::string& to, const Session& session) {
   } else if (before != 0) {
     tty::print("{}: has schema {} already\n", link.where(), before);
   } else {
-    tty::print("{}: made a fleet with schema {}; benches log in as members of role tactbench_bench, readers of "
-               "tactbench_analyst\n",
-               link.where(), db::fleet::kFleetSchema);
+    tty::print(
+        "{}: made a fleet with schema {}; benches log in as members of role tactbench_bench, readers of "
+        "tactbench_analyst\n",
+        link.where(), db::fleet::kFleetSchema);
   }
 }
 

@@ -79,8 +79,8 @@ void push(const PushOptions& options, Session& session) {
                               {"left", left}});
   else if (!session.quiet)
     tty::print("{}: {}, {} sent now; {} ended in {}, {}\n", link.where(), analysis::counted(pushed.size(), "run"),
-               analysis::counted(all_frames, "frame"), analysis::counted(ended.size(), "run has", "runs have"), session.db,
-               left.empty() ? "and all are there" : fmt::format("{} could not be sent", left.size()));
+               analysis::counted(all_frames, "frame"), analysis::counted(ended.size(), "run has", "runs have"),
+               session.db, left.empty() ? "and all are there" : fmt::format("{} could not be sent", left.size()));
   if (first) std::rethrow_exception(first);
 }
 

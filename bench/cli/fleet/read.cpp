@@ -1,4 +1,5 @@
-// fleet runs, show, trend: the verbs of a store, on the facts of the fleet's runs, or on a copy of those that they need.
+// fleet runs, show, trend: the verbs of a store, on the facts of the fleet's runs, or on a copy of those that they
+// need.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -50,8 +51,7 @@ ListedRun listed_run(const fleet::FleetRun& run, const Json& facts) {
 
 // The keys of `runs list --json`.
 Json row_of(const fleet::FleetRun& run, Json facts) {
-  for (const char* more : {"fits", "verdicts", "figures", "reports", "rests_on", "sensor_type"})
-    facts.erase(more);
+  for (const char* more : {"fits", "verdicts", "figures", "reports", "rests_on", "sensor_type"}) facts.erase(more);
   facts["run"] = run.run;
   return facts;
 }

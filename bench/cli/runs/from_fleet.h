@@ -30,8 +30,8 @@ class FromFleet {
   [[nodiscard]] db::fleet::Link& link() { return link_; }
   // From here to the end of this object session.db is a new temporary store with these runs, under the fleet's numbers,
   // each as it was pushed: compared with its hashes by the code that verifies a bench's own runs. TB-FLEET-CHANGED;
-  // TB-FLEET-CONFLICT when one serial is registered with two types. `also`: these where they can be read; the others are
-  // named on standard error and left out.
+  // TB-FLEET-CONFLICT when one serial is registered with two types. `also`: these where they can be read; the others
+  // are named on standard error and left out.
   void take(const std::vector<db::fleet::FleetRun>& runs, const std::vector<db::fleet::FleetRun>& also = {});
 
  private:

@@ -31,8 +31,7 @@ TEST_CASE("control characters are escaped, ordinary text stays unchanged") {
   CHECK(for_people("\u202egnp.exe\u202c \u2066x\u2069") == "\\u202egnp.exe\\u202c \\u2066x\\u2069");
   CHECK(for_people("\xff\xc0\xaf\xed\xa0\x80") == "\\xff\\xc0\\xaf\\xed\\xa0\\x80");
   CHECK(for_people("cut \xe2\x82") == "cut \\xe2\\x82");
-  for (const char* good :
-       {"", "plain", "two\nlines\tand a tab", "Größe ±5 µm, 测试, ✓, 🙂, e\u0301", "C:\\x1b"})
+  for (const char* good : {"", "plain", "two\nlines\tand a tab", "Größe ±5 µm, 测试, ✓, 🙂, e\u0301", "C:\\x1b"})
     CHECK(for_people(good) == good);
 }
 

@@ -8,9 +8,9 @@
 #include <cstdio>
 #include <vector>
 
-#include "tests/benchmarks/study/specimen.h"
 #include "bench/simulation/specimen.h"
 #include "tests/bench/simulation/harsh_sensor.h"
+#include "tests/benchmarks/study/specimen.h"
 
 namespace tactbench::bench::testing {
 namespace {

@@ -63,7 +63,8 @@ TEST_CASE("fleet link: each refusal of a server has an id, and the link can be u
 TEST_CASE("fleet link: answers that PostgreSQL does not give are errors with an id") {
   const std::string copy = message('G', std::string(1, '\1') + number(0, 2));
   std::string notices;
-  while (notices.size() < (3U << 20U)) notices += message('N', "SNOTICE" + std::string(1, '\0') + "M" + std::string(5000, 'x') + '\0' + '\0');
+  while (notices.size() < (3U << 20U))
+    notices += message('N', "SNOTICE" + std::string(1, '\0') + "M" + std::string(5000, 'x') + '\0' + '\0');
   const std::vector<std::pair<Answer, std::string>> answers = {
       {rows(1, {}), "TB-FLEET-ANSWER"},
       {rows(1, {{"1"}, {"2"}}), "TB-FLEET-ANSWER"},
@@ -108,14 +109,16 @@ TEST_CASE("fleet link: a refusal at the door has an id, also of what is no Postg
 }
 
 TEST_CASE("fleet link: what names no server is the caller's fault, and no message shows a password") {
-  for (const char* words : {"nonsense", "colour=red", "postgresql://u:SECRET@db.lab:6000x/t?y", "host=a password=SECRET x"}) {
+  for (const char* words :
+       {"nonsense", "colour=red", "postgresql://u:SECRET@db.lab:6000x/t?y", "host=a password=SECRET x"}) {
     CAPTURE(words);
     const Told said = told([&] { const Link link(words); });
     CHECK((said.id == "TB-FLEET-CONNINFO" && said.cause == FleetCause::kUsage));
     CHECK(said.message.find("SECRET") == std::string::npos);
   }
-  for (const char* words : {"host=a password=SECRET dbname=b", "password = 'SECRET with \\' blanks' host=a", "password=SECRET",
-                            "postgresql://u:SECRET@h/d", "postgres://u:SEC%40RET@h/d?password=SECRET&x=1"}) {
+  for (const char* words :
+       {"host=a password=SECRET dbname=b", "password = 'SECRET with \\' blanks' host=a", "password=SECRET",
+        "postgresql://u:SECRET@h/d", "postgres://u:SEC%40RET@h/d?password=SECRET&x=1"}) {
     CAPTURE(words);
     CHECK(without_passwords(words).find("SEC") == std::string::npos);
     CHECK(without_passwords(words).find("***") != std::string::npos);

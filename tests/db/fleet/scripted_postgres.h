@@ -109,6 +109,7 @@ class Server {
     }
     return messages;
   }
+
  private:
   static std::size_t length_at(const std::string& bytes, std::size_t at) {
     std::size_t value = 0;
