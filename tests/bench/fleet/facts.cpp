@@ -23,11 +23,11 @@ void store_judged(RunStore& store) {
   fit.run = first;
   fit.model = "elam";
   fit.created_utc = "2026-01-01T00:00:00Z";
-  (void)store.add_fit(fit, {});
+  (void)store.add_fit(fit);
   fit.created_utc = "2026-01-02T00:00:00Z";
   db::VerdictRecord verdict;
   verdict.verdict = "pass";
-  store.replace_verdicts(second, store.add_fit(fit, {}), {verdict});
+  store.replace_verdicts(second, store.add_fit(fit), {verdict});
   store.replace_figures(second, "sensor", {{"error_psi", 0.5}});
 }
 
@@ -55,7 +55,7 @@ TEST_CASE("fleet facts: the same run has the same hash in each store, and each c
     db::FitRecord fit;
     fit.run = 1;
     fit.model = "mpi";
-    (void)store.add_fit(fit, {});
+    (void)store.add_fit(fit);
   });
   changes([&] {
     db::VerdictRecord verdict;

@@ -33,7 +33,7 @@ TEST_CASE("fleet body: a run comes back with its content and all that is said of
   db::FitRecord fit;
   fit.run = run;
   fit.model = "elam";
-  const std::int64_t number = store.add_fit(fit, {});
+  const std::int64_t number = store.add_fit(fit);
   db::VerdictRecord verdict;
   verdict.verdict = "pass";
   store.replace_verdicts(run, number, {verdict});
