@@ -8,7 +8,7 @@ import sqlite3
 from .errors import TactbenchError, package
 
 _APPLICATION_ID = 0x54424348  # "TBCH" in the file's header
-_OLDEST, _NEWEST = 2, 9  # schema versions that are read; older ones: tactbench db migrate
+_SCHEMA = 1  # the schema that is read
 
 # A frame's numbers: name, unit, meaning, SQL. NULL is NaN.
 _NUMBERS = (
@@ -47,10 +47,10 @@ class Store:
         except sqlite3.Error as error:
             self.close()
             raise TactbenchError(f"store {self.path} cannot be read: {error}") from error
-        if application != _APPLICATION_ID or not _OLDEST <= version <= _NEWEST:
+        if application != _APPLICATION_ID or version != _SCHEMA:
             self.close()
-            raise TactbenchError(f"{self.path} is no tactbench store of schema {_OLDEST} to {_NEWEST} (it has {version}): an "
-                                 "older one is brought there by tactbench db migrate, a newer one needs a newer package")
+            raise TactbenchError(f"{self.path} is no tactbench store of schema {_SCHEMA} (it has {version}): take the package of the "
+                                 "build that wrote it")
 
     def _opened(self):
         """Read-only. In a folder that cannot be written SQLite cannot make the files beside a closed store."""
@@ -116,8 +116,6 @@ class Store:
 
     def refuse_pruned(self, run):
         """Raises TactbenchError when the run's frames were removed."""
-        if self._connection.execute("PRAGMA user_version").fetchone()[0] < 8:
-            return
         gone = self._connection.execute("SELECT pruned_utc, rule FROM pruned WHERE run = ?", (run,)).fetchone()
         if gone:
             raise TactbenchError(f"the frames of run {run} of {self.path} were removed on {gone[0]}, by the rule {gone[1]}: its "
