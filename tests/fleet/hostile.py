@@ -40,38 +40,38 @@ def changed_copy(lab, name, sql):
 def roles(server, lab):
     """By SQL alone a bench can say what it likes of its own runs, and nothing of others'."""
     server.new_fleet(lab, "roles")
-    for role in ("bench_a", "bench_b"):
+    for role in ("rig_a", "rig_b"):
         server.new_role(role, "LOGIN IN ROLE tactbench_bench")
     server.new_role("reader", "LOGIN IN ROLE tactbench_analyst")
     server.new_role("stranger")
-    a, reader = server.conninfo("roles", "bench_a"), server.conninfo("roles", "reader")
+    a, reader = server.conninfo("roles", "rig_a"), server.conninfo("roles", "reader")
     lab.run("fleet", "push", "--to", a)
     before = rows_of(server)
-    expect([row[1] for row in before] == ["bench_a"] * RUNS, before)
+    expect([row[1] for row in before] == ["rig_a"] * RUNS, before)
     columns = "uuid, content_sha256, said_sha256, source, facts, body, body_sha256"
     same = "uuid, content_sha256, repeat('0', 64), source, facts || '{\"operator\": \"MALLORY\"}', body, body_sha256"
     of_a = "FROM fleet.runs ORDER BY revision LIMIT 1"
     new = "overlay(uuid placing 'aaaaaaaa' from 1)"
     for user, sql, word in (
-            ("bench_b", f"INSERT INTO fleet.runs ({columns}) SELECT {same} {of_a}", "was pushed by bench_a"),
-            ("bench_b", f"INSERT INTO fleet.runs ({columns}, pushed_by) SELECT {same}, 'bench_a' {of_a}", "denied"),
-            ("bench_b", f"INSERT INTO fleet.runs ({columns}, pushed_at) SELECT {same}, '2001-01-01' {of_a}", "denied"),
-            ("bench_b", f"INSERT INTO fleet.runs ({columns}, revision) SELECT {same}, 999999 {of_a}", "denied"),
-            ("bench_b", "INSERT INTO fleet.owners (uuid, owner) VALUES ('aaaaaaaa-0000-4000-8000-000000000000', 'bench_a')", "denied"),
-            ("bench_b", "UPDATE fleet.owners SET owner = 'bench_b'", "denied"),
-            ("bench_b", "SELECT nextval('fleet.revisions')", "denied"),
-            ("bench_b", "UPDATE fleet.runs SET facts = '{}'", "denied"),
-            ("bench_b", "DELETE FROM fleet.runs", "denied"),
-            ("bench_b", "TRUNCATE fleet.runs", "denied"),
-            ("bench_b", "CREATE TABLE fleet.x (a int)", "denied"),
-            ("bench_b", "SET SESSION AUTHORIZATION bench_a", "denied"),
+            ("rig_b", f"INSERT INTO fleet.runs ({columns}) SELECT {same} {of_a}", "was pushed by rig_a"),
+            ("rig_b", f"INSERT INTO fleet.runs ({columns}, pushed_by) SELECT {same}, 'rig_a' {of_a}", "denied"),
+            ("rig_b", f"INSERT INTO fleet.runs ({columns}, pushed_at) SELECT {same}, '2001-01-01' {of_a}", "denied"),
+            ("rig_b", f"INSERT INTO fleet.runs ({columns}, revision) SELECT {same}, 999999 {of_a}", "denied"),
+            ("rig_b", "INSERT INTO fleet.owners (uuid, owner) VALUES ('aaaaaaaa-0000-4000-8000-000000000000', 'rig_a')", "denied"),
+            ("rig_b", "UPDATE fleet.owners SET owner = 'rig_b'", "denied"),
+            ("rig_b", "SELECT nextval('fleet.revisions')", "denied"),
+            ("rig_b", "UPDATE fleet.runs SET facts = '{}'", "denied"),
+            ("rig_b", "DELETE FROM fleet.runs", "denied"),
+            ("rig_b", "TRUNCATE fleet.runs", "denied"),
+            ("rig_b", "CREATE TABLE fleet.x (a int)", "denied"),
+            ("rig_b", "SET SESSION AUTHORIZATION rig_a", "denied"),
             ("reader", f"INSERT INTO fleet.runs ({columns}) SELECT {same} {of_a}", "denied"),
             ("stranger", "SELECT count(*) FROM fleet.runs", "denied"),
             ("postgres", "UPDATE fleet.runs SET facts = '{}'", "nobody changes"),
             ("postgres", "DELETE FROM fleet.runs", "nobody changes"),
             ("postgres", "TRUNCATE fleet.runs", "nobody changes"),
-            ("bench_b", f"INSERT INTO fleet.runs ({columns}) SELECT {new}, content_sha256, said_sha256, source, '[]', body, body_sha256 {of_a}", "check"),
-            ("bench_b", f"INSERT INTO fleet.runs ({columns}) SELECT {new}, content_sha256, said_sha256, source, facts, body, repeat('0', 64) {of_a}", "check")):
+            ("rig_b", f"INSERT INTO fleet.runs ({columns}) SELECT {new}, content_sha256, said_sha256, source, '[]', body, body_sha256 {of_a}", "check"),
+            ("rig_b", f"INSERT INTO fleet.runs ({columns}) SELECT {new}, content_sha256, said_sha256, source, facts, body, repeat('0', 64) {of_a}", "check")):
         said = server.try_sql(sql, "roles", user)
         expect(isinstance(said, str) and word in said, (user, sql, said))
     expect(rows_of(server) == before, "nothing came of it")
@@ -86,11 +86,11 @@ def roles(server, lab):
     for i, (facts, body) in enumerate(bad):
         text = "body" if body is None else f"'\\x{body.hex()}'::bytea"
         server.sql(f"INSERT INTO fleet.runs ({columns}) SELECT overlay(uuid placing 'bbbbbbb{i}' from 1), content_sha256, said_sha256, "
-                   f"source, {facts}, {text}, encode(sha256({text}), 'hex') {of_a}", "roles", "bench_b")
+                   f"source, {facts}, {text}, encode(sha256({text}), 'hex') {of_a}", "roles", "rig_b")
     for view in ("every_run", "simulated_runs", "simulated_verdicts", "simulated_figures", "simulated_fits"):
         server.sql(f"SELECT * FROM fleet.{view}", "roles", "reader")
     listed = lab.run("fleet", "runs", "--from", reader, "--origin", "simulated", "--json", code=None)
-    expect(listed.returncode == 0 and listed.stderr.count("pushed by bench_b") == 2, listed.stderr)
+    expect(listed.returncode == 0 and listed.stderr.count("pushed by rig_b") == 2, listed.stderr)
     expect(all(row[0] in listed.stdout for row in before), "every other run is listed")
     lab.run("fleet", "trend", "--from", reader, "--origin", "simulated")
     for i in range(len(bad)):
@@ -107,7 +107,7 @@ def roles(server, lab):
         other = Program(path, folder)
         make_store(other, 2)
         lab.run("runs", "copy", 1, "--to", "copy.db")
-        b = server.conninfo("roles", "bench_b")
+        b = server.conninfo("roles", "rig_b")
         expect(lab.json("fleet", "push", "--to", b, "--db", "copy.db")["not_pushed"] == 0, "the same run is there")
         lab.run("runs", "tag", 1, "mine", "--db", "copy.db")
         pushed = lab.run("fleet", "push", "--to", b, "--db", "copy.db", code=5)
