@@ -96,6 +96,6 @@ try:
     assert all(len(recipe["sha256"]) == 64 for recipe in document["recipes"])
     assert [frame["counts"] for frame in document["frames"]] == decoded
     assert [frame["reference_psi"] for frame in document["frames"]] == [f["reference_psi"] for f in frames]
-    assert len(document["verdicts"]) == 8 and document["events"] and document["recipes"][0]["toml"].startswith("schema")
+    assert document["events"] and document["recipes"][0]["toml"].startswith("schema")
 finally:
     shutil.rmtree(folder)
