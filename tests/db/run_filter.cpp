@@ -95,7 +95,7 @@ TEST_CASE("the last check is that of one sensor, kind and verdict, of a run befo
 }
 
 TEST_CASE(
-    "of several fits the newest, and the newest that stands for the run, are found; a missing one is named beside "
+    "of several fits the newest, and the newest that stands for the run, are found, and a missing one is named beside "
     "them") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));

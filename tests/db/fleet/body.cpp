@@ -55,7 +55,7 @@ TEST_CASE("fleet body: what is not what was stored is not packed, and what is no
   const std::int64_t run = store_example(store);
   const std::string body = db::fleet::pack_run(store, run, folder.path("."));
   for (const std::string& changed : {std::string(), std::string("no zlib"), body.substr(0, body.size() / 2), body + "x",
-                                     std::string(1, 'x') + body.substr(1)})
+                                     std::string(1, '\1') + body.substr(1)})
     CHECK(refusal(changed, folder.path("c.db")) == "TB-FLEET-CHANGED");
   CHECK(refusal(body, folder.path("c.db")).empty());
   db::sqlite::Connection(folder.path("a.db"), db::sqlite::Access::kReadWrite)

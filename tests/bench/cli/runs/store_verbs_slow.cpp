@@ -90,7 +90,8 @@ TEST_CASE("verify recomputes content, models and verdicts, and names what was ch
   CHECK_THAT(models.out, Catch::Contains("run 1, whose models they rest on: frame 4"));
   const Finished check = call(folder, {"db", "check"});
   CHECK(check.code == 5);
-  CHECK_THAT(check.out, Catch::Contains("1 run as it was stored, 1 not") && Catch::Contains("run 1   frame 4"));
+  CHECK_THAT(check.out, Catch::Contains("run 1   frame 4") && Catch::Contains("run 1   fits") &&
+                            Catch::Contains("run 2   verdicts"));
   check_refusal(call(folder, {"verify", "7"}), 2, "TB-STORE-NOT-FOUND");
   change(folder, "UPDATE runs SET outcome = 'incomplete', state = 'running', content_sha256 = '' WHERE run = 2");
   check_refusal(call(folder, {"verify", "2"}), 6, "TB-VERIFY-NOT-ENDED");
