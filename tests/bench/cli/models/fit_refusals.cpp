@@ -131,9 +131,6 @@ TEST_CASE("fit: several runs are numbers and ranges with commas between, and not
     CHECK(some.out.find("run     4: not fitted: ") != std::string::npos);
     CHECK_THAT(some.out, Catch::EndsWith(more.empty() ? "\n0 runs fitted, 1 not\n" : "\n0 runs fitted, 2 not\n"));
   }
-  const Finished part =
-      verb_here(bench::add_fit, {"fit", "1-4", "--db", path, "--model", "elam", "--void-too", "--shard", "1/2"});
-  CHECK_THAT(part.out, Catch::EndsWith("0 runs fitted, 1 not; part 1/2 of 2 runs\n"));
 }
 
 TEST_CASE("fit: a table is not judged, not scored on itself, and each target is named once") {
