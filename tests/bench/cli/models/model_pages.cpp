@@ -18,9 +18,8 @@ using namespace tactbench::tests;
 
 TEST_CASE("model show: what was fitted, where it holds, and the last taxel's numbers") {
   const TemporaryFolder folder;
-  // As a reader has it: with the loops that a document made by hand lacks.
-  SensorModel document = analysis::document_from_text(analysis::to_text(known_model(0.1, 0.0)), "m.json");
-  write_model(folder, "m.json", document);
+  write_model(folder, "m.json", known_model(0.1, 0.0));
+  SensorModel document = analysis::load_model(folder.path("m.json"), nullptr);
   check_holds(
       model_verb(folder, {"model", "show", "m.json"}),
       {"mpi of me.csv (imported), sha256 " + analysis::sha256_of(document).substr(0, 12), "  fitted on     up, down",
