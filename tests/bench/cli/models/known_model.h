@@ -2,16 +2,12 @@
 #pragma once
 
 #include <catch2/catch.hpp>
-#include <cmath>
 #include <memory>
-#include <nlohmann/json.hpp>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "analysis/identify/stored/model_document.h"
-#include "analysis/models/model.h"
 #include "analysis/models/mpi.h"
 #include "tests/support/process.h"
 
@@ -61,34 +57,7 @@ inline SensorModel known_model(double a1, double zero) {
 
 // Taxels without an external loop get the one that their models walk, at 31 inputs, as a fit leaves it; a straight one
 // where a model's does not rise.
-inline void write_model(const TemporaryFolder& folder, const std::string& name, const SensorModel& document) {
-  auto json = nlohmann::ordered_json::parse(analysis::to_text(document));
-  std::vector<double> inputs = document.pressure_psi;
-  for (const ModelTaxel& own : document.taxels) {
-    if (!inputs.empty() || own.fit.model == nullptr) continue;
-    if (!own.ascending.x().empty()) inputs.assign(own.ascending.x().begin(), own.ascending.x().end());
-    for (int step = 0; step <= 30 && own.ascending.x().empty(); ++step)
-      inputs.push_back(std::lerp(own.fit.model->x_low(), own.fit.model->x_high(), step / 30.0));
-  }
-  for (std::size_t i = 0; i < document.taxels.size(); ++i) {
-    const ModelTaxel& own = document.taxels[i];
-    if (own.fit.model == nullptr || !own.ascending.x().empty()) continue;
-    ModelTaxel walked;
-    walked.zero = own.zero;
-    walked.gain = own.gain;
-    walked.fit.model = analysis::model_from_json(own.fit.model->to_json());
-    std::vector<double> up = inputs, down = inputs;
-    try {
-      analysis::set_loop(walked, inputs);
-      up.assign(walked.ascending.y().begin(), walked.ascending.y().end());
-      down.assign(walked.descending.y().begin(), walked.descending.y().end());
-    } catch (const std::invalid_argument&) {
-    }
-    json["taxels"][i]["loop"] = {{"ascending", up}, {"descending", down}};
-  }
-  if (!inputs.empty()) json["loop_inputs"] = inputs;
-  write_file(folder.path(name), json.dump());
-}
+void write_model(const TemporaryFolder& folder, const std::string& name, const SensorModel& document);
 
 inline void check_holds(const Finished& finished, const std::vector<std::string>& lines) {
   INFO(finished.out << finished.err);
