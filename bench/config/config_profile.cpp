@@ -74,16 +74,17 @@ devices::ModuleOutputs read_outputs(const TomlTable& table) {
 }
 
 KeyTable input_keys(devices::ModuleInputs& in) {
+  constexpr int kMostInputs = kMostRegisters / 2;  // of two registers
   KeyTable keys = {
       function_key("function", in.function, {3, 4},
                    "Modbus function that reads: 3 holding registers, 4 input registers"),
       key::number("address", in.address, kOne, {0, 65535}, "Register of input 0, counted from 0"),
-      key::required(key::number("channels", in.channels, kOne, {1, kMostRegisters / 2}, "Number of inputs")),
+      key::required(key::number("channels", in.channels, kOne, {1, kMostInputs}, "Number of inputs")),
       key::number("spare", in.spare, kOne, {0, 8},
                   "Registers behind the last input that may be read too; RTU readings then change length, which shows "
                   "a stale answer")};
   for (const Key& row : format_keys(in.format)) keys.push_back(row);
-  keys.push_back(key::number("status_offset", in.status_offset, kOne, {-1, kMostRegisters / 2},
+  keys.push_back(key::number("status_offset", in.status_offset, kOne, {-1, kMostInputs},
                              "Registers from address to one status word an input; -1: none"));
   return keys;
 }

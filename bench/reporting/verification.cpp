@@ -152,12 +152,12 @@ class Verification {
       return source.run != 0 ? run_of_source(store_, source).value() : std::int64_t{0};
     };
     const std::int64_t rate = run_of(stored.dynamics->rate), creep = run_of(stored.dynamics->creep);
-    for (const std::int64_t run : {rate, creep})
-      if (run == 0)
+    for (const std::int64_t source : {rate, creep})
+      if (source == 0)
         continue;
-      else if (const db::ContentCheck& content = content_of(run); !content.holds())
+      else if (const db::ContentCheck& content = content_of(source); !content.holds())
         throw analysis::AnalysisError("TB-ANALYSIS-FRAME",
-                                      fmt::format("run {}, which it rests on: {}", run, content.difference),
+                                      fmt::format("run {}, which it rests on: {}", source, content.difference),
                                       "restore the store from a copy");
     const analysis::Dataset& fitted = runs_.dataset(run);
     analysis::SensorModel fit = rate != 0 && creep != 0
