@@ -3,7 +3,7 @@
 
     campaign.py PROGRAM [--only NAME...] [--jobs N] [--suite FILE] [--tests TESTS] [--table FILE.md]
 
-PROGRAM is tactbench_mutants, which carries the defects of mutants.json; each is on in a process whose environment
+PROGRAM is tactbench as the preset mutants builds it, with the defects of mutants.json; each is on in a process whose environment
 names it in TACTBENCH_MUTANT. First every scenario that is to catch one has to be green without any. Then each mutant
 carries out the scenario expected to catch it, and the whole suite (--stop-on-red) if that one stays green. A mutant that
 no scenario catches has survived. What a night cannot see, for it needs a process of its own to be frozen, killed or cut
@@ -152,7 +152,7 @@ def chosen(program, only):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("program", help="tactbench_mutants")
+    parser.add_argument("program", help="tactbench as the preset mutants builds it")
     parser.add_argument("--only", nargs="+", default=[], metavar="NAME", help="these mutants alone")
     parser.add_argument("--jobs", type=int, default=1, help="mutants at once")
     parser.add_argument("--suite", default="nightly", help="suite file; the shipped one when left out")

@@ -6,6 +6,6 @@
 #include <cstdlib>
 
 extern "C" int pthread_create(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*) {
-  std::fputs("a unit test starts a thread; add its file to THREADED_UNIT_TESTS in tests/CMakeLists.txt\n", stderr);
+  std::fputs("a unit test starts a thread; let its file's name end in _threads.cpp\n", stderr);
   std::abort();
 }

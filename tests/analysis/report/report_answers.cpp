@@ -19,7 +19,7 @@ using namespace tactbench::tests;
 
 namespace {
 
-const double kNoFigure = std::numeric_limits<double>::quiet_NaN();
+const double kNotKnown = std::numeric_limits<double>::quiet_NaN();
 
 // With the sensor's seating before it.
 RunHistory whole_history(const db::RunStore& store, std::int64_t run) {
@@ -48,14 +48,14 @@ TEST_CASE("a level is worse by what compensation widened: the distance, the spre
 }
 
 TEST_CASE("deviations and spreads by hand leave out what is not finite") {
-  const Deviation off = deviation(std::vector{1.0, 2.0, kNoFigure, 5.0}, std::vector{1.5, 0.5, 3.0, 5.0});
+  const Deviation off = deviation(std::vector{1.0, 2.0, kNotKnown, 5.0}, std::vector{1.5, 0.5, 3.0, 5.0});
   CHECK(off.mean == Approx((0.5 + 1.5 + 0.0) / 3));
   CHECK(off.maximum == Approx(1.5));
-  CHECK(std::isnan(deviation(std::vector{kNoFigure}, std::vector{1.0}).mean));
-  const Spread even = spread_of({4.0, 1.0, kNoFigure, 3.0, 10.0});
+  CHECK(std::isnan(deviation(std::vector{kNotKnown}, std::vector{1.0}).mean));
+  const Spread even = spread_of({4.0, 1.0, kNotKnown, 3.0, 10.0});
   CHECK((even.low == 1.0 && even.median == 3.5 && even.high == 10.0 && even.count == 4));
   CHECK(spread_of({4.0, 1.0, 3.0}).median == 3.0);
-  CHECK(std::isnan(spread_of({kNoFigure}).high));
+  CHECK(std::isnan(spread_of({kNotKnown}).high));
 }
 
 TEST_CASE("a figure of observable taxels is none where every fitted taxel is flat") {

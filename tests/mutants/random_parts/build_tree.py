@@ -1,8 +1,8 @@
 """A build folder as the campaign uses it: how each source is compiled, which sources are compiled together with it, and how
 the tests of its room are linked.
 
-A source with mutants is compiled in place of its own and put first on the link line. Where the build compiles it in a group,
-the whole group is compiled again with it, for one object of the archive holds them all, and the compiler may have inlined the
+A source with mutants is compiled in place of its own and put first on the link line. Where the build compiles it in a batch,
+the whole batch is compiled again with it, for one object of the archive holds them all, and the compiler may have inlined the
 unchanged function into its neighbours. So nothing asks for the archive's object any more, and if anything did, its symbols
 would clash and the link would fail. No `-z muldefs`, which would hide just that.
 """
@@ -20,7 +20,7 @@ from . import test_runs
 
 ROOMS = ("analysis", "bench", "db", "devices", "sequences")
 # What tests link: neither the program's main.cpp nor a module that is loaded when it is asked for.
-ROOM_TARGETS = tuple(f"tactbench_{room}" for room in (*ROOMS, "compensator_objects"))
+ROOM_TARGETS = ("tactbench_compensator_objects", *(f"tactbench_{room}{part}" for room in ROOMS for part in ("", "_computing")))
 # In the order in which they are tried. Tests of the label unit that start threads lie in an executable of their own. Those of
 # the label fleet are scripts, and of all rooms.
 FLEET = ("fleet",)
@@ -84,7 +84,7 @@ class BuildTree:
         parts = taken_apart(entry["command"], entry["directory"])
         target = re.search(r" -o \S*CMakeFiles/(\w+)\.dir/", entry["command"])
         of_a_room = target and target.group(1) in ROOM_TARGETS
-        if file.is_relative_to(self.folder):  # a group
+        if file.is_relative_to(self.folder):  # a batch of sources
             if not file.exists():
                 return
             included = re.findall(r'^#include "(.*\.cpp)"', file.read_text(), re.MULTILINE)
