@@ -68,10 +68,11 @@ TEST_CASE("progress of an import: none with -q and none with --json") {
   const TemporaryFolder folder;
   TableThroughPipe table(folder.path("t.csv")), quiet_table(folder.path("q.csv")), json_table(folder.path("j.csv"));
   InTerminal quiet(folder.path(), {"import", "q.csv", "-q"}, 100, 24),
-      json(folder.path(), {"import", "j.csv", "--json"}, 100, 24), shown(folder.path(), {"import", "t.csv"}, 100, 24);
+      as_json(folder.path(), {"import", "j.csv", "--json"}, 100, 24),
+      shown(folder.path(), {"import", "t.csv"}, 100, 24);
   REQUIRE(shown.shows("\rimport: reading the table "));
   CHECK(quiet.shown().empty());
-  CHECK(json.shown().empty());
+  CHECK(as_json.shown().empty());
 }
 
 TEST_CASE("progress of a fit: it reads its table first") {
@@ -95,13 +96,13 @@ TEST_CASE("progress of a night: one line on a terminal counts its scenarios, in 
     if (!more.empty()) words.push_back(more);
     return words;
   };
-  InTerminal quiet(folder.path(), night("-q"), 100, 24), json(folder.path(), night("--json"), 100, 24),
+  InTerminal quiet(folder.path(), night("-q"), 100, 24), as_json(folder.path(), night("--json"), 100, 24),
       shown(folder.path(), night(""), 100, 24);
   REQUIRE(shown.shows("\rnightly: 2 scenarios   50 %  "));
   CHECK(shown.shown().find("1 of 2") == std::string::npos);
   CHECK(quiet.shown().find("nightly: ") == std::string::npos);
-  CHECK(json.shown().find("nightly: ") == std::string::npos);
-  for (InTerminal* each : {&quiet, &json, &shown}) {
+  CHECK(as_json.shown().find("nightly: ") == std::string::npos);
+  for (InTerminal* each : {&quiet, &as_json, &shown}) {
     each->type("\x03");
     CHECK(each->wait() == 130);
   }
