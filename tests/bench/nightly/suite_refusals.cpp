@@ -93,14 +93,14 @@ TEST_CASE("differences: each part of a scenario's end, each list of taxels, and 
   result.runs = {{1, "failed", "TB-OLD", "failed", ""}, {2, "aborted", "", "unverified", ""}};
   result.taxels = {{"dead", {7}}};
   const auto lines = [&] { return differences(scenario, result); };
-  using Lines = std::vector<std::string>;
+  using SuiteLines = std::vector<std::string>;
   // The taxels of a run that did not complete say nothing.
-  CHECK(lines() == Lines{"the outcome is aborted, must be completed", "the error is none, must be TB-X",
+  CHECK(lines() == SuiteLines{"the outcome is aborted, must be completed", "the error is none, must be TB-X",
                          "the safe state is unverified, must be verified"});
   scenario.error.clear();
   result.runs.back() = {2, "completed", "", "verified", ""};
   result.taxels = {{"dead", {7}}, {"stuck", {1, 2}}, {"saturated", {3}}, {"unfit", {4}}};
-  CHECK(lines() == Lines{"the list of dead taxels is 7, must be none", "the list of stuck taxels is 1, 2, must be none",
+  CHECK(lines() == SuiteLines{"the list of dead taxels is 7, must be none", "the list of stuck taxels is 1, 2, must be none",
                          "the list of saturated taxels is 3, must be none",
                          "the list of unfit taxels is 4, must be none"});
   scenario.fits = false;
@@ -112,12 +112,12 @@ TEST_CASE("differences: each part of a scenario's end, each list of taxels, and 
   }
   for (const double outside : {0.5, 2.5, std::numeric_limits<double>::infinity()}) {
     result.figures = {{"a", outside}};
-    CHECK(lines() == Lines{fmt::format("a is {:.6g}, must lie in 1 to 2", outside)});
+    CHECK(lines() == SuiteLines{fmt::format("a is {:.6g}, must lie in 1 to 2", outside)});
   }
   scenario.figures.clear();
   scenario.verdicts = {{"mismatch", "pass"}, {"mis", "pass"}};
   result.verdicts = {{"mismatch", "fail"}, {"mismatch 4 psi", "pass"}, {"mismatched", "fail"}};
-  CHECK(lines() == Lines{"there is no verdict by mis, must be pass", "the verdict on mismatch is fail, must be pass"});
+  CHECK(lines() == SuiteLines{"there is no verdict by mis, must be pass", "the verdict on mismatch is fail, must be pass"});
 }
 
 TEST_CASE("a scenario's result as JSON: every member there and back, numbers that are none among them") {
