@@ -42,7 +42,7 @@ std::vector<std::string> said_with_few(const std::function<void()>& start) {
 
 }  // namespace
 
-TEST_CASE("simulated ends: with too few descriptors each says so and leaves none open") {
+TEST_CASE("simulated ends: with too few descriptors each says so and leaves none open", "[few-descriptors]") {
   using Catch::Contains;
   NoLoad load;
   TurnedClock clock;
@@ -67,7 +67,7 @@ TEST_CASE("simulated ends: with too few descriptors each says so and leaves none
   CHECK_THAT(source[0], Contains("Too many open files"));
 }
 
-TEST_CASE("simulated scanner: with too few descriptors a living one keeps its path") {
+TEST_CASE("simulated scanner: with too few descriptors a living one keeps its path", "[few-descriptors]") {
   TurnedClock clock;
   TestArray array;
   const TemporaryFolder folder;

@@ -61,7 +61,7 @@ void check_needs(int needed, const std::string& id, const std::function<void()>&
 
 }  // namespace
 
-TEST_CASE("no descriptor left: links to instruments") {
+TEST_CASE("no descriptor left: links to instruments", "[few-descriptors]") {
   const tactbench::tests::TemporaryFolder folder;
   TurnedClock clock;
   const StreamEnd tcp("tcp:0");
@@ -83,7 +83,7 @@ TEST_CASE("no descriptor left: links to instruments") {
   check_needs(1, "TB-HID-OPEN", [&] { (void)open_packet_link(path); });
 }
 
-TEST_CASE("no descriptor left: a page that is asked for, and a Modbus module") {
+TEST_CASE("no descriptor left: a page that is asked for, and a Modbus module", "[few-descriptors]") {
   TurnedClock clock;
   const BoundSocket bound = bind_loopback(SOCK_STREAM, 0, "test");
   const auto get = [&] { (void)http_get({"127.0.0.1", bound.port, "/p", kShort, 4096}, "test", clock); };
@@ -103,7 +103,7 @@ TEST_CASE("no descriptor left: a page that is asked for, and a Modbus module") {
   ::close(bound.socket);
 }
 
-TEST_CASE("no descriptor left: simulated ends") {
+TEST_CASE("no descriptor left: simulated ends", "[few-descriptors]") {
   const tactbench::tests::TemporaryFolder folder;
   check_needs(1, "TB-SIM-LISTEN", [] { ::close(bind_loopback(SOCK_STREAM, 0, "test").socket); });
   check_needs(1, "TB-SIM-LISTEN", [] { const PageServer page(0, "/p", "body", "test"); });
