@@ -96,13 +96,13 @@ TEST_CASE("differences: each part of a scenario's end, each list of taxels, and 
   using SuiteLines = std::vector<std::string>;
   // The taxels of a run that did not complete say nothing.
   CHECK(lines() == SuiteLines{"the outcome is aborted, must be completed", "the error is none, must be TB-X",
-                         "the safe state is unverified, must be verified"});
+                              "the safe state is unverified, must be verified"});
   scenario.error.clear();
   result.runs.back() = {2, "completed", "", "verified", ""};
   result.taxels = {{"dead", {7}}, {"stuck", {1, 2}}, {"saturated", {3}}, {"unfit", {4}}};
-  CHECK(lines() == SuiteLines{"the list of dead taxels is 7, must be none", "the list of stuck taxels is 1, 2, must be none",
-                         "the list of saturated taxels is 3, must be none",
-                         "the list of unfit taxels is 4, must be none"});
+  CHECK(lines() ==
+        SuiteLines{"the list of dead taxels is 7, must be none", "the list of stuck taxels is 1, 2, must be none",
+                   "the list of saturated taxels is 3, must be none", "the list of unfit taxels is 4, must be none"});
   scenario.fits = false;
   CHECK(lines().empty());
   scenario.figures = {{"a", {1.0, 2.0}}};
@@ -117,7 +117,8 @@ TEST_CASE("differences: each part of a scenario's end, each list of taxels, and 
   scenario.figures.clear();
   scenario.verdicts = {{"mismatch", "pass"}, {"mis", "pass"}};
   result.verdicts = {{"mismatch", "fail"}, {"mismatch 4 psi", "pass"}, {"mismatched", "fail"}};
-  CHECK(lines() == SuiteLines{"there is no verdict by mis, must be pass", "the verdict on mismatch is fail, must be pass"});
+  CHECK(lines() ==
+        SuiteLines{"there is no verdict by mis, must be pass", "the verdict on mismatch is fail, must be pass"});
 }
 
 TEST_CASE("a scenario's result as JSON: every member there and back, numbers that are none among them") {
