@@ -1,8 +1,9 @@
-// Escapers, numbers, ticks and colours of the report.
+// Escapers and numbers of the report.
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -10,9 +11,9 @@
 
 #include "analysis/report/data/data.h"
 #include "analysis/report/page/figure.h"
+#include "analysis/report/page/gum_numbers.h"
 #include "analysis/report/page/html.h"
 #include "analysis/report/page/style.h"
-#include "tests/analysis/report/page/luminance.h"
 
 using namespace tactbench::analysis;
 using html::Attribute;
@@ -22,12 +23,16 @@ using html::Text;
 
 namespace {
 
-double contrast(const std::string& a, const std::string& b) {
-  const double la = luminance(a), lb = luminance(b);
-  return (std::max(la, lb) + 0.05) / (std::min(la, lb) + 0.05);
-}
-
 const std::string kBad = "\xEF\xBF\xBD";
+
+std::string utf8_of(std::uint32_t c) {
+  const auto byte = [](std::uint32_t value) { return static_cast<char>(static_cast<unsigned char>(value)); };
+  if (c < 0x80) return {byte(c)};
+  if (c < 0x800) return {byte(0xC0 | (c >> 6)), byte(0x80 | (c & 0x3F))};
+  if (c < 0x10000) return {byte(0xE0 | (c >> 12)), byte(0x80 | ((c >> 6) & 0x3F)), byte(0x80 | (c & 0x3F))};
+  return {byte(0xF0 | (c >> 18)), byte(0x80 | ((c >> 12) & 0x3F)), byte(0x80 | ((c >> 6) & 0x3F)),
+          byte(0x80 | (c & 0x3F))};
+}
 
 }  // namespace
 
@@ -95,63 +100,6 @@ TEST_CASE("a list of numbers in the JSON is what printf would write") {
     CHECK(std::stod(json_text(number_list(std::vector{number})).substr(1)) == Approx(number).epsilon(1e-7));
 }
 
-TEST_CASE("ticks are round and inside the range") {
-  CHECK(nice_ticks(0.0, 60.0, 6) == std::vector<double>{0, 10, 20, 30, 40, 50, 60});
-  CHECK(nice_ticks(0.0, 3.5, 6) == std::vector<double>{0, 1, 2, 3});
-  CHECK(nice_ticks(-0.3, 0.3, 6).size() == 7);
-  CHECK(nice_ticks(2.0, 2.0, 6).size() == 1);
-  for (const double high : {1e-6, 0.013, 7.7, 2.5e4, 9e8}) {
-    const auto ticks = nice_ticks(0.0, high, 6);
-    CHECK(ticks.size() >= 3);
-    CHECK(ticks.size() <= 8);
-    CHECK(ticks.back() <= high * (1.0 + 1e-9));
-  }
-}
-
-TEST_CASE("line colours and status colours can be read on white") {
-  for (const LineStyle& style : kLineStyles) CHECK(contrast(style.colour, "#ffffff") >= 4.5);
-  for (std::size_t i = 0; i < std::size(kLineStyles); ++i) {
-    for (std::size_t j = i + 1; j < std::size(kLineStyles); ++j)
-      CHECK(std::string(kLineStyles[i].dashes) != kLineStyles[j].dashes);
-  }
-  const std::string css = style_sheet({"Report", "1-0", true, PaperSize::kA4}).value;
-  for (const char* colour : {"#1a1a1a", "#444444", "#00507d", "#1b6e3c", "#aa1111", "#8a5a00"}) {
-    CHECK(css.find(colour) != std::string::npos);
-    CHECK(contrast(colour, "#ffffff") >= 4.5);
-  }
-  CHECK(css.find("display: grid") == std::string::npos);
-}
-
-TEST_CASE("cividis rises in lightness from end to end and is clamped") {
-  CHECK(cividis(-1.0) == "#00204d");
-  CHECK(cividis(0.0) == "#00204d");
-  CHECK(cividis(1.0) == "#ffea46");
-  CHECK(cividis(2.0) == "#ffea46");
-  double last = -1.0;
-  for (int i = 0; i <= 64; ++i) {
-    const double now = luminance(cividis(i / 64.0));
-    CHECK(now > last);
-    last = now;
-  }
-}
-
-TEST_CASE("a frame map has one path a colour bin, and a taxel without a value is crossed out") {
-  FrameMap map{"title & more", 2, 2, {0.0, 1.0, 1.0, std::nan("")}, {0.0, 1.0}, 40.0};
-  const std::string svg = frame_map(map).value;
-  CHECK(svg.find("<title>title &amp; more</title>") != std::string::npos);
-  CHECK(svg.find("class=\"cross\"") != std::string::npos);
-  // Base colour, the other bin, the blank cell, its cross.
-  std::size_t paths = 0;
-  for (std::size_t at = svg.find("<path"); at != std::string::npos; at = svg.find("<path", at + 1)) ++paths;
-  CHECK(paths == 4);
-  map.values.back() = 7.0;  // beyond the scale: the end's colour
-  CHECK(frame_map(map).value.find("cross") == std::string::npos);
-  const std::string numbered = numbered_map(map, 1).value;
-  CHECK(numbered.find(">7.0</text>") != std::string::npos);
-  CHECK(numbered.find("fill=\"#ffffff\">0.0</text>") != std::string::npos);
-  CHECK(numbered.find("fill=\"#000000\">1.0</text>") != std::string::npos);
-}
-
 TEST_CASE("charts without data, with one point and with gaps can be drawn") {
   CHECK(line_chart({"t", "x", "y", {}, 300, 200, false}).value.find("<svg") == 0);
   CHECK(line_chart({"t", "x", "y", {{"one", {1.0}, {2.0}, 0, false}}, 300, 200, false}).value.find("nan") ==
@@ -167,4 +115,74 @@ TEST_CASE("charts without data, with one point and with gaps can be drawn") {
           .value;
   CHECK(holes.find("b&lt;") != std::string::npos);
   CHECK(holes.find("nan") == std::string::npos);
+}
+
+TEST_CASE("characters by hand: each bound of what is shown, and what is replaced") {
+  for (const std::uint32_t shown : {0x09U, 0x0AU, 0x20U, 0x7EU, 0xA0U, 0x2029U, 0x202FU, 0x2065U, 0x206AU, 0xFDCFU,
+                                    0xFDF0U, 0xFFFDU, 0x10000U, 0x1FFFDU, 0x10FFFDU}) {
+    INFO(shown);
+    CHECK(html::Text(utf8_of(shown)).value == utf8_of(shown));
+  }
+  for (const std::uint32_t replaced : {0x01U, 0x08U, 0x0BU, 0x0DU, 0x1FU, 0x7FU, 0x9FU, 0x202AU, 0x202EU, 0x2066U,
+                                       0x2069U, 0xFDD0U, 0xFDEFU, 0xFFFEU, 0xFFFFU, 0x1FFFEU, 0x10FFFFU}) {
+    INFO(replaced);
+    CHECK(html::Text(utf8_of(replaced)).value == kBad);
+  }
+  CHECK(html::Text("a & b").value == "a &amp; b");
+  CHECK(html::Text("\t").value == "\t");
+  CHECK(html::Attribute("\t").value == "&#9;");
+  CHECK(html::Attribute(" x").value == " x");
+  CHECK(html::Text("").value.empty());
+}
+
+TEST_CASE("data in the page by hand: what could end them is written otherwise, wherever it stands") {
+  CHECK(html::JsonInHtml(R"({"a":1})").value == R"({"a":1})");
+  CHECK(html::JsonInHtml(R"("<")").value == R"("\u003c")");
+  CHECK(html::JsonInHtml(R"(">")").value == R"("\u003e")");
+  CHECK(html::JsonInHtml(R"("&")").value == R"("\u0026")");
+  CHECK(html::JsonInHtml(R"("a<b>c&d")").value == R"("a\u003cb\u003ec\u0026d")");
+  CHECK(html::JsonInHtml("<").value == "\\u003c");
+}
+
+TEST_CASE("the style sheet by hand: letters and spaces name a document, digits, a to f and hyphens number it") {
+  for (const char* good : {"Report", "a Z", "A z"}) CHECK_NOTHROW(style_sheet({good, "0-9af", false, PaperSize::kA4}));
+  for (const char* bad : {"Report1", "a@b", "a[b", "a`b", "a{b", "a\"b", "a-b"})
+    CHECK_THROWS_AS(style_sheet({bad, "1", false, PaperSize::kA4}), std::invalid_argument);
+  for (const char* bad : {"1g", "1 2", "A", "1/2", "1:2"})
+    CHECK_THROWS_AS(style_sheet({"Report", bad, false, PaperSize::kA4}), std::invalid_argument);
+}
+
+TEST_CASE("U by hand: decimals of two significant digits, from nine to none, and of what is no U three") {
+  for (const auto& [expanded, decimals] : {std::pair{1e-12, 9},
+                                           {1.2e-8, 9},
+                                           {1.2e-7, 8},
+                                           {0.0994, 3},
+                                           {0.0996, 2},
+                                           {0.5, 2},
+                                           {0.994, 2},
+                                           {0.996, 1},
+                                           {1.0, 1},
+                                           {9.94, 1},
+                                           {9.96, 0},
+                                           {10.0, 0},
+                                           {123.0, 0},
+                                           {0.0, 3},
+                                           {-1.0, 3}}) {
+    INFO(expanded);
+    CHECK(gum_decimals(expanded) == decimals);
+  }
+  CHECK(gum_decimals(std::nan("")) == 3);
+  CHECK(gum_decimals(std::numeric_limits<double>::infinity()) == 3);
+  CHECK(gum_uncertainty(1234.0).value == "1200");
+  CHECK(gum_value(5678.0, 1234.0).value == "5700 ± 1200");
+  CHECK(gum_value(56.78, 99.4).value == "57 ± 99");
+  CHECK(gum_value(std::nan(""), 106.0).value == "not available ± 110");
+  CHECK(gum_pressure(0.9034, 0.13, PressureUnit::kKilopascal).value == "6.23 ± 0.90");
+  CHECK(gum_pressure_value(0.9034, 0.13, PressureUnit::kKilopascal).value == "6.23\u00A0kPa (0.90\u00A0psi)");
+  CHECK(gum_degrees(4.99).value == "4");
+  CHECK(gum_degrees(999.9).value == "999");
+  CHECK(gum_degrees(1000.0).value == "&gt; 1000");
+  CHECK(gum_degrees(999999.0).value == "&gt; 1000");
+  CHECK(gum_degrees(1e6).value == "∞");
+  CHECK(gum_degrees(std::nan("")).value == "not available");
 }
