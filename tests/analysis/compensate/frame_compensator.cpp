@@ -216,26 +216,3 @@ TEST_CASE("a sensor with falling output gives the same pressures as its mirrored
     for (std::size_t t = 0; t < 16; ++t) REQUIRE(a.pressure[t] == Approx(b.pressure[t]).margin(1e-6));
   }
 }
-
-TEST_CASE("malformed set-ups are refused by name, spans of the wrong length too") {
-  const Frames frames = random_reversals(4, 10, 0.001, 1.0);
-  const auto refused = [&](const auto& spoil) {
-    FrameSetup setup = frames.setup;
-    spoil(setup);
-    CHECK_THROWS_AS(FrameCompensator<float>(setup), std::invalid_argument);
-  };
-  refused([](FrameSetup& s) { s.taxels.clear(); });
-  refused([](FrameSetup& s) { s.volts_per_count = 0.0; });
-  refused([](FrameSetup& s) { s.pressure_psi[3] = s.pressure_psi[2]; });
-  refused([](FrameSetup& s) { s.taxels[2].ascending_v.pop_back(); });
-  refused([](FrameSetup& s) { s.taxels[2].descending_v.back() += 0.1; });
-  refused([](FrameSetup& s) { s.taxels[2].parameters.beta_d = 1.5; });
-  refused([](FrameSetup& s) { s.taxels[2].noise_v = std::nan(""); });
-  FrameSetup setup = frames.setup;
-  setup.taxels[2].ascending_v[4] = std::nan("");
-  CHECK_THROWS_WITH(FrameCompensator<float>(setup), Catch::Contains("taxel 2"));
-  FrameCompensator<float> fast(frames.setup);
-  Results<float> results(4), small(3);
-  CHECK_THROWS_AS(fast.frame(frames.at(0).first(3), results.output()), std::invalid_argument);
-  CHECK_THROWS_AS(fast.frame(frames.at(0), small.output()), std::invalid_argument);
-}

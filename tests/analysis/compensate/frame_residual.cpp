@@ -158,19 +158,19 @@ TEST_CASE("residual in frames: the same bits on each level, in counts and volts,
 
 TEST_CASE("residual in frames: wrong sizes and values are refused by taxel") {
   const Frames frames = random_reversals(4, 10, 0.001, 1.0);
-  const auto refused = [&](const char* word, const auto& spoil) {
+  const auto refused = [&](const auto& spoil) {
     FrameSetup setup = with_residuals(frames.setup);
     spoil(setup.taxels[2].residual_psi);
-    CHECK_THROWS_WITH(FrameCompensator<float>(setup), Catch::Contains("taxel") && Catch::Contains(word));
+    CHECK_THROWS_WITH(FrameCompensator<float>(setup), Catch::Contains("taxel 2"));
   };
-  refused("as many levels", [](std::vector<double>& psi) { psi.resize(38); });
-  refused("as many levels", [](std::vector<double>& psi) { psi.push_back(0.1); });
-  refused("negative", [](std::vector<double>& psi) { psi[7] = -0.1; });
-  refused("negative", [](std::vector<double>& psi) { psi[39] = std::nan(""); });
-  refused("negative", [](std::vector<double>& psi) { psi[0] = std::numeric_limits<double>::infinity(); });
+  refused([](std::vector<double>& psi) { psi.resize(38); });
+  refused([](std::vector<double>& psi) { psi.push_back(0.1); });
+  refused([](std::vector<double>& psi) { psi[7] = -0.1; });
+  refused([](std::vector<double>& psi) { psi[39] = std::nan(""); });
+  refused([](std::vector<double>& psi) { psi[0] = std::numeric_limits<double>::infinity(); });
   FrameSetup odd = frames.setup;
   for (TaxelSetup& taxel : odd.taxels) taxel.residual_psi.assign(3, 0.1);
-  CHECK_THROWS_WITH(FrameCompensator<double>(odd), Catch::Contains("rising and falling"));
+  CHECK_THROWS_AS(FrameCompensator<double>(odd), std::invalid_argument);
   FrameSetup dead = with_residuals(frames.setup);
   dead.taxels[2].usable = false;
   dead.taxels[2].residual_psi = {-1.0};  // not read

@@ -34,6 +34,12 @@ Loop any_loop(Random& random, bool saturated) {
   return loop;
 }
 
+// A line from 0 to 1 V over one psi far from 0, where inputs next to each other lie 1e-10 apart.
+ElamModel far_line(double alpha_d, double beta_d, double beta_a) {
+  const std::vector<double> x{1e6, 1e6 + 1.0}, y{0.0, 1.0};
+  return {PatternCurve(x, y, 0.0, 1.0), PatternCurve(x, y, 0.0, 1.0), {alpha_d, beta_d, 0.0, 0.5, beta_a}, {}};
+}
+
 }  // namespace
 
 TEST_CASE("direct and inverse undo each other along 1000 random histories with interrupted branches") {
@@ -183,5 +189,30 @@ TEST_CASE("turning points outside the range are brought in, others refused") {
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     CHECK_THROWS_AS(ElamCurve(model, true, bad, 1.0), std::invalid_argument);
     CHECK_THROWS_AS(ElamCurve(model, true, 1.0, bad), std::invalid_argument);
+  }
+}
+
+TEST_CASE("ELAM: a split so near to a rise's end or begin that the pattern has no input between them") {
+  // From the lowest input: split at 1e6 + 0.5 and at all but a billionth of the rise.
+  const ElamModel late = far_line(0.5, 0.5, 1.0 - 1e-12);
+  CHECK(ElamCurve(late, true, 1e6, 0.0).split_x() == 1e6 + 0.5);
+  CHECK(ElamCurve(late, true, 1e6, 0.0).input(1.0 - 0.5e-12) == 1e6 + 1.0);
+  CHECK(ElamCurve(late, true, 1e6, 0.0).input(0.5) == Approx(1e6 + 0.25).epsilon(1e-15));
+  const ElamModel early = far_line(0.5, 0.5, 1e-12);
+  CHECK(ElamCurve(early, true, 1e6, 0.0).input(0.5e-12) == 1e6 + 0.5);
+  CHECK(ElamCurve(early, true, 1e6, 0.0).input(0.5) == Approx(1e6 + 0.75).epsilon(1e-15));
+}
+
+TEST_CASE("curves meet their split points exactly") {
+  Random random(23);
+  for (int trial = 0; trial < 300; ++trial) {
+    const ElamModel model = model_of(any_loop(random, false), any_parameters(random, 0.02));
+    const double x = random(6.0, 66.0);
+    const double y = random(model.ascending(x), std::max(model.ascending(x), model.descending(x)));
+    const ElamCurve down(model, false, x, y);
+    CAPTURE(trial, x, y);
+    CHECK(down.output(down.split_x()) == down.split_y());
+    CHECK(down.input(down.split_y()) >= down.split_x());
+    CHECK(down.input(down.split_y()) == Approx(down.split_x()).epsilon(1e-12));
   }
 }

@@ -62,53 +62,6 @@ History history_through(const std::vector<double>& levels, const ElamHysteresis&
 
 }  // namespace
 
-TEST_CASE("ELAM undoes itself along 1000 random histories with interrupted branches, with memory and without") {
-  for (const bool memory : {false, true}) {
-    Random random(21);
-    for (int trial = 0; trial < 1000; ++trial) {
-      const ElamHysteresis model(model_drawn(random, trial % 5 == 0), memory);
-      const ElamModel& elam = model.elam();
-      const double span = elam.yu() - elam.y0(), mean_slope = span / (elam.xu() - elam.x0());
-      const auto state = model.state();
-      double x = elam.x0();
-      for (int step = 0; step < 30; ++step) {
-        const double low = state->output_at(elam.x0()), high = state->output_at(elam.xu());
-        const double y = random(low, high);
-        const double back = state->output_at(state->input_at(y));
-        REQUIRE(back == Approx(y).margin(1e-9 * span));
-        const double to = random(elam.x0(), elam.xu()), out = state->output_at(to), h = 1e-3;
-        // The weakest slope about the point: the inverse cannot be sharper than that.
-        const double around = std::min(state->output_at(to + h) - out, out - state->output_at(to - h)) / h;
-        if (around > 1e-3 * mean_slope && std::abs(to - x) > 2 * h)
-          REQUIRE(state->input_at(out) == Approx(to).margin(1e-9 * (elam.xu() - elam.x0())));
-        x = random(0, 1) < 0.7 ? to : state->input_at(y);
-        state->go(x);
-      }
-    }
-  }
-}
-
-TEST_CASE("ELAM's outputs never fall when the input rises and meet the ends of the loop") {
-  Random random(5);
-  for (int trial = 0; trial < 300; ++trial) {
-    const ElamHysteresis model(model_drawn(random, trial % 5 == 0), trial % 2 == 0);
-    const ElamModel& elam = model.elam();
-    const auto state = model.state();
-    for (int step = 0; step < 20; ++step) {
-      state->go(random(elam.x0(), elam.xu()));
-      if (trial % 3 == 0) state->measured(random(elam.y0(), elam.yu()));
-      double last = state->output_at(elam.x0());
-      REQUIRE(last == elam.y0());
-      for (int k = 1; k <= 200; ++k) {
-        const double next = state->output_at(elam.x0() + (elam.xu() - elam.x0()) * k / 200);
-        REQUIRE(next >= last - 1e-12);
-        last = next;
-      }
-      REQUIRE(state->output_at(elam.xu()) == elam.yu());
-    }
-  }
-}
-
 TEST_CASE("in paper mode ELAM goes along the paper's curves bit for bit") {
   Random random(8);
   for (int trial = 0; trial < 100; ++trial) {
@@ -182,23 +135,6 @@ TEST_CASE("a measured turning point is where the next branch starts") {
   CHECK(same_bits(state->output_at(30.0), ElamCurve(paper, true, 0.0, paper.y0()).output(30.0)));
 }
 
-TEST_CASE("an ELAM model goes through its JSON text bit for bit") {
-  Random random(3);
-  for (int trial = 0; trial < 50; ++trial) {
-    const ElamHysteresis model(model_drawn(random, trial % 5 == 0), trial % 2 == 0);
-    const std::string text = model.to_json().dump();
-    const auto again = elam_from_json(nlohmann::ordered_json::parse(text));
-    CHECK(again->to_json().dump() == text);
-    const auto a = model.state(), b = again->state();
-    for (int step = 0; step < 40; ++step) {
-      const double x = random(model.x_low(), model.x_high());
-      a->go(x);
-      b->go(x);
-      REQUIRE(same_bits(a->output_at(x), b->output_at(x)));
-    }
-  }
-}
-
 TEST_CASE("a wrong ELAM document is refused and the member named") {
   const ElamHysteresis model(model_of(paper_loop(), kPrinted));
   const auto refused = [&](const std::string& path, const nlohmann::ordered_json& value, const std::string& word) {
@@ -219,18 +155,6 @@ TEST_CASE("a wrong ELAM document is refused and the member named") {
   refused("/options/memory", 1, "\"memory\"");
   refused("/options/splits", 7, "\"pieces\"");
   refused("/ascending/30", 9.0, "ends");
-}
-
-TEST_CASE("ELAM's parameters carry names, units and bounds") {
-  const ElamHysteresis model(model_of(paper_loop(), kPrinted));
-  const auto parameters = model.parameters();
-  REQUIRE(parameters.size() == 5);
-  CHECK(parameters[0].name == "alpha_d");
-  CHECK(parameters[2].name == "alpha_a1");
-  CHECK(parameters[2].value == kPrinted.alpha_a1);
-  CHECK(parameters[2].unit == "1/x");
-  CHECK(parameters[2].low == Approx(-1.0 / 60.0));
-  CHECK(parameters[4].high == 1.0);
 }
 
 TEST_CASE("identification behind the common interface is the taxels' own") {

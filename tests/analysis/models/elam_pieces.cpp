@@ -104,19 +104,6 @@ TEST_CASE("ELAM with more splits fits what one cannot and never worse") {
   }
 }
 
-TEST_CASE("ELAM's operations of a sample are nine with one split, of more one each beside eleven") {
-  const std::vector<double> x{0, 30, 60}, y{0, 1, 3};
-  const ElamModel model{PatternCurve(x, y, 0.0, 3.0), PatternCurve(x, y, 0.0, 3.0), {}, {}};
-  CHECK(ElamHysteresis(model).operations_per_sample() == 9);
-  ElamPieces two, three;
-  two.descending_low = two.ascending_high = {0.1};
-  three.descending_low = three.ascending_high = {0.1};
-  three.descending_high = three.ascending_low = {-0.1};
-  REQUIRE((two.splits() == 2 && three.splits() == 3));
-  CHECK(ElamHysteresis(model, false, two).operations_per_sample() == 13);
-  CHECK(ElamHysteresis(model, false, three).operations_per_sample() == 14);
-}
-
 TEST_CASE("an impossible number of splits and pieces that do not join are refused") {
   const FitData data = paper_both();
   IdentifyOptions options;

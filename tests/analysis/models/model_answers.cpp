@@ -157,17 +157,3 @@ TEST_CASE("the divider by hand: output and linear output, up to its end and beyo
   CHECK(LinearisedModel({0.5, 0.0}, std::make_shared<PreisachModel>(small_preisach())).parameters().front().low ==
         -std::numeric_limits<double>::infinity());
 }
-
-TEST_CASE("operations of one sample are those that were counted by hand for each model") {
-  std::vector<std::pair<std::string, int>> counted;
-  for (const auto& model : rising_models()) counted.emplace_back(model->name(), model->operations_per_sample());
-  CHECK(counted == std::vector<std::pair<std::string, int>>{{"gpi", 39},
-                                                            {"gpi", 39},
-                                                            {"mpi", 56},
-                                                            {"mpi", 56},
-                                                            {"poly", 18},
-                                                            {"preisach", 16},
-                                                            {"preisach", 16},
-                                                            {"monotone", 3}});
-  CHECK(LinearisedModel({}, std::make_shared<PreisachModel>(small_preisach())).operations_per_sample() == 18);
-}

@@ -75,6 +75,10 @@ TEST_CASE("models: operations a sample, ELAM's with each further piece one more"
   CHECK(GpiModel({}, 0.0, 60.0, 0.0).operations_per_sample() == 39);
   CHECK(MpiModel({}, 0.0, 60.0, 0.0).operations_per_sample() == 56);
   CHECK(PreisachModel(0.0, 60.0, 0.0, {1.0}).operations_per_sample() == 16);
+  CHECK(PolyModel({{0, 0, 0, 0, 0, 1, 0}, {0, 0, 0, 0, 0, 1, 0}}, 0.0, 1.0, 0.0, 3.0).operations_per_sample() == 18);
+  CHECK(MonotoneModel(bent_line(1.0)).operations_per_sample() == 3);
+  const auto film = std::make_shared<PreisachModel>(0.0, 60.0, 0.0, std::vector<double>{1.0});
+  CHECK(LinearisedModel({}, film).operations_per_sample() == 18);
 }
 
 TEST_CASE("a parameter lies at its bound within a thousand-millionth of the distance between both, or of 1") {
