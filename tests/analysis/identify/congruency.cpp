@@ -1,4 +1,4 @@
-// The congruency test, folds and validity by hand.
+// The congruency test by hand.
 #include "analysis/identify/congruency.h"
 
 #include <catch2/catch.hpp>
@@ -6,8 +6,6 @@
 #include <memory>
 #include <vector>
 
-#include "analysis/identify/folds.h"
-#include "analysis/identify/sensor_model.h"
 #include "analysis/models/preisach.h"
 
 using namespace tactbench::analysis;
@@ -123,73 +121,4 @@ TEST_CASE("linearised by hand: histories and both patterns go through the divide
   CHECK(own.ascending.y()[1] == Approx(10.0));
   CHECK(own.descending.y()[1] == Approx(8.0));
   CHECK(own.descending.x()[1] == 5.0);
-}
-
-TEST_CASE("folds by hand: inner branches in turn, those that begin within a hundredth of the ends in none") {
-  const std::vector<double> x{0, 10, 4, 9.9375, 0.0625, 6, 2, 10, 0.125, 9.875, 0};
-  const FitData data = straight_loop({along("a", x, x)});
-  // Inner ones: up from 4, down from 6, up from 2, up from 0.125, down from 9.875.
-  const std::vector<int> inner{2, 5, 6, 8, 9};
-  for (const int most : {5, 2}) {
-    const std::vector<Fold> folds = folds_of(data, most);
-    REQUIRE(folds.size() == static_cast<std::size_t>(most));
-    for (std::size_t f = 0; f < folds.size(); ++f) {
-      std::vector<int> held, by_hand;
-      for (const Branch& branch : folds[f].held[0]) held.push_back(branch.first);
-      for (std::size_t k = 0; k < inner.size(); ++k)
-        if (k % static_cast<std::size_t>(most) == f) by_hand.push_back(inner[k]);
-      CHECK(held == by_hand);
-      CHECK(folds[f].kept[0].size() == 10 - by_hand.size());
-    }
-  }
-  CHECK(folds_of(straight_loop({along("a", {0, 10, 4, 10, 0}, {0, 10, 4, 10, 0})})).empty());
-  CHECK(folds_of(straight_loop({along("a", {0, 10, 4, 10, 4, 10}, {0, 10, 4, 10, 4, 10})})).size() == 2);
-  CHECK(with_branches(data, {{{2, 3, true}}}).histories[0].branches.size() == 1);
-}
-
-TEST_CASE("validity by hand: what was seen, with a fiftieth of the input, a tenth of the times, and a degree around") {
-  History seen_by_fit{"a", {0, 10, 4}, {0, 1, 0.5}, {}, {0.0, 2.0, 6.0}, {9.0, 1.0, 3.0}};
-  SensorModel model;
-  model.validity = validity_of({seen_by_fit}, {20.0, 22.0});
-  const Validity& box = model.validity;
-  CHECK((box.input->low == 0.0 && box.input->high == 10.0));
-  CHECK((box.hold_s->low == 1.0 && box.hold_s->high == 3.0));  // not of the first sample
-  CHECK((box.rate->low == 1.5 && box.rate->high == 5.0));
-  CHECK((box.temperature_c->low == 20.0 && box.temperature_c->high == 22.0));
-  CHECK(box.input->contains(10.5, 0.5));
-  CHECK(box.input->contains(-0.5, 0.5));
-  CHECK_FALSE(box.input->contains(10.5625, 0.5));
-  CHECK_FALSE(box.input->contains(-0.5625, 0.5));
-  CHECK(box.input->contains(10.0));
-  const auto outside = [&](const History& history, const std::vector<double>& celsius) {
-    Histories used;
-    TaxelHistories taxel;
-    taxel.score = {history};
-    used.taxels = {taxel};
-    used.temperatures_c = celsius;
-    used.input_unit = "kPa";
-    std::string text;
-    for (const std::string& line : outside_validity(model, used)) text += line + "; ";
-    return text;
-  };
-  const auto inputs = [&](double low, double high) { return outside({"a", {low, high}, {0, 1}, {}, {}, {}}, {}); };
-  CHECK(inputs(-0.19, 10.19).empty());
-  CHECK(inputs(-0.21, 5.0) == "input -0.21 to 5 kPa (fitted at 0 to 10); ");
-  CHECK(inputs(5.0, 10.21) == "input 5 to 10.21 kPa (fitted at 0 to 10); ");
-  const auto times = [&](double hold, double seconds) {
-    return outside({"a", {0, 5}, {0, 1}, {}, {0.0, seconds}, {0.0, hold}}, {});
-  };
-  CHECK(times(0.91, 2.0).empty());
-  CHECK(times(3.29, 2.0).empty());
-  CHECK(times(0.89, 2.0) == "hold 0.89 s (fitted at 1 to 3); ");
-  CHECK(times(3.31, 2.0) == "hold 3.31 s (fitted at 1 to 3); ");
-  CHECK(times(2.0, 5.0 / 5.45).empty());
-  CHECK(times(2.0, 5.0 / 5.55) == "rate 5.55 kPa/s (fitted at 1.5 to 5); ");
-  CHECK(times(2.0, 1000.0).empty());
-  CHECK(times(2.0, 0.0).empty());
-  const auto degrees = [&](double celsius) { return outside({"a", {0, 5}, {0, 1}, {}, {}, {}}, {celsius}); };
-  CHECK(degrees(19.0).empty());
-  CHECK(degrees(23.0).empty());
-  CHECK(degrees(18.9) == "temperature 18.9 degC (fitted at 20 to 22); ");
-  CHECK(degrees(23.1) == "temperature 23.1 degC (fitted at 20 to 22); ");
 }

@@ -252,21 +252,3 @@ TEST_CASE("identification: a long history is thinned for the regressions, not fo
     if (std::string(name) == "poly") CHECK(fit.j < 1e-8);
   }
 }
-
-TEST_CASE("identification: non-negative least squares meets the conditions of its minimum") {
-  std::mt19937 random(4);
-  std::normal_distribution<double> normal;
-  for (int round = 0; round < 20; ++round) {
-    Eigen::MatrixXd rows(40, 30);
-    Eigen::VectorXd target(40);
-    for (auto& value : rows.reshaped()) value = std::abs(normal(random));
-    for (auto& value : target) value = normal(random) + 1.0;
-    rows.col(7) = rows.col(3);  // twice the same
-    const Eigen::MatrixXd gram = rows.transpose() * rows;
-    const Eigen::VectorXd along = rows.transpose() * target, x = non_negative_least_squares(gram, along);
-    const Eigen::VectorXd gradient = along - gram * x;
-    CHECK(x.minCoeff() >= 0.0);
-    CHECK(gradient.maxCoeff() < 1e-8 * along.cwiseAbs().maxCoeff());
-    CHECK(std::abs(gradient.dot(x)) < 1e-8 * along.dot(along));
-  }
-}

@@ -114,32 +114,3 @@ TEST_CASE("a single-valued curve by hand: near inputs are one knot, outputs that
   CHECK(curve_at(two, 7.0) == Approx(3.5));
   CHECK_THROWS_AS(identify("monotone", single_way({0, 2, 8, 10}, {9, 5, 4, 3})), std::invalid_argument);
 }
-
-TEST_CASE(
-    "branches that overlap, are too short or lie outside of their history are refused, and values that are none") {
-  const auto refused = [](auto change) {
-    FitData data = single_way({0, 2, 5, 8, 10}, {0, 1, 3, 5, 6});
-    change(data.histories[0]);
-    try {
-      (void)identify("monotone", data);
-    } catch (const std::invalid_argument& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
-  const std::string outside =
-      "history \"h\": a branch lies outside of it, overlaps the one before or has fewer than two samples";
-  CHECK(refused([](History&) {}).empty());
-  CHECK(refused([](History& h) { h.branches = {{0, 2, true}, {2, 4, true}}; }).empty());
-  CHECK(refused([&](History& h) { h.branches = {{0, 2, true}, {1, 4, true}}; }) == outside);
-  CHECK(refused([&](History& h) { h.branches = {{0, 5, true}}; }) == outside);
-  CHECK(refused([&](History& h) { h.branches = {{-1, 4, true}}; }) == outside);
-  CHECK(refused([&](History& h) { h.branches = {{0, 4, true}, {4, 4, true}}; }) == outside);
-  CHECK(refused([](History& h) { h.y.pop_back(); }) == "history \"h\": it has not as many outputs as inputs");
-  for (const double none : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
-                            -std::numeric_limits<double>::infinity()}) {
-    CHECK(refused([&](History& h) { h.x[1] = none; }) == "history \"h\": a value is not finite");
-    CHECK(refused([&](History& h) { h.y[3] = none; }) == "history \"h\": a value is not finite");
-  }
-  CHECK(refused([](History& h) { h.y[3] = 5.5; }).empty());
-}

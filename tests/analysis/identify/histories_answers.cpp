@@ -34,6 +34,14 @@ Histories of_three() {
   return histories;
 }
 
+Histories gathered(std::vector<TaxelHistories> taxels) {
+  Histories histories;
+  histories.source = "t";
+  histories.taxels = std::move(taxels);
+  finish(histories);
+  return histories;
+}
+
 // One taxel at 0 and 10 psi; a repeat of each pair of outputs.
 std::vector<RepeatDrift> drifts_of(const std::vector<std::pair<double, double>>& repeats, std::size_t taxels = 1) {
   Dataset dataset;
@@ -70,6 +78,12 @@ TEST_CASE("the mean taxel by hand: outputs, noise and turn of those that can be 
   other.taxels[1].fit[0].x[1] = 49.0;
   finish(other);
   CHECK(other.taxels.size() == 3);
+  try {
+    (void)mean_taxel_of(other);
+    FAIL("no mean, and not refused");
+  } catch (const AnalysisError& error) {
+    CHECK(error.id() == "TB-ANALYSIS-NO-TAXEL");
+  }
   Histories none = of_three();
   for (TaxelHistories& taxel : none.taxels) taxel.status = TaxelStatus::kDead;
   CHECK_THROWS_AS(finish(none), AnalysisError);
@@ -107,7 +121,7 @@ TEST_CASE(
     (void)named(histories, {"a", "c"});
     FAIL_CHECK("accepted");
   } catch (const AnalysisError& error) {
-    CHECK(std::string(error.what()) == R"(no sequence "c"; those there are: "a", "b")");
+    CHECK_THAT(error.what(), Catch::Contains("\"c\""));
   }
   const Span span = span_of({{"a", {4, 7}, {}, {}, {}, {}}, {"b", {9, -1}, {}, {}, {}, {}}}, &History::x);
   CHECK((span.low == -1.0 && span.high == 9.0 && span.length() == 10.0));
@@ -136,4 +150,46 @@ TEST_CASE("a first repeat differs by three uncertainties of its mean, or twice t
   CHECK(drifts_of({{0, 0}, {1, 1}}).empty());
   CHECK(drifts_of({{0, 0}, {1, 1}, {2, 2}}, 0).empty());
   CHECK(drifts_of({{0, 0}, {1, 1}, {2, 2}}).size() == 1);
+}
+
+TEST_CASE("histories by hand: outputs are negated where they fall with the input over all usable taxels") {
+  const std::vector<double> there_and_back{0, 1, 2, 1, 0};
+  // Mean inputs are 0.8: of these outputs the sum of products is -3.2 and, of the second taxel, 1.6 times as much.
+  const std::vector<double> falls{0, -1, -2, -1, 0}, rises{0, 2, 4, 2, 0};
+  TaxelHistories stuck = of_history(2, there_and_back, {0, -100, -200, -100, 0});
+  stuck.status = TaxelStatus::kSaturated;
+  const Histories both = gathered({of_history(0, there_and_back, falls), of_history(1, there_and_back, rises), stuck});
+  CHECK_FALSE(both.falling);
+  CHECK(both.taxels[0].fit[0].y == falls);
+  const Histories down = gathered({of_history(0, there_and_back, falls)});
+  CHECK(down.falling);
+  CHECK(down.taxels[0].fit[0].y == std::vector<double>{0, 1, 2, 1, 0});
+  CHECK(down.taxels[0].score[0].y == std::vector<double>{0, 1, 2, 1, 0});
+  CHECK_FALSE(gathered({of_history(0, there_and_back, {3, 3, 3, 3, 3})}).falling);
+  // Each history about its own mean: a zero that moved between two is no fall.
+  TaxelHistories shifted = of_history(0, there_and_back, rises);
+  shifted.fit.push_back({"2", {10, 11, 12, 11, 10}, {-50, -48, -46, -48, -50}, {}, {}, {}});
+  CHECK_FALSE(gathered({shifted}).falling);
+}
+
+TEST_CASE("histories by hand: both patterns begin and end in the mean of what was measured, or there is no rise") {
+  const std::vector<double> there_and_back{0, 1, 2, 1, 0};
+  TaxelHistories taxel = of_history(0, {0, 1, 2, 2}, {0.2, 2, 5, 5});
+  const std::vector<double> down{2, 1, 0, 0};
+  taxel.fit.push_back({"2", down, {5.4, 3, 0.4, 0.4}, branches_along(down), {}, {}});
+  const FitData data = fit_data_of(taxel, {});
+  CHECK(data.no_loop.empty());
+  CHECK(data.ascending.y()[0] == Approx(0.3));
+  CHECK(data.ascending.y()[1] == 2.0);
+  CHECK(data.ascending.y()[2] == Approx(5.2));
+  CHECK(data.descending.y()[0] == Approx(0.3));
+  CHECK(data.descending.y()[1] == 3.0);
+  CHECK(data.descending.y()[2] == Approx(5.2));
+  const auto rises_to = [&](double top) {
+    const TaxelHistories own = of_history(0, there_and_back, {1, 2, top, 2, 1});
+    return fit_data_of(own, {}).ascending.y().back();
+  };
+  CHECK(rises_to(1.5) == 1.5);
+  CHECK_THROWS_AS(rises_to(1.0), AnalysisError);
+  CHECK_THROWS_AS(rises_to(0.5), AnalysisError);
 }

@@ -1,5 +1,4 @@
-// Streams of single-valued models by hand: what frames say of each taxel, when a recording is at rest, what is left
-// over.
+// Streams of single-valued models by hand: what frames say of each taxel, what is left over.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <memory>
@@ -7,7 +6,6 @@
 #include "analysis/error.h"
 #include "analysis/identify/residuals.h"
 #include "analysis/identify/stored/array_stream.h"
-#include "analysis/identify/streams/recording_stream.h"
 #include "analysis/models/monotone.h"
 
 using namespace tactbench::analysis;
@@ -89,52 +87,8 @@ TEST_CASE("frames of a falling sensor are read as measured, and of a part of an 
     const ArrayStream part(model, 1.0, 1.0, 2);
     FAIL_CHECK("accepted");
   } catch (const AnalysisError& error) {
-    CHECK(std::string(error.what()) == "monotone of run 3 cannot compensate frames: it is not of a whole array");
+    CHECK(error.id() == "TB-MODEL-COMPENSATOR");
   }
-}
-
-TEST_CASE("a recording is at rest within 1 % of the loop's output, or within the dead band where that is wider") {
-  const SensorModel model = line_array();
-  const ModelTaxel quiet = rising_line(0), noisy = rising_line(0, 0.02);
-  const RecordingStream still(model, quiet, 1.0), wide(model, noisy, 1.0), wider(model, noisy, 2.0);
-  CHECK(still.at_rest(1.0599));  // of 6 V over 1 V
-  CHECK_FALSE(still.at_rest(1.0601));
-  CHECK(still.at_rest(-5.0));
-  CHECK(wide.at_rest(1.1199));  // six noises of 20 mV
-  CHECK_FALSE(wide.at_rest(1.1201));
-  CHECK(wider.at_rest(1.2399));
-  CHECK_FALSE(wider.at_rest(1.2401));
-  // An adjusted taxel: twice the gain, half a volt higher.
-  ModelTaxel moved = rising_line(0);
-  moved.zero = 0.5;
-  moved.gain = 2.0;
-  const RecordingStream adjusted_one(model, moved, 1.0);
-  CHECK(adjusted_one.at_rest(2.619));
-  CHECK_FALSE(adjusted_one.at_rest(2.621));
-}
-
-TEST_CASE("a recording's direction turns beyond the dead band, from the furthest output on") {
-  const SensorModel model = line_array();
-  const ModelTaxel taxel = rising_line(0, 0.05);  // a dead band of 0.3 V
-  RecordingStream stream(model, taxel, 1.0);
-  stream.reset();
-  const auto rising = [&](double output) {
-    (void)stream.step(output);
-    return stream.ascending();
-  };
-  CHECK(stream.ascending());
-  CHECK(rising(3.0));
-  CHECK(rising(4.0));
-  CHECK(rising(3.71));
-  CHECK_FALSE(rising(3.69));
-  CHECK_FALSE(rising(3.5));
-  CHECK_FALSE(rising(3.79));
-  CHECK(rising(3.81));
-  CHECK(rising(3.9));
-  CHECK_FALSE(rising(3.59));
-  stream.reset();
-  CHECK(stream.ascending());
-  CHECK(rising(2.0));
 }
 
 TEST_CASE("what a stream leaves is spread by the flatness of each of twenty levels, within half and twelve times") {

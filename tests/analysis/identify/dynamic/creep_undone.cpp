@@ -1,12 +1,13 @@
-// A model's lag and creep taken back from runs and tables that its formulas made, and the setup of a stream by hand.
+// A model's lag and creep taken back from runs and tables that its formulas made.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <memory>
 #include <vector>
 
+#include "analysis/error.h"
 #include "analysis/identify/dynamic/own_creep.h"
 #include "analysis/identify/dynamic/undone.h"
-#include "analysis/identify/dynamic_setup_of.h"
+#include "analysis/identify/sensor_model.h"
 #include "analysis/models/linearised.h"
 #include "analysis/models/preisach.h"
 #include "tests/analysis/support/dynamic_walk.h"
@@ -47,15 +48,6 @@ SensorModel model_with(const Dynamics& d, std::vector<ModelTaxel> taxels) {
   model.dynamics->shared = d;
   model.taxels = std::move(taxels);
   return model;
-}
-
-std::string refused_setup(const SensorModel& model) {
-  try {
-    (void)dynamic_setup_of(model, model.taxels, 1.0);
-  } catch (const AnalysisError& error) {
-    return error.what();
-  }
-  return "none";
 }
 
 // Inputs 10 + p at times, and outputs zero + volts x the creep's factor, of one way; moves the state along.
@@ -170,66 +162,4 @@ TEST_CASE("histories of a run are undone one after the other, conditioning inclu
     still.dynamics = model.dynamics;
     CHECK(creep_and_lag_undone(still, histories).taxels[0].score[0].y == own.score[0].y);
   }
-}
-
-TEST_CASE("a stream's setup by hand: Everett's table, zeros and dividers of adjusted taxels", "[dynamic]") {
-  ModelTaxel divided = film_taxel(0, two_interval_film({0.1, 0.25}, 10.0)),
-             plain = film_taxel(1, two_interval_film({0.1, 0.0}, 10.0, 0.3)), lost = film_taxel(2, nullptr);
-  divided.zero = plain.zero = 0.05;
-  divided.gain = plain.gain = 2.0;
-  divided.noise = 0.01;
-  divided.creep_scale = 1.1;
-  divided.lag_share = 0.04;
-  divided.residual_psi = 0.7;
-  lost.status = TaxelStatus::kDead;
-  SensorModel model = model_with(some_dynamics(), {lost, divided, plain});
-  model.dynamics->residual_shape = {1.0, 2.0, 3.0, 4.0};
-  model.falling = true;
-  const DynamicSetup setup = dynamic_setup_of(model, model.taxels, 0.002, 3.0);
-  CHECK(setup.x_low == 10.0);
-  CHECK(setup.x_high == 70.0);
-  CHECK(setup.intervals == 2);
-  CHECK(setup.volts_per_count == 0.002);
-  CHECK(setup.residual_psi == std::vector<double>{1.0, 2.0, 3.0, 4.0});
-  CHECK(setup.dynamics.lag_s == 1.5);
-  REQUIRE(setup.taxels.size() == 3);
-  CHECK_FALSE(setup.taxels[0].usable);
-  CHECK(setup.taxels[0].everett.empty());
-  // 1 up to the middle, 3 to the top, 1 from the middle to the top; twice as much.
-  const DynamicTaxel &one = setup.taxels[1], &two = setup.taxels[2];
-  check_close(one.everett, {0, 2, 0, 6, 2, 0});
-  check_close(two.everett, {0, 2, 0, 6, 2, 0});
-  CHECK(one.divider.zero == Approx(0.25));
-  CHECK(one.divider.per_amplitude == Approx(0.125));
-  CHECK(two.divider.zero == Approx(0.85));
-  CHECK(two.divider.per_amplitude == 0.0);
-  CHECK((one.usable && one.falling && two.usable));
-  CHECK(one.noise_v == Approx(0.03));
-  CHECK(one.creep_scale == 1.1);
-  CHECK(one.lag_share == 0.04);
-  CHECK(one.residual_scale == 0.7);
-}
-
-TEST_CASE("models that make no stream of lag and creep are refused, with the taxel and the reason", "[dynamic]") {
-  const auto with = [](std::shared_ptr<const HysteresisModel> film) {
-    return model_with({}, {film_taxel(4, two_interval_film({0.1, 0.25})), film_taxel(5, std::move(film))});
-  };
-  CHECK(refused_setup(with(two_interval_film({0.1, 0.25}))) == "none");
-  CHECK_THAT(refused_setup(with(two_interval_film({0.1, 0.25}, 5.0))),
-             Catch::Contains("run 7") && Catch::Contains("taxel 5: its range"));
-  CHECK_THAT(refused_setup(with(two_interval_film({0.1, 0.25}, 0.0, 0.0, {1, 1, 1, 1, 1, 1}))),
-             Catch::Contains("taxel 5: its range or number of intervals"));
-  CHECK_THAT(refused_setup(with(std::make_shared<PreisachModel>(0.0, 60.0, 0.0, std::vector<double>{1, 1, 1}))),
-             Catch::Contains("taxel 5: it is not Preisach on the linearised output"));
-  // An offset of more than a thousand millionth of the full output of 3 does not go with a divider.
-  CHECK(refused_setup(with(two_interval_film({0.1, 0.25}, 0.0, 2.9e-9))) == "none");
-  CHECK(refused_setup(with(two_interval_film({0.1, 0.25}, 0.0, -2.9e-9))) == "none");
-  CHECK_THAT(refused_setup(with(two_interval_film({0.1, 0.25}, 0.0, 3.1e-9))), Catch::Contains("unloaded output"));
-  CHECK_THAT(refused_setup(with(two_interval_film({0.1, 0.25}, 0.0, -3.1e-9))), Catch::Contains("unloaded output"));
-  CHECK(refused_setup(with(two_interval_film({0.1, 0.0}, 0.0, 0.5))) == "none");
-  SensorModel unfit = with(two_interval_film({0.1, 0.25}));
-  for (ModelTaxel& taxel : unfit.taxels) taxel.status = TaxelStatus::kUnfit;
-  CHECK_THAT(refused_setup(unfit), Catch::Contains("none of its taxels is fitted"));
-  unfit.dynamics.reset();
-  CHECK_THAT(refused_setup(unfit), Catch::Contains("taxel 4: it has no lag and creep"));
 }

@@ -146,32 +146,6 @@ TEST_CASE("any film's weights make a table that the frame compensator takes, wha
   CHECK_NOTHROW(ArrayStream(model, 5.0 / 65536.0, 1.0, 10));
 }
 
-TEST_CASE("runs that tell nothing of lag or creep, or are of another array, make no dynamic model", "[dynamic]") {
-  const DynamicArray array = dynamic_array(kTaxels, 0.0005);
-  const Runs runs = runs_of(array);
-  CHECK(id_of([&] { (void)fit_dynamic(runs.fitted, runs.rate, runs.rate); }) == "TB-ANALYSIS-DYNAMICS");
-  CHECK(id_of([&] { (void)fit_dynamic(runs.fitted, runs.creep, runs.creep); }) == "TB-ANALYSIS-DYNAMICS");
-  Dataset both = runs.rate;  // one run of both recipes
-  both.sequences.push_back(runs.creep.sequences.front());
-  for (Sample& sample : both.sequences.back().repeats.front().steps)
-    sample.time_s += runs.rate.sequences.front().repeats.back().steps.back().time_s;
-  CHECK(id_of([&] { (void)fit_dynamic(runs.fitted, both, both); }) == "none");
-  Dataset other = runs.rate;
-  other.sensor_serial = "T";
-  CHECK(id_of([&] { (void)fit_dynamic(runs.fitted, other, runs.creep); }) == "TB-ANALYSIS-OTHER-SENSOR");
-  other = runs.creep;
-  other.origin = "hardware";
-  CHECK(id_of([&] { (void)fit_dynamic(runs.fitted, runs.rate, other); }) == "TB-ANALYSIS-ORIGIN");
-  // Samples without times are not held against it.
-  const SensorModel model = fit_dynamic(runs.fitted, runs.rate, runs.creep);
-  Histories timeless = histories_of(runs.other);
-  for (TaxelHistories& taxel : timeless.taxels)
-    for (History& history : taxel.score) history.time_s.clear();
-  CHECK(id_of([&] { (void)drift_of(model, timeless); }) == "TB-MODEL-DYNAMIC");
-  // A model without lag and creep has no dynamic setup.
-  CHECK(id_of([&] { (void)dynamic_setup_of(fit_array(runs.fitted), {}, 1.0); }) == "TB-MODEL-COMPENSATOR");
-}
-
 TEST_CASE("a dynamic model is scored, checked and adjusted with creep and lag undone", "[dynamic]") {
   const DynamicArray array = dynamic_array(kTaxels, 0.0005);
   const Runs runs = runs_of(array);
@@ -223,21 +197,4 @@ TEST_CASE(
   for (Sample& sample : timeless.sequences.front().repeats.front().steps) sample.time_s = sample.held_s = 0.0;
   CHECK(evaluate(timeless, again).mean_error_psi == error);
   CHECK(score_model(again, histories_of(runs.other), {}).count == kTaxels);
-}
-
-TEST_CASE("a dynamic model's document is refused where its lag or creep is out of range", "[dynamic]") {
-  const DynamicArray array = dynamic_array(kTaxels, 0.0005);
-  const Runs runs = runs_of(array);
-  const std::string text = to_text(fit_dynamic(runs.fitted, runs.rate, runs.creep));
-  const auto changed = [&](const std::string& before, const std::string& after) {
-    std::string other = text;
-    const auto at = other.find(before);
-    REQUIRE(at != std::string::npos);
-    other.replace(at, before.size(), after);
-    return id_of([&] { (void)document_from_text(other, "m.json"); });
-  };
-  CHECK(changed("\"creep_half\"", "\"half\"") == "TB-MODEL-DOCUMENT");
-  CHECK(changed("\"creep_scale\": ", "\"creep_scale\": -1") == "TB-MODEL-DOCUMENT");
-  CHECK(changed("\"lag_s\": ", "\"lag_s\": -1") == "TB-MODEL-DOCUMENT");
-  CHECK(changed("\"residual_psi\"", "\"residual\"") == "TB-MODEL-DOCUMENT");
 }

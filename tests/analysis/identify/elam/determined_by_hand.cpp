@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "analysis/identify/elam/elam_determined.h"
-#include "tests/analysis/compensate/recorded_streams.h"
 
 using namespace tactbench::analysis;
 
@@ -71,47 +70,4 @@ TEST_CASE("determined by hand: where J is 0 along a whole edge, the place next t
   CHECK(settle_undetermined(model, curves, 0.0, false) == 0b1U);
   CHECK(model.parameters.alpha_d == Approx(0.5));
   CHECK(model.parameters.beta_d == 0.0);
-}
-
-TEST_CASE("determined: few samples about models drawn anywhere leave open and take what they did when recorded") {
-  const std::vector<double> knots{0, 10, 20, 30, 40, 50, 60}, up{0, 0.25, 0.75, 1.25, 1.75, 2.5, 3.5},
-      down{0, 1.25, 2, 2.5, 3, 3.25, 3.5};
-  recorded::Summed summed(2 * 100);
-  for (const bool ascending : {false, true}) {
-    recorded::Numbers number(ascending ? 71 : 72);
-    for (int trial = 0; trial < 400; ++trial) {
-      const double u = number(), v = number(), alpha_d = number(), beta_d = number(), beta_a = number();
-      ElamModel model{PatternCurve(knots, up, 0.0, 3.5),
-                      PatternCurve(knots, down, 0.0, 3.5),
-                      {alpha_d, beta_d, (v - u) / 60.0, u, beta_a},
-                      {}};
-      std::vector<CurveSamples> curves(1 + static_cast<std::size_t>(trial) % 3);
-      for (CurveSamples& own : curves) {
-        own.x_turn = 5.0 + 50.0 * number();
-        own.y_turn =
-            model.ascending(own.x_turn) + (model.descending(own.x_turn) - model.ascending(own.x_turn)) * number();
-        const ElamCurve curve(model, ascending, own.x_turn, own.y_turn);
-        const double end = ascending ? 60.0 : 0.0, noise = trial % 4 == 0 ? 0.0 : trial % 4 == 1 ? 0.2 : 0.01;
-        for (int i = 0; i <= trial % 5; ++i) {
-          own.x.push_back(own.x_turn + (end - own.x_turn) * number());
-          own.y.push_back(curve.output(own.x.back()) + noise * (number() - 0.5));
-          own.weight.push_back(1.0 + std::floor(3.0 * number()));
-        }
-      }
-      const unsigned open = settle_undetermined(model, curves, trial % 2 == 0 ? 0.0 : 0.01 * number(), ascending);
-      const ElamParameters& p = model.parameters;
-      summed.add(ascending ? p.alpha_a0 : p.alpha_d, ascending ? p.beta_a : p.beta_d, static_cast<int>(open));
-      summed.add(60.0 * p.alpha_a1, 0.0, 0);
-    }
-  }
-  recorded::check_recorded(summed,
-                           {{74.6521457, 71.1159827, 2975},
-                            {71.3869618, 71.8549686, 3663},
-                            {83.1653694, 86.9949252, 3259},
-                            {60.8816609, 89.9084694, 3308},
-                            {72.3298106, 64.6293609, 56172},
-                            {77.0025536, 74.2930726, 65788},
-                            {82.1317550, 72.0382341, 51588},
-                            {76.6169865, 74.1711730, 62224}},
-                           1e-6);
 }

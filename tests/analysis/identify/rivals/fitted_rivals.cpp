@@ -1,9 +1,7 @@
-// The rivals' regressions by hand, on few samples: weights of Preisach's one cell, pooled knots of the monotone curve,
-// GPI's unknowns and their errors, and which samples are looked at.
+// The rivals' regressions by hand, on few samples: weights of Preisach's one cell, GPI's unknowns and their errors.
 #include <Eigen/LU>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "analysis/identify/fit_samples.h"
@@ -69,61 +67,6 @@ TEST_CASE("Preisach by hand: by inputs a sample counts with the square of the in
   const double flat = 1.0 / 0.0036;
   CHECK(one_weight(few_samples({0, 5, 10, 5, 0}, {0, 2, 6, 6, 0}), true, {"w"}) ==
         Approx((middle * (1.0 + 3.0) + flat * 6.0) / (0.5 * middle + flat) / kOneRidge).epsilon(1e-9));
-}
-
-TEST_CASE("monotone by hand: inputs within 1/2000 of the span are one knot, knots that do not rise their mean") {
-  const FitData data = few_samples({0, 1, 2, 2.004, 6, 6.006, 10}, {0, 1, 3, 5, 2.5, 7, 8});
-  const ModelFit fit = identify_monotone(data, {});
-  const auto json = fit.model->to_json();
-  const auto x = json["x"].get<std::vector<double>>(), y = json["y"].get<std::vector<double>>();
-  REQUIRE(x.size() == 5);
-  CHECK(x[0] == 0.0);  // the first and last knot lie at the ends
-  CHECK(x[1] == Approx(2.002));
-  CHECK(x[2] == 6.0);
-  CHECK(x[3] == Approx(6.006));
-  CHECK(x[4] == 10.0);
-  CHECK(y[0] == 1.0);
-  CHECK(y[1] == Approx((2.0 * 4.0 + 2.5) / 3.0));
-  CHECK(y[2] == Approx((2.0 * 4.0 + 2.5) / 3.0));
-  CHECK(y[3] == Approx(7.0));
-  CHECK(y[4] == 8.0);
-  // Pooled further back: 4, 3 and 2 are 3, and 1 after them all.
-  const auto pooled =
-      identify_monotone(few_samples({0, 1, 2, 3, 4, 10}, {0, 0.5, 4, 3, 2, 8}), {}).model->to_json()["y"];
-  CHECK(pooled[1].get<double>() == Approx(3.0));
-  CHECK(pooled[3].get<double>() == Approx(3.0));
-  const auto further =
-      identify_monotone(few_samples({0, 1, 2, 3, 4, 10}, {0, 0.5, 4, 5, 0, 8}), {}).model->to_json()["y"];
-  CHECK(further[1].get<double>() == Approx(3.0));
-  CHECK(further[3].get<double>() == Approx(3.0));
-  CHECK_THROWS_AS(identify_monotone(few_samples({0, 5, 10}, {0, 3, 3}), {}), std::invalid_argument);
-}
-
-TEST_CASE("non-negative least squares by hand: inside, at the bound, and no more columns than are needed") {
-  Eigen::MatrixXd gram(2, 2);
-  gram << 2, 1, 1, 2;
-  const auto solved = [&](double a, double b) {
-    const Eigen::VectorXd x = non_negative_least_squares(gram, Eigen::Vector2d(a, b));
-    return std::pair{x[0], x[1]};
-  };
-  const auto check = [&](double a, double b, double x, double y) {
-    CAPTURE(a, b);
-    const auto found = solved(a, b);
-    CHECK(found.first == Approx(x));
-    CHECK(found.second == Approx(y));
-  };
-  check(3, 3, 1, 1);
-  check(5, 4, 2, 1);
-  check(4, 1, 2, 0);  // alone: the other's gradient is 1 - 2
-  check(-1, 3, 0, 1.5);
-  check(-1, -2, 0, 0);
-  // Of columns (1, 0), (0, 1) and (8, 6) the last enters first; with the first it gives (1, 0.1), and needs no third.
-  Eigen::MatrixXd three(3, 3);
-  three << 1, 0, 8, 0, 1, 6, 8, 6, 100;
-  const Eigen::VectorXd x = non_negative_least_squares(three, Eigen::Vector3d(1.0, 0.1, 8.6));
-  CHECK(x[0] == Approx(1.0 - 0.1 * 8.0 / 6.0));
-  CHECK(x[1] == 0.0);
-  CHECK(x[2] == Approx(0.1 / 6.0));
 }
 
 TEST_CASE("non-negative least squares by hand: of columns in small and large units as of others") {
@@ -198,42 +141,4 @@ TEST_CASE("GPI: the errors of its unknowns are those of the normal equations, by
       CHECK(errors[static_cast<std::size_t>(k)] == Approx(std::sqrt(variance * inverse(k, k))).epsilon(1e-5));
     }
   }
-}
-
-TEST_CASE("samples of a fit: all of a branch but its first, inputs brought into the loop, recordings that come down") {
-  FitData data = few_samples({-1, 5, 11, 4, 0}, {0, 3, 6, 3, 0});
-  data.histories.push_back({"late", {8, 3, 9}, {5, 2, 6}, branches_along(std::vector<double>{8, 3, 9}), {}, {}});
-  const FitSamples samples(data);
-  CHECK(samples.x_low == 0.0);
-  CHECK(samples.x_high == 10.0);
-  CHECK(samples.x == std::vector<double>{0, 5, 10, 4, 0, 8, 3, 9});
-  CHECK(samples.scored == std::vector<std::size_t>{1, 2, 3, 4, 6, 7});
-  CHECK(samples.fitted == samples.scored);
-  REQUIRE(samples.parts.size() == 4);
-  CHECK((samples.parts[0].opens_history && !samples.parts[0].from_top && samples.parts[0].ascending));
-  CHECK((!samples.parts[1].opens_history && !samples.parts[1].from_top));
-  CHECK((samples.parts[2].opens_history && samples.parts[2].from_top));
-  CHECK((samples.parts[2].first == 5 && samples.parts[2].last == 6));
-  CHECK((!samples.parts[3].from_top && samples.parts[3].first == 6 && samples.parts[3].last == 7));
-  CHECK(samples.outputs(data) == std::vector<double>{0, 3, 6, 3, 0, 5, 2, 6});
-  FitData other = data;
-  other.histories[1].branches[1].last = 1;
-  CHECK_THROWS_AS(samples.outputs(other), std::invalid_argument);
-  // Branches follow each other, within the history, with two samples or more.
-  const auto taken = [&](const std::vector<Branch>& branches) {
-    FitData own = data;
-    own.histories[0].branches = branches;
-    try {
-      const FitSamples all(own);
-      return all.parts.size();
-    } catch (const std::invalid_argument&) {
-      return std::size_t{0};
-    }
-  };
-  CHECK(taken({{0, 2, true}, {2, 4, false}}) == 4);
-  CHECK(taken({{0, 2, true}, {3, 4, false}}) == 4);
-  CHECK(taken({{0, 2, true}, {1, 4, false}}) == 0);
-  CHECK(taken({{0, 2, true}, {2, 5, false}}) == 0);
-  CHECK(taken({{0, 2, true}, {2, 2, false}}) == 0);
-  CHECK(taken({{-1, 2, true}, {2, 4, false}}) == 0);
 }

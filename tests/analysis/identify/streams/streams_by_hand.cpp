@@ -184,36 +184,6 @@ TEST_CASE("recording by hand: direction changes beyond six noises, an unknown st
   CHECK(quiet.step(1.0).pressure_psi == Approx(30.0));
 }
 
-TEST_CASE("residual by level: mean slope over the branch's own, at most 12 and at least a half") {
-  ModelTaxel taxel = streamed_taxel(loop_film(), 3.0);
-  CHECK(residual_by_level(taxel).empty());
-  taxel.residual_psi = 0.2;
-  // Rising 1/10 V each 3 psi and then 2/10, falling the other way round; the mean is 3/20.
-  const std::vector<double> x{0, 30, 60};
-  taxel.ascending = PatternCurve(x, std::vector<double>{0, 1, 3}, 0.0, 3.0);
-  taxel.descending = PatternCurve(x, std::vector<double>{0, 2, 3}, 0.0, 3.0);
-  std::vector<double> psi = residual_by_level(taxel);
-  REQUIRE(psi.size() == 40);
-  for (std::size_t k = 0; k < 40; ++k) {
-    CAPTURE(k);
-    CHECK(psi[k] == Approx(k < 10 || k >= 30 ? 0.3 : 0.15));
-  }
-  // A twentieth of the mean slope counts as a twelfth, a tenth as what it is; 6.7 times the mean as twice it.
-  taxel.residual_psi = 1.0;
-  taxel.ascending = PatternCurve(x, std::vector<double>{0, 0.075, 3}, 0.0, 3.0);
-  taxel.descending = PatternCurve(x, std::vector<double>{0, 0.15, 3}, 0.0, 3.0);
-  psi = residual_by_level(taxel);
-  CHECK(psi[0] == Approx(12.0));
-  CHECK(psi[9] == Approx(12.0));
-  CHECK(psi[10] == Approx(0.15 / 0.2925));
-  CHECK(psi[20] == Approx(10.0));
-  CHECK(psi[30] == Approx(0.15 / 0.285));
-  taxel.ascending = PatternCurve(std::vector<double>{0, 3, 60}, std::vector<double>{0, 1, 3}, 0.0, 3.0);
-  psi = residual_by_level(taxel);
-  CHECK(psi[0] == 0.5);
-  CHECK(psi[1] == Approx(0.15 / (2.0 / 19.0)));
-}
-
 TEST_CASE("residual by hand: twice what a Preisach stream leaves, of a run the last repeat of each sequence") {
   const std::vector<double> way{0, 0.5, 1, 1.5, 2, 1.5, 1, 0.5, 0};
   Histories histories;
