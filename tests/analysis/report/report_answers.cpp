@@ -110,58 +110,7 @@ TEST_CASE("a run's way is counted by frames that count, that carry a flag, and t
   CHECK(last.earlier_seating_v[1] == Approx(0.04));
 }
 
-TEST_CASE("a certificate's standard uncertainty is its U over its own coverage factor, linear between its readings") {
-  db::RunRecord run;
-  run.devices = {{"pressure reference", "P", "2", "", "simulated",
-                  R"({"correction":{"reading_psi":[0,60],"correction_psi":[0,0],)"
-                  R"("expanded_uncertainty_psi":[0.06,0.18],"coverage_factor":3}})"}};
-  const ReferenceUncertainty reference = reference_uncertainty(run);
-  CHECK(reference.coverage_factor == 3.0);
-  CHECK(reference.certificate_u(0.0) == Approx(0.02));
-  CHECK(reference.certificate_u(15.0) == Approx(0.03));  // a quarter of the way from 0.02 to 0.06
-  CHECK(reference.certificate_u(90.0) == Approx(0.06));
-  CHECK(reference.largest_certificate_u() == Approx(0.06));
-}
-
-TEST_CASE("swapped rows are reported with the lower correlation of either reading of the frame, by hand") {
-  // Eight taxels a row. a, b, c are sign patterns that are orthogonal to each other and to a constant. The rows were a
-  // and a + b; now they are a + b and a + c / 2. Exchanged they correlate by 1 and 1 / sqrt(1.25), as they are by
-  // 1 / sqrt 2 and 1 / sqrt(2 x 1.25).
-  const double a[] = {1, 1, 1, 1, -1, -1, -1, -1}, b[] = {1, 1, -1, -1, 1, 1, -1, -1},
-               c[] = {1, -1, 1, -1, 1, -1, 1, -1};
-  std::vector<double> before(16), now(16);
-  for (std::size_t i = 0; i < 8; ++i) {
-    before[i] = 5 + a[i];
-    before[8 + i] = now[i] = 5 + a[i] + b[i];
-    now[8 + i] = 5 + a[i] + 0.5 * c[i];
-  }
-  const std::vector<SwappedLines> swaps = swapped_lines(2, 8, now, before);
-  REQUIRE(swaps.size() == 1);
-  CHECK((swaps[0].rows && swaps[0].first == 0 && swaps[0].second == 1));
-  CHECK(swaps[0].exchanged == Approx(1.0 / std::sqrt(1.25)));
-  CHECK(swaps[0].as_is == Approx(1.0 / std::sqrt(2.5)));
-}
-
 TEST_CASE("the mean response of a seating is loaded less unloaded over all taxels, dead ones too") {
   SeatingFrames frames{8.0, {0.1, 0.2, 0.1, 0.0}, {0.5, 0.8, 0.3, 0.0}};
   CHECK(check_seating(2, 2, frames, std::nullopt).mean_response_v == Approx((0.4 + 0.6 + 0.2 + 0.0) / 4));
-}
-
-TEST_CASE("turned maps by hand: what a half turn separates, and what neither map explains") {
-  // Two taxels, a half turn. As made: sensor +1 and -1, chamber +2 and -2 at its two places, so that the taxels read
-  // 3, -3 upright (twice) and -1, 1 turned.
-  const std::vector<std::vector<int>> places{{0, 1}, {1, 0}, {0, 1}};
-  const std::vector<std::vector<double>> exact{{3, -3}, {-1, 1}, {3, -3}};
-  const TurnedMaps maps = separate_maps(exact, places);
-  CHECK(maps.sensor[0] == Approx(1.0));
-  CHECK(maps.sensor[1] == Approx(-1.0));
-  CHECK(maps.chamber[0] == Approx(2.0));
-  CHECK(maps.chamber[1] == Approx(-2.0));
-  CHECK(maps.undetermined == 1);
-  // Six equations, two taxels and two places of which one constant is free: three degrees of freedom.
-  CHECK(maps.degrees == 3.0);
-  CHECK(maps.residual == Approx(0.0).margin(1e-12));
-  // One taxel's two upright readings 0.3 above and below: no map explains it, 0.18 over three degrees.
-  const TurnedMaps rough = separate_maps(std::vector<std::vector<double>>{{3.3, -3}, {-1, 1}, {2.7, -3}}, places);
-  CHECK(rough.residual == Approx(std::sqrt(0.18 / 3)));
 }

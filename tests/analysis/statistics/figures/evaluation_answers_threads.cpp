@@ -29,38 +29,6 @@ SensorModel noisy_fit() {
 
 }  // namespace
 
-TEST_CASE("figures of one level by hand: distances, standard deviations, who got worse by compensation") {
-  const Evaluation e = evaluate(known_loop(), straight_fit());
-  REQUIRE(e.levels.size() == 4);
-  const LevelFigures &zero = e.levels[0], &twenty = e.levels[1], &forty = e.levels[2];
-  // 20 psi. Compensated: up (20, 20), down (26, 21), of 60. Raw: up (1, 2) V, down (1.3, 2.1) V, of 4.5 V.
-  check_values({twenty.comp_up_psi[0], twenty.comp_up_psi[1], twenty.comp_down_psi[0], twenty.comp_down_psi[1]},
-               {20, 20, 26, 21});
-  CHECK(std::isnan(twenty.comp_down_psi[2]));
-  check_values(twenty.raw_down_v, {1.3, 2.1, 5.0});
-  CHECK(twenty.comp_distance == Approx(3.5 / 60));
-  CHECK(twenty.comp_mean_distance == Approx(3.5 / 60));
-  CHECK(twenty.worst_taxel_distance == Approx(6.0 / 60));
-  CHECK(twenty.comp_std_up == Approx(0.0).margin(1e-12));
-  CHECK(twenty.comp_std_down == Approx(5.0 / std::sqrt(2.0) / 60));
-  CHECK(twenty.raw_distance == Approx(0.2 / 4.5));
-  CHECK(twenty.raw_mean_distance == Approx(0.2 / 4.5));
-  CHECK(twenty.raw_std_up == Approx(1.0 / std::sqrt(2.0) / 4.5));
-  CHECK(twenty.raw_std_down == Approx(0.8 / std::sqrt(2.0) / 4.5));
-  CHECK(twenty.made_worse);  // 5.8 % against 4.4 %
-  // 40 psi: down (39, 43), or (1.95, 4.3) V. Brought from 41 psi to the level, the way up reads (40, 40), (2, 4) V.
-  CHECK(forty.up_psi == Approx(41.0));
-  CHECK(forty.down_psi == Approx(40.0));
-  CHECK(forty.comp_distance == Approx(2.0 / 60));
-  CHECK(forty.comp_mean_distance == Approx(1.0 / 60));
-  CHECK(forty.worst_taxel_distance == Approx(3.0 / 60));
-  CHECK(forty.raw_distance == Approx(0.175 / 4.5));
-  CHECK(forty.raw_mean_distance == Approx(0.125 / 4.5));
-  CHECK_FALSE(forty.made_worse);  // 3.3 % against 3.9 %
-  CHECK(zero.worst_taxel_distance == Approx(0.0).margin(1e-12));
-  CHECK_FALSE(zero.made_worse);
-}
-
 TEST_CASE("figures of a run by hand: averages over levels, taxels and frames") {
   const Evaluation e = evaluate(known_loop(), straight_fit());
   CHECK(e.full_scale_v == Approx(4.5));

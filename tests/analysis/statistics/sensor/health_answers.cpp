@@ -214,19 +214,6 @@ SensorModel one_unit() {
 
 }  // namespace
 
-TEST_CASE("drift bounds: a gain is fitted from a tenth of the range on, over all histories together, of both ends") {
-  const auto gain = [](double from, double to) {
-    const std::vector<double> x{from, to}, y{1 + 2 * from, 1 + 2 * to};
-    return drift_of(one_unit(), read_as({x}, {y})).taxels.front().gain;
-  };
-  CHECK(gain(3, 4.01) == Approx(2.0));
-  CHECK(gain(3, 3.99) == 1.0);
-  CHECK(gain(4.01, 3) == Approx(2.0));
-  // Neither history covers it, both do.
-  CHECK(drift_of(one_unit(), read_as({{3, 3.5}, {4.2, 4}}, {{7, 8}, {9.4, 9}})).taxels.front().gain == Approx(2.0));
-  CHECK(drift_of(one_unit(), read_as({{4.2, 4}, {3.5, 3}}, {{9.4, 9}, {8, 7}})).taxels.front().gain == Approx(2.0));
-}
-
 TEST_CASE("drift by hand: two samples leave no degree of freedom, and one counts") {
   // Inputs too near to each other for a gain: residuals of -0.5 and 0.5 about the mean; 0.5 over one, of two.
   const TaxelDrift drift = drift_of(one_unit(), read_as({{3, 3.5}}, {{7, 8.5}})).taxels.front();
@@ -235,21 +222,6 @@ TEST_CASE("drift by hand: two samples leave no degree of freedom, and one counts
   CHECK(drift.zero_u == Approx(std::sqrt(0.5 / 2)));
   CHECK(drift.as_is == Approx((4.0 + 5.0) / 2 / 10));
   CHECK(drift.zeroed == Approx(0.05));
-}
-
-TEST_CASE("drift bounds: at least half a percent is tolerated, and verdicts have their words") {
-  SensorModel document = one_unit();
-  document.taxels[0].fit.mean_error = 0.024;  // 0.24 %: twice that is below half a percent
-  const Histories exact = read_as({{0, 10}}, {{0, 10}});
-  CHECK(drift_of(document, exact).tolerance == Approx(0.005));
-  document.taxels[0].fit.mean_error = 0.026;
-  CHECK(drift_of(document, exact).tolerance == Approx(0.0052));
-  CHECK(drift_of(document, exact).verdict == DriftVerdict::kGood);
-  const auto word = [](DriftVerdict verdict) { return std::string(to_string(verdict)); };
-  CHECK((word(DriftVerdict::kGood) == "good" && word(DriftVerdict::kZero) == "re-zero enough"));
-  CHECK((word(DriftVerdict::kGain) == "gain adjustment enough" && word(DriftVerdict::kRecalibrate) == "recalibrate"));
-  document.taxels[0].status = TaxelStatus::kUnfit;
-  CHECK_THROWS_AS(drift_of(document, exact), AnalysisError);
 }
 
 TEST_CASE("an adjusted model names its parent and the data, and its loop moves with it") {

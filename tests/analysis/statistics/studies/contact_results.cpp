@@ -71,21 +71,6 @@ SensorModel two_taxel_fit() {
 
 }  // namespace
 
-TEST_CASE("usable range: a flat place is found, by noise and by model error") {
-  const UsableRange range = usable_range(two_taxel_fit());
-  CHECK(range.taxels == 2);
-  // 4 x 2 mV over 0.05 V/psi.
-  CHECK(range.loading.resolved_share == std::vector<double>(7, 1.0));
-  CHECK(range.loading.worst_psi[3] == Approx(std::hypot(0.008, 0.01) / 0.05));
-  CHECK(range.loading.low_psi == 0.0);
-  CHECK(range.loading.high_psi == 60.0);
-  // The second taxel gives 2 mV/psi above 40 psi: 8 mV are 4 psi.
-  CHECK(range.unloading.usable_share[5] == 0.5);
-  CHECK(range.unloading.usable_share[3] == 1.0);
-  CHECK(range.unloading.low_psi == 0.0);
-  CHECK(range.unloading.high_psi == 30.0);
-}
-
 TEST_CASE("an array under an object, read raw and compensated") {
   const SensorModel fit = two_taxel_fit();
   PressRun run;

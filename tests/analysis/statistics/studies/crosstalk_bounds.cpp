@@ -100,7 +100,7 @@ TEST_CASE("crosstalk bounds: a frame whose peak is below 50 mV shows no print, a
   CHECK(crosstalk_on({full, full, full, enough}).positions == 4);
   CHECK_FALSE(crosstalk_on({full, full, full}).assessed());
   const Crosstalk none = crosstalk_of(7, {}, kMap, kMap);
-  CHECK(none.not_assessed == "no run with a point indenter was given");
+  CHECK_FALSE(none.not_assessed.empty());
   CHECK(none.run == 7);
 }
 

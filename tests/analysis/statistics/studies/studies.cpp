@@ -48,17 +48,6 @@ std::vector<TurnedRun> turned(const std::vector<int>& angles, double noise_psi =
 
 }  // namespace
 
-TEST_CASE("turned places: counter-clockwise, row 0 on top") {
-  // Of an array of 3 x 3: the top right taxel goes to the top left, then to the bottom left.
-  CHECK(turned_places(3, 3, 0)[2] == 2);
-  CHECK(turned_places(3, 3, 90)[2] == 0);
-  CHECK(turned_places(3, 3, 180)[2] == 6);
-  CHECK(turned_places(3, 3, 270)[2] == 8);
-  CHECK(turned_places(2, 3, 180) == std::vector<int>{5, 4, 3, 2, 1, 0});
-  CHECK_THROWS_AS(turned_places(2, 3, 90), std::invalid_argument);
-  CHECK_THROWS_AS(turned_places(3, 3, 45), std::invalid_argument);
-}
-
 TEST_CASE("four quarter turns give the chamber's map back but for what a quarter turn does not change") {
   const Uniformity u = uniformity_of(turned({0, 90, 180, 270}), kSide, kSide);
   REQUIRE(u.assessed());
@@ -111,21 +100,6 @@ TEST_CASE("the chamber's constant part is separated from the part that grows wit
   CHECK(u.u_offset_psi == Approx(0.2 * std::sqrt(36.0 / 35.0)).epsilon(1e-6));
 }
 
-TEST_CASE("levels at which estimates are cut off at the models' end do not make the chamber look more even") {
-  std::vector<TurnedRun> runs = turned({0, 90, 180, 270});
-  for (TurnedRun& run : runs)
-    for (double& psi : run.estimates.psi) psi = std::min(psi, 60.0);
-  const Uniformity u = uniformity_of(runs, kSide, kSide);
-  REQUIRE(u.assessed());
-  CHECK(u.pressure_psi == std::vector<double>{10.0, 20.0, 40.0});
-  for (int i = 0; i < kSide * kSide; ++i)
-    CHECK(u.chamber_share[static_cast<std::size_t>(i)] == Approx(share_of_tilt(i)).margin(1e-12));
-  // One level is left: no slope.
-  for (TurnedRun& run : runs)
-    for (std::size_t i = 36; i < 3 * 36; ++i) run.estimates.psi[i] = 60.0;
-  CHECK_THAT(uniformity_of(runs, kSide, kSide).not_assessed, Catch::Contains("fewer than two levels"));
-}
-
 TEST_CASE("noise comes out as the residual") {
   const Uniformity u = uniformity_of(turned({0, 90, 180, 270}, 0.05), kSide, kSide);
   REQUIRE(u.assessed());
@@ -152,28 +126,6 @@ TEST_CASE("half a turn alone leaves twice as many constants undetermined, and ta
 TEST_CASE("without a turn nothing can be separated") {
   CHECK_FALSE(uniformity_of(turned({0, 0}), kSide, kSide).assessed());
   CHECK_FALSE(Uniformity().assessed());
-}
-
-TEST_CASE("mounts: within and between by hand") {
-  // One taxel, one level: sweeps 10 +- 0.1 in the first mount, 11 +- 0.1 in the second.
-  const auto mount = [](double centre) {
-    SweepEstimates estimates;
-    estimates.pressure_psi = {10.0};
-    estimates.sweeps = 2;
-    estimates.taxels = 1;
-    estimates.psi = {centre - 0.1, centre + 0.1};
-    return estimates;
-  };
-  const std::vector<MountedRun> mounts{{1, mount(10.0)}, {2, mount(11.0)}};
-  const Remount remount = remount_of(mounts);
-  REQUIRE(remount.assessed());
-  CHECK(remount.degrees == 1);
-  CHECK(remount.within_psi[0] == Approx(std::sqrt(0.02)));  // variance of two values 0.2 apart
-  // Variance of the means 0.5; two sweeps a mount explain 0.02 / 2 of it.
-  CHECK(remount.between_psi[0] == Approx(std::sqrt(0.5 - 0.01)));
-  CHECK(remount.mean_between_psi[0] == Approx(remount.between_psi[0]));
-  CHECK(remount.s_share == Approx(remount.between_psi[0] / 10.0));
-  CHECK(remount.taxel_between_psi[0] == Approx(remount.between_psi[0]));
 }
 
 TEST_CASE("mounts that differ less than their own sweeps count as equal") {

@@ -29,22 +29,6 @@ MountedRun mounted(std::int64_t run, const std::vector<LevelOfMount>& levels) {
 
 }  // namespace
 
-TEST_CASE("shares within and between mounts are root mean squares over the levels from a tenth of the highest on") {
-  // Two sweeps d apart from their mean have a variance of 2 d^2; two means D apart have D^2 / 2, of which d^2 is the
-  // sweeps'. At 30 psi d = 0.3, D = 0.6: 0.09 between. At 60 psi d = 1.2, D^2 = 14.4: 5.76. 2 psi is below a tenth.
-  const double apart = std::sqrt(14.4);
-  const std::vector<MountedRun> mounts{mounted(1, {{2, 2, 1}, {30, 30, 0.3}, {60, 57, 1.2}}),
-                                       mounted(2, {{2, 9, 1}, {30, 30.6, 0.3}, {60, 57 + apart, 1.2}})};
-  const Remount remount = remount_of(mounts);
-  REQUIRE(remount.assessed());
-  REQUIRE(remount.within_psi.size() == 3);
-  CHECK(remount.within_psi[1] == Approx(0.3 * std::sqrt(2.0)));
-  CHECK(remount.between_psi[1] == Approx(0.3));
-  CHECK(remount.between_psi[2] == Approx(2.4));
-  CHECK(remount.within_share == Approx(std::sqrt((0.0002 + 0.0008) / 2)));  // 1.41 % and 2.83 %
-  CHECK(remount.s_share == Approx(std::sqrt((0.0001 + 0.0016) / 2)));       // 1 % and 4 %
-}
-
 namespace {
 
 // Rising from 0 to 40 psi in the given time; `mean_v` of the two live taxels at each step.
@@ -151,41 +135,6 @@ TEST_CASE("zero return by hand: from the first time at the lowest pressure to th
     CHECK(b.zero_returns[0].worst_taxel == way.worst);
     CHECK(b.zero_returns[0].worst_taxel_v == Approx(1e-3 * way.worst_mv));
   }
-}
-
-TEST_CASE("repeatability by hand: of the mean taxel and of single taxels, each branch for itself") {
-  // Three repeats. Up at 20 psi the live taxels have -1 0 1 and 1 0 -1 mV beside their output: 1 mV each, none in the
-  // mean. Down they have -1 0 1 and -3 0 3 mV: 1 and 3 mV, 2 in the mean.
-  SequenceData sequence{"loop", {}};
-  for (const double r : {-1e-3, 0.0, 1e-3})
-    sequence.repeats.push_back({{{0, 0}, {20, 20}, {40, 40}, {20, 20}, {0, 0}},
-                                {0, 0, 9, 1 + r, 2 - r, 9, 2, 4, 9, 1.5 + r, 2.5 + 3 * r, 9, 0, 0, 9}});
-  const Behaviour b = behaviour_of(dataset_of({sequence}), {0, 1});
-  REQUIRE(b.repeatability.size() == 3);
-  CHECK(b.repeatability[1].mean_up_v == Approx(0.0).margin(1e-12));
-  CHECK(b.repeatability[1].taxel_up_v == Approx(1e-3));
-  CHECK(b.repeatability[1].mean_down_v == Approx(2e-3));
-  CHECK(b.repeatability[1].taxel_down_v == Approx(std::sqrt(5.0) * 1e-3));
-  REQUIRE(b.loops.size() == 4);
-  CHECK(b.loops[0].up_v[1] == Approx(1.5));
-  CHECK(b.loops[0].down_v[1] == Approx(2.0));
-}
-
-TEST_CASE("creep by hand: first and last output of the hold, and its share a decade") {
-  // 2 V at 2 s, 20 mV more each decade.
-  Repeat repeat;
-  for (int i = 0; i <= 99; ++i) {
-    const double held = 2.0 + 2.0 * i;
-    repeat.steps.push_back({40.0, 40.0, 2.0 * i, 2.0});
-    const double volts = 2.0 + 0.02 * std::log10(held / 2.0);
-    repeat.volts.insert(repeat.volts.end(), {volts - 0.5, volts + 0.5, 9.0});
-  }
-  const std::vector<Creep> creep = creep_of(dataset_of({{"creep-hold", {repeat}}}), {0, 1});
-  REQUIRE(creep.size() == 1);
-  CHECK(creep[0].first_v == Approx(2.0));
-  CHECK(creep[0].last_v == Approx(2.04));  // two decades, to 200 s
-  CHECK(creep[0].per_decade == Approx(0.01));
-  CHECK(creep[0].pressure_psi == 40.0);
 }
 
 TEST_CASE("resolved and usable ranges by hand, of the lower of two taxels in the median and of the worse one") {

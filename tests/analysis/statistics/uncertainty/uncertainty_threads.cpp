@@ -57,42 +57,6 @@ TEST_CASE("the end gauge of JCGM 100, H.1: u_c, effective degrees of freedom, U9
   CHECK(effective_dof(std::vector<VarianceShare>{{3.0, 7.0}}) == Approx(7.0));
 }
 
-TEST_CASE("the certificate is read from the run's devices, and what is not stated is named") {
-  const ReferenceUncertainty known = reference_uncertainty(record_with_reference(kWithCertificate));
-  CHECK(known.certificate_missing.empty());
-  CHECK(known.drift_missing.empty());
-  CHECK(known.calibration.certificate == "C-1");
-  CHECK_FALSE(known.overdue);
-  CHECK(known.certificate_u(0.0) == Approx(0.02));
-  CHECK(known.certificate_u(30.0) == Approx(0.05));
-  CHECK(known.certificate_u(61.0) == Approx(0.08));
-  CHECK(known.largest_certificate_u() == Approx(0.08));
-  CHECK(known.resolution_psi == Approx(100.0 / 32000.0));
-
-  const ReferenceUncertainty overdue = reference_uncertainty(record_with_reference(kWithCertificate, "2026-05-05"));
-  CHECK(overdue.overdue);
-  CHECK(overdue.drift_missing.empty());
-  CHECK(overdue.drift_psi > known.drift_psi);
-  CHECK(overdue.certificate_missing.empty());
-
-  const ReferenceUncertainty bare = reference_uncertainty(record_with_reference(""));
-  CHECK_THAT(bare.certificate_missing, Catch::Contains("expanded_uncertainty_psi"));
-  CHECK_THAT(bare.drift_missing, Catch::Contains("drift_psi"));
-  CHECK(reference_uncertainty(record_with_reference(R"(,"resolution_psi":0.5)")).resolution_psi == 0.5);
-  CHECK(reference_uncertainty(record_with_reference(R"(,"expanded_uncertainty_psi":0.1)")).certificate_u(40.0) == 0.05);
-
-  db::RunRecord feedback = record_with_reference("");
-  feedback.devices[1].calibration_json = R"({"independent":false})";
-  CHECK_THAT(reference_uncertainty(feedback).certificate_missing, Catch::Contains("no independent reference"));
-  for (const char* odd :
-       {"", "[]", "{", R"({"correction":7})", R"({"correction":{"reading_psi":[1,0]}})", R"({"independent":"yes"})",
-        R"({"correction":{"reading_psi":[0],"expanded_uncertainty_psi":[-1]}})"}) {
-    feedback.devices[1].calibration_json = odd;
-    CHECK_FALSE(reference_uncertainty(feedback).certificate_missing.empty());
-  }
-  CHECK_FALSE(reference_uncertainty({}).resolution_missing.empty());
-}
-
 TEST_CASE("a budget is what its readings, voltages and certificate give by hand") {
   const Example example;
   const Uncertainty uncertainty =
