@@ -82,7 +82,7 @@ TEST_CASE("a document's lag and creep are refused beyond their bounds, by name")
   CHECK(refused_dynamics("lag_share", 0.0).empty());
   CHECK(refused_dynamics("lag_share", 0.9).empty());
   CHECK_THAT(refused_dynamics("lag_share", -0.01), Catch::Contains("lag_share"));
-  CHECK(refused_dynamics("lag_share", 0.91) == "\"lag_share\" is not within 0.000000 and 0.900000");
+  CHECK_THAT(refused_dynamics("lag_share", 0.91), Catch::Contains("\"lag_share\""));
   CHECK(refused_dynamics("creep_share", {0.0, 0.0, 0.0}).empty());
   CHECK_THAT(refused_dynamics("creep_share", {0.0, 0.0}), Catch::Contains("creep_share"));
   CHECK_THAT(refused_dynamics("creep_share", {0.0, 0.0, 0.0, 0.0}), Catch::Contains("creep_share"));
@@ -92,7 +92,7 @@ TEST_CASE("a document's lag and creep are refused beyond their bounds, by name")
   CHECK(refused_dynamics("creep_s", {1.0, 2.0, 3.0, 4.0}) == "\"creep_s\"" + no_three);
   CHECK(refused_dynamics("creep_s", {1.0, 0.0, 3.0}) == "a \"creep_s\" is 0");
   CHECK(refused_dynamics("residual_shape", {0.0, 1.0}).empty());
-  CHECK(refused_dynamics("residual_shape", {1.0, -0.01}) == "\"residual_shape\" has a negative number");
+  CHECK_THAT(refused_dynamics("residual_shape", {1.0, -0.01}), Catch::Contains("\"residual_shape\""));
   CHECK(refused_dynamics("rate/run", 1e15).empty());
   CHECK(refused_dynamics("rate/run", -1e15).empty());
   for (const std::string run : {"rate", "creep"}) {

@@ -72,29 +72,12 @@ TEST_CASE("lines: one below 8 % of what lines answer is dead, and all of its tax
   CHECK(dead.kinds == "dead-rows");
   CHECK(dead.lines == std::vector<int>{4});
   CHECK(dead.lost == 10);
-  CHECK(dead.texts == "row 4 does not answer, standing at 0.10 V: a broken line or contact\n");
   // What lines answer is their upper quartile: of 1 2 3 4 V four and four of each 3 V. 0.24 V are 8 % of it.
   const auto among = [](double volts) {
     return judged(lines_answering({1, 1, 2, volts, 2, 3, 4, 4}, true), true).kinds;
   };
   CHECK(among(0.33) == "");
   CHECK(among(0.31) == "dead-rows");  // of 1 1 2 2 3 4 4 the value at place 5 is 4 V: 0.32 V
-}
-
-TEST_CASE("lines: words for one, two, three in a row, and others, rows or columns, at one voltage or between two") {
-  const auto words = [](const std::vector<int>& dead, bool along_rows, double last_v = 0.0) {
-    std::vector<double> all(10, 1.0);
-    for (const int line : dead) all[static_cast<std::size_t>(line)] = 0.0;
-    if (!dead.empty()) all[static_cast<std::size_t>(dead.back())] = last_v;
-    return judged(lines_answering(all, along_rows), along_rows).texts;
-  };
-  CHECK(words({}, true).empty());
-  CHECK(words({3}, false) == "column 3 does not answer, standing at 0.02 V: a broken line or contact\n");
-  CHECK(words({3, 4}, true) == "rows 3, 4 do not answer, standing at 0.02 V: a broken line or contact\n");
-  CHECK(words({3, 4, 5}, true) == "rows 3 to 5 do not answer, standing at 0.02 V: a broken line or contact\n");
-  CHECK(words({3, 5, 6}, false) == "columns 3, 5, 6 do not answer, standing at 0.02 V: a broken line or contact\n");
-  CHECK_THAT(words({3, 5}, true, 0.019), Catch::Contains("standing at 0.02 V"));
-  CHECK_THAT(words({3, 5}, true, 0.021), Catch::Contains("standing between 0.02 and 0.04 V"));
 }
 
 TEST_CASE("lines alone: an edge is outside below 15 % of the median line, with the lines below 20 % that rise inward") {
@@ -119,10 +102,6 @@ TEST_CASE("lines alone: an edge is outside below 15 % of the median line, with t
       CHECK(found({0.145, 0.09}).lines == lines(1));
     }
   }
-  CHECK(at_edge({0.1, 0.19}).texts ==
-        "the response falls off toward the first row: rows 0, 1 at 10, 19 % of what the others suggest, so that edge "
-        "seems to lie outside the membrane\n");
-  CHECK_THAT(at_edge({0.12}, false, true).texts, Catch::Contains("toward the last column: column 9 at 12 %"));
 }
 
 TEST_CASE("lines alone: a fall-off has a line above 3 % of the others, without one the lines are dead") {
@@ -135,9 +114,6 @@ TEST_CASE("lines alone: a fall-off has a line above 3 % of the others, without o
   CHECK(open.kinds == "half-inserted");
   CHECK(open.lines == std::vector<int>{7, 8, 9});
   CHECK(open.lost == 30);
-  CHECK(open.texts ==
-        "columns 7 to 9 do not answer, standing at 0.02 V: the connector of the columns seems half inserted, open at "
-        "the side of the last column\n");
   // A block at the edge and a line by itself.
   std::vector<double> all(10, 1.0);
   all[0] = all[1] = all[6] = 0.0;
@@ -167,7 +143,6 @@ TEST_CASE("lines against the last seating: an edge is outside below 50 % of it, 
   CHECK(found({0.49}).lines == std::vector<int>{0});
   CHECK(found({0.3, 0.79}).lines == std::vector<int>{0, 1});
   CHECK(found({0.3, 0.81}).lines == std::vector<int>{0});
-  CHECK_THAT(found({0.3, 0.6}).texts, Catch::Contains("rows 0, 1 at 30, 60 % of what the others suggest"));
   // A line that was as weak then is not weak now.
   before[0] = 0.2;
   CHECK(found({}).kinds.empty());
