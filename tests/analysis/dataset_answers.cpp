@@ -45,7 +45,7 @@ StoredRun record_of_four() {
   return run;
 }
 
-constexpr const char* kUnfit = "TB-ANALYSIS-FRAME run 6: frame";
+constexpr const char* kUnfit = "TB-ANALYSIS-FRAME";
 
 std::string refusal_of(const StoredRun& run) {
   try {

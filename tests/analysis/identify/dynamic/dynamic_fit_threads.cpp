@@ -15,19 +15,6 @@
 
 using namespace synthetic;
 
-namespace {
-
-std::string id_of(const auto& action) {
-  try {
-    action();
-  } catch (const AnalysisError& error) {
-    return error.id();
-  }
-  return "none";
-}
-
-}  // namespace
-
 TEST_CASE("the dynamic model of an array finds its plants, is kept whole, and reads what was not fitted", "[dynamic]") {
   const DynamicArray array = dynamic_array(kTaxels, 0.0005);
   const Runs runs = runs_of(array);

@@ -114,24 +114,4 @@ TEST_CASE("the largest error of a run: whose it is, and at which pressure") {
   CHECK(e.max_error_taxel == 0);
   CHECK(e.max_error_at_psi == 20.0);
   CHECK((e.run == 2 && e.model_run == 1));
-  const auto refused = [](auto change) {
-    Dataset other = known_loop();
-    change(other);
-    try {
-      (void)evaluate(other, straight_fit(), 1);
-    } catch (const AnalysisError& error) {
-      return error.id() + " " + error.what();
-    }
-    return std::string();
-  };
-  CHECK(refused([](Dataset&) {}).empty());
-  CHECK(refused([](Dataset& data) { data.rows = 3; }) ==
-        "TB-ANALYSIS-OTHER-SENSOR run 2 has 3 x 3 taxels, the models of run 1 1 x 3");
-  CHECK(refused([](Dataset& data) { data.columns = 1; }) ==
-        "TB-ANALYSIS-OTHER-SENSOR run 2 has 1 x 1 taxels, the models of run 1 1 x 3");
-  CHECK_THAT(refused([](Dataset& data) { data.sensor_serial = "T"; }),
-             Catch::StartsWith("TB-ANALYSIS-OTHER-SENSOR run 2 is of sensor T on scanner"));
-  CHECK_THAT(refused([](Dataset& data) { data.scanner_serial = "C"; }), Catch::StartsWith("TB-ANALYSIS-OTHER-SENSOR"));
-  CHECK(refused([](Dataset& data) { data.origin = "hardware"; }) ==
-        "TB-ANALYSIS-ORIGIN run 2 is hardware, the models of run 1 are simulated");
 }

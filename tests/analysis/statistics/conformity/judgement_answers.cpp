@@ -1,9 +1,8 @@
-// Verdicts row by row, permissible errors at the edges of their spans and shares, and trajectories at their limits.
+// Verdicts row by row.
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "analysis/statistics/conformity/mpe.h"
-#include "analysis/statistics/conformity/trajectory.h"
 #include "analysis/statistics/conformity/verdict.h"
 #include "analysis/statistics/numbers/moments.h"
 #include "tests/analysis/support/straight_array.h"
@@ -128,39 +127,3 @@ TEST_CASE("the default rule is four-way where U of the criterion is known, and t
   known[0].expanded = kNan;
   CHECK(judge(evaluated(), straight_fit(), limits, known)[0].rule == "simple");
 }
-
-namespace {
-
-// Up and down with the first taxel off by `first` psi at each step, the second by `second`.
-Dataset erring(const std::vector<double>& setpoints, const std::vector<double>& first,
-               const std::vector<double>& second) {
-  std::vector<Sample> steps;
-  Readings readings;
-  for (std::size_t i = 0; i < setpoints.size(); ++i) {
-    steps.push_back({setpoints[i], setpoints[i]});
-    readings.first_psi.push_back(setpoints[i] + first[i]);
-    readings.second_psi.push_back(setpoints[i] + second[i]);
-  }
-  return dataset_of({{"loop", {repeat_of(steps, readings)}}});
-}
-
-MpeFigure permissible(const Dataset& data, const Limits::Mpe& mpe, const Uncertainty* readings = nullptr) {
-  const Limits::Mpe list[] = {mpe};
-  return mpe_figures(data, straight_fit(), readings, list, 1).front();
-}
-
-}  // namespace
-
-namespace {
-
-Dataset along(std::vector<std::vector<double>> paths, double held_s = 2.0) {
-  Dataset data;
-  for (const std::vector<double>& path : paths) {
-    Repeat repeat;
-    for (const double psi : path) repeat.steps.push_back({psi, psi, 0.0, held_s});
-    data.sequences.push_back({"s", {repeat}});
-  }
-  return data;
-}
-
-}  // namespace

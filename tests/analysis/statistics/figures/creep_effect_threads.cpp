@@ -12,13 +12,6 @@ using namespace effect_runs;
 
 namespace {
 
-// Mean of log10(t) over the last five frames of a hold that ends at `end_s`, 2 s apart.
-double end_decades(double end_s) {
-  double sum = 0.0;
-  for (int i = 0; i < 5; ++i) sum += std::log10(end_s - 2.0 * i) / 5.0;
-  return sum;
-}
-
 CreepEffect creep_effect_in(const Example& example, const std::vector<Dataset>& runs, double read_after_s = 2.0) {
   return creep_effect_of(read_after(example.dataset, read_after_s), runs, example.fit);
 }

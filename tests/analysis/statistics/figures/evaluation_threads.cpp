@@ -1,11 +1,9 @@
-// Figures of synthetic arrays; those with an answer known on paper are in evaluation_answers.cpp.
+// Figures of synthetic arrays; those with an answer known on paper are in evaluation_answers_threads.cpp.
 #include "analysis/statistics/figures/evaluation.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <limits>
 
-#include "analysis/statistics/conformity/verdict.h"
 #include "tests/analysis/support/synthetic.h"
 
 using namespace synthetic;
@@ -83,47 +81,4 @@ TEST_CASE("other sensors, scanners, geometries and origins are refused") {
   CHECK(id_of([](Dataset& d) { d.scanner_serial = "C2"; }) == "TB-ANALYSIS-OTHER-SENSOR");
   CHECK(id_of([](Dataset& d) { std::swap(d.rows, d.columns); }) == "TB-ANALYSIS-OTHER-SENSOR");
   CHECK(id_of([](Dataset& d) { d.origin = "hardware"; }) == "TB-ANALYSIS-ORIGIN");
-}
-
-TEST_CASE("limits are judged by the simple rule: equality passes, nothing measured is inconclusive") {
-  Evaluation e;
-  e.run = 7;
-  e.frames = 1;
-  e.worst_taxel = 0;
-  e.mean_error_psi = 1.0;
-  e.worst_taxel_mean_error_psi = 2.5;
-  e.comp_distance_of_mean = std::numeric_limits<double>::quiet_NaN();
-  LevelFigures forty;
-  forty.pressure_psi = 40.0;
-  forty.comp_std_up = 0.03;
-  forty.comp_std_down = 0.05;
-  e.levels.push_back(forty);
-  SensorModel fit;
-  fit.taxels.resize(3);
-  fit.taxels[0].status = fit.taxels[2].status = TaxelStatus::kFitted;
-  Limits limits;
-  limits.mean_compensation_error_psi = 1.0;
-  limits.worst_taxel_error_psi = 2.0;
-  limits.distance_of_mean_fs = 0.015;
-  limits.unfit_taxels = 1;
-  limits.mismatch = {{40.0, 0.04}, {41.0, 0.04}};
-  limits.sha256 = "abc";
-  const auto verdicts = judge(e, fit, limits);
-  REQUIRE(verdicts.size() == 8);
-  const auto word = [&](std::size_t i) {
-    return verdicts[i].criterion + ", " + verdicts[i].scope + ": " + verdicts[i].verdict;
-  };
-  CHECK(word(0) == "mean_compensation_error, array: pass");
-  CHECK(word(1) == "worst_taxel_error, array: fail");
-  CHECK(word(2) == "distance_of_mean, array: inconclusive");
-  CHECK(word(3) == "unfit_taxels, array: pass");
-  CHECK(word(4) == "mismatch, 40 psi up: pass");
-  CHECK(word(5) == "mismatch, 40 psi down: fail");
-  CHECK(word(6) == "mismatch, 41 psi up: inconclusive");
-  CHECK(word(7) == "mismatch, 41 psi down: inconclusive");
-  CHECK(verdicts[5].value == 0.05);
-  CHECK(verdicts[5].limit == 0.04);
-  CHECK(verdicts[0].run == 7);
-  CHECK(verdicts[0].rule == "simple");
-  CHECK(verdicts[0].limits_sha256 == "abc");
 }

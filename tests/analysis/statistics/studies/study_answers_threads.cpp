@@ -11,26 +11,6 @@ using namespace straight_array;
 
 namespace {
 
-// Two sweeps `half` above and below `centre` at each level.
-struct LevelOfMount {
-  double level_psi, centre_psi, half_psi;
-};
-MountedRun mounted(std::int64_t run, const std::vector<LevelOfMount>& levels) {
-  MountedRun mount{run, {}};
-  mount.estimates.sweeps = 2;
-  mount.estimates.taxels = 1;
-  for (const LevelOfMount& level : levels) {
-    mount.estimates.pressure_psi.push_back(level.level_psi);
-    mount.estimates.psi.push_back(level.centre_psi - level.half_psi);
-    mount.estimates.psi.push_back(level.centre_psi + level.half_psi);
-  }
-  return mount;
-}
-
-}  // namespace
-
-namespace {
-
 // Rising from 0 to 40 psi in the given time; `mean_v` of the two live taxels at each step.
 Repeat paced(double seconds, const std::vector<double>& mean_v) {
   Repeat repeat;
