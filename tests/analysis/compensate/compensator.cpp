@@ -58,24 +58,6 @@ TEST_CASE("a held level under noise makes no turn and no bias") {
   }
 }
 
-TEST_CASE("a turn is stored only beyond the dead band, but used for the reading at once") {
-  const ElamModel model = sloping_taxel();
-  const double noise = 0.001;
-  TaxelCompensator compensator(model, {.noise_v = noise});
-  const ElamCurve up(model, true, model.x0(), model.y0());
-  const double top = up.output(40.0);
-  for (double x = 2.0; x <= 40.0; x += 2.0) compensator.step(up.output(x));
-  const ElamCurve down(model, false, 40.0, top);
-  CHECK(compensator.step(top - 5.0 * noise).pressure_psi == Approx(down.input(top - 5.0 * noise)).margin(1e-6));
-  CHECK(compensator.ascending());
-  // Back up again: as if nothing had been.
-  CHECK(compensator.step(up.output(44.0)).pressure_psi == Approx(44.0).margin(1e-6));
-  const ElamCurve later(model, false, 44.0, up.output(44.0));
-  const double low = up.output(44.0) - 7.0 * noise;
-  CHECK(compensator.step(low).pressure_psi == Approx(later.input(low)).margin(1e-6));
-  CHECK_FALSE(compensator.ascending());
-}
-
 TEST_CASE("outputs slightly lower than at the fit: loading and unloading read within 1.5 % of each other") {
   const ElamModel model = sloping_taxel();
   for (const double gain : {0.998, 0.995, 0.99}) {

@@ -186,14 +186,14 @@ TEST_CASE("compensator's options by hand: zero is taken, less is refused, and a 
     for (const double bad :
          {-least, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
       options.*option = bad;
-      CHECK_THROWS_WITH(check_options(options), Catch::Contains("an option is negative"));
+      CHECK_THROWS_AS(check_options(options), std::invalid_argument);
     }
   }
   CompensatorOptions options;
   options.longest_mean = 1;
   CHECK_NOTHROW(check_options(options));
   options.longest_mean = 0;
-  CHECK_THROWS_WITH(check_options(options), Catch::Contains("longest_mean is below 1"));
+  CHECK_THROWS_WITH(check_options(options), Catch::Contains("longest_mean"));
 }
 
 TEST_CASE("compensator by hand: an advance of as much as the noise is held, and doubts its slope by the way back") {

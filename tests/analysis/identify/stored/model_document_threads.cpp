@@ -114,25 +114,6 @@ TEST_CASE("a score counts every sample but turning points, by hold time and rate
   CHECK_FALSE(score.taxels.by_rate.empty());
 }
 
-TEST_CASE("origins, sensors and units never mix") {
-  const SensorModel document = fit_models("monotone", histories_of(run_of_two()), {}, {});
-  const auto refused = [&](auto change) -> std::string {
-    Histories other = histories_of(run_of_two(2));
-    change(other);
-    try {
-      (void)score_model(document, other, {});
-    } catch (const AnalysisError& error) {
-      return error.id();
-    }
-    return "accepted";
-  };
-  CHECK(refused([](Histories&) {}) == "accepted");
-  CHECK(refused([](Histories& h) { h.origin = "hardware"; }) == "TB-ANALYSIS-ORIGIN");
-  CHECK(refused([](Histories& h) { h.sensor_serial = "S2"; }) == "TB-ANALYSIS-OTHER-SENSOR");
-  CHECK(refused([](Histories& h) { h.output_unit = "mV"; }) == "TB-MODEL-UNITS");
-  CHECK(refused([](Histories& h) { h.falling = true; }) == "TB-ANALYSIS-FALLING");
-}
-
 TEST_CASE("cross-validation of ELAM on data of its own kind is nearly as good as its fit") {
   const Histories histories = histories_of(run_of_two());
   const FitData data = fit_data_of(histories.taxels[0], {});

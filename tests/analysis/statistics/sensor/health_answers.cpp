@@ -1,8 +1,9 @@
-// Health of taxels and lines at each limit, with every sentence that says why; and drift at its own: by hand.
+// Health of taxels and lines at each limit, and drift at its own: by hand.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <random>
 
 #include "analysis/models/monotone.h"
 #include "analysis/statistics/numbers/moments.h"
@@ -36,10 +37,9 @@ Dataset taxels_between(const std::vector<Extremes>& taxels) {
   return dataset;
 }
 
-std::vector<std::string> sentences(const Health& health) {
+std::vector<std::string> states_found(const Health& health) {
   std::vector<std::string> out;
-  for (const TaxelHealth& finding : health.findings)
-    out.push_back(std::to_string(finding.taxel) + " " + finding.state + ": " + finding.reason);
+  for (const TaxelHealth& finding : health.findings) out.push_back(std::to_string(finding.taxel) + " " + finding.state);
   return out;
 }
 
@@ -59,7 +59,7 @@ std::vector<double> two_lines(std::vector<double> first, const std::vector<doubl
 
 }  // namespace
 
-TEST_CASE("health by hand: dead, stuck and saturated to each side of 50 mV, in words") {
+TEST_CASE("health by hand: dead, stuck and saturated to each side of 50 mV") {
   const Health health = health_of(taxels_between({{0.0, 0.0499},      // dead
                                                   {0.0, 0.0501},      // moves
                                                   {-0.0499, -0.001},  // dead
@@ -67,19 +67,15 @@ TEST_CASE("health by hand: dead, stuck and saturated to each side of 50 mV, in w
                                                   {-0.0501, -0.02},   // stuck
                                                   {1.0, 2.0, true}}),
                                   {}, true);
-  CHECK(sentences(health) ==
-        std::vector<std::string>{"0 dead: output 0.000 V to 0.050 V: moves less than 0.05 V, near 0 V",
-                                 "2 dead: output -0.050 V to -0.001 V: moves less than 0.05 V, near 0 V",
-                                 "3 stuck: output 0.020 V to 0.050 V: moves less than 0.05 V, away from 0 V",
-                                 "4 stuck: output -0.050 V to -0.020 V: moves less than 0.05 V, away from 0 V",
-                                 "5 saturated: output 1.000 V to 2.000 V: a sample stood at the converter's limit"});
+  CHECK(states_found(health) == std::vector<std::string>{"0 dead", "2 dead", "3 stuck", "4 stuck", "5 saturated"});
   CHECK(health.low_v[5] == 1.0);
   CHECK(health.high_v[5] == 2.0);
   CHECK((health.rows == 1 && health.columns == 6 && health.loaded));
   HealthOptions strict;
   strict.dead_v = 0.1;
-  CHECK(health_of(taxels_between({{0.0, 0.06}}), {}, true, strict).findings.front().reason ==
-        "output 0.000 V to 0.060 V: moves less than 0.1 V, near 0 V");
+  CHECK(health_of(taxels_between({{0.0, 0.06}}), {}, true, strict).findings.front().state == "dead");
+  // Of a run that presses on a part of the array no silent taxel is dead.
+  CHECK(health_of(taxels_between({{0.0, 0.01}, {1.0, 2.0, true}}), {}, false).count("dead") == 0);
 }
 
 TEST_CASE("health by hand: noise above four times the median taxel's, none without noise") {
@@ -90,8 +86,9 @@ TEST_CASE("health by hand: noise above four times the median taxel's, none witho
                                        {0, 1, false, 0.0005}});
   const Health health = health_of(data, {}, true);
   CHECK(health.median_noise_v == 0.001);
-  CHECK(sentences(health) == std::vector<std::string>{"3 noisy: noise 4.01 mV, above 4 times the median of 1.00 mV"});
+  CHECK(states_found(health) == std::vector<std::string>{"3 noisy"});
   CHECK_FALSE(health.findings[0].excluded);
+  CHECK_THAT(health.findings[0].reason, Catch::Contains("4.01 mV"));
   HealthOptions options;
   options.noisy_factor = 3.5;
   CHECK(health_of(data, {}, true, options).count("noisy") == 2);
@@ -106,12 +103,46 @@ TEST_CASE("health by hand: what a fit says of its taxels, with the error of thos
                 by_hand::left_out(TaxelStatus::kConstant), by_hand::left_out(TaxelStatus::kStuck)};
   fit.taxels[0].status = TaxelStatus::kUnfit;
   fit.taxels[0].fit.mean_error = 0.25;
-  CHECK(sentences(health_of(data, fit, false)) ==
-        std::vector<std::string>{
-            "0 unfit: output 0.000 V to 1.000 V: the model's mean error is 12.5 % of the taxel's full scale",
-            "1 unfit: output 0.000 V to 1.000 V: moves, but not with the pressure",
-            "2 constant: output 0.000 V to 1.000 V",
-            "3 stuck: output 0.000 V to 1.000 V: moves less than 0.05 V, away from 0 V"});
+  CHECK(states_found(health_of(data, fit, false)) ==
+        std::vector<std::string>{"0 unfit", "1 unfit", "2 constant", "3 stuck"});
+  CHECK_THAT(health_of(data, fit, false).findings[0].reason, Catch::Contains("12.5 %"));
+  fit.taxels.pop_back();
+  CHECK_THROWS_AS(health_of(data, fit, true), std::invalid_argument);
+}
+
+TEST_CASE("swapped rows and columns are found, a changed gain and noise are not") {
+  const int rows = 16, columns = 12;
+  std::mt19937 random(11);
+  std::vector<double> before;
+  for (int i = 0; i < rows * columns; ++i) before.push_back(0.5 + static_cast<double>(random()) / 4294967296.0);
+  const auto at = [&](std::vector<double>& frame, int row, int column) -> double& {
+    return frame[static_cast<std::size_t>(row * columns + column)];
+  };
+  std::vector<double> now = before;
+  for (std::size_t i = 0; i < now.size(); ++i) now[i] *= 1.2 + 0.01 * std::sin(static_cast<double>(i));
+  CHECK(swapped_lines(rows, columns, now, before).empty());
+  for (int column = 0; column < columns; ++column) std::swap(at(now, 1, column), at(now, 4, column));
+  const auto swaps = swapped_lines(rows, columns, now, before);
+  REQUIRE(swaps.size() == 1);
+  CHECK(swaps[0].rows);
+  CHECK(swaps[0].first == 1);
+  CHECK(swaps[0].second == 4);
+  CHECK(swaps[0].exchanged > 0.95);
+  // A taxel that stands still hides the exchange, one that is known to do so does not.
+  at(now, 4, 7) = 40.0;
+  CHECK(swapped_lines(rows, columns, now, before).empty());
+  at(now, 4, 7) = std::numeric_limits<double>::quiet_NaN();
+  REQUIRE(swapped_lines(rows, columns, now, before).size() == 1);
+  CHECK(swapped_lines(rows, columns, now, before)[0].exchanged > 0.95);
+  for (int column = 0; column < 5; ++column) at(now, 4, column) = std::numeric_limits<double>::quiet_NaN();
+  CHECK(swapped_lines(rows, columns, now, before).empty());  // six are left: too few to tell
+  now = before;
+  for (int row = 0; row < rows; ++row) std::swap(at(now, row, 0), at(now, row, 3));
+  const auto columns_swapped = swapped_lines(rows, columns, now, before);
+  REQUIRE(columns_swapped.size() == 1);
+  CHECK_FALSE(columns_swapped[0].rows);
+  CHECK(columns_swapped[0].second == 3);
+  CHECK(swapped_lines(2, 3, {1, 2, 3, 3, 2, 1}, {3, 2, 1, 1, 2, 3}).empty());  // too short to tell
 }
 
 TEST_CASE("swapped lines: they fit each other's place by 0.8 at least") {
@@ -229,12 +260,12 @@ TEST_CASE("an adjusted model names its parent and the data, and its loop moves w
   const Histories data = read_as({{0, 10}}, {{1, 21}});
   const Drift drift = drift_of(document, data);
   const SensorModel both = adjusted(document, drift, data, true);
-  CHECK(both.adjustment == "zero and gain by run 5 (0123456789ab)");
+  CHECK_THAT(both.adjustment, Catch::Contains("0123456789ab"));
   CHECK(both.parent_sha256 == sha256_of(document));
   CHECK(both.taxels[0].y0() == Approx(1.0));
   CHECK(both.taxels[0].yu() == Approx(21.0));
   const SensorModel zero = adjusted(document, drift, data, false);
-  CHECK(zero.adjustment == "zero by run 5 (0123456789ab)");
+  CHECK_THAT(zero.adjustment, Catch::Contains("0123456789ab"));
   CHECK(zero.taxels[0].y0() == Approx(6.0));
   CHECK(zero.taxels[0].yu() == Approx(16.0));
   // Adjusted once more from there, by the same data: the zero of 1, of the model as it was fitted.

@@ -50,31 +50,6 @@ TEST_CASE("conditions of use and sources by their names, and which sources are t
   CHECK(std::string(text_of(UncertaintySource::kHistory).name) == "history (inner branches)");
 }
 
-TEST_CASE("temperature by hand: half-widths of the run's own range and of the runs', with the thermometer's error") {
-  TemperatureEffect effect;
-  effect.temperature_c = {23.0, 19.0, 25.0};
-  effect.low_c = 22.0;
-  effect.high_c = 23.5;
-  effect.resolution_c = 0.5;
-  CHECK(effect.half_width_c() == Approx(1.0));
-  CHECK(effect.half_width_of_runs_c() == Approx(4.25));  // 4 K and half a step
-  effect.thermometer_u_c = 0.4;
-  CHECK(effect.half_width_c() == Approx(std::hypot(1.0, 0.4 * std::sqrt(3.0))));
-  CHECK(effect.half_width_of_runs_c() == Approx(std::hypot(4.25, 0.4 * std::sqrt(3.0))));
-  effect.low_c = 13.0;  // wider than the runs
-  CHECK(effect.half_width_of_runs_c() == Approx(std::hypot(5.5, 0.4 * std::sqrt(3.0))));
-  effect.thermometer_u_c = 0.0;
-  effect.per_kelvin = {0.002, 0.01};
-  effect.u = {0.001, 0.003};
-  effect.deviation = {0.002, 0.004};
-  // 2 V over the zero, mV: (2 + 20)^2 + 1 + 4 + 4 (9 + 16) = 589, for 5.5 K.
-  CHECK(effect.width_v(2.0) == Approx(5.5e-3 * std::sqrt(589.0)));
-  CHECK(effect.in_words().empty());
-  effect.not_assessed.clear();
-  effect.dof = 3.0;
-  CHECK_FALSE(effect.in_words().empty());
-}
-
 namespace {
 
 // Up and down over the levels at a temperature: 0.1 V a psi and `share` more of it, `zero` higher; of the repeats one
@@ -104,27 +79,6 @@ TemperatureEffect of_runs(const Dataset& calibration, const std::vector<Dataset>
 }
 
 }  // namespace
-
-TEST_CASE("temperature by hand: three runs about a line, the scatter of the repeats against that of the runs") {
-  // Shares of 0, 2 and 1 % at 20, 24 and 28 degC: slope 1 % / 8 K; off the line by -0.5, 1 and -0.5 %: squares 1.5e-4
-  // with one degree of freedom, over 32 K^2.
-  const TemperatureEffect effect =
-      of_runs(loop_at(20, 0, 0, kFive), {loop_at(24, 0.02, 0.04, kFive), loop_at(28, 0.01, 0.08, kFive)});
-  REQUIRE(effect.assessed());
-  CHECK(effect.per_kelvin.share == Approx(0.00125));
-  CHECK(effect.u.share == Approx(std::sqrt(1.5e-4 / 32)));
-  CHECK_FALSE(effect.from_repeats);
-  CHECK(effect.dof == 1.0);
-  CHECK(effect.per_kelvin.zero_v == Approx(0.01));
-  CHECK(effect.u.zero_v == Approx(0.0).margin(1e-9));
-  // Repeats 5 % to either side: 2 x 0.0025 a run, of six with three degrees of freedom 0.005; of means of two, over the
-  // two runs at 4 K from the middle: (4 / 32)^2 / 2 each.
-  const TemperatureEffect wide = of_runs(loop_at(20, 0, 0, kFive, 0.05),
-                                         {loop_at(24, 0.02, 0.04, kFive, 0.05), loop_at(28, 0.01, 0.08, kFive, 0.05)});
-  CHECK(wide.from_repeats);
-  CHECK(wide.dof == 3.0);
-  CHECK(wide.u.share == Approx(std::sqrt(0.005 / 64)));
-}
 
 TEST_CASE("temperature bounds: five levels in common within a millionth, and two kelvin between the means") {
   const auto assessed = [](double celsius, const std::vector<double>& rising) {
