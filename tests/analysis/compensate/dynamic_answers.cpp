@@ -1,13 +1,9 @@
 // The plain dynamic compensator by hand, on a straight film of one interval: 60 psi are 6 V above 0.5 V.
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <memory>
 #include <vector>
 
 #include "analysis/compensate/dynamic_compensator.h"
-#include "analysis/identify/taxel_stream.h"
-#include "analysis/models/linearised.h"
-#include "analysis/models/preisach.h"
 #include "tests/analysis/compensate/straight_setup.h"
 
 using namespace tactbench::analysis;
@@ -152,48 +148,4 @@ TEST_CASE("dynamic by hand: creep and lag are undone along steps, rest, conditio
     work_unseen(setup.dynamics, film.state, 30.0, 60.0);
     go({0, 25}, 3.0);
   }
-}
-
-TEST_CASE("dynamic by hand: a taxel's stream is told times, conditioning, rest and starts as its compensator is",
-          "[dynamic]") {
-  const DynamicSetup setup = creeping_setup();
-  ModelTaxel taxel;
-  taxel.status = TaxelStatus::kFitted;
-  taxel.fit.model = std::make_shared<LinearisedModel>(
-      Divider{0.5, 0.0}, std::make_shared<PreisachModel>(0.0, 60.0, 0.0, std::vector<double>{6.0}));
-  taxel.fit.full_scale = 6.0;
-  taxel.loop_low = 0.5;
-  taxel.creep_scale = 1.5;
-  taxel.lag_share = 0.2;
-  SensorModel model;
-  model.dynamics = SensorDynamics{};
-  model.dynamics->shared = setup.dynamics;
-  model.falling = true;  // of outputs that rise all the same, as a stream's are
-  model.taxels = {taxel};
-  TaxelStream stream(model, model.taxels[0]), still(model.taxels[0]);
-  DynamicTaxelCompensator compensator(setup, 0);
-  CreepingFilm film{setup.dynamics, setup.taxels[0]};
-  const auto go = [&](const std::vector<double>& way) {
-    for (const double psi : way) {
-      const double volts = film.volts(psi, 4.0);
-      CHECK(stream.step(volts, 4.0).pressure_psi == Approx(compensator.step(volts, 4.0).pressure_psi).margin(1e-9));
-      CHECK(still.step(volts, 4.0).pressure_psi == Approx(10.0 * (volts - 0.5)).margin(1e-9));
-    }
-  };
-  go({0, 30, 40, 0});
-  stream.work(50.0);
-  still.work(50.0);
-  compensator.work(50.0);
-  work_unseen(setup.dynamics, film.state, 50.0, 60.0);
-  go({0, 20, 0});
-  stream.rest(10.0);
-  still.rest(10.0);
-  compensator.rest(10.0);
-  advance(setup.dynamics, film.state, {setup.dynamics, 10.0}, 0.0);
-  go({0, 50, 0});
-  stream.reset();
-  still.reset();
-  compensator.reset();
-  film.state = {};
-  go({0, 10});
 }

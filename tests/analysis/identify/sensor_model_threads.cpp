@@ -1,5 +1,4 @@
-// Fitted models of every kind: one rule for a taxel's status, and figures, verdicts, frames and storage for every
-// model that can be inverted.
+// Fitted models of every kind: figures, verdicts, frames and storage for every model that can be inverted.
 #include "analysis/identify/sensor_model.h"
 
 #include <catch2/catch.hpp>
@@ -33,19 +32,6 @@ FitOptions by(const std::string& model) {
 }
 
 }  // namespace
-
-TEST_CASE("a taxel is dead, stuck or saturated by one rule, whatever the sign of its output") {
-  CHECK(status_of({0.0, 0.04}, false) == TaxelStatus::kDead);
-  CHECK(status_of({-0.04, 0.0}, false) == TaxelStatus::kDead);
-  CHECK(status_of({0.03, 0.06}, false) == TaxelStatus::kStuck);
-  CHECK(status_of({-0.06, -0.03}, false) == TaxelStatus::kStuck);
-  CHECK(status_of({0.0, kDeadV}, false) == TaxelStatus::kFitted);
-  CHECK(status_of({0.0, 3.0}, true) == TaxelStatus::kSaturated);
-  CHECK(status_of({5.0, 5.0}, true) == TaxelStatus::kSaturated);
-  TaxelStatus status = TaxelStatus::kDead;
-  CHECK((status_from("unfit", status) && status == TaxelStatus::kUnfit));
-  CHECK((!status_from("well", status) && status == TaxelStatus::kUnfit));
-}
 
 TEST_CASE("every model has figures on a held-out run and is judged by limits") {
   const Dataset fitted = array_run(1), held_out = array_run(2);

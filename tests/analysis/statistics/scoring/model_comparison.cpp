@@ -1,13 +1,11 @@
 // Four models side by side, by hand where the model is a straight line, and by their own definition where it was
-// identified here; how inner branches are dealt into folds; a stored model's score, summed over taxels.
+// identified here.
 #include "analysis/statistics/scoring/model_comparison.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "analysis/identify/folds.h"
 #include "analysis/models/monotone.h"
-#include "analysis/statistics/scoring/model_score.h"
 #include "tests/analysis/support/straight_array.h"
 
 using namespace straight_array;
@@ -158,90 +156,4 @@ TEST_CASE("models side by side: what cannot be identified says why, a fit of ano
   SensorModel none = straight_fit();
   for (ModelTaxel& taxel : none.taxels) taxel.status = TaxelStatus::kDead;
   CHECK(compare_models(known_loop(), none, kChosen, 1).taxels.empty());
-}
-
-namespace {
-
-// Inputs 0 to 100: whole sweeps and inner branches, which begin at 0.5 (still the end of the loop), 2, 99.5 and 98.
-FitData swept() {
-  const std::vector<double> ends{0.0, 100.0};
-  FitData data{{}, PatternCurve(ends, ends, 0.0, 100.0), PatternCurve(ends, ends, 0.0, 100.0)};
-  History history{"s", {0, 100, 0.5, 98, 2, 99.5, 30, 60, 40, 100}, {}, {}, {}, {}};
-  history.branches = branches_along(history.x);
-  history.y = history.x;
-  data.histories = {history};
-  return data;
-}
-
-}  // namespace
-
-TEST_CASE("folds: inner branches are dealt in turn, each is held once, those of the external loop never") {
-  const FitData data = swept();
-  REQUIRE(data.histories[0].branches.size() == 9);
-  // External: up from 0, down from 100, up from 0.5, down from 99.5. Inner: from 98, 2, 30, 60, 40.
-  const auto begins = [&](const std::vector<Branch>& branches) {
-    std::vector<double> from;
-    for (const Branch& branch : branches) from.push_back(data.histories[0].x[static_cast<std::size_t>(branch.first)]);
-    return from;
-  };
-  const std::vector<Fold> two = folds_of(data, 2);
-  REQUIRE(two.size() == 2);
-  CHECK(begins(two[0].held[0]) == std::vector<double>{98, 30, 40});
-  CHECK(begins(two[1].held[0]) == std::vector<double>{2, 60});
-  CHECK(begins(two[0].kept[0]) == std::vector<double>{0, 100, 0.5, 2, 99.5, 60});
-  CHECK(begins(two[1].kept[0]) == std::vector<double>{0, 100, 0.5, 98, 99.5, 30, 40});
-  CHECK(folds_of(data).size() == 5);
-  CHECK(folds_of(data, 9).size() == 5);
-  FitData one = data;
-  one.histories[0].branches.resize(4);  // 98 alone is inner
-  CHECK(folds_of(one).empty());
-  one.histories[0].branches = {data.histories[0].branches.begin(), data.histories[0].branches.begin() + 5};
-  CHECK(folds_of(one).size() == 2);
-  CHECK(with_branches(data, two[1].held).histories[0].branches.size() == 2);
-}
-
-TEST_CASE("a stored model's score sums over the taxels, with the mean beside it and adjustments undone") {
-  const auto line = [](int number) {
-    ModelTaxel taxel;
-    taxel.taxel = number;
-    taxel.status = TaxelStatus::kFitted;
-    const std::vector<double> ends{0.0, 10.0};
-    taxel.fit.model = std::make_shared<MonotoneModel>(PatternCurve(ends, ends, 0.0, 10.0));
-    taxel.fit.full_scale = 10.0 + number;
-    return taxel;
-  };
-  const auto read = [](int number, std::vector<double> y) {
-    TaxelHistories taxel;
-    taxel.taxel = number;
-    History history{"up", {0, 4, 8}, std::move(y), {}, {}, {}};
-    history.branches = branches_along(history.x);
-    taxel.score = {history};
-    return taxel;
-  };
-  SensorModel document;
-  document.input_unit = "psi";
-  document.output_unit = "V";
-  document.taxels = {line(0), line(1), line(kMeanTaxel)};
-  document.taxels[1].zero = 1.0;
-  document.taxels[1].gain = 2.0;
-  Histories histories;
-  // Off by 0.5 and 0.25; by 0 and, before the gain, by 1; the mean by 0.1 and 0.2.
-  histories.taxels = {read(0, {0, 4.5, 8.25}), read(1, {1, 9, 19}), read(kMeanTaxel, {0, 4.1, 8.2})};
-  const ModelScore score = score_model(document, histories, {}, 1);
-  CHECK(score.count == 2);
-  CHECK(score.full_scale == 9.0);
-  CHECK(score.taxels.direct.samples == 4);
-  CHECK(score.taxels.direct.mean() == Approx((0.5 + 0.25 + 0.0 + 1.0) / 4));
-  CHECK(score.taxels.direct.max == Approx(1.0));
-  CHECK(score.mean.direct.mean() == Approx(0.15));
-  // By the straight line of the loop, 10 V at 10 psi but 11 at the second.
-  CHECK(score.mean.raw.mean() == Approx((4.1 * 10 / 9 - 4 + 8.2 * 10 / 9 - 8) / 2));
-  SensorModel alone = document;
-  alone.taxels.erase(alone.taxels.begin() + 1, alone.taxels.end());
-  const ModelScore single = score_model(alone, histories, {}, 1);
-  CHECK(single.count == 1);
-  CHECK(single.full_scale == 10.0);
-  CHECK(single.mean.direct.mean() == Approx(0.375));
-  alone.taxels[0].taxel = 7;
-  CHECK_THROWS_WITH(score_model(alone, histories, {}, 1), Catch::Contains("no taxel in common"));
 }

@@ -221,26 +221,6 @@ TEST_CASE("what is missing of a bare run is named, source by source") {
   CHECK(made.maker().missing()[static_cast<std::size_t>(UncertaintySource::kConditioning)].empty());
 }
 
-TEST_CASE("conditions of use without runs: which runs each of them asks for, in words") {
-  const StraightBudget made = exact_budget();
-  const BudgetMaker maker = made.maker();
-  const auto why = [&](UseCondition condition) { return maker.not_valid(condition); };
-  const std::string none = "no held-out run with reversals other than the fitted ones";
-  CHECK(why(UseCondition::kStated).empty());
-  CHECK_FALSE(why(UseCondition::kFullSweeps).empty());
-  CHECK_FALSE(why(UseCondition::kFittedBranches).empty());
-  CHECK(why(UseCondition::kAnyHistory) == none + ": name two of random-reversal");
-  CHECK(why(UseCondition::kOtherDwell) ==
-        none + " at another dwell: name two of random-reversal with a dwell_s more than three times as long, below 20");
-  CHECK(why(UseCondition::kHeld) ==
-        none + " that holds the pressure: name two of random-reversal with dwell_s of 20 or more");
-  CHECK(why(UseCondition::kOtherTemperature) == none + " at another temperature: name two of random-reversal");
-  CHECK(why(UseCondition::kRemounted) == none + ": name one of random-reversal");
-  CHECK(why(UseCondition::kLater) == none + " of another day: name two of random-reversal");
-  CHECK_FALSE(maker.basis(UseCondition::kFullSweeps).empty());
-  CHECK_FALSE(maker.basis(UseCondition::kLater).empty());
-}
-
 TEST_CASE("U of the array by hand: common parts whole, own parts over the number, the centre by own parts alone") {
   StraightBudget made = exact_budget();
   made.inputs.mounting = GivenUncertainty{0.3, 0.0, kInfiniteDof, "five mounts"};
