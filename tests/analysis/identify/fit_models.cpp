@@ -154,55 +154,6 @@ TEST_CASE("identification: no parameters near the fitted ones have a smaller err
   }
 }
 
-TEST_CASE("identification: one preparation serves all taxels and refuses other inputs") {
-  const FitData one = paper_both(0.03, 0.02, 1), two = paper_both(0.03, 0.02, 2);
-  for (const char* name : kOthers) {
-    INFO(name);
-    const auto prepared = prepare(name, one);
-    CHECK(prepared->fit(two).model->to_json() == identify(name, two).model->to_json());
-    CHECK(prepared->fit(two).j == identify(name, two).j);
-    FitData other = two;
-    other.histories[0].x[3] += 1e-3;
-    CHECK_THROWS_AS(prepared->fit(other), std::invalid_argument);
-    other = two;
-    other.histories.pop_back();
-    CHECK_THROWS_AS(prepared->fit(other), std::invalid_argument);
-    other = two;
-    other.histories[0].y[7] = std::numeric_limits<double>::quiet_NaN();
-    CHECK_THROWS_AS(prepared->fit(other), std::invalid_argument);
-  }
-  CHECK_THROWS_WITH(identify("spline", one), Catch::Contains("spline"));
-}
-
-TEST_CASE("identification: data that cannot carry a model are refused with what is missing") {
-  const FitData good = paper_data(kDescendingTurns);
-  for (const char* name : kOthers) {
-    INFO(name);
-    FitData bad = good;
-    std::erase_if(bad.histories[0].branches, [](const Branch& b) { return b.ascending; });
-    if (std::string(name) == "monotone")  // one way carries a single-valued curve
-      CHECK(identify(name, bad).samples > 0);
-    else
-      CHECK_THROWS_WITH(identify(name, bad), Catch::Contains("both directions"));
-    bad = good;
-    bad.histories.clear();
-    CHECK_THROWS_AS(identify(name, bad), std::invalid_argument);
-    bad = good;
-    bad.ascending = {};
-    CHECK_THROWS_WITH(identify(name, bad), Catch::Contains("external loop"));
-    bad = good;
-    bad.histories[0].y.pop_back();
-    CHECK_THROWS_WITH(identify(name, bad), Catch::Contains("paper"));
-    bad = good;
-    bad.histories[0].x[2] = std::numeric_limits<double>::infinity();
-    CHECK_THROWS_AS(identify(name, bad), std::invalid_argument);
-    bad = good;
-    bad.histories[0].branches[1].last = 100000;
-    CHECK_THROWS_AS(identify(name, bad), std::invalid_argument);
-  }
-  CHECK_THROWS_AS(identify("gpi", good, {.starts = 0}), std::invalid_argument);
-}
-
 // Measured inputs: off the grid, wavering within a branch, branches of unequal length, a range that does not begin at
 // 0, a history that starts in the middle.
 TEST_CASE("identification: measured inputs, unequal branches and an origin elsewhere are fitted as well") {

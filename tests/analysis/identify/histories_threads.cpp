@@ -56,22 +56,6 @@ TEST_CASE("a run gives averaged histories to fit, measured ones to score, and th
   CHECK(mean.noise == Approx(first.noise / 2));
 }
 
-TEST_CASE("dead, stuck and saturated taxels are named and do not enter the mean") {
-  Dataset dataset = small_run();
-  for (SequenceData& sequence : dataset.sequences)
-    for (Repeat& repeat : sequence.repeats)
-      for (std::size_t i = 0; i < repeat.steps.size(); ++i) {
-        repeat.volts[i * 4] = 0.001;
-        repeat.volts[i * 4 + 1] = 2.0;
-      }
-  dataset.at_limit[2] = true;
-  const Histories histories = histories_of(dataset);
-  CHECK(histories.taxels[0].status == TaxelStatus::kDead);
-  CHECK(histories.taxels[1].status == TaxelStatus::kStuck);
-  CHECK(histories.taxels[2].status == TaxelStatus::kSaturated);
-  CHECK(histories.taxels.back().fit[0].y == histories.taxels[3].fit[0].y);
-}
-
 TEST_CASE("[A20] outputs of a falling sensor are negated") {
   const Histories rising = histories_of({loop_table(1.0)}, "t.csv"),
                   falling = histories_of({loop_table(-1.0)}, "t.csv");

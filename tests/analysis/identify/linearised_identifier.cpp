@@ -56,31 +56,6 @@ SensorModel sensor_of(const std::string& name, const ModelFit& fit, const FitDat
 
 }  // namespace
 
-TEST_CASE("each inner branch is held out once, branches of the external loop never", "[linearise]") {
-  const FitData data = two_sequences(plant());
-  const std::vector<Fold> folds = folds_of(data);
-  REQUIRE(folds.size() == 5);
-  std::multiset<std::pair<std::size_t, int>> held;
-  for (const Fold& fold : folds)
-    for (std::size_t h = 0; h < data.histories.size(); ++h) {
-      CHECK(fold.kept[h].size() + fold.held[h].size() == data.histories[h].branches.size());
-      for (const Branch& branch : fold.held[h]) held.insert({h, branch.first});
-    }
-  std::size_t inner = 0;
-  for (std::size_t h = 0; h < data.histories.size(); ++h)
-    for (const Branch& branch : data.histories[h].branches) {
-      const double from = data.histories[h].x[static_cast<std::size_t>(branch.first)];
-      const bool outer = branch.ascending ? from == 0.0 : from == 60.0;
-      CHECK(held.count({h, branch.first}) == (outer ? 0U : 1U));
-      inner += outer ? 0 : 1;
-    }
-  CHECK(inner == 10);
-  CHECK(folds_of(data, 3).size() == 3);
-  FitData loop = data;
-  for (History& history : loop.histories) history.branches.resize(2);
-  CHECK(folds_of(loop).empty());
-}
-
 TEST_CASE("the divider of a plant is found, and without one the model is the plain one bit for bit", "[linearise]") {
   IdentifyOptions options;
   options.linearise = true;

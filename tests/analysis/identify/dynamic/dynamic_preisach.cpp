@@ -44,34 +44,6 @@ TEST_CASE("Everett's table and staircase give the inputs that the Preisach model
   }
 }
 
-TEST_CASE("the divider is removed and applied again, and a linearised model is stored and read", "[dynamic]") {
-  const Divider divider{0.02, 1.0 / 3.9};
-  for (double v = -0.1; v < 3.88; v += 0.01) CHECK(divider.output(divider.linear(v)) == Approx(v).margin(1e-12));
-  CHECK(divider.output(divider.linear(5.0)) == Approx(5.0));  // beyond the divider's end
-  const LinearisedModel model(divider, std::make_unique<PreisachModel>(random_preisach()));
-  const auto again = model_from_json(model.to_json());
-  CHECK(again->to_json() == model.to_json());
-  const std::vector<double> way = random_way(200, 3.0, 4);
-  const std::vector<double> outputs = predict(model, way);
-  CHECK(predict(*again, way) == outputs);
-  for (const double y : outputs) CHECK((y >= 0.02 && y < 0.02 + 3.9));
-}
-
-TEST_CASE("the congruency test finds the divider's amplitude, and reports none without a divider", "[dynamic]") {
-  for (const double amplitude : {2.5, 3.9, 8.0}) {
-    const LinearisedModel plant({0.02, 1.0 / amplitude}, std::make_unique<PreisachModel>(film_of(3, 30)));
-    const Congruency found = find_divider(two_sequences(plant));
-    CHECK(found.pairs == 10);
-    CHECK(1.0 / found.divider.per_amplitude == Approx(amplitude).epsilon(0.01));
-    CHECK(found.rms < 0.05 * found.plain_rms);
-  }
-  CHECK(find_divider(two_sequences(film_of(3, 30))).divider.per_amplitude == 0.0);
-  // Falls alone cannot tell.
-  FitData falls = two_sequences(LinearisedModel({0.0, 0.25}, std::make_unique<PreisachModel>(film_of(3, 30))));
-  falls.histories.pop_back();
-  CHECK(find_divider(falls).divider.per_amplitude == 0.0);
-}
-
 TEST_CASE("every model can be fitted on the linearised output, and Preisach is exact on its own plant then",
           "[dynamic]") {
   const LinearisedModel plant({0.02, 1.0 / 3.9}, std::make_unique<PreisachModel>(film_of(4, 30)));
@@ -153,32 +125,6 @@ TEST_CASE("after an unknown start the pressures converge to those of a known sta
   }
   CHECK(was_unknown);
   CHECK_FALSE(is_unknown);
-}
-
-TEST_CASE("outputs that are lower throughout are scaled back by the first turn at the top", "[dynamic]") {
-  DynamicArray array = dynamic_array(1, 0.001);
-  array.setup.dynamics = {};
-  array.setup.taxels[0].creep_scale = array.setup.taxels[0].lag_share = 0.0;
-  array.setup.observer.share = 0.02;
-  for (const double gain : {0.99, 1.0, 1.01}) {
-    DynamicPlant plant(array.films[0], array.setup.dynamics, array.setup.taxels[0]);
-    DynamicTaxelCompensator compensator(array.setup, 0);
-    std::vector<double> way;
-    for (const double turn : {60.0, 0.0, 60.0, 20.0, 50.0, 0.0})
-      while (way.empty() || way.back() != turn)
-        way.push_back(way.empty() ? 0.0 : way.back() + (turn > way.back() ? 1.0 : -1.0));
-    double most = 0.0;
-    bool turned = false;
-    for (const double psi : way) {
-      const double volts = 0.02 + gain * (plant.step(psi, 1.0) - 0.02);
-      const double error = std::abs(compensator.step(volts, 1.0).pressure_psi - psi);
-      turned = turned || (psi < 58.0 && std::abs(compensator.gain() - 1.0 / gain) < 0.002);
-      if (turned) most = std::max(most, error);
-    }
-    INFO("gain " << gain << ": " << compensator.gain() << ", most " << most << " psi");
-    CHECK(compensator.gain() == Approx(1.0 / gain).margin(0.001));
-    CHECK(most < 0.8);
-  }
 }
 
 TEST_CASE("creep and lag of an array are found again on the recipes that vary time", "[dynamic]") {

@@ -133,22 +133,6 @@ TEST_CASE("a parameter at its bound is reported") {
   CHECK((fit.at_bound & 2U) != 0);
 }
 
-TEST_CASE("malformed branches are refused") {
-  const ElamModel m = model_of(paper_loop(), kPrinted);
-  auto good = branches_from(m, {0, 60, 0}, Outer::kFormula);
-  CHECK_NOTHROW(identify_elam(m.ascending, m.descending, good));
-  CHECK_THROWS_AS(identify_elam(m.ascending, m.descending, {}), std::invalid_argument);
-  CHECK_THROWS_AS(identify_elam(m.ascending, m.descending, std::span(good).first(1)), std::invalid_argument);
-  auto bad = good;
-  bad[0].volts[3] = std::numeric_limits<double>::quiet_NaN();
-  CHECK_THROWS_AS(identify_elam(m.ascending, m.descending, bad), std::invalid_argument);
-  bad = good;
-  bad[1].volts.pop_back();
-  CHECK_THROWS_AS(identify_elam(m.ascending, m.descending, bad), std::invalid_argument);
-  const PatternCurve other(m.ascending.x(), m.ascending.y(), 0.0, 3.6);
-  CHECK_THROWS_AS(identify_elam(other, m.descending, good), std::invalid_argument);
-}
-
 TEST_CASE("an array's fit does not depend on the number of threads") {
   const Dataset data = run(small_array(), {});
   FitOptions options;

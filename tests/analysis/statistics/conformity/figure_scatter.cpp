@@ -86,18 +86,6 @@ TEST_CASE("scatter of one sweep judged is that of the models' run, whole, withou
   CHECK(std::isnan(found_in(nothing, "distance_of_mean", "array").combined));
 }
 
-TEST_CASE("one taxel alone has no spread over taxels") {
-  SensorModel one = straight_fit();
-  one.taxels[1].status = TaxelStatus::kUnfit;
-  const Evaluation e = evaluate(known_loop(), one, 1);
-  CHECK(e.excluded_taxels == 2);
-  for (const LevelFigures& level : e.levels) {
-    CHECK((level.raw_std_up == 0.0 && level.raw_std_down == 0.0));
-    CHECK((level.comp_std_up == 0.0 && level.comp_std_down == 0.0));
-  }
-  CHECK(std::isnan(e.taxel_mean_error_psi[1]));
-}
-
 TEST_CASE("of taxels that err alike the first is the worst one") {
   // Both read 10 psi too much at 40 psi upward: 2.5 and 5 V.
   const Evaluation e =

@@ -31,17 +31,6 @@ TEST_CASE("force, centre, moments and area of a block of pressure") {
   CHECK_THROWS_AS(contact_figures(pressure, 6, 7, geometry), std::invalid_argument);
 }
 
-TEST_CASE("a registration takes stage positions to taxels") {
-  MountTransform mount;
-  mount.angle_deg = 90.0;
-  mount.offset_mm = {10.0, 20.0};
-  // Turned by 90 degrees counter-clockwise: 3 mm along the columns are 3 mm of the stage's y.
-  CHECK(mount.taxel_mm(10.0, 23.0)[0] == Approx(3.0));
-  CHECK(mount.taxel_mm(10.0, 23.0)[1] == Approx(0.0).margin(1e-12));
-  mount.flipped = true;
-  CHECK(mount.taxel_mm(9.0, 20.0)[1] == Approx(-1.0));
-}
-
 namespace {
 
 // Straight loops, 0.05 V/psi; the second taxel flat above 40 psi on the way down.

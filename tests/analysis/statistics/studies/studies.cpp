@@ -188,12 +188,3 @@ TEST_CASE("crosstalk: shares of rows and columns come back, a ghost row is named
   CHECK(c.ghost_rows[0].line == 3);
   CHECK(c.ghost_columns.empty());
 }
-
-TEST_CASE("crosstalk: none is found without crosstalk, and few positions are not assessed") {
-  const std::vector<PointFrame> frames = prints(0.0, 0.0, 0.0);
-  const Crosstalk c = crosstalk_of(4, frames, 12, 12);
-  REQUIRE(c.assessed());
-  CHECK(c.row.mean_share == Approx(0.0).margin(1e-12));
-  CHECK(c.ghost_rows.empty());
-  CHECK_FALSE(crosstalk_of(4, std::span(frames).first(4), 12, 12).assessed());
-}
