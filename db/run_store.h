@@ -130,6 +130,7 @@ class RunStore {
   void each_frame(std::int64_t run,
                   const std::function<void(const FrameRecord&)>& see) const;  // one in memory at a time
   [[nodiscard]] std::int64_t frame_count(std::int64_t run) const;
+  [[nodiscard]] std::int64_t void_frame_count(std::int64_t run) const;     // in void branches
   [[nodiscard]] std::int64_t flagged_frame_count(std::int64_t run) const;  // with any flag, also in void branches
   [[nodiscard]] int scans_of_first_frame(std::int64_t run) const;          // 0: the run has no frame
   [[nodiscard]] std::vector<EventRecord> events(std::int64_t run) const;

@@ -250,6 +250,14 @@ std::int64_t RunStore::frame_count(std::int64_t run) const {
   return row.bind(frames_above(run), frames_below(run)).first<std::int64_t>().value();
 }
 
+std::int64_t RunStore::void_frame_count(std::int64_t run) const {
+  database_->require_run(run);
+  sqlite::Statement row(
+      database_->connection,
+      "SELECT count(*) FROM frames JOIN branches USING (branch) WHERE frame > ? AND frame < ? AND void");
+  return row.bind(frames_above(run), frames_below(run)).first<std::int64_t>().value();
+}
+
 std::int64_t RunStore::flagged_frame_count(std::int64_t run) const {
   database_->require_run(run);
   sqlite::Statement row(database_->connection,

@@ -106,7 +106,10 @@ std::vector<std::string> view_lines(const RunView& view, analysis::PressureUnit 
   lines.push_back(line("phase", unit.in_text(status.phase)));
   lines.push_back(line(status.target_n ? "force" : "pressure", readings_text(status, unit)));
   lines.push_back(line("time", time_text(status)));
-  lines.push_back(line("frames", fmt::format("{} stored, {} planned", status.frames, status.frames_planned)));
+  const std::string in_void =
+      status.frames_void == 0 ? "" : fmt::format("; {} more in void branches", status.frames_void);
+  lines.push_back(
+      line("frames", fmt::format("{} stored, {} planned{}", status.frames, status.frames_planned, in_void)));
   if (!view.stored) return lines;
   const char* name = "events";
   for (const db::EventRecord& event : view.stored->events)
@@ -141,8 +144,8 @@ nlohmann::ordered_json view_json(const RunView& view) {
   tell_status(status, view.live.status);
   nlohmann::ordered_json json = {
       {"run", view.live.status.run}, {"bench", view.live.bench}, {"process", view.live.server.process}};
-  for (const char* key : {"store", "state", "phase", "question", "reason", "step", "steps", "frames", "frames_planned",
-                          "left_s", "left_low_s", "left_high_s", "prompts_left", "rate", "age_s"})
+  for (const char* key : {"store", "state", "phase", "question", "reason", "step", "steps", "frames", "frames_void",
+                          "frames_planned", "left_s", "left_low_s", "left_high_s", "prompts_left", "rate", "age_s"})
     json[key] = status.at(key);
   json["target_n"] = status.value("target_n", nlohmann::json());
   json["readings"] = status.value("readings", nlohmann::json());

@@ -109,7 +109,8 @@ void RunOnShow::look(const LiveRun* live) {
     seen_ = seen;
     read_ = now;
     read_store(live);
-  } else if (frames_ && live != nullptr && !other && frames_->position() < live->status.frames) {
+  } else if (frames_ && live != nullptr && !other &&
+             frames_->position() < live->status.frames + live->status.frames_void) {
     look_at_frames();
   }
 }

@@ -98,7 +98,8 @@ class RunLifecycle {
     status.run = result_.run;
     status.store = std::filesystem::absolute(store_.path()).string();  // the client may have another working directory
     status.label = request_.label;
-    status.frames = frames_before_;
+    status.frames_void = store_.void_frame_count(result_.run);
+    status.frames = frames_before_ - status.frames_void;
     status.rate = request_.bench.in_process ? request_.pace : request_.bench.rate;
     board_.phase("opening the devices");
     control_.on_panic([this] {

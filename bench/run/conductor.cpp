@@ -33,7 +33,7 @@ Conductor::Conductor(Sequencer& sequencer, Recorder& recorder, Control& control,
       work_(std::move(work)),
       baseline_(std::move(baseline)),
       status_(board.now()),
-      frames_before_(board.now().frames),
+      frames_before_(board.now().frames + board.now().frames_void),
       stage_(sequencer, recorder),
       spans_(sequences::branches(work_.steps)) {
   sequencer_.set_listener([this] { listen(); });
@@ -256,7 +256,8 @@ void Conductor::publish() {
     status_.left_high_s = left.p90_s;
     status_.prompts_left = work_.assume_yes ? 0 : left.prompts;
   }
-  status_.frames = frames_before_ + recorder_.frames();
+  status_.frames_void = recorder_.void_frames();
+  status_.frames = frames_before_ + recorder_.frames() - status_.frames_void;
   board_.publish();
 }
 

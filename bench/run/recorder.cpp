@@ -9,7 +9,7 @@
 namespace tactbench::bench {
 
 Recorder::Recorder(db::RunStore& store, std::int64_t run, const devices::Clock& clock, devices::Nanoseconds offset)
-    : store_(store), run_(run), clock_(clock), offset_(offset) {
+    : store_(store), run_(run), clock_(clock), offset_(offset), void_frames_(store.void_frame_count(run)) {
   for (const db::BranchRecord& branch : store.branches(run)) {
     int& next = attempts_[{branch.sequence, branch.repeat, branch.ordinal}];
     next = std::max(next, branch.attempt + 1);
@@ -35,6 +35,7 @@ void Recorder::open_branch(const sequences::Step& step) {
 void Recorder::void_branch(const std::string& reason) {
   if (branch_ == 0) return;
   store_.void_branch(std::exchange(branch_, 0), as_stored(reason));
+  void_frames_ = store_.void_frame_count(run_);
 }
 
 void Recorder::void_repeat(int sequence, int repeat, const std::string& reason) {
@@ -43,6 +44,7 @@ void Recorder::void_repeat(int sequence, int repeat, const std::string& reason) 
       store_.void_branch(branch.branch, as_stored(reason));
     }
   }
+  void_frames_ = store_.void_frame_count(run_);
 }
 
 void Recorder::poll(devices::Psi setpoint, const devices::PressureReading& feedback,

@@ -51,7 +51,8 @@ class Recorder {
   // Throws std::logic_error on a change that the table does not allow.
   void state(RunState next, const std::string& reason);
   [[nodiscard]] RunState state() const { return state_; }
-  [[nodiscard]] int frames() const { return frames_; }  // of this process
+  [[nodiscard]] int frames() const { return frames_; }                     // of this process
+  [[nodiscard]] std::int64_t void_frames() const { return void_frames_; }  // of earlier processes too
   [[nodiscard]] int most_exchanges() const { return most_exchanges_; }
   [[nodiscard]] std::int64_t run() const { return run_; }
   // Process time since the run's start, those of earlier processes included.
@@ -74,6 +75,7 @@ class Recorder {
   std::vector<Poll> polls_;
   std::function<std::string(const std::string&)> names_;
   int frames_ = 0, most_exchanges_ = 0;
+  std::int64_t void_frames_ = 0;
   double store_seconds_ = 0.0;
 };
 

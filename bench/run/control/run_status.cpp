@@ -31,6 +31,7 @@ void tell_status(nlohmann::json& told, const RunStatus& status) {
                {"step", status.step},
                {"steps", status.steps},
                {"frames", status.frames},
+               {"frames_void", status.frames_void},
                {"frames_planned", status.frames_planned},
                {"left_s", status.left_s},
                {"left_low_s", status.left_low_s},
@@ -71,6 +72,7 @@ RunStatus told_status(const nlohmann::json& told) {
   status.step = told.value("step", 0);
   status.steps = told.value("steps", 0);
   status.frames = told.value("frames", std::int64_t{0});
+  status.frames_void = told.value("frames_void", std::int64_t{0});
   status.frames_planned = told.value("frames_planned", std::int64_t{0});
   status.left_s = told.value("left_s", 0.0);
   status.left_low_s = told.value("left_low_s", 0.0);

@@ -34,7 +34,8 @@ struct RunStatus {
   std::optional<GivenAnswer> answer;  // the last one; filled in by Control
   std::string phase;                  // what it does now, in words: "conditioning 2 of 6"
   int step = 0, steps = 0;
-  std::int64_t frames = 0, frames_planned = 0;  // stored, of earlier processes and void branches too; by the recipes
+  // Stored by this process and earlier ones: in branches that count, and in void ones. By the recipes.
+  std::int64_t frames = 0, frames_void = 0, frames_planned = 0;
   // Process time: median and 10-90 % band, without waits; prompts are counted apart. All 0: there is no estimate.
   double left_s = 0.0, left_low_s = 0.0, left_high_s = 0.0;
   int prompts_left = 0;
