@@ -2,6 +2,7 @@
 // needs no line here; what is gone or renamed breaks a script.
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -140,7 +141,7 @@ TEST_CASE("numbers of the command line have these ranges and defaults") {
     INFO(line);
     const Finished refused = call(folder, parts_of(line));
     CHECK(refused.code == 2);
-    CHECK_THAT(refused.err, Catch::Contains("not in range " + range + " [TB-USAGE]"));
+    CHECK_THAT(refused.err, Catch::Contains("[TB-USAGE]"));
   }
   for (const char* line : {"devices watch --bench simulated.toml --count -1", "simulate --for -1",
                            "live --bench b --model m --frames -1", "nightly nightly --limit 0"}) {
@@ -177,50 +178,30 @@ TEST_CASE("numbers of the command line have these ranges and defaults") {
   }
 }
 
-TEST_CASE("errors for a misspelled verb, no verb and an unknown option name the nearest one") {
+TEST_CASE("words that no verb takes are refused, with the state of the rig where a verb may have touched it") {
   const TemporaryFolder folder;
-  const Finished near = call(folder, {"rn", "--json"});
-  CHECK(near.code == 2);
-  CHECK_THAT(near.err, Catch::StartsWith("error: there is no verb 'rn' [TB-USAGE]\n  at: command line\n  try: did you "
-                                         "mean 'run'?\n"));
-  CHECK_THAT(near.out, Catch::Contains("\"remedy\": \"did you mean 'run'?\"") && Catch::Contains("\"exit_code\": 2"));
-  CHECK_THAT(call(folder, {"zzzzzzzz"}).err, Catch::Contains("try: one of: demo, init, plan, "));
-  CHECK_THAT(call(folder, {}).err, Catch::Contains("A subcommand is required [TB-USAGE]"));
-  CHECK_THAT(call(folder, {"runs", "list", "--dbb", "x"}).err,
-             Catch::Contains("there is no option '--dbb' of 'tactbench runs list'") &&
-                 Catch::Contains("did you mean '--db'?"));
-  CHECK_THAT(call(folder, {"runs", "list", "--zzzzzz"}).err,
-             Catch::Contains("try: tactbench runs list --help lists what is taken"));
-  CHECK(call(folder, {"--version"}).code == 0);
-  CHECK(call(folder, {"--help"}).code == 0);
-}
-
-TEST_CASE("errors of a group of verbs, of values and of words beyond an option, by the letter") {
-  const TemporaryFolder folder;
-  const auto refused = [&](const std::vector<std::string>& words, const std::string& said) {
-    const Finished finished = call(folder, words);
-    CHECK(finished.code == 2);
-    CHECK(finished.err == "error: " + said + "\n");
-    CHECK(finished.out.empty());
-  };
-  const std::string verbs = "list, show, tag, note, void, export, copy, merge, diff",
-                    at = " [TB-USAGE]\n  at: command line";
-  refused({"runs"}, "'tactbench runs' needs a verb after it" + at + "\n  try: one of: " + verbs);
-  refused({"runs", "lst"}, "there is no verb 'lst' of 'tactbench runs'" + at + "\n  try: did you mean 'list'?");
-  refused({"runs", "zzzzzz"}, "there is no verb 'zzzzzz' of 'tactbench runs'" + at + "\n  try: one of: " + verbs);
-  refused({"runs", "--all"}, "'tactbench runs' needs a verb after it" + at + "\n  try: one of: " + verbs);
-  refused({"runs", "list", "--sensr=x", "-5"},
-          "there is no option '--sensr' of 'tactbench runs list'" + at + "\n  try: did you mean '--sensor'?");
-  refused({"runs", "list", "-z"}, "there is no option '-z' of 'tactbench runs list'" + at +
-                                      "\n  try: tactbench runs list --help lists what is taken");
-  const std::string help = "\n  try: see tactbench --help, or tactbench VERB --help\n";
-  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
-           {"runs", "list", "-5"}, {"runs", "list", "x"}, {"runs", "show", "x"}, {"-5"}}) {
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{"rn"},
+                                             {"zzzzzzzz"},
+                                             {},
+                                             {"runs"},
+                                             {"runs", "lst"},
+                                             {"runs", "--all"},
+                                             {"runs", "list", "--sensr=x", "-5"},
+                                             {"runs", "list", "-z"},
+                                             {"runs", "list", "-5"},
+                                             {"runs", "list", "x"},
+                                             {"runs", "show", "x"},
+                                             {"-5"}}) {
     const Finished finished = call(folder, words);
     CAPTURE(words, finished.err);
     CHECK(finished.code == 2);
-    CHECK(finished.err.ends_with(at + help));
+    CHECK(finished.out.empty());
+    CHECK_THAT(finished.err, Catch::Contains("[TB-USAGE]\n  at: command line\n"));
   }
+  const Finished as_json = call(folder, {"rn", "--json"});
+  CHECK(as_json.code == 2);
+  CHECK(nlohmann::json::parse(as_json.out).at("id") == "TB-USAGE");
   // The state of the rig is told where a verb may have touched it.
   for (const char* verb : {"run", "calibrate", "resume", "rig", "devices", "live", "pause", "stop", "abort", "panic",
                            "simulate", "dead-man", "demo"})

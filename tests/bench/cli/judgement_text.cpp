@@ -40,39 +40,6 @@ analysis::JudgedTrajectory trajectory_of(std::int64_t run) {
 
 }  // namespace
 
-TEST_CASE("judgement text: which runs were judged, and which of them decided") {
-  CHECK(judgement_text(judged_rows({{2, "pass"}}), "simulated") ==
-        "all requirements together: simulated pass; judged on run 2\n");
-  CHECK(judgement_text(judged_rows({{4, "pass"}, {2, "pass"}, {2, "pass"}}), "hardware") ==
-        "all requirements together: pass; judged on runs 2, 4\n");
-  CHECK(judgement_text(judged_rows({{4, "fail"}, {2, "pass"}, {3, "fail"}}), "hardware") ==
-        "all requirements together: fail, decided by runs 3, 4; judged on runs 2, 3, 4\n");
-  CHECK(judgement_text(judged_rows({{4, "fail"}, {2, "conditional pass"}}), "hardware") ==
-        "all requirements together: fail, decided by run 4; judged on runs 2, 4\n");
-  CHECK(judgement_text(judged_rows({{2, "report only"}}), "hardware").empty());
-  CHECK(judgement_text({}, "hardware").empty());
-}
-
-TEST_CASE("judgement text: what is not judged, not assessed, worse elsewhere, or remarked") {
-  Judgement judgement = judged_rows({{2, "pass"}});
-  judgement.notes.trajectories = {trajectory_of(2), trajectory_of(3)};
-  judgement.notes.not_assessed = {{"re-mounting", "no run"}, {"temperature", "no sensor"}};
-  judgement.notes.stored_worse = {judged_row(5, "fail"), judged_row(6, "conditional fail")};
-  judgement.notes.remarks = {"run 7 is void", "and counted"};
-  const std::string trajectory = analysis::in_words(trajectory_of(2));
-  const std::string rest = "errors of run 2 hold for " + trajectory + "\nerrors of run 3 hold for " + trajectory +
-                           "\nnot assessed: re-mounting; temperature\n"
-                           "stored verdict on these models, worse: simulated fail on runs 5, 6, by other limits or of "
-                           "runs not included here\nnote: run 7 is void\nnote: and counted\n";
-  CHECK(judgement_text(judgement, "simulated") ==
-        "all requirements together: simulated pass" +
-            analysis::condition_in_words(analysis::Verdict::kPass, judgement.notes) + "; judged on run 2\n" + rest);
-  judgement.notes.not_judged = "no independent data";
-  CHECK(judgement_text(judgement, "simulated") ==
-        "all requirements together: simulated inconclusive, not judged: no independent data\n" + rest);
-  CHECK(conditions_text({}).empty());
-}
-
 TEST_CASE("judgement as JSON: all of it, and an empty word where there is no verdict") {
   Judgement judgement = judged_rows({{4, "fail"}, {2, "pass"}});
   judgement.notes.trajectories = {trajectory_of(2)};

@@ -1,11 +1,8 @@
 // Every verb that writes a file leaves stores alone, and files that are not its own.
-#include <algorithm>
 #include <catch2/catch.hpp>
-#include <cmath>
 #include <filesystem>
 
 #include "tests/bench/cli/play_table.h"
-#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::tests;

@@ -101,7 +101,6 @@ TEST_CASE("fit judges held-out runs by the profile's limits, and nothing else by
   CHECK(call(folder, {"fit", "1"}).code == 0);
   const Finished judged = call(folder, {"fit", "1", "--held-out", "2"});
   CHECK(judged.code == 1);
-  CHECK_THAT(judged.err, Catch::Contains("judged by hard.toml (tactbench.toml:1)"));
-  CHECK_THAT(judged.out, Catch::Contains("all requirements together: simulated fail"));
+  CHECK_THAT(judged.err, Catch::Contains("tactbench.toml:1"));
   CHECK(call(folder, {"fit", "1", "--held-out", "2", "--model", "elam,poly"}).code == 0);
 }

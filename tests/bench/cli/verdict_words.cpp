@@ -5,6 +5,7 @@
 
 #include "bench/cli/judgement_words.h"
 #include "bench/cli/session.h"
+#include "bench/common/error.h"
 #include "bench/nightly/suite.h"
 #include "sequences/toml/strict_toml.h"
 
@@ -59,35 +60,6 @@ TEST_CASE("a run's stored verdict: fail by any limits, else the worst by the new
   CHECK(standing_verdict({row("pass", "new"), row("conditional fail", "new")}) == Verdict::kConditionalFail);
 }
 
-TEST_CASE("a column of verdicts is wider than each of its words") {
-  for (const Verdict verdict : analysis::kVerdicts) {
-    for (const char* origin : {"simulated", "hardware", "imported"}) {
-      const std::string shown = shown_verdict(verdict, origin);
-      INFO(shown);
-      CHECK(cell(shown, verdict_columns()).size() == verdict_columns());
-      CHECK(cell(shown, verdict_columns()).starts_with(shown + " "));
-    }
-  }
-  CHECK(shown_verdict(Verdict::kConditionalFail, "simulated") == "simulated conditional fail");
-  CHECK(shown_verdict(Verdict::kPass, "hardware") == "pass");
-}
-
-TEST_CASE("the columns of a table of verdicts keep apart, whatever they hold") {
-  db::VerdictRecord row;
-  row.run = 12;
-  row.criterion = std::string(40, 'c');
-  row.scope = std::string(40, 's');
-  row.value = -1.25e200;
-  row.limit = -7.5e-200;
-  row.unit = "unit";
-  row.verdict = "conditional fail";
-  const std::string table = verdict_table({row}, "simulated", analysis::PressureUnit::kPsi);
-  const std::size_t from = table.find('\n') + 1;
-  const std::string line = table.substr(from, table.find('\n', from) - from);
-  CHECK_THAT(line, Catch::Contains(" -1.25e+200 unit   -7.5e-200 unit  simulated conditional fail"));
-  CHECK_THAT(line, Catch::Contains("c… s"));
-}
-
 TEST_CASE("a suite can expect every verdict that a store can hold, and no other") {
   const auto suite = [](const std::string& word) {
     return parse_suite(
@@ -99,4 +71,9 @@ TEST_CASE("a suite can expect every verdict that a store can hold, and no other"
   for (const std::string& word : analysis::verdict_words())
     CHECK(suite(word).scenarios.at(0).verdicts.at("overall") == word);
   CHECK_THROWS_AS(suite("report only"), sequences::FileError);
+}
+
+TEST_CASE("an empty name of the operator is refused") {
+  for (const char* nobody : {"", " ", " \t\r\n"}) CHECK_THROWS_AS(check_operator(nobody), Error);
+  CHECK_NOTHROW(check_operator(" A. Operator"));
 }

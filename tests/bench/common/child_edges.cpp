@@ -6,7 +6,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
 #include <chrono>
@@ -18,10 +17,8 @@
 #include <vector>
 
 #include "bench/common/child_process.h"
-#include "tests/support/variable.h"
 
 using namespace tactbench::bench;
-using tactbench::tests::Variable;
 
 namespace {
 
@@ -75,18 +72,6 @@ TEST_CASE("child program: its end is waited for up to a time, and is told at onc
   CHECK(std::chrono::steady_clock::now() - begun >= std::chrono::milliseconds(50));
 }
 
-TEST_CASE("child program: its output and errors go where they are asked to, and its input is empty") {
-  std::array<int, 2> ends{-1, -1};
-  REQUIRE(::pipe2(ends.data(), O_CLOEXEC) == 0);
-  ChildProgram child = started("echo out; echo error >&2; read line || echo end of input", ends[1]);
-  CHECK(line_from(ends[0]) == "out");
-  CHECK(line_from(ends[0]) == "error");
-  CHECK(line_from(ends[0]) == "end of input");
-  CHECK(line_from(ends[0]).empty());  // nobody holds the pipe's other end
-  CHECK(child.wait() == 0);
-  ::close(ends[0]);
-}
-
 TEST_CASE("child program: one that is let go goes on without its object") {
   pid_t process = -1;
   {
@@ -103,35 +88,6 @@ TEST_CASE("child program: one that is let go goes on without its object") {
   REQUIRE(::kill(process, SIGKILL) == 0);
   CHECK(::waitpid(process, &status, 0) == process);
   CHECK((WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL));
-}
-
-TEST_CASE("child program: a variable of one's own replaces that of the same name, not one that begins with it") {
-  const Variable whole("TACTBENCH_CHILD", "x"), longer("TACTBENCH_CHILD2", "y");
-  const std::vector<std::string> changed = environment_with({"TACTBENCH_CHILD=z", "TACTBENCH_CHILD0=0"});
-  const auto holds = [&](const char* entry) { return std::ranges::count(changed, entry); };
-  CHECK(holds("TACTBENCH_CHILD=z") == 1);
-  CHECK(holds("TACTBENCH_CHILD=x") == 0);
-  CHECK(holds("TACTBENCH_CHILD2=y") == 1);
-  CHECK(holds("TACTBENCH_CHILD0=0") == 1);
-  CHECK(changed.size() == environment_with({}).size() + 1);
-  CHECK(changed[0] == "TACTBENCH_CHILD=z");
-  CHECK(changed[1] == "TACTBENCH_CHILD0=0");
-}
-
-TEST_CASE("child program: one that does not start is named") {
-  const auto failure = [](const std::string& program) {
-    ChildStart start;
-    start.words = {program, "x"};
-    try {
-      const ChildProgram child(std::move(start));
-    } catch (const std::system_error& error) {
-      CHECK(std::string(error.what()).starts_with(program));
-      return error.code();
-    }
-    return std::error_code();
-  };
-  CHECK(failure("/no/such/program") == std::errc::no_such_file_or_directory);
-  CHECK(failure("/") == std::errc::permission_denied);
 }
 
 TEST_CASE("child program: one that ends with its starter is asked to end when that is gone") {

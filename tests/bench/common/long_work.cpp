@@ -8,17 +8,6 @@
 using namespace tactbench;
 using namespace tactbench::bench;
 
-TEST_CASE("a progress line tells stage, part of the whole time and time left") {
-  const std::vector<WorkStage> stages = {{"reading", 1.0}, {"gpi", 8.0}, {"figures", 1.0, false}};
-  CHECK(work_line("fit", stages, 0, 0.0, 2.0) == "fit: reading (1 of 3)    0 %");
-  CHECK(work_line("fit", stages, 1, 0.5, 10.0) == "fit: gpi (2 of 3)   50 %  0:10 left");
-  CHECK(work_line("fit", stages, 2, 0.0, 90.0) == "fit: figures (3 of 3)   90 %  0:10 left");
-  CHECK(work_line("fit", stages, 1, 0.125, 160.0) == "fit: gpi (2 of 3)   20 %  10:40 left");
-  CHECK(work_line("fit", stages, 1, 7.0, 9.0) == "fit: gpi (2 of 3)   90 %  0:01 left");  // a part is at most whole
-  CHECK(work_line("nightly", {{"58 scenarios", 1.0}}, 0, 12.0 / 58.0, 12.0) ==
-        "nightly: 58 scenarios   20 %  0:46 left");
-}
-
 TEST_CASE("where nothing counts a stage, its part follows from its share and the pace before it") {
   const std::vector<WorkStage> stages = {{"models", 4.0}, {"uncertainty", 2.0, false}};
   CHECK(guessed_part(stages, 1, 8.0, 1.0) == Approx(0.25));  // it should take 4 s

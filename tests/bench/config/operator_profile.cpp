@@ -27,7 +27,7 @@ OperatorProfile profile_of(const std::string& text) {
   return bench::read_operator_profile(folder.path("tactbench.toml"));
 }
 
-void check_refused(const std::string& text, const std::string& id, const std::string& where, const std::string& said) {
+void check_refused(const std::string& text, const std::string& id, const std::string& where) {
   try {
     static_cast<void>(profile_of(text));
     FAIL("was taken: " << text);
@@ -35,7 +35,6 @@ void check_refused(const std::string& text, const std::string& id, const std::st
     CAPTURE(error.what(), error.remedy(), error.where());
     CHECK(error.id() == id);
     CHECK(error.where().find(where) != std::string::npos);
-    CHECK((error.what() + error.remedy()).find(said) != std::string::npos);
   }
 }
 
@@ -72,12 +71,12 @@ TEST_CASE("operator's profile: no file and no variable give nothing, a variable 
   CHECK(profile.at(ProfileKey::kDb).origin == "TACTBENCH_DB");
 }
 
-TEST_CASE("operator's profile: an unknown key names its line and the nearest key, a blank or wrong value is refused") {
-  check_refused("bench = \"a\"\noperater = \"me\"\n", "TB-FILE-KEY", "tactbench.toml:2", "'operator'");
-  check_refused("[run]\nbench = \"a\"\n", "TB-FILE-KEY", "tactbench.toml:1", "run");
-  check_refused("operator = \" \"\n", "TB-FILE-VALUE", "tactbench.toml:1", "empty");
-  check_refused("db = 7\n", "TB-FILE-VALUE", "tactbench.toml:1", "must be text");
-  check_refused("recipe = [\"ring\"]\n", "TB-FILE-VALUE", "tactbench.toml:1", "must be text");
-  check_refused("recipe = \"ring, \"\n", "TB-FILE-VALUE", "tactbench.toml:1", "is empty");
-  check_refused("bench = \n", "TB-FILE-SYNTAX", "tactbench.toml:1", "");
+TEST_CASE("operator's profile: an unknown key names its line, a blank or wrong value is refused") {
+  check_refused("bench = \"a\"\noperater = \"me\"\n", "TB-FILE-KEY", "tactbench.toml:2");
+  check_refused("[run]\nbench = \"a\"\n", "TB-FILE-KEY", "tactbench.toml:1");
+  check_refused("operator = \" \"\n", "TB-FILE-VALUE", "tactbench.toml:1");
+  check_refused("db = 7\n", "TB-FILE-VALUE", "tactbench.toml:1");
+  check_refused("recipe = [\"ring\"]\n", "TB-FILE-VALUE", "tactbench.toml:1");
+  check_refused("recipe = \"ring, \"\n", "TB-FILE-VALUE", "tactbench.toml:1");
+  check_refused("bench = \n", "TB-FILE-SYNTAX", "tactbench.toml:1");
 }

@@ -1,5 +1,4 @@
 // No table of any configuration file takes a key that it does not know, and each file says of which schema it is.
-#include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <functional>

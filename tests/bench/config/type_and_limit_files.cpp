@@ -72,7 +72,7 @@ TEST_CASE("sensor types: numbers, defaults, ranges and overrides") {
   CHECK(bench::read_sensor_type(bench::find_config("sensor.toml"), {{"rows", "8"}, {"name", "mine"}}).name == "mine");
 }
 
-TEST_CASE("limits: percents become shares, and an [[mpe]] says what it lacks") {
+TEST_CASE("limits: percents become shares, and an [[mpe]] is of a level or of a span") {
   const analysis::Limits limits =
       bench::parse_limits(kLimitsHead + kFourLimits +
                               "rule = \"guarded\"\n[[mismatch]]\npressure_psi = 10\nstd_percent_fs = 5\n"
@@ -93,16 +93,12 @@ TEST_CASE("limits: percents become shares, and an [[mpe]] says what it lacks") {
   const auto refusal = [](const std::string& row) {
     return file_refusal([&] { (void)bench::parse_limits(kLimitsHead + kFourLimits + "[[mpe]]\n" + row, "f"); });
   };
-  CHECK(
-      refusal("mpe_psi = 2\n") ==
-      "an [[mpe]] is of one level or of a span, and it names neither | write pressure_psi = 20, or span_psi = [4, 60]");
-  CHECK(refusal("pressure_psi = 20\nspan_psi = [4, 60]\nmpe_psi = 2\n") ==
-        "an [[mpe]] is of one level or of a span, and it names both | write pressure_psi = 20, or span_psi = [4, 60]");
+  CHECK(refusal("mpe_psi = 2\n") != "accepted");
+  CHECK(refusal("pressure_psi = 20\nspan_psi = [4, 60]\nmpe_psi = 2\n") != "accepted");
   for (const char* value : {"0", "-1"})
-    CHECK(refusal("pressure_psi = 20\nmpe_psi = " + std::string(value) + "\n") ==
-          "a maximum permissible error is above 0 | write mpe_psi = 2.0");
+    CHECK(refusal("pressure_psi = 20\nmpe_psi = " + std::string(value) + "\n") != "accepted");
   CHECK(refusal("pressure_psi = 20\nmpe_psi = 1e-6\n") == "accepted");
-  CHECK(refusal("pressure_psi = 20\nmpe_psi = 2\ntaxels_percent = 101\n").ends_with("| use 1 to 100"));
+  CHECK(refusal("pressure_psi = 20\nmpe_psi = 2\ntaxels_percent = 101\n") != "accepted");
 }
 
 TEST_CASE("laboratory: each field is its own") {
@@ -125,8 +121,8 @@ TEST_CASE("laboratory: each field is its own") {
   const analysis::InstrumentNote& note = lab.instruments[0];
   CHECK((note.serial == "1" && note.certificate == "2" && note.calibrated_by == "3" && note.note == "6"));
   CHECK((note.calibrated_on == "2026-01-04" && note.due == "2027-01-05"));
-  CHECK(file_refusal([] { (void)bench::parse_laboratory("schema = 1\n[[instrument]]\nserial = \"\"\n", "f"); }) ==
-        "an instrument without a serial number | write the serial number");
+  CHECK(file_refusal([] { (void)bench::parse_laboratory("schema = 1\n[[instrument]]\nserial = \"\"\n", "f"); }) !=
+        "accepted");
 }
 
 TEST_CASE("operator's profile: keys, variables, names between commas, units") {
@@ -149,13 +145,11 @@ TEST_CASE("operator's profile: keys, variables, names between commas, units") {
   CHECK(recipes("a,b,c") == Names{"a", "b", "c"});
   CHECK(recipes(" \\t\\r\\na b \\t\\r\\n,b ") == Names{"a b", "b"});
   for (const char* empty : {"a,", ",a", "a,,b", "a, \\t\\r\\n,b", ","})
-    CHECK(file_refusal([&] { (void)recipes(empty); }) ==
-          "a name between the commas of 'recipe' is empty | write \"one\" or \"one, another\"");
+    CHECK(file_refusal([&] { (void)recipes(empty); }) != "accepted");
   for (const char* unit : {"kPa", "bar", "psi"})
     CHECK(bench::parse_operator_profile("units = \"" + std::string(unit) + "\"\n", "f").at(ProfileKey::kUnits).values ==
           Names{unit});
-  CHECK(file_refusal([] { (void)bench::parse_operator_profile("units = \"mbar\"\n", "f"); }) ==
-        "'units' is 'mbar' | use kPa, bar or psi");
+  CHECK(file_refusal([] { (void)bench::parse_operator_profile("units = \"mbar\"\n", "f"); }) != "accepted");
   const TemporaryFolder folder;
   const std::string path = folder.path("tactbench.toml");
   {
@@ -168,7 +162,7 @@ TEST_CASE("operator's profile: keys, variables, names between commas, units") {
   CHECK(file_refusal([&] { (void)bench::read_operator_profile(folder.path("own")); }) != "accepted");
 }
 
-TEST_CASE("shipped files: where they are searched, and what is said of a name that none has") {
+TEST_CASE("shipped files: where they are searched, and a name that none has") {
   const TemporaryFolder folder;
   for (const char* name : {"sequences", "bench/config"}) std::filesystem::create_directories(folder.path(name));
   for (const char* name :
@@ -191,21 +185,35 @@ TEST_CASE("shipped files: where they are searched, and what is said of a name th
     try {
       (void)find(name);
     } catch (const sequences::FileError& error) {
-      return error.id() + ": " + error.what() + " | " + error.where() + " | " + error.remedy();
+      return error.id();
     }
     return std::string("found");
   };
-  CHECK(refusal(bench::find_recipe, "rinq") ==
-        "TB-FILE-MISSING: there is no file 'rinq', and no shipped recipe or suite of that name | rinq | did you mean "
-        "'ring'? shipped: ascending, ring");
-  CHECK(refusal(bench::find_recipe, "").ends_with(" | shipped: ascending, ring"));
-  CHECK(refusal(bench::find_config, "something-else") ==
-        "TB-FILE-MISSING: there is no file 'something-else', and no shipped configuration of that name | "
-        "something-else | "
-        "shipped: b.toml; 'tactbench init' writes files to start from");
+  for (const char* name : {"rinq", ""}) CHECK(refusal(bench::find_recipe, name) == "TB-FILE-MISSING");
+  CHECK(refusal(bench::find_config, "something-else") == "TB-FILE-MISSING");
   write_file(folder.path("here.toml"), "");
   const std::string before = std::filesystem::current_path();
   std::filesystem::current_path(folder.path());
   CHECK(bench::find_recipe("here.toml") == "here.toml");
   std::filesystem::current_path(before);
+}
+
+TEST_CASE("laboratory: unknown keys, wrong types and no dates are refused with their place") {
+  const auto id_of = [](const std::string& text) -> std::string {
+    try {
+      (void)bench::parse_laboratory(text, "lab.toml");
+    } catch (const sequences::FileError& error) {
+      CHECK_THAT(error.where(), Catch::Contains("lab.toml"));
+      return error.id();
+    }
+    return "accepted";
+  };
+  CHECK(id_of("schema = 1\nlaboratry = \"L\"\n") == "TB-FILE-KEY");
+  CHECK(id_of("schema = 1\n[[instrument]]\nserial = \"1\"\ndueto = \"2027-01-31\"\n") == "TB-FILE-KEY");
+  CHECK(id_of("schema = 1\nlaboratory = 5\n") == "TB-FILE-VALUE");
+  CHECK(id_of("schema = 1\nreceived = \"31.01.2026\"\n") == "TB-FILE-VALUE");
+  CHECK(id_of("schema = 1\nreceived = \"2026-13-01\"\n") == "TB-FILE-VALUE");
+  CHECK(id_of("schema = 1\n[[instrument]]\nserial = \"\"\n") == "TB-FILE-VALUE");
+  CHECK(id_of("schema = 2\n") == "TB-FILE-VALUE");
+  CHECK(id_of("schema = 1\n") == "accepted");
 }

@@ -1,4 +1,4 @@
-// A run in words and as JSON: live, ended, dead, and with a store that cannot be read.
+// A run as JSON: live, ended, dead, and with a store that cannot be read.
 #include "bench/monitor/run_view.h"
 
 #include <catch2/catch.hpp>
@@ -13,8 +13,6 @@ using namespace tactbench::bench;
 using namespace tactbench::tests;
 
 namespace {
-
-using Lines = std::vector<std::string>;
 
 struct StoredExample {
   StoredExample() : store(db::RunStore::open(folder.path("runs.db"))), begun(begin_example(store)) {
@@ -41,53 +39,11 @@ struct StoredExample {
 
 }  // namespace
 
-TEST_CASE("view: a live run in lines") {
-  const StoredExample example;
-  const RunView view = view_of(example.live());
-  CHECK(view_lines(view) ==
-        Lines{"run 1 on bench 'rig-1' (simulated): pausing", "  recipe    up, down; sensor S-1, operator N. Nobody",
-              "  phase     descending, step 19 of 217, repeat 2 of 5, unloading",
-              "  pressure  set-point 40.0, feedback 39.98, reference 40.01 psi, settled",
-              "  time      0:01:12 elapsed, 0:10:45 left + 1 prompt (0:10:30 to 0:11:20); 10 x real time",
-              "  frames    12 stored, 211 planned",
-              "  events    0:00:02 state: prepared -> running: devices open, chamber unloaded",
-              "            0:00:03 attempt TB-SCANNER-TIMEOUT: frame, 1 of 2: \\x1b[2J silent",
-              "            1:02:05 branch-broken TB-BRANCH-BROKEN: branch 1 of repeat 2"});
-  CHECK(view_line(view) ==
-        "run 1 pausing: descending, step 19 of 217, repeat 2 of 5, unloading; set-point 40.0, feedback 39.98, "
-        "reference 40.01 psi, settled; 0:01:12 elapsed, 0:10:45 left + 1 prompt (0:10:30 to 0:11:20); 10 x real time; "
-        "12 frames stored");
-}
-
-TEST_CASE("view: before the first reading, of a press, of a silent run, on a turned clock") {
-  const StoredExample example;
-  RunView view = view_of(example.live());
-  view.live.status.target_n = 10.0;
-  CHECK(view_lines(view)[3] == "  force     level 10.00 N, measured 9.60 N");
-  view.live.status.readings->force_n.reset();
-  CHECK(view_lines(view)[3] == "  force     level 10.00 N, measured not read yet");
-  view.live.status.target_n.reset();
-  view.live.status.readings->settled = false;
-  CHECK_THAT(view_lines(view)[3], Catch::EndsWith("reference 40.01 psi, not settled"));
-  view.live.status.readings.reset();
-  view.live.status.left_high_s = 0.0;
-  view.live.status.rate = 1.0;
-  view.live.status.age_s = 6.4;
-  CHECK(view_lines(view)[3] == "  pressure  not read yet");
-  CHECK(view_lines(view)[4] == "  time      time left not known; nothing new for 6 s");
-  view.live.status.rate = 0.0;
-  view.live.status.age_s = 4.9;
-  CHECK(view_lines(view)[4] == "  time      time left not known; simulated clock");
-}
-
 TEST_CASE("view: a store that cannot be read leaves what the run itself says") {
   LiveRun live = example_live();
   live.status.store = "/nowhere/runs.db";
   const RunView view = view_of(live);
   CHECK_FALSE(view.stored);
-  const Lines lines = view_lines(view);
-  CHECK(lines.size() == 6);
-  CHECK_THAT(lines[1], Catch::StartsWith("  store     ") && Catch::Contains("/nowhere/runs.db"));
   const nlohmann::ordered_json json = view_json(view);
   CHECK_THAT(json["store_unread"].get<std::string>(), Catch::Contains("/nowhere/runs.db"));
   CHECK_FALSE(json.contains("events"));
@@ -117,18 +73,9 @@ TEST_CASE("view: as JSON, the same facts in the words of other verbs") {
 TEST_CASE("view: a run without a process, how it ended, and what to type next") {
   StoredExample example;
   StoredRun run = stored_run(example.store, example.begun.run);
-  CHECK(stored_lines(run, false)[0] ==
-        "run 1 on bench 'bench-a' (simulated): incomplete (no process carries it out), 0 frames");
-  CHECK(stored_lines(run, true)[0] ==
-        "run 1 on bench 'bench-a' (simulated): incomplete (a process carries it out), 0 frames");
-  CHECK(stored_lines(run, false).back() == "  started   2024-05-01T09:00:00Z");
   CHECK(next_command(run.record, "runs.db") == "tactbench resume 1");
   example.store.end_run(run.record.run, db::Outcome::kCompleted, "all steps done", db::SafeState::kVerified, kUtc);
   run = stored_run(example.store, example.begun.run);
-  CHECK(stored_lines(run, std::nullopt) == Lines{"run 1 on bench 'bench-a' (simulated): completed, 0 frames",
-                                                 "  recipe    up, down; sensor S-1, operator N. Nobody",
-                                                 "  reason    all steps done", "  safe      verified",
-                                                 "  ended     2026-01-01T00:00:00Z"});
   CHECK(next_command(run.record, "other.db") == "tactbench fit 1 --db other.db");
   CHECK_FALSE(stored_json(run, std::nullopt).contains("lives"));
   CHECK(stored_json(run, false)["lives"] == false);

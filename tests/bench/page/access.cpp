@@ -52,10 +52,3 @@ TEST_CASE("page access: a target's path stays as it was sent, its query is decod
     CHECK_FALSE(needs_of(none));
   }
 }
-
-TEST_CASE("page frames: numbers of 16 bits as base64") {
-  CHECK(base64({}).empty());
-  CHECK(base64({0x0201}) == "AQI=");
-  CHECK(base64({0x0201, 0x0403}) == "AQIDBA==");
-  CHECK(base64({0x0201, 0x0403, 0xffff}) == "AQIDBP//");
-}

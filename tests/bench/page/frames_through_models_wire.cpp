@@ -1,7 +1,6 @@
 // Pressures on the page: which earlier run's models a run is shown through, and what they make of its frames and of the
 // time between them. On runs of two taxels that are stored by hand. Not a unit test: arrays are identified by several
 // threads.
-#include <fmt/format.h>
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -49,33 +49,8 @@ TEST_CASE("page frames: loops hold every frame that counts, and go on behind a p
   CHECK(state["live"] == false);
   CHECK(state["origin"] == "simulated");
   CHECK(state["safe"]["state"] == "proved");
-  CHECK_THAT(state["safe"]["words"].get<std::string>(), Catch::StartsWith("proved at the end: "));
   CHECK(state["view"]["run"] == result.run);
   CHECK_FALSE(state["events"].empty());
   CHECK(bench::runs_list(store)["runs"][0]["verdict"] == "-");
   CHECK(bench::sensors_list(store)["sensors"][0]["runs"][0] == result.run);
-}
-
-TEST_CASE("page: words on the safe state say no more than is proved") {
-  bench::LiveRun live;
-  live.status.state = bench::RunState::kRunning;
-  live.status.readings = bench::RunReadings{1.0, 43.0, 43.1, 43.2, true, {}};
-  const db::EventRecord verified{1, "safe", "verified", "for the operator: by two witnesses"};
-  CHECK(bench::safe_words(&live, nullptr, verified).state == "loaded");
-  live.status.state = bench::RunState::kPaused;
-  CHECK(bench::safe_words(&live, nullptr, verified).state == "proved");
-  CHECK_THAT(bench::safe_words(&live, nullptr, verified).words,
-             Catch::Contains("by two witnesses") && Catch::Contains("reference 43.2 psi"));
-  CHECK(bench::safe_words(&live, nullptr, std::nullopt).state == "unknown");
-  CHECK(bench::safe_words(&live, nullptr, db::EventRecord{1, "safe", "unverified", ""}).state == "unknown");
-  bench::StoredRun stored;
-  stored.record.outcome = db::Outcome::kCompleted;
-  stored.record.safe_state = db::SafeState::kVerified;
-  CHECK(bench::safe_words(nullptr, &stored, verified).state == "proved");
-  stored.record.safe_state = db::SafeState::kUnverified;
-  CHECK(bench::safe_words(nullptr, &stored, verified).state == "unknown");
-  stored.record.safe_state = db::SafeState::kVerified;
-  stored.record.outcome = db::Outcome::kInterrupted;
-  CHECK(bench::safe_words(nullptr, &stored, verified).state == "unknown");
-  CHECK(bench::safe_words(nullptr, nullptr, std::nullopt).state == "unknown");
 }

@@ -128,23 +128,19 @@ TEST_CASE("http answers: a request byte by byte is one request, and a next one m
                              whole_answer("200 OK", false, "GET /y; connection: close;  from 127.0.0.1"));
 }
 
-TEST_CASE("http answers: what is too long or no request is refused in words, and ends the connection") {
+TEST_CASE("http answers: what is too long or no request is refused") {
   const AnsweringServer server(small_limits());
-  const std::string head =
-                        whole_answer("431 Request Header Fields Too Large", false, "the request's head is too long\n"),
-                    body = whole_answer("413 Payload Too Large", false, "the request's body is too long\n"),
-                    none = whole_answer("400 Bad Request", false, "this is not a request\n");
   CHECK_THAT(server.ask(head_of(90)), Catch::StartsWith("HTTP/1.1 200 OK\r\n"));
-  CHECK(server.ask(head_of(400)) == head);
-  CHECK(server.ask("GET /" + std::string(200, 'x')) == head);  // without an end
+  CHECK(status_of(server.ask(head_of(400))) == 431);
+  CHECK(status_of(server.ask("GET /" + std::string(200, 'x'))) == 431);  // without an end
   const auto post = [&](std::size_t bytes) {
     return server.ask("POST / HTTP/1.1\r\nConnection: close\r\nContent-Length: " + std::to_string(bytes) + "\r\n\r\n" +
                       std::string(bytes, 'b'));
   };
   CHECK_THAT(post(10), Catch::EndsWith("bbbbbbbbbb from 127.0.0.1"));
-  CHECK(post(11) == body);
-  CHECK(server.ask("nonsense\r\n\r\n") == none);
-  CHECK(server.ask("GET / HTTP/1.1\r\nno field\r\n\r\nGET / HTTP/1.1\r\n\r\n") == none);
+  CHECK(status_of(post(11)) == 413);
+  CHECK(status_of(server.ask("nonsense\r\n\r\n")) == 400);
+  CHECK(status_of(server.ask("GET / HTTP/1.1\r\nno field\r\n\r\nGET / HTTP/1.1\r\n\r\n")) == 400);
 }
 
 TEST_CASE("http answers: one that is refused can send on for a while, and its answer is not lost") {

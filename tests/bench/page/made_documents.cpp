@@ -87,7 +87,6 @@ TEST_CASE("documents: two at a time, six wait, and a ninth is refused") {
   CHECK(made.documents.busy());
   made.make({"more"});
   REQUIRE(made.ready.size() == 1);
-  CHECK(made.ready[0].error == "too many documents are being made: try again soon");
   CHECK(made.ready[0].id.empty());
   write_file(made.folder.path("go"), "");
   made.wait_for(9);
@@ -104,16 +103,15 @@ TEST_CASE("documents: one that writes nothing is told with what it said, without
   silent.wait_for(1);
   speaks.wait_for(1);
   long_talk.wait_for(1);
-  CHECK(silent.ready[0].error == "it took too long");
-  CHECK_THAT(speaks.ready[0].error,
-             Catch::StartsWith("error: ") && Catch::Contains(" no run 5") && !Catch::Contains("\x1b"));
+  CHECK_FALSE(silent.ready[0].error.empty());
+  CHECK_THAT(speaks.ready[0].error, Catch::Contains("no run 5") && !Catch::Contains("\x1b"));
   CHECK(long_talk.ready[0].error.size() == 2000);
   for (const ScriptedDocuments* one : {&silent, &speaks, &long_talk}) CHECK(one->ready[0].id.empty());
   ScriptedDocuments missing;
   std::filesystem::remove(missing.program);
   missing.make({"x"});
   missing.wait_for(1);
-  CHECK(missing.ready[0].error.starts_with("cannot start: "));
+  CHECK_FALSE(missing.ready[0].error.empty());
 }
 
 TEST_CASE("documents: one that is ready may ask for another") {
@@ -143,7 +141,6 @@ TEST_CASE("documents: a file is kept as it is, the newest twelve, and none that 
   CHECK(made.documents.text(ids[2]));
   const Document none = made.documents.keep(made.folder.path("none"));
   CHECK(none.id.empty());
-  CHECK(none.error == made.folder.path("none") + ": No such file or directory");
   std::filesystem::resize_file(file, 32U << 20U);
   CHECK(made.documents.text(made.documents.keep(file).id).value_or("").size() == 32U << 20U);
   std::filesystem::resize_file(file, (32U << 20U) + 1);

@@ -124,15 +124,3 @@ TEST_CASE("page beside a run: started by the run it shows it, and ends when the 
   CHECK(run->wait() == 0);
   CHECK(comes_true([&] { return !RawClient(link.port).send("x"); }));
 }
-
-TEST_CASE("page: beyond loopback only with TLS, and an address that is taken is refused by name") {
-  const TemporaryFolder folder;
-  const Finished open = call(folder, {"page", "--listen", "0.0.0.0", "--port", "0"});
-  CHECK(open.code == 2);
-  CHECK_THAT(open.err, Catch::Contains("TB-PAGE-OPEN") && Catch::Contains("--tls") && Catch::Contains("ssh -L"));
-  const Finished foreign = call(folder, {"page", "--listen", "127.0.0.1", "--port", "1", "--tls", "no.pem", "no.key"});
-  CHECK(foreign.code == 2);
-  CHECK_THAT(foreign.err, Catch::Contains("TB-PAGE-CERTIFICATE"));
-  CHECK(call(folder, {"page", "--operator", " "}).code == 2);
-  CHECK(call(folder, {"page", "--night", "none.html"}).code == 2);
-}

@@ -55,6 +55,4 @@ class WordsPage {
   std::thread thread_;
 };
 
-nlohmann::json told_reply(bool taken, const std::string& text);
-
 }  // namespace tactbench::tests

@@ -28,6 +28,4 @@ nlohmann::json WordsPage::command(const nlohmann::json& words) const {
   return nlohmann::json::parse(body_of(answer));
 }
 
-nlohmann::json told_reply(bool taken, const std::string& text) { return {{"taken", taken}, {"text", text}}; }
-
 }  // namespace tactbench::tests

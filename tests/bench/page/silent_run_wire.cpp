@@ -94,22 +94,16 @@ TEST_CASE("silent run: sixteen commands wait, one more is refused, and each is t
   for (int i = 0; i < 16; ++i) {
     waiting.push_back(send_command(page, i == 0 ? "pause" : "panic"));
     const std::string words = run.accept();
-    CHECK_THAT(words,
-               Catch::StartsWith(i == 0 ? "pause\n" : "panic\n") && Catch::Contains("bob on the page, from 127.0.0.1"));
+    CHECK_THAT(words, Catch::StartsWith(i == 0 ? "pause\n" : "panic\n") && Catch::Contains("bob"));
   }
-  CHECK(answer_to(*send_command(page, "stop")) == told_reply(false, "too many commands wait for the run"));
+  CHECK(answer_to(*send_command(page, "stop"))["taken"] == false);
   run.hang_up(1);
-  CHECK(answer_to(*waiting[0]) == told_reply(false, "the run has hung up without an answer"));
+  CHECK(answer_to(*waiting[0])["taken"] == false);
   run.tell(2, {{"bench", "page-words"}, {"run", 4}, {"taken", true}, {"text", "it\nends"}});
   const json answered = answer_to(*waiting[1]);
   CHECK(answered["taken"] == true);
   CHECK_THAT(answered["text"].get<std::string>(), Catch::StartsWith("it") && Catch::EndsWith("ends"));
-  for (std::size_t i = 2; i < 16; ++i)
-    CHECK(answer_to(*waiting[i]) ==
-          told_reply(
-              false,
-              "the run has not acknowledged within 5 s: its process is stopped, or waits for an instrument; look at "
-              "the rig"));
+  for (std::size_t i = 2; i < 16; ++i) CHECK(answer_to(*waiting[i])["taken"] == false);
   auto again = send_command(page, "stop");  // there is room again
   CHECK_THAT(run.accept(), Catch::StartsWith("stop\n"));
 }

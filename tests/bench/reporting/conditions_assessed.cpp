@@ -1,6 +1,5 @@
 // What a judgement's notes leave open: sources that a study's budget holds, runs on hardware whose files tell nothing
 // of a simulated sensor, and repeats of a recipe as they were set.
-#include <fmt/format.h>
 
 #include <catch2/catch.hpp>
 #include <string>

@@ -4,7 +4,6 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::tests;
@@ -65,9 +64,6 @@ TEST_CASE("a verdict names the trajectories judged and what was not assessed, an
   const Finished same = call(folder, {"fit", "1", "--held-out", "2", "--limits", "limits.toml"});
   INFO(same.out << same.err);
   CHECK(same.code == 0);
-  CHECK_THAT(same.out, Catch::Contains("simulated pass, under repeatability conditions only; judged on run 2\n") &&
-                           Catch::Contains("errors of run 2 hold for set-points as fitted: 3 turning points") &&
-                           Catch::Contains("not assessed: history; re-mounting; temperature; time; creep\n"));
   const json random = answer(folder, {"fit", "1", "--held-out", "2", "3", "--limits", "limits.toml"}, 0)["judgement"];
   CHECK(random["overall"] == "pass");
   CHECK(random["statement"] == "pass, under repeatability conditions only");
@@ -82,9 +78,6 @@ TEST_CASE("a verdict names the trajectories judged and what was not assessed, an
   const json wide = answer(folder, {"fit", "1", "--held-out", "3", "4", "--limits", "limits.toml"}, 0)["judgement"];
   CHECK(sources_of(wide) == std::vector<std::string>{"creep"});
   REQUIRE(call(folder, {"report", "1"}).code == 0);
-  const std::string page = read_file(folder.path("reports/run-1.html"));
-  CHECK_THAT(page, Catch::Contains("under repeatability conditions only") && Catch::Contains("random reversals: ") &&
-                       Catch::Contains("no study holds the load for longer than the runs do"));
   for (const char* run : {"1", "2", "3", "4"}) CHECK(call(folder, {"verify", run}).code == 0);
 }
 
@@ -141,7 +134,6 @@ TEST_CASE("an overdue reference makes the statement inconclusive by name, a limi
   const Finished fit = call(folder, {"fit", "1", "--held-out", "2", "--limits", "limits.toml"});
   INFO(fit.out);
   CHECK(fit.code == 6);
-  CHECK_THAT(fit.out, Catch::Contains("simulated inconclusive: reference overdue; "));
   const json report = answer(folder, {"report", "1"}, 6);
   CHECK(report["judgement"]["statement"] == "inconclusive: reference overdue");
   CHECK(report["judgement"]["overdue"] == "reference overdue since 2020-01-31");
@@ -169,8 +161,6 @@ TEST_CASE(
   CHECK(found["overall"] == "fail");
   CHECK_THAT(found["doubt"].get<std::string>(), Catch::Contains("since " + day));
   REQUIRE(call(folder, {"report", "3", "--previous", "1"}).code == 0);
-  const std::string page = read_file(folder.path("reports/run-3.html"));
-  CHECK_THAT(page, Catch::Contains("As found: <span class=\"fail\">") && Catch::Contains("are in doubt"));
   // The same sensor without a change conforms as found.
   measure(folder, "loop.toml", "5");
   measure(folder, "loop.toml", "6");

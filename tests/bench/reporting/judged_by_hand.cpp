@@ -1,5 +1,4 @@
 // Which runs a verdict rests on and what is said of the others, on evaluations and models that are known by hand.
-#include <fmt/format.h>
 
 #include <catch2/catch.hpp>
 #include <string>

@@ -11,7 +11,6 @@
 #include "analysis/statistics/figures/streams.h"
 #include "analysis/statistics/uncertainty/uncertainty.h"
 #include "tests/benchmarks/study/simulated_run.h"
-#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 using namespace tactbench;

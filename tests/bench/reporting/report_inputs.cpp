@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
-#include <filesystem>
-#include <map>
 #include <string>
 #include <vector>
 

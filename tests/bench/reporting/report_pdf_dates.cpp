@@ -164,32 +164,3 @@ TEST_CASE("PDF: one whose program was ended by a signal is not taken") {
   CHECK_THROWS_AS(write_pdf(made.request), Error);
   CHECK_FALSE(std::filesystem::exists(made.request.path));
 }
-
-TEST_CASE("PDF: refusals say where and what to do, and the last five hundred characters of a longer output") {
-  PdfByScript made;
-  const auto refusal = [&] {
-    try {
-      (void)write_pdf(made.request);
-    } catch (const Error& error) {
-      return std::string(error.what()) + " | " + error.where() + " | " + error.remedy();
-    }
-    return std::string("written");
-  };
-  CHECK(refusal() ==
-        "no program that prints HTML as PDF is installed | --format pdf | apt-get install chromium (or weasyprint), or "
-        "write --format html and print it from a browser");
-  const std::string program = made.folder.path("bin/chromium");
-  for (const int size : {499, 500, 501}) {
-    write_file(program, "#!/bin/sh\nprintf 'x%0" + std::to_string(size - 1) + "d' 0\nexit 1\n");
-    REQUIRE(::chmod(program.c_str(), 0700) == 0);
-    const std::string zeros(static_cast<std::size_t>(size - 1), '0');
-    CHECK(refusal() == program + " made no PDF: " + (size > 500 ? zeros : "x" + zeros) +
-                           " | --format pdf | print the HTML (--format html) from a browser, or take the other program "
-                           "(--pdf-with)");
-  }
-  const Variable none("PATH", std::nullopt);
-  made.request.program = "chromium";
-  CHECK(refusal() ==
-        "no program that prints HTML as PDF is installed: chromium | --format pdf | apt-get install chromium (or "
-        "weasyprint), or write --format html and print it from a browser");
-}

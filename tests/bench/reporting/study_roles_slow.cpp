@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "tests/support/paths.h"
 #include "tests/support/process.h"
 #include "tests/support/run_recipe.h"
 

@@ -2,7 +2,6 @@
 // file, and where that goes when a signed report stands in its place. Not a unit test: models are compared by several
 // threads.
 #include <catch2/catch.hpp>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>

@@ -2,7 +2,6 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/paths.h"
 #include "tests/support/process.h"
 #include "tests/support/small_array.h"
 
@@ -39,7 +38,6 @@ TEST_CASE("a mount changes nothing of what fit prints and is kept with the model
   REQUIRE(plain.code == 0);
   CHECK(mounted.code == 0);
   CHECK(mounted.out == plain.out);
-  CHECK_THAT(call(folder, {"model", "show", "1"}).out, Catch::Contains("mount         film"));
   CHECK(json::parse(read_file(folder.path("m.json")))["validity"]["mount"] == "film");
 }
 
@@ -62,7 +60,6 @@ TEST_CASE("every model is judged, verified, adjusted, streamed and stands as fou
     const Finished verified = call(folder, {"verify", "1"});
     INFO(verified.out);
     CHECK(verified.code == 0);
-    CHECK_THAT(verified.out, Catch::Contains("(" + model + ")") && !Catch::Contains("not recomputed"));
     CHECK(call(folder, {"verify", "2"}).code == 0);
     REQUIRE(call(folder, {"model", "adjust", name, "2", "--zero", "-o", model + ".json"}).code == 0);
     // The report is of ELAM, which was not judged: it needs its own evidence.

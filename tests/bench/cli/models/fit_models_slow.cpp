@@ -1,4 +1,4 @@
-// Models on any table, as a person uses them: words, exit codes, files.
+// Models on any table, as a person uses them: exit codes, files.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -8,7 +8,6 @@
 
 #include "tests/bench/cli/check_refusal.h"
 #include "tests/bench/cli/play_table.h"
-#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::tests;
@@ -60,8 +59,6 @@ TEST_CASE("all models are fitted on one sequence of a table and scored on the ot
     (model["model"] == "monotone" ? monotone : preisach) = score["all"]["compensated"]["mean"];
     if (model["model"] == "preisach") break;
   }
-  const Finished words = call(folder, {"fit", "t.csv", "--fit", "full"});
-  CHECK_THAT(words.out, Catch::Contains("scored on inner of t.csv") && Catch::Contains("none (straight line)"));
 }
 
 TEST_CASE("a stored model predicts and compensates in a pipe, full precision in and out") {
@@ -98,16 +95,10 @@ TEST_CASE("an imported table is a run like any other, and its models are stored 
   const Finished imported = call(folder, import);
   INFO(imported.err);
   REQUIRE(imported.code == 0);
-  CHECK_THAT(imported.out, Catch::Contains("run 1: 482 rows in 2 sequences"));
   REQUIRE(call(folder, {"fit", "1", "--model", "poly,elam", "--fit", "full"}).code == 0);
-  const Finished show = call(folder, {"model", "show", "1:1"});
-  CHECK_THAT(show.out, Catch::Contains("poly of run 1 (imported)") && Catch::Contains("N to V"));
   REQUIRE(call(folder, {"model", "export", "1:1", "-o", "poly.json"}).code == 0);
-  const Finished same = call(folder, {"model", "diff", "1:1", "poly.json"});
-  CHECK_THAT(same.out, Catch::Contains("the same, byte for byte"));
+  CHECK(call(folder, {"model", "diff", "1:1", "poly.json"}).code == 0);
   check_refusal(call(folder, {"model", "diff", "1:1", "1:2"}), 2, "TB-MODEL-DIFF");
-  const Finished runs = call(folder, {"runs", "show", "1"});
-  CHECK_THAT(runs.out, Catch::Contains("imported") && Catch::Contains("table: t.csv"));
 }
 
 TEST_CASE("a drifted model is distinguished from a good one, and an adjusted model corrects it") {
@@ -119,14 +110,16 @@ TEST_CASE("a drifted model is distinguished from a good one, and an adjusted mod
       later += row[0] + "," + row[1] + "," + row[2] + "," + std::to_string(0.3 + 1.1 * std::stod(row[3])) + "\n";
   write_file(folder.path("later.csv"), later);
   REQUIRE(call(folder, {"fit", "t.csv", "--model", "preisach", "-o", "m.json"}).code == 0);
-  CHECK_THAT(call(folder, {"fit", "t.csv", "--check", "m.json"}).out, Catch::Contains(": good"));
-  CHECK_THAT(call(folder, {"fit", "later.csv", "--check", "m.json"}).out, Catch::Contains("gain adjustment enough"));
+  const auto verdict = [&](const std::string& of, const std::string& model) {
+    return json::parse(call(folder, {"fit", of, "--check", model, "--json"}).out).at("verdict");
+  };
+  CHECK(verdict("t.csv", "m.json") == "good");
+  CHECK(verdict("later.csv", "m.json") == "gain adjustment enough");
   const Finished child =
       call(folder, {"model", "adjust", "m.json", "later.csv", "--zero", "--gain", "-o", "child.json"});
   INFO(child.err);
   REQUIRE(child.code == 0);
-  CHECK_THAT(call(folder, {"fit", "later.csv", "--check", "child.json"}).out, Catch::Contains(": good"));
-  CHECK_THAT(call(folder, {"model", "show", "child.json"}).out, Catch::Contains("zero and gain by later.csv"));
+  CHECK(verdict("later.csv", "child.json") == "good");
 }
 
 TEST_CASE("a falling sensor is fitted and predicted with its own sign") {

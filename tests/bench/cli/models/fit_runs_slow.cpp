@@ -1,8 +1,6 @@
 // `fit` of runs that the simulated rig made in seconds: figures, judgement, scores, limits of the profile, many runs.
-#include <fmt/format.h>
 
 #include <catch2/catch.hpp>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -53,22 +51,12 @@ struct FolderOfRuns {
   TemporaryFolder folder;
 };
 
-std::size_t times(const std::string& text, const std::string& part) {
-  std::size_t count = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
-  return count;
-}
-
 }  // namespace
 
-TEST_CASE("fit of runs: one model judged by limits, in words, as JSON, and by the exit code") {
+TEST_CASE("fit of runs: one model judged by limits, as JSON and by the exit code") {
   const FolderOfRuns of;
   const Finished wide = of.fit({"1", "--model", "mpi", "--held-out", "2", "--limits", "./wide.toml", "-o", "m.json"});
   CHECK(wide.code == 0);
-  CHECK_THAT(wide.out, Catch::StartsWith("mpi on run 1 (simulated): 256 of 256 taxels fitted, full scale ") &&
-                           Catch::Contains("\nrun 1, the fit's own ") && Catch::Contains("\nheld-out run 2 ") &&
-                           Catch::Contains("\n\n  run  requirement ") &&
-                           Catch::Contains("\ndecision rule (ILAC-G8): "));
   CHECK(of.models() == 1);
   const nlohmann::json document = nlohmann::json::parse(read_file(of.folder.path("m.json")));
   CHECK(document.at("model") == "mpi");
@@ -83,7 +71,6 @@ TEST_CASE("fit of runs: one model judged by limits, in words, as JSON, and by th
   CHECK(strict.at("judgement").at("overall") == "fail");
   const Finished own = of.fit({"1", "--model", "mpi", "--limits", "./wide.toml"});
   CHECK(own.code == 6);
-  CHECK_THAT(own.out, Catch::Contains("simulated inconclusive, not judged: no independent data"));
   const Finished twice = of.fit({"1", "--model", "mpi", "--held-out", "2", "--held-out", "2"});
   CHECK(twice.code == 2);
   CHECK(of.fit({"1", "--model", "mpi", "--held-out", "1"}).code == 2);
@@ -98,15 +85,7 @@ TEST_CASE("fit of runs: several models beside each other, with figures where the
   const FolderOfRuns of;
   const Finished plain = of.fit({"1", "--model", "mpi,poly"});
   CHECK(plain.code == 0);
-  CHECK_THAT(plain.out, Catch::StartsWith("run 1 (simulated): fitted on small; figures of the mean taxel\n\nmodel  ") &&
-                            !Catch::Contains("hysteresis, % FS") && !Catch::Contains("the input turned") &&
-                            Catch::EndsWith("names what to score on\n"));
   CHECK(of.models() == 2);
-  const Finished figures = of.fit({"1", "--model", "mpi,poly", "--held-out", "2"});
-  CHECK(times(figures.out, "\nheld-out run 2 ") == 2);
-  CHECK_THAT(figures.out,
-             Catch::Contains("\n\nmpi on run 1 (simulated): ") && Catch::Contains("\n\npoly on run 1 (simulated): "));
-  CHECK(figures.err.find("judged by") == std::string::npos);
   const nlohmann::json told = of.told({"1", "--model", "mpi,poly", "--held-out", "2", "--score", "2,3"});
   REQUIRE(told.at("models").size() == 2);
   for (std::size_t i = 0; i < 2; ++i) {
@@ -119,24 +98,12 @@ TEST_CASE("fit of runs: several models beside each other, with figures where the
     CHECK(model.at("scores").at(0).at("taxels") == 256);
   }
   CHECK((told.at("origin") == "simulated" && told.at("source") == "run 1" && told.at("input_unit") == "psi"));
-  const Finished scored = of.fit({"1", "--model", "mpi", "--score", "2", "--units", "kPa"});
-  CHECK_THAT(scored.out, Catch::Contains("\nscored on run 2 (5120 samples, 256 taxels)\n") &&
-                             Catch::Contains("compensated, kPa") && !Catch::Contains("hysteresis, % FS"));
-  CHECK_THAT(of.fit({"1", "--model", "mpi", "--score", "01"}).err,
-             Catch::StartsWith("error: the models are made from run 1: it is no independent data for them "));
-  CHECK_THAT(of.fit({"1", "--model", "mpi", "--score", "2,02"}).err,
-             Catch::StartsWith("error: '02' is named twice [TB-RUN-TWICE]"));
-  const Finished mean = of.fit({"1", "--model", "mpi", "--mean-taxel"});
-  CHECK_THAT(mean.out, Catch::StartsWith("run 1 (simulated): fitted on small; figures of the mean taxel\n"));
-  CHECK_THAT(of.fit({"1", "--model", "mpi", "--mean-taxel", "--held-out", "2"}).err,
-             Catch::Contains("--limits and --held-out take figures of an array's run"));
+  CHECK_THAT(of.fit({"1", "--model", "mpi", "--score", "2,02"}).err, Catch::Contains("[TB-RUN-TWICE]"));
 }
 
 TEST_CASE("fit of runs: the dynamic model where none is named, ELAM without inner branches, and the runs of its time") {
   const FolderOfRuns of;
-  const Finished plain = of.fit({"1", "-o", "m.json"});
-  CHECK_THAT(plain.out, Catch::StartsWith("dynamic on run 1 (simulated): 256 of 256 taxels fitted, ") &&
-                            Catch::Contains("\nlag and creep are left in: no runs of them were named"));
+  CHECK(of.fit({"1", "-o", "m.json"}).code == 0);
   const nlohmann::json document = nlohmann::json::parse(read_file(of.folder.path("m.json")));
   CHECK(document.at("dynamics").at("rate").at("run") == 0);
   CHECK(document.at("program_version") == bench::build_info().version);
@@ -146,55 +113,24 @@ TEST_CASE("fit of runs: the dynamic model where none is named, ELAM without inne
   CHECK(scored.at("models").at(0).at("model") == "dynamic");
   CHECK(scored.at("models").at(0).at("scores").size() == 1);
   CHECK_FALSE(scored.at("models").at(0).at("shown_taxel").contains("cross_validated"));
-  const Finished elam = of.fit({"3"});
-  CHECK(elam.err == "ELAM is made, not the dynamic model: run 3 has no inner branches\n");
-  CHECK_THAT(elam.out, Catch::Contains("\nELAM on run 3 (simulated): "));
+  CHECK(of.told({"3"}).at("model") == "elam");
+  CHECK(of.fit({"3", "--model", "dynamic"}).code == 0);
   CHECK(of.fit({"3", "-q"}).err.empty());
-  const nlohmann::json mean = of.told({"3"}).at("mean_taxel");
-  const auto part = [&](const char* name) { return mean.at(name).get<double>(); };
-  CHECK_THAT(elam.out, Catch::Contains(fmt::format(
-                           "\nmean taxel: alpha_d {:.4f}, beta_d {:.4f}, alpha_a1 {:.5f} /psi, alpha_a0 "
-                           "{:.4f}, beta_a {:.4f}; J {:.3f} V2, mean error {:.2f} % FS, max {:.2f} % FS\n",
-                           part("alpha_d"), part("beta_d"), part("alpha_a1_per_psi"), part("alpha_a0"), part("beta_a"),
-                           part("j_v2"), 100.0 * part("mean_error_v") / part("full_scale_v"),
-                           100.0 * part("max_error_v") / part("full_scale_v"))));
-  const Finished named = of.fit({"3", "--model", "dynamic"});
-  CHECK_THAT(named.out, Catch::Contains("dynamic on run 3 (simulated): "));
   for (const FitRunWords& own :
        std::vector<FitRunWords>{{"--rate", "2", "--creep", "3"}, {"--rate", "3", "--creep", "2"}}) {
     FitRunWords words = {"1", "--held-out", "2"};
     words.insert(words.end(), own.begin(), own.end());
     const Finished refused = of.fit(words);
     CHECK(refused.code == 2);
-    CHECK_THAT(refused.err,
-               Catch::Contains("error: run 2 is named by " + std::string(own[1] == "2" ? "--rate" : "--creep") +
-                               ": it is no independent data for the model [TB-RUN-OWN]\n  at: --held-out\n"));
+    CHECK_THAT(refused.err, Catch::Contains("[TB-RUN-OWN]") && Catch::Contains("\n  at: --held-out\n"));
   }
-  CHECK_THAT(of.fit({"1", "--rate", "2", "--creep", "2"}).err, Catch::Contains("run 2 shows no creep"));
   CHECK_THAT(of.fit({"1", "--rate", "9", "--creep", "2"}).err, Catch::Contains("[TB-STORE-NOT-FOUND]"));
 }
 
-TEST_CASE("fit of runs: limits of the profile judge held-out runs alone, and people are told so") {
-  const FolderOfRuns of;
-  const std::string told = "judged by limits.toml (tactbench.toml:12)\n";
-  const Finished judged = of.fit({"1", "--model", "mpi", "--held-out", "2"});
-  CHECK_THAT(judged.err, Catch::StartsWith(told));
-  CHECK_THAT(judged.out, Catch::Contains("\n\n  run  requirement "));
-  CHECK_THAT(of.fit({"1", "--model", "mpi", "--held-out", "2", "-q"}).err, !Catch::Contains("judged by"));
-  CHECK_THAT(of.fit({"1", "--model", "mpi", "--held-out", "2", "--json"}).err, !Catch::Contains("judged by"));
-  CHECK_THAT(of.fit({"1", "--model", "mpi", "--held-out", "2", "--limits", "./wide.toml"}).err,
-             !Catch::Contains("judged by"));
-  CHECK_THAT(of.fit({"1", "--model", "mpi"}).err, !Catch::Contains("judged by"));
-}
-
-TEST_CASE("fit of many runs: a line each, and what cannot be fitted") {
+TEST_CASE("fit of many runs: each with its own model, and what cannot be fitted") {
   const FolderOfRuns of;
   const Finished all = of.fit({"1-3", "--model", "mpi"});
   CHECK(all.code == 0);
-  for (const std::string run : {"1", "2", "3"})
-    CHECK_THAT(all.out,
-               Catch::Contains("run     " + run + ": fit " + run + ", mpi, 256 taxels; mean error on the run itself "));
-  CHECK_THAT(all.out, Catch::EndsWith("\n3 runs fitted, 0 not\n"));
   const nlohmann::json told = of.told({"1,3", "--model", "mpi"});
   CHECK(told.at("schema") == "tactbench.fit.runs");
   CHECK(told.at("store") == "runs.db");
@@ -206,7 +142,6 @@ TEST_CASE("fit of many runs: a line each, and what cannot be fitted") {
   CHECK(of.models() == 6);
   const Finished some = of.fit({"1-3", "--model", "poly", "--fit", "small"});
   CHECK(some.code == 6);
-  CHECK_THAT(some.out, Catch::Contains("run     3: not fitted: ") && Catch::EndsWith("\n2 runs fitted, 1 not\n"));
   const nlohmann::json failed = of.told({"3-3", "--model", "poly", "--fit", "small"});
   CHECK(failed.at("runs").at(0).at("error").get<std::string>().starts_with("TB-"));
   CHECK_FALSE(failed.at("runs").at(0).contains("fit"));

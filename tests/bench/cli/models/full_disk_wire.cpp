@@ -15,7 +15,5 @@ TEST_CASE("predict: a table that cannot be written to standard output is an erro
   const Finished full =
       run_program("/bin/sh", {"-c", std::string(program_path()) + " predict m.json t.csv >/dev/full"}, folder.path());
   CHECK(full.code == 2);
-  CHECK(full.err ==
-        "error: the table cannot be written [TB-FILE-WRITE]\n  at: standard output\n  try: check space and permissions "
-        "of the file, or who reads the pipe\n");
+  CHECK_THAT(full.err, Catch::Contains("[TB-FILE-WRITE]") && Catch::Contains("\n  at: standard output\n"));
 }

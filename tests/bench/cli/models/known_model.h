@@ -59,14 +59,6 @@ inline SensorModel known_model(double a1, double zero) {
 // where a model's does not rise.
 void write_model(const TemporaryFolder& folder, const std::string& name, const SensorModel& document);
 
-inline void check_holds(const Finished& finished, const std::vector<std::string>& lines) {
-  INFO(finished.out << finished.err);
-  for (const std::string& line : lines) {
-    INFO(line);
-    CHECK(("\n" + finished.out).find("\n" + line + "\n") != std::string::npos);
-  }
-}
-
 // 0.125 V/N from 0 to 64 N: no play rubs.
 inline std::unique_ptr<analysis::MpiModel> straight_line() {
   return std::make_unique<analysis::MpiModel>(analysis::MpiParameters{0.125, 0.0, 0.0, 0.0, 0.7}, 0.0, 64.0, 0.0);

@@ -5,10 +5,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
-#include "analysis/models/gpi.h"
 #include "analysis/models/linearised.h"
 #include "tests/bench/cli/models/known_model.h"
 #include "tests/bench/cli/models/models_here.h"
@@ -67,14 +67,6 @@ TEST_CASE("fit --check: the mean over the taxels, and the five worst of six, wor
   const Finished told = of.say({"fit", "t.csv", "--check", "m.json"});
   INFO(told.err);
   CHECK(told.code == 0);
-  std::string expected =
-      "mpi of me.csv on t.csv: re-zero enough\n"
-      "  mean residual of 6 taxels, % FS: as it is 3.500, re-zeroed 0.000, with gain 0.000 (tolerance 1.000)\n" +
-      fmt::format("  {:>6}{:>24}{:>24}{:>10}\n", "taxel", "zero +- u, V", "gain +- u", "% FS");
-  for (int taxel = 5; taxel > 0; --taxel)
-    expected += fmt::format("  {:>6}{:>24}{:>24}{:>10}\n", taxel, fmt::format("0.{:02}000 +- 0.00000", 8 * (taxel + 1)),
-                            "1.00000 +- 0.00000", fmt::format("{}.000", taxel + 1));
-  CHECK(told.out == expected);
   const nlohmann::json as_json = nlohmann::json::parse(of.say({"fit", "t.csv", "--check", "m.json", "--json"}).out);
   CHECK(as_json.at("schema") == "tactbench.fit.check");
   CHECK(as_json.at("verdict") == "re-zero enough");
@@ -99,13 +91,10 @@ TEST_CASE("fit --check: what no zero and no gain makes good ends with exit code 
   const FolderOfLines noisy(moved_table(0.0, 0.4));  // 5 % of full scale, now up, now down
   const Finished told = noisy.say({"fit", "t.csv", "--check", "m.json"});
   CHECK(told.code == 1);
-  CHECK_THAT(told.out, Catch::StartsWith("mpi of me.csv on t.csv: recalibrate\n"));
   CHECK(noisy.say({"fit", "t.csv", "--check", "m.json", "--json"}).code == 1);
   const FolderOfLines steeper(moved_table(0.0, 0.0, 1.25));
   const Finished gain = steeper.say({"fit", "t.csv", "--check", "m.json"});
   CHECK(gain.code == 0);
-  CHECK_THAT(gain.out, Catch::StartsWith("mpi of me.csv on t.csv: gain adjustment enough\n") &&
-                           Catch::Contains("1.25000 +- 0.00000"));
   CHECK(gain.out.find("validity") == std::string::npos);
 }
 
@@ -114,9 +103,6 @@ TEST_CASE("model adjust: zero and gain of every taxel, what it leaves, and a fil
   const Finished zero = of.say({"model", "adjust", "m.json", "t.csv", "--zero", "-o", "c.json"});
   CHECK(zero.code == 0);
   const SensorModel parent = analysis::load_model(of.folder.path("m.json"), nullptr);
-  CHECK_THAT(zero.out, Catch::StartsWith("c.json: zero by ") &&
-                           Catch::EndsWith("\n  mean residual on t.csv: 3.500 % FS before, 0.000 after; parent " +
-                                           analysis::sha256_of(parent).substr(0, 12) + "\n"));
   const SensorModel child = analysis::load_model(of.folder.path("c.json"), nullptr);
   CHECK(child.parent_sha256 == analysis::sha256_of(parent));
   CHECK_FALSE(child.program_version.empty());
@@ -139,66 +125,48 @@ TEST_CASE("model adjust: zero and gain of every taxel, what it leaves, and a fil
   CHECK(analysis::load_model(steeper.folder.path("c.json"), nullptr).taxel(3).gain == Approx(1.25));
 }
 
-TEST_CASE("model show: the taxels by what became of them, what the stream leaves, and a last taxel without a model") {
+TEST_CASE("model show: a model whose last taxel is dead") {
   const TemporaryFolder folder;
-  SensorModel document = known_model(0.1, 0.0);
-  document.columns = 4;
-  document.dynamics.emplace();
-  document.taxels.insert(document.taxels.begin() + 3, taxel_with(3, {0.1, -0.001, 0.0, 3.0, 0.7}));
-  for (const auto& [place, psi] : {std::pair{0U, 0.75}, {1U, 9.0}, {2U, 0.25}, {3U, 0.5}, {4U, 99.0}})
-    document.taxels[place].residual_psi = psi;
-  document.taxels[0].fit.undetermined = {"tau"};
-  write_model(folder, "m.json", document);
-  const Finished shown = model_verb(folder, {"model", "show", "m.json"});
-  check_holds(
-      shown,
-      {"  taxels        1 dead, 3 fitted; and the mean taxel",
-       "  stream leaves 0.5 N (median taxel; worst 0.75), by level and direction in the uncertainty",
-       "  in time       lag and creep are left in: no runs of them were named, and the fitted one tells no creep"});
-  CHECK_THAT(shown.out, Catch::Contains("\n  left open     mpi: the data do not determine tau (1 of 4 taxels)\n"));
-  document.input_unit = "psi";
-  write_model(folder, "m.json", document);
-  CHECK_THAT(model_verb(folder, {"model", "show", "m.json", "--units", "kPa"}).out,
-             Catch::Contains("\n  stream leaves 3.45 kPa (median taxel; worst 5.17), by level"));
-  for (ModelTaxel& taxel : document.taxels) taxel.residual_psi = 0.0;
-  write_model(folder, "m.json", document);
-  CHECK(model_verb(folder, {"model", "show", "m.json"}).out.find("stream leaves") == std::string::npos);
-  document.taxels.erase(document.taxels.begin(), document.taxels.end() - 1);
-  document.taxels.back().residual_psi = 2.0;
-  document.rows = document.columns = 0;
-  write_model(folder, "mean.json", document);
-  check_holds(model_verb(folder, {"model", "show", "mean.json"}),
-              {"  taxels        1 fitted",
-               "  stream leaves 2 psi (median taxel; worst 2), by level and direction in the uncertainty"});
   SensorModel last_dead = known_model(0.1, 0.0);
   last_dead.taxels.resize(2);
   write_model(folder, "dead.json", last_dead);
-  const Finished dead = model_verb(folder, {"model", "show", "dead.json"});
-  CHECK(dead.code == 0);
-  for (const char* line : {"output", "in time", "parent", "left open", "stream leaves"})
-    CHECK(dead.out.find(std::string("\n  ") + line + "  ") == std::string::npos);
-  CHECK_THAT(dead.out, Catch::EndsWith("\n  taxels        1 dead, 1 fitted\n"));
+  CHECK(model_verb(folder, {"model", "show", "dead.json"}).code == 0);
 }
 
-TEST_CASE("model show: parameters that are set by convention, and those at a bound") {
-  const TemporaryFolder folder;
-  SensorModel document = known_model(0.1, 0.0);
-  document.model = "gpi";
-  document.taxels.resize(1);
-  analysis::GpiParameters parameters;
-  document.taxels[0].fit.model = std::make_unique<analysis::GpiModel>(parameters, 0.0, 60.0, 0.0);
-  write_model(folder, "m.json", document);
-  const std::string out = model_verb(folder, {"model", "show", "m.json"}).out;
-  for (const char* name : {"a2", "b2", "rho"}) {
-    const std::size_t at = out.find(std::string("\n  ") + name + " ");
-    REQUIRE(at != std::string::npos);
-    CHECK_THAT(out.substr(at + 1, out.find('\n', at + 1) - at - 1),
-               Catch::EndsWith("  set by convention, not identified"));
-  }
+TEST_CASE("model show --json prints the model's document, and model export writes the same") {
+  const FolderOfLines of(moved_table(0.08));
+  const std::string document = model_verb(of.folder, {"model", "show", "m.json", "--json"}).out;
+  REQUIRE(model_verb(of.folder, {"model", "export", "m.json", "-o", "c.json"}).code == 0);
+  CHECK(read_file(of.folder.path("c.json")) == document);
+}
+
+TEST_CASE("model adjust needs --zero or --gain, and fit --check tells what lies outside the validity") {
+  const FolderOfLines of(moved_table(0.08) + "0,70,8.8\n");
+  const Finished neither = of.say({"model", "adjust", "m.json", "t.csv", "-o", "c.json"});
+  CHECK(neither.code == 2);
+  CHECK_THAT(neither.err, Catch::Contains("[TB-USAGE]\n  at: model adjust\n"));
+  const nlohmann::json told = nlohmann::json::parse(of.say({"fit", "t.csv", "--check", "m.json", "--json"}).out);
+  CHECK(told.at("outside_validity").size() == 1);
 }
 
 TEST_CASE("model diff: a divider that one model lacks is 0 there, and creep and lag of two that have them") {
   const TemporaryFolder folder;
+  // The mean difference, the largest one and its taxel.
+  const auto difference = [&](const std::string& first, const std::string& second, const std::string& name) {
+    const auto told = nlohmann::json::parse(model_verb(folder, {"model", "diff", first, second, "--json"}).out);
+    for (const auto& one : told.at("parameters"))
+      if (one.at("name") == name)
+        return std::tuple(one.at("mean").get<double>(), one.at("largest").get<double>(), one.at("taxel").get<int>());
+    return std::tuple(0.0, 0.0, -9);  // not among them
+  };
+  const auto check = [&](const std::string& first, const std::string& second, const std::string& name, double mean,
+                         double largest, int taxel) {
+    INFO(name);
+    const auto [found_mean, found_largest, found_taxel] = difference(first, second, name);
+    CHECK(found_mean == Approx(mean));
+    CHECK(found_largest == Approx(largest));
+    CHECK(found_taxel == taxel);
+  };
   SensorModel plain = known_model(0.1, 0.0), divided = known_model(0.1, 0.0);
   for (ModelTaxel& taxel : divided.taxels) {
     if (taxel.fit.model == nullptr) continue;
@@ -210,13 +178,9 @@ TEST_CASE("model diff: a divider that one model lacks is 0 there, and creep and 
   }
   write_model(folder, "plain.json", plain);
   write_model(folder, "divided.json", divided);
-  check_holds(model_verb(folder, {"model", "show", "divided.json"}),
-              {"  output        linearised output, u = v / (1 - c v): 2 of 2 taxels, c 0.1250 to 0.2500 1/V"});
-  check_holds(model_verb(folder, {"model", "diff", "plain.json", "divided.json"}),
-              {"c                     0.166667          0.25       2  1/V",
-               "a1                           0             0       0  V/N"});
-  check_holds(model_verb(folder, {"model", "diff", "divided.json", "plain.json"}),
-              {"c                    -0.166667         -0.25       2  1/V"});
+  check("plain.json", "divided.json", "c", 0.5 / 3.0, 0.25, 2);
+  check("plain.json", "divided.json", "a1", 0.0, 0.0, 0);
+  check("divided.json", "plain.json", "c", -0.5 / 3.0, -0.25, 2);
   SensorModel early = known_model(0.1, 0.0), late = known_model(0.1, 0.0);
   for (SensorModel* model : {&early, &late}) model->dynamics.emplace();
   late.taxels[0].creep_scale = 1.5;
@@ -224,22 +188,35 @@ TEST_CASE("model diff: a divider that one model lacks is 0 there, and creep and 
   late.taxels[2].gain = 1.25;
   write_model(folder, "early.json", early);
   write_model(folder, "late.json", late);
-  check_holds(model_verb(folder, {"model", "diff", "early.json", "late.json"}),
-              {"gain                 0.0833333          0.25       2  1",
-               "creep_scale           0.166667           0.5       0  1",
-               "lag_share            0.0833333          0.25       2  1"});
-  const Finished one_only = model_verb(folder, {"model", "diff", "early.json", "plain.json"});
-  CHECK(one_only.out.find("creep_scale") == std::string::npos);
-  CHECK(model_verb(folder, {"model", "diff", "plain.json", "early.json"}).out.find("lag_share") == std::string::npos);
+  check("early.json", "late.json", "gain", 0.25 / 3.0, 0.25, 2);
+  check("early.json", "late.json", "creep_scale", 0.5 / 3.0, 0.5, 0);
+  check("early.json", "late.json", "lag_share", 0.25 / 3.0, 0.25, 2);
+  CHECK(std::get<2>(difference("early.json", "plain.json", "creep_scale")) == -9);
+  CHECK(std::get<2>(difference("plain.json", "early.json", "lag_share")) == -9);
   // A taxel that only one of them could fit, or has.
   SensorModel fewer = known_model(0.1, 0.0);
   fewer.taxels[0].status = analysis::TaxelStatus::kDead;
   fewer.taxels[0].fit.model.reset();
   fewer.taxels.erase(fewer.taxels.begin() + 2);
   write_model(folder, "fewer.json", fewer);
-  check_holds(model_verb(folder, {"model", "diff", "plain.json", "fewer.json"}),
-              {"2 taxels are fitted in the first alone", "zero                         0             0       0  V"});
-  const Finished more = model_verb(folder, {"model", "diff", "fewer.json", "plain.json"});
-  CHECK(more.code == 1);
-  CHECK(more.out.find("in the first alone") == std::string::npos);
+  const auto first_alone = [&](const std::string& first, const std::string& second) {
+    const Finished told = model_verb(folder, {"model", "diff", first, second, "--json"});
+    CHECK(told.code == 1);
+    return nlohmann::json::parse(told.out).at("taxels_of_first_alone");
+  };
+  CHECK(first_alone("plain.json", "fewer.json") == 2);
+  CHECK(first_alone("fewer.json", "plain.json") == 0);
+}
+
+TEST_CASE("model diff: parameters of inputs in different units are not compared") {
+  const TemporaryFolder folder;
+  SensorModel pressures = known_model(0.04, 0.25);
+  pressures.input_unit = "psi";
+  write_model(folder, "psi.json", pressures);
+  write_model(folder, "n.json", known_model(0.1, 0.0));
+  const nlohmann::json told =
+      nlohmann::json::parse(model_verb(folder, {"model", "diff", "n.json", "psi.json", "--json"}).out);
+  CHECK((told["parameters"][2]["unit"] == "V/N" && told["parameters"][2]["unit_of_second"] == "V/psi"));
+  CHECK((told["parameters"][2]["mean"].is_null() && told["parameters"][2]["largest"].is_null()));
+  CHECK(told["parameters"][0]["mean"].get<double>() == Approx(0.25 / 3.0));
 }

@@ -1,4 +1,4 @@
-// model list of a store whose models are known, in words and as JSON.
+// model list of a store whose models are known.
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -36,28 +36,6 @@ struct StoreOfModels {
 
 }  // namespace
 
-TEST_CASE("model list: a line a model, oldest run first, with the number of its fitted taxels") {
-  const StoreOfModels of;
-  const std::string head = "model     kind          sensor           taxels  origin     created (UTC)\n";
-  const std::string first =
-      "1:1       elam          S-1                   3  simulated  2026-01-01T00:00:00Z\n"
-      "1:2       dynamic       S-1                   5  simulated  2026-01-01T00:00:00Z\n";
-  const Finished all = of.list({});
-  CHECK(all.code == 0);
-  CHECK_THAT(all.out, Catch::StartsWith(head + first + "3:3       a long name") &&
-                          Catch::EndsWith("\n3:4       gpi           S-1                   0  simulated  "
-                                          "2026-01-01T00:00:00Z\n"));
-  CHECK(of.list({"1"}).out == head + first);
-  CHECK(of.list({"2"}).out == head + "run 2 has no models: tactbench fit 2 makes some\n");
-  const Finished unknown = of.list({"9"});
-  CHECK(unknown.code == 2);
-  CHECK_THAT(unknown.err, Catch::Contains("[TB-STORE-NOT-FOUND]"));
-  const TemporaryFolder folder;
-  db::RunStore::open(folder.path("e.db"), db::Durability::kNormal);
-  CHECK(verb_here(bench::add_model, {"model", "list", "--db", folder.path("e.db")}).out ==
-        head + "no models are stored: tactbench fit RUN makes some\n");
-}
-
 TEST_CASE("model list as JSON: each model with its run, its sensor and the program that made it") {
   const StoreOfModels of;
   const nlohmann::json told = nlohmann::json::parse(of.list({"--json"}).out);
@@ -69,4 +47,11 @@ TEST_CASE("model list as JSON: each model with its run, its sensor and the progr
   CHECK(told.at("models").at(3).at("fitted_taxels") == 0);
   CHECK(nlohmann::json::parse(of.list({"--json", "3"}).out).at("models").size() == 2);
   CHECK(nlohmann::json::parse(of.list({"--json", "2"}).out).at("models").empty());
+  const Finished unknown = of.list({"9"});
+  CHECK(unknown.code == 2);
+  CHECK_THAT(unknown.err, Catch::Contains("[TB-STORE-NOT-FOUND]"));
+  CHECK(of.list({}).code == 0);
+  const Finished none = verb_here(bench::add_model, {"model", "show", "2", "--db", of.path});
+  CHECK(none.code == 6);
+  CHECK_THAT(none.err, Catch::Contains("[TB-ANALYSIS-NO-FIT]"));
 }

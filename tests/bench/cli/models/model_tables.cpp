@@ -1,4 +1,4 @@
-// The tables of models, of rows that are known number by number.
+// The rows of models: which are left out and which errors end the fit, and what a row tells as JSON.
 #include "bench/cli/models/model_table.h"
 
 #include <catch2/catch.hpp>
@@ -8,12 +8,28 @@
 #include <utility>
 #include <vector>
 
+#include "analysis/error.h"
 #include "analysis/models/mpi.h"
+#include "bench/cli/runs/source.h"
+#include "tests/bench/cli/play_table.h"
+#include "tests/support/process.h"
 
 using namespace tactbench;
+using namespace tactbench::tests;
 using namespace tactbench::bench;
 
 namespace {
+
+analysis::Histories histories_of(const std::vector<double>& turns) {
+  const TemporaryFolder folder;
+  std::string text = "input,output\n";
+  for (const PlaySample& sample : play_samples(turns))
+    text += std::to_string(sample.input) + "," + std::to_string(sample.output) + "\n";
+  write_file(folder.path("t.csv"), text);
+  Session session;
+  session.quiet = true;
+  return read_source(folder.path("t.csv"), {}, session);
+}
 
 analysis::ModelTaxel fitted_taxel(int number) {
   analysis::ModelTaxel taxel;
@@ -84,50 +100,6 @@ ModelRow row_of_one(const std::string& label) {
 
 }  // namespace
 
-TEST_CASE("table of fits: the mean taxel of an array, the only one of others, cross-validation where there was any") {
-  std::vector<ModelRow> rows;
-  rows.push_back(row_of_array());
-  rows.push_back(row_of_one("mpi, alone"));
-  CHECK(fits_table(rows) ==
-        "model                 params            J  mean %FS  max %FS  cross %FS  ops/smpl  taxels\n"
-        "mpi                        5          2.5     1.000    3.000      5.000        56       2\n"
-        "mpi, alone                 5          2.5     1.000    3.000          -        56       1\n");
-}
-
-TEST_CASE("table of scores: an array beside a straight line, its mean taxel, and what depends on the hold") {
-  const analysis::Histories histories = one_taxel();
-  std::vector<ModelRow> rows;
-  rows.push_back(row_of_array());
-  CHECK(scores_table(rows, {{"run 2", &histories, {}}}, "psi") ==
-        "\n"
-        "scored on run 2 (6 samples, 2 taxels)\n"
-        "                                              direct model, % FS\n"
-        "                        from measured turns         free running        compensated, psi      mean taxel\n"
-        "model                        mean       max       mean       max        mean         max      mean       max\n"
-        "none (straight line)            -         -          -         -       1.000       2.250     0.500     0.750\n"
-        "mpi                         2.500    10.000      5.000    15.000       0.500       1.500     0.200     0.400\n"
-        "\n"
-        "  by hold time, mean compensation error by model\n"
-        "                   s   samples         mpi\n"
-        "            0.1 .. 1         2       0.500\n"
-        "             1 .. 10         4       0.500\n");
-  rows.clear();
-  rows.push_back(row_of_one("a very long name"));
-  CHECK(scores_table(rows, {{"table", &histories, {}}}, "N") ==
-        "\n"
-        "scored on table (1 sample)\n"
-        "                                              direct model, % FS\n"
-        "                        from measured turns         free running          compensated, N\n"
-        "model                        mean       max       mean       max        mean         max\n"
-        "none (straight line)            -         -          -         -      0.5000      0.5000\n"
-        "a very long name            5.000     5.000      7.500     7.500      0.2500      0.2500\n"
-        "\n"
-        "  by rate, mean compensation error by model\n"
-        "                 N/s   samples  a very long name\n"
-        "              1 .. 2         1            0.2500\n"
-        "              2 .. 4         0            0.0000\n");
-}
-
 TEST_CASE("a row of models as JSON: the shown taxel, its parameters and its scores") {
   const analysis::Histories histories = one_taxel();
   const nlohmann::ordered_json row = model_row_json(row_of_array(), {{"run 2", &histories, {}}});
@@ -161,13 +133,31 @@ TEST_CASE("a row of models as JSON: the shown taxel, its parameters and its scor
   CHECK(alone["shown_taxel"].contains("parameters"));
 }
 
-TEST_CASE("what the data leave open: counted over the taxels of an array without its mean, or over the mean alone") {
-  ModelRow row = row_of_array();
-  CHECK(undetermined_text(row.document).empty());
-  row.document.taxels[0].fit.undetermined = {"tau"};
-  row.document.taxels[2].fit.undetermined = {"tau", "q"};
-  row.document.taxels[3].fit.undetermined = {"tau", "q"};
-  CHECK(undetermined_text(row.document) == "mpi: the data do not determine tau, q (2 of 3 taxels)\n");
-  row.document.taxels.erase(row.document.taxels.begin(), row.document.taxels.begin() + 3);
-  CHECK(undetermined_text(row.document) == "mpi: the data do not determine tau, q (1 of 1 taxel)\n");
+TEST_CASE("rows of models: what the data cannot carry is left out as long as another model is there, no other error") {
+  const analysis::Histories loops = histories_of({0, 10, 0, 10, 5, 10, 0});
+  std::vector<ModelRefusal> refusals;
+  std::vector<std::string> begun;
+  const auto begin = [&](const std::string& model) { begun.push_back(model); };
+  const std::vector<ModelRow> rows = model_rows({"nonsense", "monotone"}, loops, {}, {}, {}, &refusals, begin);
+  REQUIRE(rows.size() == 1);
+  CHECK(rows[0].label == "monotone");
+  CHECK_FALSE(rows[0].document.program_version.empty());
+  REQUIRE(refusals.size() == 1);
+  CHECK(refusals[0].model == "nonsense");
+  CHECK(begun == std::vector<std::string>{"nonsense", "monotone"});
+  const auto id = [&](const std::vector<std::string>& models, const std::vector<std::string>& sequences,
+                      std::vector<ModelRefusal>* left_out) -> std::string {
+    try {
+      (void)model_rows(models, loops, sequences, {}, {}, left_out);
+    } catch (const analysis::AnalysisError& error) {
+      return error.id();
+    }
+    return "";
+  };
+  CHECK(id({"monotone", "nonsense"}, {}, &refusals).empty());  // the last, and there is a row
+  CHECK(id({"nonsense"}, {}, &refusals) == "TB-ANALYSIS-MODEL");
+  CHECK(id({"nonsense", "monotone"}, {}, nullptr) == "TB-ANALYSIS-MODEL");
+  const std::string other = id({"monotone", "poly"}, {"none"}, &refusals);
+  CHECK_FALSE(other.empty());
+  CHECK((other != "TB-ANALYSIS-MODEL" && other != "TB-ANALYSIS-NO-LOOP"));
 }

@@ -1,7 +1,5 @@
 // Messages of the verbs of tables and models on names that are missing, outputs outside the loop, and pipes.
-#include <algorithm>
 #include <catch2/catch.hpp>
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -23,42 +21,6 @@ std::string history_table(const std::string& sequence = {}, double scale = 1.0) 
 }
 
 }  // namespace
-
-TEST_CASE("the error for a missing sequence lists the existing ones") {
-  const TemporaryFolder folder;
-  write_file(folder.path("plain.csv"), history_table());
-  write_file(folder.path("named.csv"), history_table("up and down"));
-  const Finished plain = call(folder, {"fit", "plain.csv", "--fit", "full"});
-  CHECK(plain.code == 2);
-  CHECK_THAT(plain.err, Catch::Contains("no sequence \"full\"; those there are: \"1\"") &&
-                            Catch::Contains("a table without a column sequence has one, named 1"));
-  CHECK_THAT(call(folder, {"fit", "named.csv", "--fit", "full"}).err,
-             Catch::Contains("those there are: \"up and down\""));
-}
-
-TEST_CASE("messages describe units that were not stated") {
-  const TemporaryFolder folder;
-  write_file(folder.path("t.csv"), history_table());
-  REQUIRE(call(folder, {"fit", "t.csv", "--input-unit", "N", "--output-unit", "V", "-o", "m.json"}).code == 0);
-  const Finished other = call(folder, {"fit", "t.csv", "--check", "m.json"});
-  CHECK(other.code == 2);
-  CHECK_THAT(other.err,
-             Catch::Contains("the model has the input unit N and the output unit V, t.csv has no units stated"));
-  REQUIRE(call(folder, {"fit", "t.csv", "-o", "bare.json"}).code == 0);
-  CHECK_THAT(call(folder, {"model", "show", "bare.json"}).out, Catch::Contains("(not stated) to (not stated)"));
-}
-
-TEST_CASE("model diff ends with 1 where the models differ") {
-  const TemporaryFolder folder;
-  write_file(folder.path("t.csv"), history_table());
-  write_file(folder.path("u.csv"), history_table({}, 1.1));
-  REQUIRE(call(folder, {"fit", "t.csv", "-o", "m.json"}).code == 0);
-  REQUIRE(call(folder, {"fit", "u.csv", "-o", "n.json"}).code == 0);
-  CHECK(call(folder, {"model", "diff", "m.json", "m.json"}).code == 0);
-  CHECK(call(folder, {"model", "diff", "m.json", "n.json"}).code == 1);
-  CHECK(call(folder, {"model", "diff", "m.json", "n.json", "--json"}).code == 1);
-  CHECK_THAT(call(folder, {"model", "diff", "--help"}).out, Catch::Contains("exit code 1"));
-}
 
 TEST_CASE("outside the loop the uncertainty of a compensated value is not a number, inside it is one") {
   const TemporaryFolder folder;
@@ -95,7 +57,6 @@ TEST_CASE("a table read through a pipe gives the same hash and the same results 
   CHECK(shell(program + " compensate m.json <(cat t.csv)").out == direct.out);
   const Finished endless = shell("head -c 3000000 /dev/zero | tr '\\0' 'x' | " + program + " compensate m.json -");
   CHECK(endless.code == 2);
-  CHECK_THAT(endless.err, Catch::Contains("standard input:1: a line of more than 1000000 bytes"));
   CHECK(shell(program + " compensate m.json /dev/zero").code == 2);
   CHECK(shell(program + " fit t.csv --check <(cat m.json)").code == 2);  // a document is a file
 }

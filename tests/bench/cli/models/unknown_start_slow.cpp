@@ -4,7 +4,6 @@
 #include <sstream>
 
 #include "tests/bench/cli/play_table.h"
-#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::tests;

@@ -44,24 +44,6 @@ TEST_CASE("night results: red or not carried out is 1, moved alone 6, and one re
   CHECK(code_of_night(suite_of(0), {}) == ExitCode::kPass);
 }
 
-TEST_CASE("night results: the lines of each state, sentences in the unit asked for, and the count of all") {
-  ScenarioResult red = result_with({"40 psi is missing", "frames is 2, must be 3"}, {"moved"});
-  ScenarioResult moved = result_with({}, {"error of 10 psi is new"});
-  moved.name = "second";
-  moved.compared = "same frames as run 4";
-  const std::vector<ScenarioResult> results = {red, moved, result_with({}, {})};
-  CHECK(tests::printed_by([&] { print_night(suite_of(5), results, analysis::PressureUnit::kPsi); }) ==
-        "RED   short                          12.3 s  a fit\n"
-        "        40 psi is missing\n        frames is 2, must be 3\n        moved\n"
-        "moved second                         12.3 s  a fit; same frames as run 4\n        error of 10 psi is new\n"
-        "green short                          12.3 s  a fit\n"
-        "2 green, 1 red, 2 not run\n");
-  const std::string kpa =
-      tests::printed_by([&] { print_night(suite_of(3), results, analysis::PressureUnit::kKilopascal); });
-  CHECK_THAT(kpa, Catch::Contains("        275.8 kPa is missing\n") && Catch::Contains("error of 68.95 kPa is new\n") &&
-                      Catch::EndsWith("2 green, 1 red, 0 not run\n"));
-}
-
 TEST_CASE("night results: the JSON document counts what is red and what did not run") {
   const nlohmann::ordered_json json =
       night_json(suite_of(4), {result_with({"b"}, {}), result_with({}, {"a"}), result_with({"c"}, {})});

@@ -65,7 +65,6 @@ class HeldPort {
 TEST_CASE("page: its address on a free port, for who reads alone and for who commands, and as JSON") {
   const Finished reads = announced_page("--port 0");
   CHECK(reads.err.empty());
-  CHECK_THAT(reads.out, Catch::StartsWith("page: http://127.0.0.1:") && Catch::EndsWith("\n"));
   const std::string secrets = reads.out.substr(reads.out.find('#') + 1);
   CHECK(secrets.find('.') == std::string::npos);
   const Finished commands = announced_page("--port 0 --operator bob");
@@ -83,14 +82,12 @@ TEST_CASE("page: its address on a free port, for who reads alone and for who com
 TEST_CASE("page: beside a run its address goes to standard error, and nothing to standard output") {
   const Finished beside = announced_page("--port 0 --beside " + std::to_string(::getpid()), "err");
   CHECK(beside.out.empty());
-  CHECK_THAT(beside.err, Catch::StartsWith("page: http://127.0.0.1:"));
 }
 
 TEST_CASE("page: another page's usual port is left to it, a port that was asked for is not") {
   const HeldPort usual(8765);
   if (!usual.held()) return;  // somebody else has it
   const Finished other = announced_page("");
-  CHECK_THAT(other.out, Catch::StartsWith("page: http://127.0.0.1:"));
   CHECK(port_in_page_link(other.out) != 8765);
   const TemporaryFolder folder;
   const Finished refused = call(folder, {"page", "--port", "8765"});

