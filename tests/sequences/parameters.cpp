@@ -17,18 +17,6 @@ Recipe recipe_with(const std::vector<Override>& overrides, const std::string& bo
   return parse_recipe(TomlDocument::from_text(body, "p.toml"), overrides);
 }
 
-void refused(const std::vector<Override>& overrides, const std::string& body, const std::string& message,
-             const std::string& where, const std::string& remedy) {
-  try {
-    (void)recipe_with(overrides, body);
-    FAIL("accepted");
-  } catch (const FileError& error) {
-    CHECK_THAT(error.what(), Catch::Contains(message));
-    CHECK_THAT(error.where(), Catch::Contains(where));
-    CHECK_THAT(error.remedy(), Catch::Contains(remedy));
-  }
-}
-
 }  // namespace
 
 TEST_CASE("a parameter stands for a number, by default and as set") {
@@ -47,20 +35,6 @@ TEST_CASE("a parameter stands for a number, by default and as set") {
     CHECK((parameter.value == 20.0 && parameter.standard == 60.0 && parameter.low == 10.0 && parameter.high == 60.0));
     CHECK((parameter.unit == "psi" && parameter.help == "of the loop"));
   }
-}
-
-TEST_CASE("a parameter out of its range or unknown is refused with its place") {
-  refused({{"peak", "62"}}, kBody, "'peak' is 62, outside 10 to 60", "--set recipe.peak=62 (over p.toml)", "10 to 60");
-  refused({{"peak", "high"}}, kBody, "'peak' must be a number", "--set recipe.peak=high", "number");
-  refused({{"step", "-1"}}, kBody, "above 0", "--set recipe.step (over p.toml)", "levels");
-  refused({{"times", "1.5"}}, kBody, "not a whole number", "p.toml:7:11", "whole number");
-  refused({{"dwel_s", "1"}}, kBody, "unknown key 'dwel_s'", "--set", "dwell_s");
-  std::string misspelt = kBody;
-  misspelt.replace(misspelt.find("$peak"), 5, "$paek");
-  refused({}, misspelt, "no parameter 'paek'", "p.toml:4:", "$peak");
-  refused({}, kBody + "[parameters.idle]\ndefault = 1\nlow = 0\nhigh = 2\n", "nothing uses", "p.toml:22:", "$idle");
-  refused({}, kBody + "[parameters.idle]\ndefault = 3\nlow = 0\nhigh = 2\n", "outside 0 to 2", "p.toml:23:11", "low");
-  refused({}, kBody + "[parameters.idle]\ndefault = 3\nlow = 0\nhihg = 2\n", "'high' is missing", "p.toml:22:", "high");
 }
 
 TEST_CASE("a key set over a parameter's place wins") {

@@ -54,20 +54,6 @@ TEST_CASE("steps visit every level of every branch once, turning points exactly"
   CHECK(branches == std::vector<int>{0, 0, 0, 0, 1, 1, 2, 2, 3, 3, 3});
 }
 
-TEST_CASE("several frames a level are held after the first, each repeat takes the next dwell") {
-  const Recipe recipe =
-      recipe_of("turning_points = [0, 2]\nstep = 2\ndwell_s = [5, 7]\nframes_per_level = 3\nframe_interval_s = 0.5\n");
-  CHECK(recipe.repeats == 2);
-  const auto steps = compile(recipe, 0);
-  REQUIRE(steps.size() == 12);
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    const double dwell = i < 6 ? 5.0 : 7.0;
-    CHECK(steps[i].hold == (i % 3 != 0));
-    CHECK(steps[i].dwell_s == (i % 3 == 0 ? dwell : 0.5));
-    CHECK(steps[i].ordinal == static_cast<int>(i % 6));
-  }
-}
-
 TEST_CASE("a ramp without stops names its rate and settles only at its start") {
   const auto steps =
       compile(recipe_of("turning_points = [0, 4, 0]\nstep = 2\nsettle = \"none\"\nramp_psi_per_s = [0.5, 8]\n"), 0);
@@ -111,22 +97,6 @@ TEST_CASE("the way back conditions and travels to where the branch starts, witho
     CHECK(steps[4 + i].branch_from == Psi(from[i]));
     CHECK(steps[4 + i].branch_to == Psi(to[i]));
   }
-}
-
-TEST_CASE("every value read is listed with its place, lists as well") {
-  const TomlDocument document = TomlDocument::from_text(
-      "schema = 1\nname = \"t\"\nunit = \"psi\"\nturning_points = [0, 4.5, 0]\nstep = 1.5\n", "test.toml");
-  parse_recipe(document);
-  const auto setting = [&](const std::string& key) {
-    for (const Setting& known : document.settings()) {
-      if (known.key == key) return known.value + " of " + known.origin;
-    }
-    return std::string("nowhere");
-  };
-  CHECK(setting("turning_points") == "[0, 4.5, 0] of test.toml:4");
-  CHECK(setting("step") == "1.5 of test.toml:5");
-  CHECK(setting("repeats") == "1 of default");
-  CHECK(setting("no_such_key") == "nowhere");
 }
 
 TEST_CASE("the way back settles at every level, also in a recipe whose ramps do not stop") {
@@ -194,78 +164,6 @@ TEST_CASE("random reversals lie on the grid, rise and fall in turn and are the s
   CHECK((first[3] == Psi(18) && first[4] == Psi(12)));
 }
 
-TEST_CASE("conditioning cycles come first and take no frame") {
-  const auto steps =
-      compile(recipe_of("turning_points = [0, 2]\nstep = 2\n[conditioning]\ncycles = 2\npeak = 60\n"), 0);
-  REQUIRE(steps.size() == 6);
-  for (int i = 0; i < 4; ++i) {
-    CHECK(steps[i].kind == StepKind::kConditioning);
-    CHECK(steps[i].setpoint == Psi(i % 2 == 0 ? 60.0 : 0.0));
-  }
-  CHECK(std::count_if(steps.begin(), steps.end(), takes_frame) == 2);
-}
-
-TEST_CASE("a recipe in kPa or bar is brought to psi") {
-  const Recipe kpa = parse_recipe(
-      TomlDocument::from_text("schema=1\nname=\"k\"\nunit=\"kPa\"\nturning_points=[0, 100]\nstep=50\n", "k.toml"));
-  CHECK(kpa.turning_points[1].value() == Approx(14.503773773));
-  const Recipe bar = parse_recipe(
-      TomlDocument::from_text("schema=1\nname=\"k\"\nunit=\"bar\"\nturning_points=[0, 1]\nstep=0.5\n", "k.toml"));
-  CHECK(bar.turning_points[1].value() == Approx(14.503773773));
-}
-
-TEST_CASE("a bad recipe names file, line, key and remedy") {
-  const auto refused = [](const std::string& body, const std::string& message, const std::string& where) {
-    try {
-      (void)recipe_of(body);
-      FAIL("accepted: " << body);
-    } catch (const FileError& error) {
-      CHECK_THAT(error.what(), Catch::Contains(message));
-      CHECK_THAT(error.where(), Catch::Contains(where));
-      CHECK(!error.remedy().empty());
-    }
-  };
-  const std::string good = "turning_points = [0, 60]\nstep = 2\n";
-  refused(good + "dwel_s = 2\n", "unknown key 'dwel_s'", "test.toml:6:");
-  refused(good + "dwell_s = \"2 s\"\n", "must be a number", "test.toml:6:");
-  refused(good + "dwell_s = 2 s\n", "not valid TOML", "test.toml:6:");
-  refused(good + "repeats = 0\n", "not a whole number from 1", "repeats");
-  refused(good + "repeats = 1.5\n", "not a whole number", "repeats");
-  refused("turning_points = [0, 61]\nstep = 2\n", "not a whole number of steps", "turning_points");
-  refused("turning_points = [0, 0]\nstep = 2\n", "not a whole number of steps", "turning_points");
-  refused("turning_points = [0, -2]\nstep = 2\n", "negative", "turning_points");
-  refused("turning_points = [0]\nstep = 2\n", "fewer than two", "turning_points");
-  refused("turning_points = [0, 60]\n", "'step' is missing", "step");
-  refused("turning_points = [0, 60]\nstep = 0\n", "above 0", "step");
-  refused("turning_points = [0, nan]\nstep = 2\n", "not a finite number", "turning_points");
-  refused(good + "[conditioning]\ncycles = 1\n", "'peak' is missing", "conditioning.peak");
-  refused(good + "step = 4\n", "not valid TOML", "test.toml:6:");
-  refused(good + "[guard]\ntolerance = 1\n", "unknown key 'tolerance'", "test.toml:7:13, guard.tolerance");
-  refused(good + "[guard]\non_broken = \"flags\"\n", "not one of fail, flag", "test.toml:7:13");
-  refused(good + "dwell_s = [1, 2]\nrepeats = 1\n", "not all would be used", "test.toml:7:");
-  refused(good + "settle = \"none\"\n", "ramp_psi_per_s", "ramp_psi_per_s");
-  refused(good + "settle = \"none\"\nramp_psi_per_s = 1\ndwell_s = 1\n", "dwell_s", "test.toml:8:");
-  refused(good + "[random]\nseed = 1\nreversals = 3\nlow = 0\nhigh = 60\n", "both", "random");
-  refused("step = 2\n[random]\nseed = 1\nreversals = 4\nlow = 0\nhigh = 60\n", "lower point", "test.toml:7:13");
-  refused("step = 2\n[random]\nseed = 1\nreversals = 3\nlow = 0\nhigh = 61\n", "not a whole number", "test.toml:9:8");
-  refused("step = 2\n[random]\nseed = 1\nreversals = 3\nlow = 58\nhigh = 60\n", "no room", "random.high");
-  refused(good + "[[suspend]]\nquantity = \"supply_bar\"\n", "either trip_below or trip_above", "test.toml:7:");
-  refused(good + "[[suspend]]\nquantity = \"supply_bar\"\ntrip_below = 6\nresume_above = 5\n", "wrong side",
-          "test.toml:9:16");
-  refused(good + "[conditioning]\ncycles = 2\nleast = 3\npeak = 60\n", "at least 3", "test.toml:8:9");
-}
-
-TEST_CASE("a wrong unit is an error, not a guess") {
-  try {
-    (void)parse_recipe(
-        TomlDocument::from_text("schema=1\nname=\"x\"\nunit=\"PSI\"\nturning_points=[0,2]\nstep=2\n", "u"));
-    FAIL("accepted");
-  } catch (const FileError& error) {
-    CHECK_THAT(error.what(), Catch::Contains("not one of psi, kPa, bar"));
-    CHECK_THAT(error.remedy(), Catch::Contains("psi"));
-  }
-}
-
 TEST_CASE("overrides replace values and are checked like the file") {
   const Recipe once = read_recipe(kRecipes + "descending.toml", {{"repeats", "1"}, {"conditioning.cycles", "0"}});
   CHECK(once.repeats == 1);
@@ -273,11 +171,6 @@ TEST_CASE("overrides replace values and are checked like the file") {
   CHECK_THROWS_AS(read_recipe(kRecipes + "descending.toml", {{"repeat", "1"}}), FileError);
   CHECK_THROWS_AS(read_recipe(kRecipes + "descending.toml", {{"name.x", "1"}}), FileError);
   CHECK_THROWS_AS(read_recipe(kRecipes + "no-such.toml"), FileError);
-}
-
-TEST_CASE("the nearest word is found, a far one is not") {
-  CHECK(nearest_word("reprot", {"run", "report", "fit"}) == "report");
-  CHECK(nearest_word("zzzzzz", {"run", "report", "fit"}).empty());
 }
 
 TEST_CASE("a key of 200000 parts is refused, not recursed into") {

@@ -205,32 +205,3 @@ TEST_CASE("a press recipe has these defaults") {
   CHECK((given.conditioning.cycles == 3 && given.conditioning.least == 3 && given.conditioning.peak_n == 9.0));
   CHECK(given.guard.tolerance_n == 0.5);
 }
-
-TEST_CASE("an unknown key is refused in every table") {
-  const auto unknown = [](const std::string& text, const std::string& place) {
-    INFO(place);
-    try {
-      (void)parse_recipe(TomlDocument::from_text(text, "b.toml"));
-      FAIL("accepted");
-    } catch (const FileError& error) {
-      CHECK(error.id() == "TB-FILE-KEY");
-      CHECK_THAT(error.where(), Catch::EndsWith(place));
-    }
-  };
-  for (const std::string& table :
-       std::vector<std::string>{"conditioning", "limits", "guard", "warm_up", "dwell", "retry", "timeout", "prompt"}) {
-    unknown(kLevelsHead + "[" + table + "]\nwhatever = 1\n", table + ".whatever");
-  }
-  unknown(kLevelsHead + "[[suspend]]\nquantity = \"supply_bar\"\ntrip_below = 6\nresume_above = 6\nwhatever = 1\n",
-          "suspend[0].whatever");
-  unknown(kLevelsHead + "[parameters.p]\ndefault = 1\nlow = 0\nhigh = 2\nwhatever = 1\n", "parameters.p.whatever");
-  unknown(
-      "schema = 1\nname = \"t\"\nunit = \"psi\"\nstep = 2\n[random]\nseed = 1\nreversals = 1\nlow = 0\nhigh = 60\n"
-      "whatever = 1\n",
-      "random.whatever");
-  unknown(kTouchHead + kTouch + "[conditioning]\nwhatever = 1\n", "conditioning.whatever");
-  unknown(kTouchHead +
-              "[press]\nobject = \"ring\"\nforces_n = [20]\n[press.grid]\nx = [1, 1, 1]\ny = [1, 1, 1]\n"
-              "whatever = 1\n",
-          "press.grid.whatever");
-}

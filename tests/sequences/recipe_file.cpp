@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/sequences/recipe_text.h"
+#include "tests/sequences/refusal.h"
 
 using namespace tactbench::sequences;
 
@@ -10,30 +11,11 @@ namespace {
 const std::string kTwoLevels = "turning_points = [0, 2]\nstep = 2\n";
 
 bool suspends(const std::string& rule, const std::string& place = {}) {
-  try {
-    (void)recipe_of(kTwoLevels + "[[suspend]]\nquantity = \"supply_bar\"\n" + rule);
-    return true;
-  } catch (const FileError& error) {
-    CHECK_THAT(error.where(), Catch::EndsWith(place));
-    return false;
-  }
-}
-
-struct Complaint {
-  std::string id, message, where;
-};
-
-Complaint complaint_of(const std::string& parameter, const std::vector<Override>& overrides = {}) {
-  try {
-    (void)parse_recipe(TomlDocument::from_text("schema = 1\nname = \"t\"\nunit = \"psi\"\nturning_points = "
-                                               "[0, \"$peak\"]\nstep = 1\n[parameters.peak]\n" +
-                                                   parameter,
-                                               "p.toml"),
-                       overrides);
-  } catch (const FileError& error) {
-    return {error.id(), error.what(), error.where()};
-  }
-  return {};
+  const std::string key =
+      key_refused([&] { (void)recipe_of(kTwoLevels + "[[suspend]]\nquantity = \"supply_bar\"\n" + rule); });
+  if (key == "accepted") return true;
+  CHECK_THAT(key, Catch::EndsWith(place));
+  return false;
 }
 
 }  // namespace
@@ -71,26 +53,6 @@ TEST_CASE("by default a recipe has as many repeats as its longer list has values
   CHECK_THROWS_AS(repeats("ramp_psi_per_s = [1, 2]\nrepeats = 1\n"), FileError);
   CHECK(recipe_of(kTwoLevels).title == "t");
   CHECK(recipe_of("title = \"T\"\n" + kTwoLevels).title == "T");
-}
-
-TEST_CASE("a parameter's default may lie at either bound, and no further") {
-  CHECK(complaint_of("default = 2\nlow = 2\nhigh = 4\n").id.empty());
-  CHECK(complaint_of("default = 4\nlow = 2\nhigh = 4\n").id.empty());
-  CHECK(complaint_of("default = 1\nlow = 2\nhigh = 4\n").where == "p.toml:7:11, parameters.peak.default");
-  CHECK(complaint_of("default = 5\nlow = 2\nhigh = 4\n").where == "p.toml:7:11, parameters.peak.default");
-}
-
-TEST_CASE("an error about a parameter's value names its place: the file, or the last option typed") {
-  const std::string range = "default = 2\nlow = 2\nhigh = 4\n";
-  const Complaint of_file = complaint_of(range + "value = 9\n");
-  CHECK(of_file.where == "p.toml:10:9, parameters.peak.value");
-  CHECK_THAT(of_file.message, Catch::StartsWith("'value' is 9, outside 2 to 4"));
-  CHECK(complaint_of(range + "value = 9\n", {{"peak", "3"}}).id.empty());
-  CHECK(complaint_of(range, {{"peak", "9"}, {"peak", "3"}}).id.empty());
-  const Complaint typed = complaint_of(range, {{"peak", "3"}, {"peak", "9"}, {"name", "u"}});
-  CHECK(typed.where == "--set recipe.peak=9 (over p.toml)");
-  CHECK(typed.id == "TB-FILE-VALUE");
-  CHECK_THAT(typed.message, Catch::StartsWith("'peak' is 9, outside 2 to 4"));
 }
 
 TEST_CASE("the text of a recipe is kept as it was read, whatever was set") {

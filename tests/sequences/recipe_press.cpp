@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "sequences/recipe.h"
+#include "tests/sequences/refusal.h"
 
 using namespace tactbench::sequences;
 
@@ -25,13 +26,7 @@ std::vector<double> xs_of(const std::string& x) {
 
 std::string place_refused(const std::string& x, const std::string& y, const std::string& fact = {},
                           const std::string& more = {}) {
-  try {
-    (void)grid_recipe(x, y, more);
-    return "accepted";
-  } catch (const FileError& error) {
-    CHECK_THAT(error.what(), Catch::Contains(fact));
-    return error.where().substr(error.where().find(' ') + 1);
-  }
+  return key_refused([&] { (void)grid_recipe(x, y, more); }, fact);
 }
 
 }  // namespace
@@ -77,21 +72,19 @@ TEST_CASE("positions are given either as a list or as a grid") {
 
 TEST_CASE("forces of a recipe rise and begin above the contact force") {
   const auto refused = [](const std::string& forces, const std::string& fact) {
-    try {
-      (void)parse_recipe(
-          TomlDocument::from_text("schema = 1\nname = \"t\"\nkind = \"press\"\n[press]\nobject = \"ring\"\n"
-                                  "contact_n = 0.5\npositions_mm = [[1, 1]]\nforces_n = " +
-                                      forces + "\n",
-                                  "f.toml"));
-      return false;
-    } catch (const FileError& error) {
-      CHECK_THAT(error.what(), Catch::Contains(fact));
-      CHECK_THAT(error.where(), Catch::EndsWith("press.forces_n"));
-      return true;
-    }
+    return key_refused(
+        [&] {
+          (void)parse_recipe(
+              TomlDocument::from_text("schema = 1\nname = \"t\"\nkind = \"press\"\n[press]\nobject = \"ring\"\n"
+                                      "contact_n = 0.5\npositions_mm = [[1, 1]]\nforces_n = " +
+                                          forces + "\n",
+                                      "f.toml"));
+        },
+        fact);
   };
-  CHECK(refused("[0.5, 1]", "force 1 is 0.5 N, not above 0.5 N"));
-  CHECK(refused("[1, 3, 2]", "force 3 is 2 N, not above 3 N"));
-  CHECK(refused("[1, 1.5, 1.5]", "force 3 is 1.5 N, not above 1.5 N"));
-  CHECK(!refused("[0.5000001, 0.75]", ""));
+  const std::string key = "press.forces_n";
+  CHECK(refused("[0.5, 1]", "force 1 ") == key);
+  CHECK(refused("[1, 3, 2]", "force 3 ") == key);
+  CHECK(refused("[1, 1.5, 1.5]", "1.5 N") == key);
+  CHECK(refused("[0.5000001, 0.75]", "") == "accepted");
 }

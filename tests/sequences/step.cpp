@@ -36,47 +36,6 @@ void check_stretches(const std::vector<BranchSpan>& spans, const std::vector<Str
 
 }  // namespace
 
-TEST_CASE("a step's line names the fields that the step has, and no others") {
-  Step step;
-  step.setpoint = step.branch_to = Psi(2.0);
-  CHECK(step_line(step) == "measure sequence 0 repeat 0 branch 0 step 0: 2 psi (0 to 2 psi), dwell 0 s");
-  step.ramp_psi_per_s = 0.5;
-  step.settle = false;
-  step.hold = true;
-  CHECK(step_line(step) ==
-        "measure sequence 0 repeat 0 branch 0 step 0: 2 psi (0 to 2 psi), dwell 0 s, ramp 0.5 psi/s, in passing, held");
-  Step cycle;
-  cycle.kind = StepKind::kConditioning;
-  cycle.branch = -1;
-  CHECK(step_line(cycle) == "conditioning sequence 0 repeat 0 branch -1 step 0: 0 psi (0 to 0 psi), dwell 0 s");
-  Step press;
-  press.kind = StepKind::kPress;
-  press.force_n = 2.0;
-  press.force_to_n = 6.0;
-  press.x_mm = 1.5;
-  CHECK(step_line(press) == "press sequence 0 repeat 0 branch 0 step 0: 2 N (0 to 6) at x 1.5 y 0 mm, dwell 0 s");
-  press.frame = false;
-  press.hold_force = true;
-  CHECK(step_line(press) ==
-        "press sequence 0 repeat 0 branch 0 step 0: 2 N (0 to 6) at x 1.5 y 0 mm, dwell 0 s, no frame, force held");
-  const std::vector<std::pair<StepKind, std::string>> plain = {
-      {StepKind::kPrompt, "prompt sequence 0 repeat 0 branch 0 step 0"},
-      {StepKind::kTare, "tare sequence 0 repeat 0 branch 0 step 0"},
-      {StepKind::kHome, "home sequence 0 repeat 0 branch 0 step 0"},
-      {StepKind::kMoveXy, "move sequence 0 repeat 0 branch 0 step 0 at x 0 y 0 mm"},
-      {StepKind::kApproach, "approach sequence 0 repeat 0 branch 0 step 0 at x 0 y 0 mm"},
-      {StepKind::kRetract, "retract sequence 0 repeat 0 branch 0 step 0 at x 0 y 0 mm"}};
-  for (const auto& [kind, line] : plain) {
-    Step other;
-    other.kind = kind;
-    CHECK(step_line(other) == line);
-  }
-  Step prompt;
-  prompt.kind = StepKind::kPrompt;
-  prompt.text = "ready?";
-  CHECK(step_line(prompt) == "prompt sequence 0 repeat 0 branch 0 step 0: \"ready?\"");
-}
-
 TEST_CASE("a frame is taken at levels and presses alone, and not by a press that only travels") {
   for (const StepKind kind :
        {StepKind::kConditioning, StepKind::kMeasure, StepKind::kPrompt, StepKind::kTare, StepKind::kHome,

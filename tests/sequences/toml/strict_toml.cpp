@@ -1,9 +1,11 @@
 // Documents: how files and lines are bounded, what is set and removed, and which word is near.
 #include "sequences/toml/strict_toml.h"
+#include "tests/sequences/refusal.h"
 
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
+#include <map>
 
 #include "tests/support/process.h"
 
@@ -15,21 +17,11 @@ namespace fs = std::filesystem;
 namespace {
 
 FileError error_of(const std::string& path) {
-  try {
-    (void)TomlDocument::from_file(path);
-  } catch (const FileError& error) {
-    return error;
-  }
-  return {"", "accepted", "", ""};
+  return refusal_by([&] { (void)TomlDocument::from_file(path); }).value_or(FileError("", "accepted", "", ""));
 }
 
 FileError error_of_text(const std::string& text) {
-  try {
-    (void)TomlDocument::from_text(text, "t");
-  } catch (const FileError& error) {
-    return error;
-  }
-  return {"", "accepted", "", ""};
+  return refusal_by([&] { (void)TomlDocument::from_text(text, "t"); }).value_or(FileError("", "accepted", "", ""));
 }
 
 std::string near(const std::string& word, const std::vector<std::string>& known) { return nearest_word(word, known); }
@@ -71,24 +63,6 @@ TEST_CASE("a line may have 16384 characters") {
   CHECK(error_of_text(longest + "x").where() == "t:1");
 }
 
-TEST_CASE("invalid TOML is refused with its line and column") {
-  const FileError error = error_of_text("a = 1\nb = = 2\n");
-  CHECK(error.id() == "TB-FILE-SYNTAX");
-  CHECK_THAT(error.where(), Catch::StartsWith("t:2:"));
-}
-
-TEST_CASE("a file is read unchanged, whatever its number of blocks") {
-  const TemporaryFolder folder;
-  std::string text = "first = 1\n";
-  while (text.size() < 200'000) text += "# a line that says nothing\n";
-  text += "last = 2\n";
-  std::ofstream(folder.path("long.toml"), std::ios::binary) << text;
-  const TomlDocument document = TomlDocument::from_file(folder.path("long.toml"));
-  CHECK(document.text() == text);
-  CHECK(document.name() == folder.path("long.toml"));
-  CHECK((document.root().number("first") == 1.0 && document.root().number("last") == 2.0));
-}
-
 TEST_CASE("a file may have 16 million bytes") {
   const TemporaryFolder folder;
   const std::string line = "#" + std::string(9998, ' ') + "\n";
@@ -112,24 +86,17 @@ TEST_CASE("a missing file, a folder and an unreadable file are refused by name")
     const FileError error = error_of(path);
     CHECK(error.id() == "TB-FILE-MISSING");
     CHECK(error.where() == path);
-    CHECK_THAT(error.what(), Catch::Contains(path) && !Catch::Contains("regular"));
   }
-  CHECK_THAT(error_of(folder.path()).what(), Catch::Contains("regular"));
+  CHECK(error_of(folder.path()).id() == "TB-FILE-MISSING");
   // A file of the kernel's says that it has no length; as root, this one would be waited for.
-  CHECK_THAT(error_of("/proc/kmsg").what(), Catch::Contains("'/proc/kmsg' is empty"));
+  CHECK(error_of("/proc/kmsg").where() == "/proc/kmsg");
 }
 
 TEST_CASE("a name has at least one visible character") {
   for (const char* nothing : {"", " ", "\\t \\n"}) {
     const TomlDocument document = TomlDocument::from_text("name = \"" + std::string(nothing) + "\"\n", "t");
     CHECK(document.root().text("name").size() < 5);
-    try {
-      (void)document.root().name("name");
-      FAIL("accepted");
-    } catch (const FileError& error) {
-      CHECK(error.id() == "TB-FILE-VALUE");
-      CHECK_THAT(error.where(), Catch::Contains("t:1:"));
-    }
+    check_refusal([&] { (void)document.root().name("name"); }, {nothing, "TB-FILE-VALUE", "t:1:8, name"});
   }
   CHECK(TomlDocument::from_text("name = \" a\"\n", "t").root().name("name") == " a");
 }
@@ -155,19 +122,9 @@ TEST_CASE("values of --set go into tables, which are created where missing") {
 
 TEST_CASE("an impossible --set is refused and quoted as typed") {
   TomlDocument document = TomlDocument::from_text("a = 1\n", "t");
-  const auto refused = [&](const Override& typed, const std::string& fact) {
-    try {
-      document.set(typed, "bench.");
-      return std::string("accepted");
-    } catch (const FileError& error) {
-      CHECK(error.id() == "TB-FILE-VALUE");
-      CHECK_THAT(error.what(), Catch::Contains(fact));
-      return error.where();
-    }
-  };
-  CHECK(refused({"a.b", "1"}, "'a'") == "--set bench.a.b=1");
-  CHECK(refused({"", "1"}, "empty") == "--set bench.=1");
-  CHECK(refused({"c.", "1"}, "empty") == "--set bench.c.=1");
+  for (const auto& [key, place] : std::map<std::string, std::string>{
+           {"a.b", "--set bench.a.b=1"}, {"", "--set bench.=1"}, {"c.", "--set bench.c.=1"}})
+    check_refusal([&] { document.set({key, "1"}, "bench."); }, {key, "TB-FILE-VALUE", place});
 }
 
 TEST_CASE("a NUL in a message is shown") {
@@ -175,4 +132,38 @@ TEST_CASE("a NUL in a message is shown") {
   CHECK(std::string(error.what()) == "a\\x00b\\x00c");
   const FileError ends("TB-FILE-KEY", std::string("\0\0", 2), "w", "r");
   CHECK(std::string(ends.what()) == "\\x00\\x00");
+}
+
+TEST_CASE("a file whose last block has a byte, or lacks one, is read to its end") {
+  const TemporaryFolder folder;
+  const std::size_t block = 65536;
+  for (const std::size_t size : {std::size_t{1}, block - 1, block, block + 1, 2 * block + 1}) {
+    std::string text;
+    while (text.size() + 100 < size) text += "#" + std::string(98, ' ') + "\n";
+    text += std::string(size - text.size() - 1, ' ') + "\n";
+    REQUIRE(text.size() == size);
+    std::ofstream(folder.path("f.toml"), std::ios::binary) << text;
+    INFO(size);
+    CHECK(TomlDocument::from_file(folder.path("f.toml")).text() == text);
+  }
+}
+
+TEST_CASE("a file whose bytes cannot be had is refused") {
+  const std::string path = "/sys/class/net/lo/speed";  // opens, but the kernel knows no speed of the loopback
+  if (!std::filesystem::exists(path)) return;
+  CHECK(error_of(path).id() == "TB-FILE-MISSING");
+}
+
+TEST_CASE("a value that was typed in another unit is quoted as typed, at the place of its --set") {
+  TomlDocument document = TomlDocument::from_text("[s]\nk = 1\nl = 1\n", "t");
+  document.set({"s.k", "130.5", "9bar"}, "bench.");
+  document.set({"s.l", "7", "7"}, "bench.");  // typed as it is: nothing to add
+  document.set({"r", "8", "8.0"}, "bench.");
+  const TomlTable table = document.root().table("s");
+  check_refusal([&] { (void)table.number_in("k", 0.0, 0.0, 5.0); },
+                {"k", "TB-FILE-VALUE", "--set bench.s.k (over t)", "130.5 (typed: 9bar)"});
+  check_refusal([&] { (void)table.zero_or_in("l", 0.0, 3.0, 5.0); },
+                {"l", "TB-FILE-VALUE", "--set bench.s.l (over t)", "7,"});
+  check_refusal([&] { (void)document.root().number_in("r", 0.0, 0.0, 5.0); },
+                {"r", "TB-FILE-VALUE", "--set bench.r (over t)", "8 (typed: 8.0)"});
 }

@@ -1,0 +1,49 @@
+// How a reading is refused: by its id, at its place, with the number or the word that it is about.
+#pragma once
+
+#include <catch2/catch.hpp>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sequences/toml/strict_toml.h"
+
+namespace tactbench::sequences {
+
+struct Refusal {
+  std::string body, id, place, fact = {};  // the place to its end
+};
+
+inline std::optional<FileError> refusal_by(const std::function<void()>& act) {
+  try {
+    act();
+  } catch (const FileError& error) {
+    CHECK_FALSE(error.remedy().empty());
+    return error;
+  }
+  return std::nullopt;
+}
+
+inline void check_refusal(const std::function<void()>& act, const Refusal& wanted) {
+  INFO(wanted.body);
+  const auto error = refusal_by(act);
+  REQUIRE(error);
+  CHECK(error->id() == wanted.id);
+  CHECK_THAT(error->where(), Catch::EndsWith(wanted.place));
+  CHECK_THAT(error->what(), Catch::Contains(wanted.fact));
+}
+
+inline void check_refusals(const std::vector<Refusal>& all, const std::function<void(const std::string&)>& read) {
+  for (const Refusal& one : all) check_refusal([&] { read(one.body); }, one);
+}
+
+// The key that is refused, without its file and line.
+inline std::string key_refused(const std::function<void()>& act, const std::string& fact = {}) {
+  const auto error = refusal_by(act);
+  if (!error) return "accepted";
+  CHECK_THAT(error->what(), Catch::Contains(fact));
+  return error->where().substr(error->where().find(' ') + 1);
+}
+
+}  // namespace tactbench::sequences
