@@ -37,6 +37,16 @@ std::string fault_id_of(Act&& act) {
   return fault ? fault->id() : "none";
 }
 
+// A fault with this id, of this device, with this number or word in its event.
+template <class Act>
+void check_fault(Act&& act, const std::string& id, const std::string& device = {}, const std::string& fact = {}) {
+  const auto fault = whole_fault_of(act);
+  REQUIRE(fault);
+  CHECK(fault->id() == id);
+  CHECK_THAT(fault->device(), Catch::Contains(device));
+  CHECK_THAT(fault->what(), Catch::Contains(fact));
+}
+
 // The fault's id and event, "none" when there was none.
 template <class Act>
 std::string fault_words_of(Act&& act) {

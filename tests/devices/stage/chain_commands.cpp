@@ -213,6 +213,7 @@ TEST_CASE("without auto-reply a chain device answers what asks and what fails, a
 TEST_CASE("a reset stops a chain device where it is, unanswered, and starts its counter there") {
   ChainBench bench;
   bench.home();
+  bench.send(kTargetSpeed, 2000);
   bench.send(kMoveAbsolute, 300000);
   bench.pass(1s);
   const double there = bench.millimetres();
@@ -223,5 +224,21 @@ TEST_CASE("a reset stops a chain device where it is, unanswered, and starts its 
   CHECK(bench.pass(300s).empty());
   CHECK(bench.millimetres() == there);
   CHECK(bench.setting(kMode) == 0);
+  CHECK(bench.setting(kTargetSpeed) == 2000);
   CHECK_FALSE(bench.device.due().has_value());
+}
+
+TEST_CASE("a move is answered when it ends, and of a replaced move only the replacement is answered") {
+  ChainBench bench;
+  bench.home();
+  CHECK(bench.send(kMoveAbsolute, 100000).empty());
+  CHECK(bench.pass(1s).empty());
+  CHECK(bench.send(kStatus, 0)[0].data == 20);
+  CHECK(bench.send(kMoveRelative, 1000).empty());
+  const std::int32_t target = bench.send(kPosition, 0)[0].data + 1000;
+  const auto ends = bench.pass(60s);
+  REQUIRE(ends.size() == 1);
+  CHECK(ends[0].command == kMoveRelative);
+  CHECK(ends[0].data == target);
+  CHECK(bench.pass(60s).empty());
 }

@@ -4,7 +4,7 @@
 #include <thread>
 
 #include "tests/devices/fault_of.h"
-#include "tests/devices/stage/raw_chain.h"
+#include "tests/devices/stage/zaber_rig.h"
 
 using namespace tactbench::devices;
 using namespace std::chrono_literals;

@@ -2,6 +2,8 @@
 #include "devices/stage/motion_profile.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <random>
 #include <vector>
 
 using namespace tactbench::devices;
@@ -115,4 +117,30 @@ TEST_CASE("a motion brought to rest ends where its velocity carries it, to both 
   const MotionProfile stands = MotionProfile::to_rest(5.0, 0.0, 2.0);
   CHECK(stands.end() == 5.0);
   check_motion(stands, 0.0, {{0.0, 5.0, 0.0}, {1.0, 5.0, 0.0}});
+}
+
+TEST_CASE("a motion never leaps, never exceeds its speed and ends at rest at its target") {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> place(-100.0, 100.0);
+  std::uniform_real_distribution<double> pace(-10.0, 10.0);
+  std::uniform_real_distribution<double> positive(0.5, 20.0);
+  for (int i = 0; i < 500; ++i) {
+    const double from = place(random);
+    const double velocity = pace(random);
+    const double target = place(random);
+    const double speed = positive(random);
+    const double acceleration = positive(random);
+    const MotionProfile profile = MotionProfile::to(from, velocity, target, speed, acceleration);
+    const double step = profile.duration() / 400;
+    const double bound = std::max(std::abs(velocity), speed) + 1e-9;
+    REQUIRE(profile.position(0.0) == Approx(from).margin(1e-9));
+    for (int k = 0; k < 400; ++k) {
+      REQUIRE(std::abs(profile.velocity(k * step)) <= bound);
+      REQUIRE(std::abs(profile.position((k + 1) * step) - profile.position(k * step)) <= bound * step + 1e-6);
+    }
+    REQUIRE(profile.position(profile.duration()) == target);
+    REQUIRE(profile.velocity(profile.duration()) == 0.0);
+    const MotionProfile rest = MotionProfile::to_rest(from, velocity, acceleration);
+    REQUIRE(rest.position(rest.duration() * (1 - 1e-9)) == Approx(rest.end()).margin(1e-6));
+  }
 }

@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "tests/devices/fault_of.h"
-#include "tests/devices/stage/stage_alone.h"
+#include "tests/devices/stage/scripted_chain.h"
 #include "tests/devices/timeouts.h"
 
 using namespace tactbench::devices;

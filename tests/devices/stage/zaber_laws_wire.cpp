@@ -61,29 +61,6 @@ TEST_CASE("zaber law: a quiet wire is a fault within its deadline and disarms") 
   check_all_refused(rig.stage, "TB-STAGE-NOT-ARMED");
 }
 
-TEST_CASE("zaber law: an unplugged stage is a fault at once, and nothing is replayed after it is back") {
-  SimulatedChainOptions options;
-  SECTION("pseudo-terminal") {}
-  SECTION("TCP") { options.listen = "tcp:0"; }
-  ZaberRig rig(options);
-  rig.arm_and_home();
-  rig.stage.start_move_to(Axis::kZ, Millimetres(40.0), std::nullopt);
-  rig.chain.unplug();
-  CHECK(fault_id_of([&] { (void)rig.stage.wait(Axis::kZ); }) == "TB-SERIAL-LOST");
-  CHECK_FALSE(rig.stage.armed());
-  check_all_refused(rig.stage, "TB-STAGE-NOT-ARMED");
-  CHECK(fault_id_of([&] { rig.stage.arm(); }) == "TB-SERIAL-OPEN");
-
-  rig.chain.plug_in();
-  const std::size_t before = rig.chain.requests().size();
-  rig.stage.arm();
-  CHECK(rig.count(kMoving, before) == 0);
-  // The move under way continues by itself; it is waited for and not repeated.
-  CHECK(rig.stage.wait(Axis::kZ).value() == Approx(40.0).margin(1e-4));
-  CHECK(rig.stage.state(Axis::kZ).homed);
-  CHECK(rig.count(kMoving, before) == 0);
-}
-
 TEST_CASE("zaber law: unplugging in the middle of any exchange is a loss and never silence") {
   SimulatedChainFaults faults;
   faults.unplug_after_requests = GENERATE(0L, 9L, 33L, 60L, 80L);
@@ -141,19 +118,6 @@ TEST_CASE("zaber law: halt while homing repeats until the axis stands, whether t
   CHECK(rig.stage.halt());
 }
 
-TEST_CASE("zaber law: halt is bounded and returns false when the wire is quiet or gone") {
-  SimulatedChainFaults faults;
-  faults.silent_after_requests = 40;
-  ZaberRig rig({}, faults, impatient_stage());
-  CHECK(fault_id_of([&] { rig.arm_and_home(); }) == "TB-STAGE-TIMEOUT");
-  const auto before = rig.stage.exchanges();
-  CHECK_FALSE(rig.stage.halt());
-  CHECK(rig.stage.exchanges() - before <= 6);  // a quiet axis is queried twice
-  rig.chain.unplug();
-  CHECK_FALSE(rig.stage.halt());
-  CHECK_FALSE(rig.stage.halt());
-}
-
 TEST_CASE("zaber law: half a frame left on the line does not corrupt the halt") {
   ZaberRig rig;
   rig.arm_and_home();
@@ -168,15 +132,6 @@ TEST_CASE("zaber law: half a frame left on the line does not corrupt the halt") 
   // Joined to it the first bytes of the stop would have made another move.
   CHECK(rig.count(kMoving) == 4);
   CHECK(rig.chain.position(Axis::kZ).value() < 39.0);
-}
-
-TEST_CASE("zaber law: a halt that a device refuses at first is repeated") {
-  ZaberRig rig;
-  rig.arm_and_home();
-  rig.stage.start_move_to(Axis::kX, Millimetres(60.0), std::nullopt);
-  rig.chain.refuse_next(kStop, kZaberBusy);
-  CHECK(rig.stage.halt());
-  CHECK(rig.chain.position(Axis::kX).value() < 10.0);
 }
 
 TEST_CASE("zaber law: halt from another thread ends the wait of the first one") {

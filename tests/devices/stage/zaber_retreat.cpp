@@ -79,7 +79,6 @@ TEST_CASE(
   const ZaberRetreat result = bed.retreat_by(0.47625);  // 10000 steps
   CHECK(result.stands);
   CHECK(result.backed_off);
-  CHECK(result.text == "stage stands; z from 0.95 to 0.48 mm");
   CHECK(bed.chain.discards == 1);
   CHECK(bed.chain.sent == std::vector<ZaberFrame>{{0, kStop, 0, 0},
                                                   {1, kStatus, 0, 0},
@@ -123,7 +122,6 @@ TEST_CASE("zaber retreat without a wire: an axis that does not come to rest is t
   const ZaberRetreat result = bed.retreat_by(0.47625);
   CHECK_FALSE(result.stands);
   CHECK(result.backed_off);
-  CHECK(result.text == "the stage did NOT answer that it stands; z from 0.95 to 0.48 mm");
 }
 
 TEST_CASE("zaber retreat without a wire: z that does not tell its mode or its place is asked twice and not moved") {
@@ -133,7 +131,6 @@ TEST_CASE("zaber retreat without a wire: z that does not tell its mode or its pl
   const ZaberRetreat result = bed.retreat_by(0.47625);
   CHECK(result.stands);
   CHECK_FALSE(result.backed_off);
-  CHECK(result.text == "stage stands; z did not answer and was not backed off");
   CHECK(bed.chain.count(kReturnSetting) + bed.chain.count(kPosition) == 3);
   CHECK(bed.targets().empty());
 }
@@ -152,7 +149,7 @@ TEST_CASE("zaber retreat without a wire: one lost answer of each kind is asked f
 TEST_CASE("zaber retreat without a wire: z of a model whose step is not known is not moved") {
   RetreatBed bed;
   bed.options.axes[2].device_id = 61;
-  CHECK(bed.retreat_by(0.47625).text == "stage stands; z did not answer and was not backed off");
+  CHECK_FALSE(bed.retreat_by(0.47625).backed_off);
   CHECK(bed.targets().empty());
 }
 
@@ -162,24 +159,21 @@ TEST_CASE("zaber retreat without a wire: z that was not homed is not moved, what
   const ZaberRetreat result = bed.retreat_by(0.47625);
   CHECK(result.stands);
   CHECK_FALSE(result.backed_off);
-  CHECK(result.text == "stage stands; z was not homed and was not backed off");
   CHECK(bed.targets().empty());
 }
 
 TEST_CASE("zaber retreat without a wire: the way counts in z's resolution, 64 when z does not tell it") {
-  const auto [told, target, text] =
-      GENERATE(table<std::optional<std::pair<ZaberCommand, std::int32_t>>, std::int32_t, std::string>(
-          {{std::pair(kResolution, 128), 10000, "z from 0.48 to 0.24 mm"},
-           {std::pair(kResolution, 1), 19922, "z from 60.96 to 60.72 mm"},
-           {std::pair(kResolution, 0), 15000, "z from 0.95 to 0.71 mm"},
-           {std::pair(kResolution, -1), 15000, "z from 0.95 to 0.71 mm"},
-           {std::pair(kError, 53), 15000, "z from 0.95 to 0.71 mm"},
-           {std::nullopt, 15000, "z from 0.95 to 0.71 mm"}}));
+  const auto [told, target] = GENERATE(
+      table<std::optional<std::pair<ZaberCommand, std::int32_t>>, std::int32_t>({{std::pair(kResolution, 128), 10000},
+                                                                                 {std::pair(kResolution, 1), 19922},
+                                                                                 {std::pair(kResolution, 0), 15000},
+                                                                                 {std::pair(kResolution, -1), 15000},
+                                                                                 {std::pair(kError, 53), 15000},
+                                                                                 {std::nullopt, 15000}}));
   RetreatBed bed;
   bed.resolution = {told};
-  const ZaberRetreat result = bed.retreat_by(0.238125);  // 5000 steps of 1/64
+  CHECK(bed.retreat_by(0.238125).backed_off);  // 5000 steps of 1/64
   CHECK(bed.targets() == std::vector<std::int32_t>{target});
-  CHECK_THAT(result.text, Catch::EndsWith(text));
 }
 
 TEST_CASE("zaber retreat without a wire: z goes to its home when the way ends there, before it, or is no number") {
@@ -205,20 +199,17 @@ TEST_CASE(
     const ZaberRetreat result = bed.retreat_by(0.47625, 50ms);
     CHECK(result.stands);
     CHECK_FALSE(result.backed_off);
-    CHECK(result.text == "stage stands; z from 0.95 to 0.95 mm");
     CHECK(bed.chain.count(kPosition) >= 2);
   }
   SECTION("it answers no more") {
     bed.position = {{{kPosition, 20000}}, std::nullopt};
     const ZaberRetreat result = bed.retreat_by(0.47625, 50ms);
     CHECK_FALSE(result.backed_off);
-    CHECK(result.text == "stage stands; z from 0.95 to an unknown position");
   }
   SECTION("it arrives later, between two answers that are lost") {
     bed.position = {{{kPosition, 20000}}, {{kPosition, 15000}}, std::nullopt, std::nullopt, {{kPosition, 10000}}};
     const ZaberRetreat result = bed.retreat_by(0.47625);
     CHECK(result.backed_off);
-    CHECK(result.text == "stage stands; z from 0.95 to 0.48 mm");
   }
 }
 

@@ -44,6 +44,5 @@ TEST_CASE("zaber retreat: a z that was never homed is stopped and left where it 
   const ZaberRetreat result = retreat(rig.connect(), paper_stage(), Millimetres(2.0), 10s);
   CHECK(result.stands);
   CHECK_FALSE(result.backed_off);
-  CHECK_THAT(result.text, Catch::Contains("not homed"));
   CHECK(rig.count(kMoving) == 0);
 }

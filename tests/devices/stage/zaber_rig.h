@@ -1,4 +1,4 @@
-// A Zaber driver and its simulated chain at the two ends of one wire, under a turned clock.
+// A Zaber driver, or a client that speaks in frames, and a simulated chain at the two ends of one wire, under a clock.
 #pragma once
 
 #include <algorithm>
@@ -32,6 +32,12 @@ inline ZaberStageOptions impatient_stage() {
   return options;
 }
 
+inline std::unique_ptr<ByteStream> connect_to(const SimulatedChain& chain) {
+  SerialAddress address;
+  address.port = chain.address();
+  return open_serial(address);
+}
+
 template <class Time = TurnedClock>
 struct ZaberRig {
   explicit ZaberRig(SimulatedChainOptions chain_options = {}, SimulatedChainFaults faults = {},
@@ -39,11 +45,7 @@ struct ZaberRig {
       : chain(std::move(chain_options), clock, faults),
         stage([this] { return connect(); }, std::move(options), clock) {}
 
-  std::unique_ptr<ByteStream> connect() const {
-    SerialAddress address;
-    address.port = chain.address();
-    return open_serial(address);
-  }
+  std::unique_ptr<ByteStream> connect() const { return connect_to(chain); }
 
   // Instructions of that kind that reached the chain, from request number `from` on.
   std::size_t count(const std::vector<ZaberCommand>& kinds, std::size_t from = 0) const {
@@ -61,6 +63,43 @@ struct ZaberRig {
   Time clock;
   SimulatedChain chain;
   ZaberStage stage;
+};
+
+// A client of the simulated chain that sends and reads raw frames.
+struct RawChain {
+  explicit RawChain(SimulatedChainOptions options = {}, SimulatedChainFaults faults = {})
+      : chain(std::move(options), clock, std::move(faults)) {
+    connect();
+  }
+  void connect() { line = connect_to(chain); }
+  void send(const ZaberFrame& frame) const { line->write(encode(frame)); }
+  // As many bytes, or those that came before a long silence.
+  [[nodiscard]] std::vector<std::uint8_t> read(std::size_t count) const {
+    std::vector<std::uint8_t> bytes(count);
+    std::size_t filled = 0;
+    while (filled < count) {
+      const std::size_t got = line->read(std::span(bytes).subspan(filled), kPatient);
+      if (got == 0) break;
+      filled += got;
+    }
+    bytes.resize(filled);
+    return bytes;
+  }
+  [[nodiscard]] ZaberBytes next_bytes() const {
+    ZaberBytes whole{};
+    const std::vector<std::uint8_t> bytes = read(whole.size());
+    std::copy(bytes.begin(), bytes.end(), whole.begin());
+    return whole;
+  }
+  [[nodiscard]] ZaberFrame next() const { return decode(next_bytes()); }
+  [[nodiscard]] bool says_nothing() const {
+    ZaberBytes bytes{};
+    return line->read(bytes, kShort) == 0;
+  }
+
+  TurnedClock clock;
+  SimulatedChain chain;
+  std::unique_ptr<ByteStream> line;
 };
 
 inline const std::vector<ZaberCommand> kMoving{ZaberCommand::kHome, ZaberCommand::kMoveAbsolute,

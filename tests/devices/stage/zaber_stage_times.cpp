@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/devices/fault_of.h"
-#include "tests/devices/stage/stage_alone.h"
+#include "tests/devices/stage/scripted_chain.h"
 
 using namespace tactbench::devices;
 using namespace std::chrono_literals;
@@ -105,20 +105,6 @@ TEST_CASE("the time that a Zaber axis may take is that of its own acceleration")
   }
 }
 
-TEST_CASE("an overdue Zaber move says what was under way and what the axis last told") {
-  StageAlone alone;
-  alone.ready();
-  alone.instead[{1, kStatus}] = {{{kStatus, 20}}};
-  alone.stage.start_move_to(Axis::kX, Millimetres(8.9296875), {});
-  const auto fault = fault_of([&] { (void)alone.stage.wait(Axis::kX); });
-  REQUIRE(fault);
-  CHECK(fault->device() == "stage x (device 1)");
-  CHECK(
-      fault->what() ==
-      std::string(
-          "stage x (device 1): move absolute (20) should have ended by now and has not (status 20); a stop was sent"));
-}
-
 TEST_CASE("homing of a Zaber axis may take its home timeout") {
   ZaberStageOptions options = even_stage();
   options.axes[0].home_timeout = 10s;
@@ -153,10 +139,7 @@ TEST_CASE("a stop that a busy Zaber device refuses is sent again until its time 
   alone.instead[{1, kStatus}] = {{{kStatus, 1}}};
   alone.instead[{1, kStop}] = {{{kError, kZaberBusy}}};
   const Nanoseconds begin = alone.clock.now();
-  const auto fault = fault_of([&] { (void)alone.stage.stop(Axis::kX); });
-  REQUIRE(fault);
-  CHECK(fault->id() == "TB-STAGE-REFUSED");
-  CHECK(std::string(fault->what()).starts_with("stage x (device 1) refused stop (23): error 255: busy"));
+  check_fault([&] { (void)alone.stage.stop(Axis::kX); }, "TB-STAGE-REFUSED", "stage x (device 1)", "error 255");
   check_within_a_look(alone.clock.now() - begin, 3250ms);
   ScriptedChain::Frames stops = alone.sent();
   std::erase_if(stops, [](const ZaberFrame& one) { return one.command != kStop; });
@@ -203,11 +186,7 @@ TEST_CASE("a Zaber axis whose reply to a move was lost is asked for its place on
   SECTION("it stands elsewhere") {
     alone.instead[{1, kPosition}] = {{{kPosition, 44999}}};
     alone.stage.start_move_to(Axis::kX, Millimetres(4.46484375), {});
-    const auto fault = fault_of([&] { (void)alone.stage.wait(Axis::kX); });
-    REQUIRE(fault);
-    CHECK(fault->id() == "TB-STAGE-ASTRAY");
-    CHECK(fault->device() == "stage x (device 1)");
-    CHECK(fault->what() == std::string("stage x (device 1) was sent to 4.46484 mm and stands at 4.46474 mm"));
+    check_fault([&] { (void)alone.stage.wait(Axis::kX); }, "TB-STAGE-ASTRAY", "stage x (device 1)", "4.46474 mm");
     CHECK(alone.stage.wait(Axis::kX).value() == Approx(4.46474).epsilon(1e-5));
   }
 }
