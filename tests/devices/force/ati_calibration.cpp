@@ -161,52 +161,6 @@ TEST_CASE("calibration: temperature compensation by ATI's formula") {
   check_equal(compensated(temperature, vector(kVolts), 1.25), kVolts);
 }
 
-TEST_CASE("calibration: a wrong file is refused, naming element and error") {
-  const auto complaint = [](const std::string& text) {
-    const auto fault = fault_of([&] { (void)parse_ati_calibration(text, "test.cal"); });
-    REQUIRE(fault);
-    CHECK(fault->id() == "TB-FORCE-CALIBRATION");
-    CHECK_THAT(fault->what(), Catch::Contains("test.cal"));
-    return std::string(fault->what());
-  };
-  const std::string good = InventedCalibration().text();
-  const auto changed = [&](const std::string& from, const std::string& to) {
-    auto text = good;
-    REQUIRE(text.find(from) != std::string::npos);
-    return text.replace(text.find(from), from.size(), to);
-  };
-  using Catch::Contains;
-  CHECK_THAT(complaint(""), Contains("not XML"));
-  CHECK_THAT(complaint(good.substr(0, good.size() / 2)), Contains("not XML") && Contains("byte"));
-  CHECK_THAT(complaint("<a/>"), Contains("no FTSensor"));
-  CHECK_THAT(complaint(changed("<Calibration ", "<Other ")), Contains("not XML"));
-  CHECK_THAT(complaint(changed("Serial=\"FT99901\"", "")), Contains("FTSensor has no attribute Serial"));
-  CHECK_THAT(complaint(changed("NumGages=\"6\"", "NumGages=\"8\"")), Contains("NumGages is 8"));
-  CHECK_THAT(complaint(changed("CalFileVersion=\"1.0\"", "CalFileVersion=\"2.0\"")), Contains("CalFileVersion is 2.0"));
-  CHECK_THAT(complaint(changed("ForceUnits=\"N\"", "ForceUnits=\"stone\"")), Contains("'stone'") && Contains("lbf"));
-  CHECK_THAT(complaint(changed("TorqueUnits=\"N-mm\"", "TorqueUnits=\"N\"")), Contains("TorqueUnits 'N'"));
-  CHECK_THAT(complaint(changed("DistUnits=\"mm\"", "DistUnits=\"px\"")), Contains("DistUnits 'px'"));
-  CHECK_THAT(complaint(changed("Name=\"Fx\"", "Name=\"Mx\"")), Contains("'Mx'"));
-  CHECK_THAT(complaint(changed("Name=\"Fx\"", "Name=\"Fy\"")), Contains("Axis Fy is present twice"));
-  CHECK_THAT(complaint(changed("Axis Name=\"Tz\"", "Extra Name=\"Tz\"")), Contains("Axis Tz is missing"));
-  CHECK_THAT(complaint(changed("-0.25  0.5", "-0,25  0.5")), Contains("Axis Fx") && Contains("-0,25"));
-  CHECK_THAT(complaint(changed("-0.25  0.5", "-0.25")), Contains("not six numbers"));
-  CHECK_THAT(complaint(changed("-0.25  0.5", "-0.25 0.5 7")), Contains("not six numbers"));
-  CHECK_THAT(complaint(changed("-0.25  0.5", "nan  0.5")), Contains("not six numbers"));
-  CHECK_THAT(complaint(changed("scale=\"5.5\"", "scale=\"0\"")), Contains("scale is 0"));
-  CHECK_THAT(complaint(changed("max=\"70\"", "max=\"-70\"")), Contains("Axis Fz max is -70"));
-  CHECK_THAT(complaint(changed("max=\"70\" ", "")), Contains("Axis has no attribute max"));
-  CHECK_THAT(complaint(changed("Dz=\"6.096\"", "Dz=\"6.096 mm\"")), Contains("BasicTransform Dz"));
-  CHECK_THAT(complaint(changed("</Calibration>", "<BiasSlope values=\"1 2 3 4 5 6\"/></Calibration>")),
-             Contains("holds no GainSlope"));
-  CHECK_THAT(
-      complaint(changed("</Calibration>", "<UserAxis Name=\"Fx\" values=\"1 2 3 4 5 6\" max=\"1\"/></Calibration>")),
-      Contains("UserAxis Fy is missing"));
-  CHECK_THAT(complaint(changed("</Calibration>", "</Calibration><Calibration/>")), Contains("more than once"));
-  CHECK(fault_id_of([] { (void)read_ati_calibration("/nowhere/at/all.cal"); }) == "TB-FORCE-CALIBRATION");
-  CHECK_THAT(fault_of([] { (void)read_ati_calibration("/dev/zero"); })->what(), Contains("not a regular file"));
-}
-
 TEST_CASE("calibration: a file is read, a number needs its decimal point") {
   const TemporaryFolder folder;
   const auto path = folder.path("FT99901.cal");

@@ -103,10 +103,7 @@ TEST_CASE("DAQ F/T: temperature is compensated where file and thermistor allow i
   CHECK(reading.thermistor_v == 1.625);
   CHECK(reading.raw[0] == Approx(kMean[0]));
 
-  const auto fault = fault_of([&] { DaqFt(std::make_unique<Gauges>(Rows{kOne}), with, {}); });
-  REQUIRE(fault);
-  CHECK(fault->id() == "TB-FORCE-GAUGES");
-  CHECK_THAT(fault->what(), Catch::Contains("thermistor") && Catch::Contains("6 channels"));
+  CHECK(fault_id_of([&] { DaqFt(std::make_unique<Gauges>(Rows{kOne}), with, {}); }) == "TB-FORCE-GAUGES");
   DaqFtOptions off;
   off.temperature_compensation = false;
   DaqFt plain(std::make_unique<Gauges>(Rows{kOne}), with, off);
@@ -121,10 +118,7 @@ TEST_CASE("DAQ F/T: a gauge at the converter's limit is a fault that names it") 
     railed[3] = volts;
     DaqFt sensor(std::make_unique<Gauges>(Rows{kOne, railed}), calibration(), {});
     CHECK(fault_id_of([&] { (void)sensor.read(1); }) == "none");
-    const auto fault = fault_of([&] { (void)sensor.read(1); });
-    REQUIRE(fault);
-    CHECK(fault->id() == "TB-FORCE-SATURATED");
-    CHECK_THAT(fault->what(), Catch::Contains("gauge G3") && Catch::Contains("FT99901"));
+    check_fault([&] { (void)sensor.read(1); }, "TB-FORCE-SATURATED", {}, "G3");
   }
 }
 
@@ -133,10 +127,7 @@ TEST_CASE("DAQ F/T: overload is judged for every sample, in the transducer's fra
   const std::vector<double> heavier{0, 0, 5, 0, 5, 5};
   DaqFt sensor(std::make_unique<Gauges>(Rows{heavy, heavier}), calibration(), {});
   CHECK(sensor.read(1).wrench.force_n[2] == Approx(49.227).margin(0.001));
-  const auto fault = fault_of([&] { (void)sensor.read(1); });
-  REQUIRE(fault);
-  CHECK(fault->id() == "TB-FORCE-OVERLOAD");
-  CHECK_THAT(fault->what(), Catch::Contains("Fz is 82.05 N") && Catch::Contains("beyond 70"));
+  check_fault([&] { (void)sensor.read(1); }, "TB-FORCE-OVERLOAD", {}, "82.05 N");
   DaqFt biased(std::make_unique<Gauges>(Rows{heavy, heavier}), calibration(), {});
   biased.bias(1);
   CHECK(fault_id_of([&] { (void)biased.read(1); }) == "none");

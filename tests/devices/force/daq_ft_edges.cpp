@@ -96,37 +96,3 @@ TEST_CASE("DAQ F/T: a thermistor is reported where nothing is compensated, and t
   const Identity identity = sensor.identity();
   CHECK((identity.role == "force sensor" && identity.serial == "FT99901" && identity.firmware == "NI 6210 C1"));
 }
-
-TEST_CASE("DAQ F/T: what is wrong is said in full") {
-  const auto words = [](auto act) {
-    const auto fault = fault_of(act);
-    return fault ? fault->id() + ": " + fault->what() : "";
-  };
-  const auto opened = [&](int channels, const char* more, DaqFtOptions options) {
-    return words([&] { DaqFt(std::make_unique<ToldGauges>(channels, GaugeSamples{}), invented(more), options); });
-  };
-  CHECK(opened(5, "", {}) == "TB-FORCE-GAUGES: transducer FT99901 needs six gauges, NI 6210 has 5 channels");
-  CHECK(opened(6, kInventedTemperature, {}) ==
-        "TB-FORCE-GAUGES: transducer FT99901 needs six gauges and the thermistor, NI 6210 has 6 channels");
-  DaqFtOptions plain;
-  plain.temperature_compensation = false;
-  CHECK(opened(8, kInventedTemperature, plain) ==
-        "TB-FORCE-GAUGES: transducer FT99901 needs six gauges, NI 6210 has 8 channels");
-  plain.expected_serial = "FT1";
-  CHECK(opened(6, "", plain) ==
-        "TB-FORCE-SERIAL: the calibration of transducer 'FT1' was expected, the .cal file has that of 'FT99901'");
-  const auto read = [&](GaugeSamples told, int asked, DaqFtOptions options = {}) {
-    DaqFt sensor(std::make_unique<ToldGauges>(6, std::move(told)), invented(), std::move(options));
-    return words([&] { (void)sensor.read(asked); });
-  };
-  CHECK(read({3, 6, std::vector<double>(18, 0.0), {}}, 2) ==
-        "TB-FORCE-PROTOCOL: 2 samples of 6 channels were requested from NI 6210, 3 of 6 came");
-  CHECK(read(one_of({0, 0, 0, 0, -9.99, 0}), 1) ==
-        "TB-FORCE-SATURATED: gauge G4 of transducer FT99901 reads -9.99 V, at or beyond 9.99 V");
-  CHECK(read({0, 6, {}, {}}, 0) == "TB-FORCE-RECORDS: a reading of 0 records was requested; 1 to 100000 are possible");
-  DaqFtOptions careful;
-  careful.overload_share = 0.5;
-  CHECK(read(one_of({0, 0, 4, 0, 4, 4}), 1, careful) ==
-        "TB-FORCE-OVERLOAD: the transducer is overloaded: Fx is 26.91 N, beyond 25 (50 % of the calibration's range); "
-        "Fz is 65.64 N, beyond 35 (50 % of the calibration's range)");
-}

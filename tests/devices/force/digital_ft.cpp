@@ -2,6 +2,7 @@
 #include <limits>
 
 #include "devices/force/digital_record.h"
+#include "tests/devices/check_codec.h"
 #include "tests/devices/force/invented_digital.h"
 #include "tests/devices/test_chamber.h"
 
@@ -20,23 +21,15 @@ TEST_CASE("Digital F/T: the start frame and Modbus frames are the published byte
 }
 
 TEST_CASE("Digital F/T: a sample's bytes, gauge order and sum") {
-  const Bytes bytes{0x00, 0x01, 0xFF, 0xFE, 0x7F, 0xFF, 0x01, 0x00, 0x80, 0x00, 0x00, 0x05, 0x02};
-  auto sample = decode_digital_sample(bytes);
-  REQUIRE(sample);  // 1 + 0xFF + 0xFE + 0x7F + 0xFF + 1 + 0x80 + 5 = 0x502
-  CHECK(sample->gauges == std::array<std::int16_t, 6>{1, 256, -2, -32768, 32767, 5});
-  CHECK_FALSE(sample->error);
-  const auto again = encode(*sample);
-  CHECK(Bytes(again.begin(), again.end()) == bytes);
-  auto changed = bytes;
-  changed[12] |= 0x80U;
-  sample = decode_digital_sample(changed);
-  REQUIRE(sample);
-  CHECK(sample->error);
-  for (std::size_t i = 0; i < 13; ++i) {
-    auto damaged = bytes;
-    damaged[i] ^= 0x04U;
-    CHECK_FALSE(decode_digital_sample(damaged));
-  }
+  const auto decoded = [](const Bytes& bytes) { return decode_digital_sample(bytes); };
+  Bytes bytes{0x00, 0x01, 0xFF, 0xFE, 0x7F, 0xFF, 0x01, 0x00, 0x80, 0x00, 0x00, 0x05, 0x02};
+  // 1 + 0xFF + 0xFE + 0x7F + 0xFF + 1 + 0x80 + 5 = 0x502
+  DigitalSample sample{{1, 256, -2, -32768, 32767, 5}, false};
+  const auto encoded = [](const DigitalSample& one) { return encode(one); };
+  check_codec(bytes, sample, encoded, decoded, Sum::kSevenBits);
+  bytes[12] |= 0x80U;
+  sample.error = true;
+  check_codec(bytes, sample, encoded, decoded, Sum::kSevenBits);
   CHECK_FALSE(decode_digital_sample(std::span(bytes).first(12)));
 }
 
@@ -60,23 +53,14 @@ TEST_CASE("Digital F/T: the calibration registers, both orders of words, and ref
   turn(210, 8);
   CHECK(decode_digital_calibration(turned, true) == calibration);
 
-  const auto complaint = [](DigitalCalibration wrong) {
-    const auto fault = fault_of([&] { (void)decode_digital_calibration(encode(wrong)); });
-    REQUIRE(fault);
-    CHECK(fault->id() == "TB-FORCE-CALIBRATION");
-    return std::string(fault->what());
+  const auto refused = [&](auto change) {
+    DigitalCalibration wrong = calibration;
+    change(wrong);
+    return fault_id_of([&] { (void)decode_digital_calibration(encode(wrong)); }) == "TB-FORCE-CALIBRATION";
   };
-  auto wrong = calibration;
-  wrong.matrix[2][3] = std::numeric_limits<float>::quiet_NaN();
-  CHECK_THAT(complaint(wrong), Catch::Contains("matrix"));
-  wrong = calibration;
-  wrong.range[5] = 0.0F;
-  CHECK_THAT(complaint(wrong), Catch::Contains("ranges"));
-  wrong = calibration;
-  wrong.counts_per_torque = -1;
-  CHECK_THAT(complaint(wrong), Catch::Contains("-1 per torque unit"));
-  wrong = calibration;
-  wrong.force_unit = 1;
-  CHECK_THAT(complaint(wrong), Catch::Contains("units 1 and 3"));
+  CHECK(refused([](DigitalCalibration& c) { c.matrix[2][3] = std::numeric_limits<float>::quiet_NaN(); }));
+  CHECK(refused([](DigitalCalibration& c) { c.range[5] = 0.0F; }));
+  CHECK(refused([](DigitalCalibration& c) { c.counts_per_torque = -1; }));
+  CHECK(refused([](DigitalCalibration& c) { c.force_unit = 1; }));
   CHECK(fault_id_of([&] { (void)decode_digital_calibration(std::span(bytes).first(337)); }) == "TB-FORCE-CALIBRATION");
 }

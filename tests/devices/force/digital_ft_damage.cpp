@@ -46,10 +46,7 @@ TEST_CASE("Digital F/T line: an error bit ends the reading, and the status regis
   script.say({1, 2, 3, 4, 5, 6}, true);
   auto sensor = script.open();
   CHECK(sensor.read(1).records == 1);
-  const auto fault = fault_of([&] { (void)sensor.read(2); });
-  REQUIRE(fault);
-  CHECK(fault->id() == "TB-FORCE-STATUS");
-  CHECK_THAT(fault->what(), Catch::Contains("0xA55A"));
+  check_fault([&] { (void)sensor.read(2); }, "TB-FORCE-STATUS", {}, "0xA55A");
   CHECK(script.line.written.back() == rtu_read_holding(kUnit, 0x001D, 1));
   CHECK(script.jams() == 3);  // the line is quiet before the register is asked for
 }
@@ -60,10 +57,7 @@ TEST_CASE("Digital F/T line: a stream that dries up costs the reply's time and t
   script.options.samples_per_second = 1000.0;
   for (int i = 0; i < 3; ++i) script.say({1, 2, 3, 4, 5, 6});
   auto sensor = script.open();
-  const auto fault = fault_of([&] { (void)sensor.read(50); });
-  REQUIRE(fault);
-  CHECK(fault->id() == "TB-FORCE-TIMEOUT");
-  CHECK_THAT(fault->what(), Catch::Contains("50 samples") && Catch::Contains("3 came") && Catch::Contains("350 ms"));
+  check_fault([&] { (void)sensor.read(50); }, "TB-FORCE-TIMEOUT", {}, "3 came");
   CHECK(script.clock.now() == 350ms);
   CHECK(script.jams() == 2);
   script.line.torn = true;
@@ -73,41 +67,46 @@ TEST_CASE("Digital F/T line: a stream that dries up costs the reply's time and t
 }
 
 TEST_CASE("Digital F/T line: short, damaged, refused and foreign replies are distinguished") {
-  const auto opened_with = [](const std::function<Bytes(Bytes)>& change) {
+  const auto check_opened = [](const std::function<Bytes(Bytes)>& change, const std::string& id,
+                               const std::string& number = {}) {
     Script script;
     script.options.reply_timeout = 300ms;
     script.line.change = [&](const Bytes&, const Bytes& answer) { return change(answer); };
-    const auto fault = fault_of([&] { (void)script.open(); });
-    REQUIRE(fault);
-    CHECK(script.clock.now() == (fault->id() == "TB-FORCE-TIMEOUT" ? Nanoseconds(300ms) : Nanoseconds(0)));
-    return fault->id() + ": " + fault->what();
+    check_fault([&] { (void)script.open(); }, id, {}, number);
+    CHECK(script.clock.now() == (id == "TB-FORCE-TIMEOUT" ? Nanoseconds(300ms) : Nanoseconds(0)));
   };
-  using Catch::Contains;
-  CHECK_THAT(opened_with([](Bytes answer) { return Bytes(answer.begin(), answer.end() - 1); }),
-             Contains("TB-FORCE-TIMEOUT") && Contains("254 of 255 bytes") && Contains("300 ms") &&
-                 Contains("125 registers from 0x00E3"));
-  CHECK_THAT(opened_with([](const Bytes&) { return Bytes(); }), Contains("TB-FORCE-TIMEOUT") && Contains("0 of 255"));
-  CHECK_THAT(opened_with([](const Bytes&) {
-               return rtu_frame(Bytes{kUnit, 0x83, 2});
-             }),
-             Contains("TB-FORCE-PROTOCOL") && Contains("exception 2"));
-  CHECK_THAT(opened_with([](Bytes answer) {
-               answer[100] ^= 1U;
-               return answer;
-             }),
-             Contains("TB-FORCE-PROTOCOL") && Contains("damaged"));
-  CHECK_THAT(opened_with([](const Bytes& answer) {
-               Bytes body(answer.begin(), answer.end() - 2);
-               body[0] = kUnit + 1;
-               return rtu_frame(body);
-             }),
-             Contains("TB-FORCE-PROTOCOL"));
-  CHECK_THAT(opened_with([](const Bytes&) {
-               Bytes refusal = rtu_frame(Bytes{kUnit, 0x83, 2});
-               refusal[4] ^= 1U;
-               return refusal;
-             }),
-             Contains("TB-FORCE-PROTOCOL") && !Contains("exception"));
+  const std::string late = "TB-FORCE-TIMEOUT", wrong = "TB-FORCE-PROTOCOL";
+  check_opened([](Bytes answer) { return Bytes(answer.begin(), answer.end() - 1); }, late, "254 of 255");
+  check_opened([](Bytes answer) { return Bytes(answer.begin(), answer.begin() + 4); }, late, "4 of 255");
+  check_opened([](const Bytes&) { return Bytes{kUnit, 0x83, 2, 0}; }, late, "4 of 255");
+  check_opened([](const Bytes&) { return Bytes(); }, late, "0 of 255");
+  for (const std::uint8_t exception : {1, 2, 4}) {
+    const Bytes refusal = rtu_frame(Bytes{kUnit, 0x83, exception});
+    check_opened([&](const Bytes&) { return refusal; }, wrong, "exception " + std::to_string(exception));
+  }
+  for (const std::size_t at : {100U, 253U, 254U}) {
+    check_opened(
+        [&](Bytes answer) {
+          answer[at] ^= 1U;
+          return answer;
+        },
+        wrong);
+  }
+  check_opened([](const Bytes&) { return rtu_frame(Bytes{kUnit + 1, 0x83, 2}); }, wrong);
+  check_opened(
+      [](const Bytes& answer) {
+        Bytes body(answer.begin(), answer.end() - 2);
+        body[0] = kUnit + 1;
+        return rtu_frame(body);
+      },
+      wrong);
+  check_opened(
+      [](const Bytes&) {
+        Bytes refusal = rtu_frame(Bytes{kUnit, 0x83, 2});
+        refusal[4] ^= 1U;
+        return refusal;
+      },
+      wrong);
 }
 
 TEST_CASE("Digital F/T line: a sensor that keeps sending is jammed again after 64 pieces") {

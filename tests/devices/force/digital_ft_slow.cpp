@@ -13,10 +13,7 @@ TEST_CASE("Digital F/T line: a stream that does not stop is given up after two s
   Script script;
   script.line.endless = script.line.deaf = true;
   const auto begin = std::chrono::steady_clock::now();
-  const auto fault = fault_of([&] { (void)script.open(); });
-  REQUIRE(fault);
-  CHECK(fault->id() == "TB-FORCE-TIMEOUT");
-  CHECK(fault->what() == std::string("asking the stream to stop of the sensor on port A: it continues within 2000 ms"));
+  CHECK(fault_id_of([&] { (void)script.open(); }) == "TB-FORCE-TIMEOUT");
   CHECK(script.clock.now() == 2s);
   CHECK(std::chrono::steady_clock::now() - begin >= 2s);
   CHECK(script.jams() > 1);

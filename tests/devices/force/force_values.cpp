@@ -19,13 +19,6 @@ using Bytes = std::vector<std::uint8_t>;
 
 namespace {
 
-std::string said_of(const std::string& text) {
-  const auto fault = fault_of([&] { (void)parse_ati_calibration(text, "test.cal"); });
-  if (!fault) return "";
-  CHECK(fault->id() == "TB-FORCE-CALIBRATION");
-  return fault->what();
-}
-
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
   REQUIRE(text.find(from) != std::string::npos);
   return text.replace(text.find(from), from.size(), to);
@@ -83,9 +76,6 @@ TEST_CASE("units of force, torque, length and angle by their definitions") {
     CHECK(*degrees_in(name) == Approx(57.29577951308232).epsilon(1e-14));
   CHECK(
       (!newtons_in("n") && !newtons_in("") && !newton_millimetres_in("N") && !millimetres_in("N") && !degrees_in("N")));
-  CHECK(known_force_units() == "N, kN, lbf, lb, klbf, klb, kg, kgf, g");
-  CHECK(known_torque_units() ==
-        "N-mm, Nmm, N-m, Nm, kN-m, kNm, lbf-in, lb-in, in-lbf, in-lb, lbf-ft, lb-ft, ft-lbf, ft-lb, kg-cm, kgcm");
 }
 
 TEST_CASE("six numbers are separated by blanks or the separator, and nothing else is accepted beside them") {
@@ -108,47 +98,14 @@ TEST_CASE("calibration: a file may have a mebibyte, on disk as in memory") {
   constexpr std::size_t kMebibyte = 1'048'576;
   std::string text = InventedCalibration().text();
   text.resize(kMebibyte, ' ');
-  CHECK(said_of(text).empty());
-  CHECK_THAT(said_of(text + " "), Catch::Contains("1048577"));
+  CHECK_NOTHROW(parse_ati_calibration(text, "t"));
   const TemporaryFolder folder;
   const std::string path = folder.path("t.cal");
   std::ofstream(path) << text;
   CHECK(read_ati_calibration(path).serial == "FT99901");
   std::ofstream(path) << text << "     ";
-  const auto fault = fault_of([&] { (void)read_ati_calibration(path); });
-  REQUIRE(fault);
-  CHECK_THAT(fault->what(), Catch::Contains("1048577"));  // no more is read than shows that it is too much
-  // Files of the kernel's that say they have no length; as root, the first one would be waited for.
-  for (const char* kernels : {"/proc/kmsg", "/proc/self/mem"})
-    CHECK_THAT(fault_of([&] { (void)read_ati_calibration(kernels); })->what(), Catch::Contains("it is empty"));
-  CHECK_THAT(fault_of([] { (void)read_ati_calibration("/nowhere.cal"); })->what(), Catch::Contains("cannot be opened"));
-}
-
-TEST_CASE("calibration: rated loads are above 0 and below a thousand million") {
-  const std::string good = InventedCalibration().text();
-  const auto with_max = [&](const std::string& max) {
-    return said_of(replaced(good, "max=\"70\"", "max=\"" + max + "\""));
-  };
-  CHECK(with_max("0.5").empty());
-  CHECK(with_max("999999999").empty());
-  CHECK_THAT(with_max("0"), Catch::Contains("Axis Fz max is 0"));
-  CHECK_FALSE(with_max("1000000000").empty());
-  CHECK_FALSE(with_max("nan").empty());
-}
-
-TEST_CASE("calibration: an empty element counts as missing, and a duplicate one is refused") {
-  const std::string good = InventedCalibration().text();
-  CHECK_THAT(said_of(replaced(good, "FT99901", "")), Catch::Contains("FTSensor has no attribute Serial"));
-  CHECK_THAT(said_of(replaced(good, "scale=\"5.5\"", "scale=\"\"")), Catch::Contains("has no attribute scale"));
-  CHECK(said_of(replaced(good, " scale=\"5.5\"", "")).empty());  // then it is 1
-  CHECK(parse_ati_calibration(replaced(good, " scale=\"5.5\"", ""), "t").axes[0].scale == 1.0);
-  const std::string basic = InventedCalibration().basic;
-  CHECK_THAT(said_of(replaced(good, basic, basic + basic)),
-             Catch::Contains("BasicTransform is present more than once"));
-  CHECK_THAT(said_of(replaced(good, "CalFileVersion=\"1.0\"", "CalFileVersion=\"1.2\"")), Catch::Contains("1.2"));
-  CHECK_THAT(said_of("<FTSensor Serial=\"a\"/>"), Catch::Contains("FTSensor holds no Calibration"));
-  CHECK_THAT(said_of(replaced(good, "<FTSensor", "<Sensor").replace(good.find("</FTSensor>") - 2, 11, "</Sensor>")),
-             Catch::Contains("it holds no FTSensor"));
+  // No more is read than shows that it is too much.
+  check_fault([&] { (void)read_ati_calibration(path); }, "TB-FORCE-CALIBRATION", {}, "1048577");
 }
 
 TEST_CASE("calibration: without a transform the rows are as they stand, and angles may be radians") {
@@ -173,33 +130,6 @@ TEST_CASE("calibration: without a transform the rows are as they stand, and angl
   const auto radians = transform_of("AngleUnits=\"radians\"",
                                     R"(Rx="1.5707963267948966" Ry="3.141592653589793" Rz="-0.7853981633974483")");
   for (std::size_t i = 0; i < 3; ++i) CHECK(radians.rotation_deg[i] == Approx(degrees.rotation_deg[i]).epsilon(1e-14));
-  invented.basic = "<BasicTransform Rx=\"1\"/>";
-  CHECK_THAT(said_of(replaced(invented.text(), "DistUnits", "AngleUnits=\"grad\" DistUnits")),
-             Catch::Contains("'grad'"));
-}
-
-TEST_CASE("calibration: each part of the temperature compensation requires the others") {
-  const auto with = [](const std::string& more) {
-    InventedCalibration invented;
-    invented.more = more;
-    return said_of(invented.text());
-  };
-  const std::string bias = R"(<BiasSlope values="1 2 3 4 5 6"/>)", gain = R"(<GainSlope values="1 2 3 4 5 6"/>)",
-                    thermistor = R"(<Thermistor value="1"/>)";
-  CHECK(with("").empty());
-  CHECK(with(bias + gain + thermistor).empty());
-  CHECK_THAT(with(bias), Catch::Contains("holds no"));
-  CHECK_THAT(with(gain), Catch::Contains("holds no"));
-  CHECK_THAT(with(thermistor), Catch::Contains("holds no"));
-  CHECK_THAT(with(bias + gain), Catch::Contains("no Thermistor"));
-  CHECK_THAT(with(bias + thermistor), Catch::Contains("no GainSlope"));
-  CHECK_THAT(with(gain + thermistor), Catch::Contains("no BiasSlope"));
-  CHECK_THAT(with(bias + gain + thermistor + bias), Catch::Contains("more than once"));
-}
-
-TEST_CASE("calibration: numbers that make no matrix are refused") {
-  const std::string text = replaced(InventedCalibration().text(), "scale=\"5.5\"", "scale=\"1e-307\"");
-  CHECK_THAT(said_of(text), Catch::Contains("too large"));
 }
 
 TEST_CASE("overload: only values beyond the range count, and each axis reports its excess") {
@@ -211,17 +141,12 @@ TEST_CASE("overload: only values beyond the range count, and each axis reports i
       load[axis] = sign * 0.5 * range[axis];
       CHECK(fault_id_of([&] { check_overload(wrench_of(load), range, 0.5); }) == "none");
       load[axis] = std::nextafter(load[axis], sign * HUGE_VAL);
-      const auto fault = fault_of([&] { check_overload(wrench_of(load), range, 0.5); });
-      REQUIRE(fault);
-      CHECK(fault->id() == "TB-FORCE-OVERLOAD");
-      CHECK_THAT(fault->what(), Catch::Contains(std::string(kAxes[axis]) + " is ") && Catch::Contains("50 %") &&
-                                    Catch::Contains(axis < 3 ? " N, " : " N*mm, ") && !Catch::Contains("; "));
+      check_fault([&] { check_overload(wrench_of(load), range, 0.5); }, "TB-FORCE-OVERLOAD", {}, kAxes[axis]);
     }
   }
   CHECK(fault_id_of([&] { check_overload({{std::nan(""), 0, 0}, {}}, range, 1.0); }) == "TB-FORCE-OVERLOAD");
-  const auto two = fault_of([&] { check_overload({{11, 0, 0}, {0, 0, -301}}, range, 1.0); });
-  REQUIRE(two);
-  CHECK_THAT(two->what(), Catch::Contains("Fx is 11 N, beyond 10 (100 %") && Catch::Contains("; Tz is -301 N*mm"));
+  for (const char* excess : {"11 N", "-301 N*mm"})
+    check_fault([&] { check_overload({{11, 0, 0}, {0, 0, -301}}, range, 1.0); }, "TB-FORCE-OVERLOAD", {}, excess);
 }
 
 TEST_CASE("a wrench less another, records that can be asked for, and serials") {

@@ -45,19 +45,3 @@ TEST_CASE("regulator span: 60 psi of a 9 bar regulator are 4.596 V, 2 psi 0.1532
   CHECK(live_zero.pressure(Volts(3.0)).value() == Approx(50.0));
   CHECK(live_zero.voltage(Psi(0.0)).value() == Approx(1.0));
 }
-
-TEST_CASE("regulator: channels that the module does not have and spans that do not rise are refused at once") {
-  Unconnected rig;
-  RegulatorOptions options;
-  options.command_span.high = options.feedback_span.high = Psi(130.0);
-  CHECK(fault_id_of([&] { Regulator(rig.module, rig.module, options, rig.clock); }) == "none");
-  options.feedback_channel = 2;
-  CHECK(fault_id_of([&] { Regulator(rig.module, rig.module, options, rig.clock); }) == "TB-MODULE-CHANNEL");
-  options.feedback_channel = 0;
-  options.command_span.high = Psi(0.0);
-  CHECK(fault_id_of([&] { Regulator(rig.module, rig.module, options, rig.clock); }) == "TB-MODULE-SPAN");
-  TransducerOptions transducer;
-  transducer.span.high = Psi(100.0);
-  transducer.channel = -1;
-  CHECK(fault_id_of([&] { ModuleTransducer(rig.module, transducer); }) == "TB-MODULE-CHANNEL");
-}

@@ -253,3 +253,14 @@ TEST_CASE("module: each channel leaves its safe mode by its own coil, and till t
   CHECK(without.registers.read_bits(at, std::span(bits).first(1)) == Refusal::kAddress);
   CHECK(without.registers.write_bit(clear, true) == Refusal::kAddress);
 }
+
+TEST_CASE("module watchdog: type 2 never falls back, and none does before the first write") {
+  FailSafeUnit off;
+  CHECK(off.write(1, 0x1122, {2}) == Refusal::kNone);
+  CHECK(off.write(1, kOutputWord, {1000}) == Refusal::kNone);
+  CHECK(off.drives_at(24h));
+  CHECK(off.read(1, 0x1021) == Words{0});
+  FailSafeUnit unwritten;
+  unwritten.clock.wait_until(1h);
+  CHECK(unwritten.read(1, 0x1021) == Words{0});
+}

@@ -251,3 +251,14 @@ TEST_CASE("module map: a negative word is 0 V where 15 bits are the full scale, 
   profile.outputs.volts = {-1, 32767, -1, 32767};
   CHECK(volts(0x8000) == Approx(32768.0));
 }
+
+TEST_CASE("module map: values at power-up, and what no request may write") {
+  MapUnit unit(module_profile("beckhoff-ek9000"));
+  CHECK(unit.read(3, 0x1120, 5) == Words{1000, 0, 1, 0, 1});
+  CHECK(unit.read(3, 0x1020, 3) == Words{0, 0, 0});
+  CHECK(unit.read(3, 0x0800, 1) == Words{0});
+  for (const int address : {0x0000, 0x0002, 0x07FF, 0x0801, 0x101F, 0x1020, 0x1023, 0x111F, 0x1125, 0xFFFF}) {
+    INFO("address " << address);
+    CHECK(unit.write(address, {1}) == Refusal::kAddress);
+  }
+}

@@ -26,8 +26,6 @@ class RecordedModule {
   RecordedModule() : server_([this](int, int socket, const Bytes& request) { serve(socket, request); }) {}
 
   [[nodiscard]] ModbusEndpoint endpoint() const { return {"127.0.0.1", server_.port(), 1, kPatient}; }
-  // As faults name it.
-  [[nodiscard]] std::string name() const { return fmt::format("analog module at 127.0.0.1:{} unit 1", server_.port()); }
   // The requests since the last call: function, address in hexadecimal, count or what is written.
   [[nodiscard]] Notes notes() {
     const std::lock_guard lock(mutex_);

@@ -1,7 +1,4 @@
-// The regulator, transducers and corrections before anything is sent: channels, spans and limits at their edges, and
-// what each refusal says.
-#include <fmt/format.h>
-
+// The regulator, transducers and corrections before anything is sent: channels, spans and limits at their edges.
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -23,16 +20,13 @@ struct RegulatorBench {
   }
   [[nodiscard]] std::string refused() {
     AnalogModule module(profile, {}, Nanoseconds(0), clock, Origin::kSimulated);
-    const auto fault = fault_of([&] { Regulator(module, module, options, clock); });
-    return fault ? fault->id() + ": " + fault->what() : "";
+    return fault_id_of([&] { Regulator(module, module, options, clock); });
   }
-  // What a command says to a regulator that is not armed.
-  [[nodiscard]] std::string says(double psi) {
+  // Of a command to a regulator that is not armed.
+  [[nodiscard]] std::string commanded(double psi) {
     AnalogModule module(profile, {}, Nanoseconds(0), clock, Origin::kSimulated);
     Regulator regulator(module, module, options, clock);
-    const auto fault = fault_of([&] { regulator.command(Psi(psi)); });
-    REQUIRE(fault);
-    return fault->id() + ": " + fault->what();
+    return fault_id_of([&] { regulator.command(Psi(psi)); });
   }
   TurnedClock clock;
   ModuleProfile profile;
@@ -42,58 +36,42 @@ struct RegulatorBench {
 }  // namespace
 
 TEST_CASE("regulator: each of its channels is one of the module's, from 0") {
-  for (const int channel : {-1, 0, 1, 2}) {
-    RegulatorBench bench;
-    bench.options.output_channel = channel;
-    CHECK(bench.refused() == (channel >= 0 && channel <= 1
-                                  ? std::string()
-                                  : "TB-MODULE-CHANNEL: output channel " + std::to_string(channel) +
-                                        " of the regulator was requested, the module has 2"));
-  }
-  for (const int channel : {-1, 0, 2, 3}) {
-    RegulatorBench bench;
-    bench.options.feedback_channel = channel;
-    CHECK(bench.refused() == (channel >= 0 && channel <= 2
-                                  ? std::string()
-                                  : "TB-MODULE-CHANNEL: feedback channel " + std::to_string(channel) +
-                                        " of the regulator was requested, the module has 3"));
+  for (const int channel : {-1, 0, 1, 2, 3}) {
+    RegulatorBench output, feedback;
+    output.options.output_channel = channel;
+    feedback.options.feedback_channel = channel;
+    CHECK(output.refused() == (channel >= 0 && channel <= 1 ? "none" : "TB-MODULE-CHANNEL"));
+    CHECK(feedback.refused() == (channel >= 0 && channel <= 2 ? "none" : "TB-MODULE-CHANNEL"));
   }
 }
 
 TEST_CASE("regulator: each of its spans rises, in volts and in psi") {
   for (const bool command : {true, false}) {
-    const LinearSpan falling[] = {{Volts(0.0), Volts(0.0), Psi(0.0), Psi(100.0)},
-                                  {Volts(5.0), Volts(1.0), Psi(0.0), Psi(100.0)},
-                                  {Volts(0.0), Volts(10.0), Psi(20.0), Psi(20.0)},
-                                  {Volts(1.0), Volts(5.0), Psi(30.0), Psi(20.0)}};
-    const std::string says[] = {"from 0 V = 0 psi to 0 V = 100 psi", "from 5 V = 0 psi to 1 V = 100 psi",
-                                "from 0 V = 20 psi to 10 V = 20 psi", "from 1 V = 30 psi to 5 V = 20 psi"};
-    for (std::size_t i = 0; i < 4; ++i) {
+    for (const LinearSpan& falling : {LinearSpan{Volts(0.0), Volts(0.0), Psi(0.0), Psi(100.0)},
+                                      LinearSpan{Volts(5.0), Volts(1.0), Psi(0.0), Psi(100.0)},
+                                      LinearSpan{Volts(0.0), Volts(10.0), Psi(20.0), Psi(20.0)},
+                                      LinearSpan{Volts(1.0), Volts(5.0), Psi(30.0), Psi(20.0)}}) {
       RegulatorBench bench;
-      (command ? bench.options.command_span : bench.options.feedback_span) = falling[i];
-      CHECK(bench.refused() == "TB-MODULE-SPAN: the regulator's span " + says[i] + " does not rise");
+      (command ? bench.options.command_span : bench.options.feedback_span) = falling;
+      CHECK(bench.refused() == "TB-MODULE-SPAN");
     }
   }
-  CHECK(RegulatorBench().refused().empty());
+  CHECK(RegulatorBench().refused() == "none");
 }
 
 TEST_CASE("regulator: from 0 psi to the limit, both included, and only what the output can give") {
-  const std::string not_armed =
-      "TB-CHAMBER-NOT-ARMED: {:g} psi was requested while the regulator is not armed; nothing was sent";
+  const std::string allowed = "TB-CHAMBER-NOT-ARMED", beyond = "TB-CHAMBER-LIMIT";
   RegulatorBench bench;
   bench.options.command_limit = Psi(60.0);
-  for (const double psi : {0.0, 30.0, 60.0}) CHECK(bench.says(psi) == fmt::format(fmt::runtime(not_armed), psi));
-  CHECK(bench.says(60.25) == "TB-CHAMBER-LIMIT: 60.25 psi was requested, allowed is 0 to 60 psi; nothing was sent");
-  CHECK(bench.says(-0.25) == "TB-CHAMBER-LIMIT: -0.25 psi was requested, allowed is 0 to 60 psi; nothing was sent");
+  for (const double psi : {0.0, 30.0, 60.0}) CHECK(bench.commanded(psi) == allowed);
+  for (const double psi : {60.25, -0.25}) CHECK(bench.commanded(psi) == beyond);
   bench.options.command_limit = Psi(200.0);
-  CHECK(bench.says(100.0) == fmt::format(fmt::runtime(not_armed), 100.0));  // 10 V, all that the output has
-  CHECK(bench.says(150.0) ==
-        "TB-CHAMBER-LIMIT: 150 psi was requested, which needs 15 V of an output of 0 to 10 V; nothing was sent");
+  CHECK(bench.commanded(100.0) == allowed);  // 10 V, all that the output has
+  CHECK(bench.commanded(150.0) == beyond);
   bench.options.command_span.low = Psi(10.0);
   bench.options.command_span.high = Psi(110.0);
-  CHECK(bench.says(10.0) == fmt::format(fmt::runtime(not_armed), 10.0));
-  CHECK(bench.says(0.0) ==
-        "TB-CHAMBER-LIMIT: 0 psi was requested, which needs -1 V of an output of 0 to 10 V; nothing was sent");
+  CHECK(bench.commanded(10.0) == allowed);
+  CHECK(bench.commanded(0.0) == beyond);  // it needs -1 V
 }
 
 TEST_CASE("regulator: disarmed by hand, and its identity") {
@@ -119,14 +97,8 @@ TEST_CASE("transducer: its channel is one of the module's, and its span rises") 
   options.span = {Volts(0.0), Volts(10.0), Psi(0.0), Psi(100.0)};
   for (const int channel : {-1, 0, 2, 3}) {
     options.channel = channel;
-    const auto fault = fault_of([&] { ModuleTransducer(module, options); });
-    CHECK(fault.has_value() == (channel < 0 || channel > 2));
-    if (fault) {
-      CHECK(fault->id() == "TB-MODULE-CHANNEL");
-      CHECK(fault->device() == "pressure reference");
-      CHECK(fault->what() ==
-            "input channel " + std::to_string(channel) + " of the pressure reference was requested, the module has 3");
-    }
+    CHECK(fault_id_of([&] { ModuleTransducer(module, options); }) ==
+          (channel < 0 || channel > 2 ? "TB-MODULE-CHANNEL" : "none"));
   }
   options.channel = 1;
   const auto identity = ModuleTransducer(module, options).identity();
@@ -134,10 +106,7 @@ TEST_CASE("transducer: its channel is one of the module's, and its span rises") 
   CHECK(identity.model == "transducer");
   CHECK(identity.serial == "T1");
   options.span.high = Psi(0.0);
-  const auto fault = fault_of([&] { ModuleTransducer(module, options); });
-  REQUIRE(fault);
-  CHECK(fault->id() == "TB-MODULE-SPAN");
-  CHECK(fault->what() == std::string("the pressure reference's span from 0 V = 0 psi to 10 V = 0 psi does not rise"));
+  check_fault([&] { ModuleTransducer(module, options); }, "TB-MODULE-SPAN", "pressure reference");
 }
 
 TEST_CASE("analog module: counts of volts, nearest, clipped to the output's span, no number is its lowest") {

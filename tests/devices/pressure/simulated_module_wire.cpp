@@ -1,15 +1,10 @@
 #include "devices/pressure/simulated_module.h"
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <catch2/catch.hpp>
 #include <vector>
 
 #include "devices/wire/modbus/modbus_link.h"
-#include "tests/devices/pressure/next_fault.h"
+#include "tests/devices/pressure/raw_clients.h"
 #include "tests/devices/test_chamber.h"
 
 using namespace tactbench::devices;
@@ -18,38 +13,6 @@ using namespace std::chrono_literals;
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
-
-// A client that knows no Modbus: bytes out, bytes in.
-class RawClient {
- public:
-  explicit RawClient(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(static_cast<std::uint16_t>(port));
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    wait_at_most({20, 0});
-    REQUIRE(::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
-  }
-  ~RawClient() { ::close(socket_); }
-  RawClient(const RawClient&) = delete;
-  RawClient& operator=(const RawClient&) = delete;
-  void send(const Bytes& bytes) const {
-    REQUIRE(::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(bytes.size()));
-  }
-  void wait_at_most(const timeval& patience) const {
-    ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-  }
-  // `size` bytes, fewer at the end of the connection or of the patience.
-  [[nodiscard]] Bytes receive(std::size_t size) const {
-    Bytes bytes(size);
-    const ssize_t got = ::recv(socket_, bytes.data(), size, MSG_WAITALL);
-    bytes.resize(static_cast<std::size_t>(got > 0 ? got : 0));
-    return bytes;
-  }
-
- private:
-  int socket_;
-};
 
 struct Module {
   TurnedClock clock;
@@ -64,7 +27,7 @@ const Bytes kLockIsOne{0, 1, 0, 0, 0, 5, 1, 3, 2, 0, 1};
 
 TEST_CASE("simulated module: FC 6 writes and echoes") {
   Module module;
-  const RawClient client(module.server.port());
+  const RawLine client(module.server.port());
   const Bytes write{0, 9, 0, 0, 0, 6, 1, 6, 0x08, 0x00, 0x20, 0x00};
   client.send(write);
   CHECK(client.receive(12) == write);
@@ -73,7 +36,7 @@ TEST_CASE("simulated module: FC 6 writes and echoes") {
 
 TEST_CASE("simulated module: illegal requests get their exception at once") {
   Module module;
-  const RawClient client(module.server.port());
+  const RawLine client(module.server.port());
   const auto exception = [&](const Bytes& request) {
     client.send(request);
     const Bytes reply = client.receive(9);
@@ -96,7 +59,7 @@ TEST_CASE("simulated module: illegal requests get their exception at once") {
 
 TEST_CASE("simulated module: counts up to the protocol's limits pass, one more is refused as a value") {
   Module module;
-  const RawClient client(module.server.port());
+  const RawLine client(module.server.port());
   std::uint16_t number = 0;
   // The exception of a PDU; registers from 0x2000 on are none, so that what passes as a value is refused as an address.
   const auto exception = [&](Bytes pdu) {
@@ -160,9 +123,9 @@ TEST_CASE("simulated module: counts up to the protocol's limits pass, one more i
 
 TEST_CASE("simulated module: half a request delays no other client, pieces are joined, several are answered in turn") {
   Module module;
-  const RawClient slow(module.server.port());
+  const RawLine slow(module.server.port());
   slow.send(Bytes(kReadLock.begin(), kReadLock.begin() + 5));
-  const RawClient quick(module.server.port());
+  const RawLine quick(module.server.port());
   quick.send(kReadLock);
   CHECK(quick.receive(11) == kLockIsOne);
   slow.send(Bytes(kReadLock.begin() + 5, kReadLock.end()));
@@ -171,23 +134,6 @@ TEST_CASE("simulated module: half a request delays no other client, pieces are j
   twice.insert(twice.end(), kReadLock.begin(), kReadLock.end());
   slow.send(twice);
   CHECK(slow.receive(22).size() == 22);
-}
-
-TEST_CASE("simulated module: bytes that are not Modbus end that connection alone") {
-  Module module;
-  const RawClient good(module.server.port());
-  const RawClient bad(module.server.port());
-  bad.send({'G', 'E', 'T', ' ', '/', ' ', 'H', 'T', 'T', 'P'});
-  CHECK(bad.receive(1).empty());
-  good.send(kReadLock);
-  CHECK(good.receive(11) == kLockIsOne);
-}
-
-TEST_CASE("simulated module: a port in use is a fault") {
-  Module module;
-  CHECK(fault_id_of([&] {
-          SimulatedModule(module_profile("beckhoff-ek9000"), module.server.port(), module.chamber, module.clock);
-        }) == "TB-SIM-LISTEN");
 }
 
 TEST_CASE("simulated module: a failing chamber port is a failing device, and the program lives on") {
@@ -216,39 +162,5 @@ TEST_CASE("simulated module: the write lock passes on when its holder hangs up, 
     holder.write_registers(0x0800, std::span(&value, 1));
     holder.close();
     REQUIRE(fault_id_of([&] { older.write_registers(0x0800, std::span(&value, 1)); }) == "none");
-  }
-}
-
-TEST_CASE("simulated module: a late reply comes once, before the next one, a corrupt one has another function code") {
-  TurnedClock clock;
-  TestChamber chamber{clock};
-  SimulatedModuleFaults faults;
-  NextFault next(faults);
-  const SimulatedModule server(module_profile("beckhoff-ek9000"), 0, chamber, clock, faults);
-  const RawClient client(server.port());
-  const auto of_transaction = [](Bytes frame, std::uint8_t transaction) {
-    frame[1] = transaction;
-    return frame;
-  };
-  const auto ask = [&](std::uint8_t transaction) { client.send(of_transaction(kReadLock, transaction)); };
-  const auto next_is = [&](Bytes frame) { return client.receive(frame.size()) == frame; };
-  ask(1);
-  CHECK(next_is(kLockIsOne));
-  next = InjectedFault::kCorrupt;
-  ask(2);
-  Bytes corrupt = of_transaction(kLockIsOne, 2);
-  corrupt[7] = 0x13;
-  CHECK(next_is(corrupt));
-  next = InjectedFault::kLate;
-  next.meets([&] { ask(3); });
-  client.wait_at_most({0, 200'000});
-  CHECK(client.receive(1).empty());
-  client.wait_at_most({20, 0});
-  next = InjectedFault::kNone;
-  ask(4);
-  for (const std::uint8_t transaction : Bytes{3, 4}) CHECK(next_is(of_transaction(kLockIsOne, transaction)));
-  for (const std::uint8_t transaction : Bytes{5, 6}) {
-    ask(transaction);
-    CHECK(next_is(of_transaction(kLockIsOne, transaction)));
   }
 }
