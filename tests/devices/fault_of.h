@@ -47,11 +47,4 @@ void check_fault(Act&& act, const std::string& id, const std::string& device = {
   CHECK_THAT(fault->what(), Catch::Contains(fact));
 }
 
-// The fault's id and event, "none" when there was none.
-template <class Act>
-std::string fault_words_of(Act&& act) {
-  const auto fault = whole_fault_of(act);
-  return fault ? fault->id() + ": " + fault->what() : "none";
-}
-
 }  // namespace tactbench::devices

@@ -123,6 +123,8 @@ TEST_CASE("frame protocol: UTF-8 at both edges of every range of bytes, and besi
     CHECK_FALSE(passes(text_of({alone})));
     CHECK_FALSE(passes(text_of({alone, 0x80, 0x80, 0x80})));
   }
+  CHECK(passes(std::string(253, 'x')));
+  CHECK_THROWS_AS(encode({1, Error{ErrorCode::kDevice, std::string(256, 'x')}}), std::invalid_argument);
   // Every text of a description is judged, to its last character.
   for (const char* bad : {"\n", "ab\n", "\xE2\x82\xAC\x7F"}) {
     CHECK_THROWS_AS(encode({1, Description{1, 1, 1, 1.0, bad, "", ""}}), std::invalid_argument);
@@ -161,7 +163,7 @@ TEST_CASE("frame protocol: sides of 1 to 256, scales above 0") {
 }
 
 TEST_CASE("frame protocol: a header that cannot be is refused before its payload comes") {
-  const auto broken_by = [](std::uint32_t size, std::uint8_t reserved) {
+  const auto breaks = [](std::uint32_t size, std::uint8_t reserved) {
     Parser parser;
     Bytes header{'T', 'B', 'F', 'P', 0x02, reserved, 3, 0};
     for (unsigned i = 0; i < 4; ++i) header.push_back(static_cast<std::uint8_t>(size >> (8 * i) & 0xFFU));
@@ -170,15 +172,15 @@ TEST_CASE("frame protocol: a header that cannot be is refused before its payload
     CHECK(parser.broken().empty());
     parser.feed(std::span(header).subspan(11));
     CHECK_FALSE(parser.next());
-    return parser.broken();
+    return !parser.broken().empty();
   };
   constexpr std::uint32_t kMost = 18 + 2 * 256 * 256;
-  CHECK(broken_by(0, 0).empty());
-  CHECK(broken_by(kMost, 0).empty());
-  CHECK(broken_by(kMost + 1, 0) == "payload of 131091 bytes (up to 131090)");
-  CHECK(broken_by(0xFFFFFFFF, 0) == "payload of 4294967295 bytes (up to 131090)");
-  CHECK(broken_by(0, 1) == "reserved byte");
-  CHECK(broken_by(0, 0x80) == "reserved byte");
+  CHECK_FALSE(breaks(0, 0));
+  CHECK_FALSE(breaks(kMost, 0));
+  CHECK(breaks(kMost + 1, 0));
+  CHECK(breaks(0xFFFFFFFF, 0));
+  CHECK(breaks(0, 1));
+  CHECK(breaks(0, 0x80));
 }
 
 TEST_CASE("frame protocol: each byte of the magic is looked at as soon as it comes") {
@@ -192,7 +194,7 @@ TEST_CASE("frame protocol: each byte of the magic is looked at as soon as it com
     }
     parser.feed(Bytes{static_cast<std::uint8_t>(magic[at] ^ 0x20U)});
     CHECK_FALSE(parser.next());
-    CHECK(parser.broken() == "magic");
+    CHECK_FALSE(parser.broken().empty());
   }
 }
 

@@ -40,48 +40,6 @@ Bytes frame_bytes(std::uint16_t tag, std::uint32_t counter) {
 
 }  // namespace
 
-TEST_CASE("frame source: replies of the wrong kind, damaged ones and errors") {
-  const auto refused = fault_of_script([](int number, std::uint16_t tag) {
-    return number == 0 ? description_bytes(tag)
-                       : protocol::encode({tag, protocol::Error{protocol::ErrorCode::kDevice, "no power"}});
-  });
-  REQUIRE(refused);
-  CHECK(refused->id() == "TB-SCANNER-REFUSED");
-  CHECK_THAT(refused->what(), Catch::Contains("no power"));
-
-  const auto foreign = fault_of_script([](int, std::uint16_t) { return Bytes{'S', 'S', 'H', '-', '2'}; });
-  REQUIRE(foreign);
-  CHECK(foreign->id() == "TB-SCANNER-CORRUPT");
-  CHECK_THAT(foreign->what(), Catch::Contains("magic"));
-
-  const auto version = fault_of_script([](int, std::uint16_t tag) {
-    return protocol::encode({tag, protocol::Description{2, 2, 2, 1.0, "", "", ""}});
-  });
-  REQUIRE(version);
-  CHECK_THAT(version->what(), Catch::Contains("version 2"));
-
-  const auto shape = fault_of_script([](int number, std::uint16_t tag) {
-    return number == 0 ? description_bytes(tag) : protocol::encode({tag, protocol::Frame{0, 0, 0, 1, 4, {1, 2, 3, 4}}});
-  });
-  REQUIRE(shape);
-  CHECK_THAT(shape->what(), Catch::Contains("1 x 4"));
-
-  const auto older = fault_of_script(
-      [](int number, std::uint16_t tag) {
-        return number == 0 ? description_bytes(tag) : frame_bytes(tag, number == 1 ? 0U : 0xFFFF'FFFFU);
-      },
-      2);
-  REQUIRE(older);
-  CHECK_THAT(older->what(), Catch::Contains("is old"));
-
-  const auto wrapped = fault_of_script(
-      [](int number, std::uint16_t tag) {
-        return number == 0 ? description_bytes(tag) : frame_bytes(tag, 0xFFFF'FFFEU + static_cast<unsigned>(number));
-      },
-      3);
-  CHECK_FALSE(wrapped);
-}
-
 TEST_CASE("frame source: answers to older requests are ignored, and are no answer") {
   CHECK_FALSE(fault_of_script([](int number, std::uint16_t tag) {
     auto bytes = frame_bytes(static_cast<std::uint16_t>(tag + 9), 100);
@@ -94,8 +52,7 @@ TEST_CASE("frame source: answers to older requests are ignored, and are no answe
         return number == 0 ? description_bytes(tag) : frame_bytes(static_cast<std::uint16_t>(tag - 1), 1);
       },
       1, kShort);
-  REQUIRE(only_old);
-  CHECK(only_old->id() == "TB-SCANNER-TIMEOUT");
+  CHECK((only_old && only_old->id() == "TB-SCANNER-TIMEOUT"));
 }
 
 TEST_CASE("frame source: a flood of old answers does not delay past the deadline") {

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "tests/devices/check_codec.h"
+
 using namespace tactbench::devices;
 
 namespace {
@@ -17,17 +19,6 @@ RowReport some_row() {
 }
 
 IdentityReport some_identity() { return {7, 16, 16, 7.62939453125e-5F, "SIM-0123456789AB", "1.0"}; }
-
-template <class Encoded, class Decode>
-void every_flip_is_refused(const Encoded& good, Decode decode) {
-  REQUIRE(decode(good).has_value());
-  for (std::size_t bit = 0; bit < good.size() * 8; ++bit) {
-    auto bad = good;
-    bad[bit / 8] = static_cast<std::uint8_t>(bad[bit / 8] ^ (1U << (bit % 8)));
-    INFO("bit " << bit);
-    CHECK_FALSE(decode(bad).has_value());
-  }
-}
 
 template <class Encoded, class Decode>
 void every_other_length_is_refused(const Encoded& good, Decode decode) {
@@ -72,21 +63,16 @@ TEST_CASE("scan report: fields are where the format puts them, little-endian") {
   CHECK((identity[5] == 0 && identity[8] == 0x38));  // 7.62939453125e-5 = 2^-13.68: 0x38A00000
 }
 
-TEST_CASE("scan report: encoded reports decode to the same") {
-  CHECK(decode_row(encode(some_row())) == some_row());
-  CHECK(decode_row(encode(RowReport{})) == RowReport{});
-  CHECK(decode_identity(encode(some_identity())) == some_identity());
-  CHECK(decode_identity(encode(IdentityReport{})) == IdentityReport{});
-  for (const auto command : {ScanCommand::kScan, ScanCommand::kIdentify}) {
-    const CommandReport report{command, 0xBEEF};
-    CHECK(decode_command(encode(report)) == report);
-  }
-}
-
-TEST_CASE("scan report: every single flipped bit is refused") {
-  every_flip_is_refused(encode(some_row()), [](auto bytes) { return decode_row(bytes); });
-  every_flip_is_refused(encode(some_identity()), [](auto bytes) { return decode_identity(bytes); });
-  every_flip_is_refused(encode(CommandReport{ScanCommand::kScan, 3}), [](auto bytes) { return decode_command(bytes); });
+TEST_CASE("scan report: encoded reports decode to the same, and every single flipped bit is refused") {
+  const auto check = [](const auto& report, auto decode) {
+    check_codec(
+        encode(report), report, [](const auto& one) { return encode(one); }, decode, Sum::kAll);
+  };
+  for (const RowReport& row : {some_row(), RowReport{}}) check(row, [](auto bytes) { return decode_row(bytes); });
+  for (const IdentityReport& identity : {some_identity(), IdentityReport{}})
+    check(identity, [](auto bytes) { return decode_identity(bytes); });
+  for (const auto command : {ScanCommand::kScan, ScanCommand::kIdentify})
+    check(CommandReport{command, 0xBEEF}, [](auto bytes) { return decode_command(bytes); });
 }
 
 TEST_CASE("scan report: every other length is refused") {
@@ -154,8 +140,7 @@ TEST_CASE("scan report: texts are printable ASCII at each place, sixteen letters
     try {
       (void)encode(IdentityReport{1, 16, 16, 1.0F, serial, firmware});
       return true;
-    } catch (const std::invalid_argument& error) {
-      CHECK_THAT(error.what(), Catch::Contains("16 ASCII characters: '" + (firmware.empty() ? serial : firmware)));
+    } catch (const std::invalid_argument&) {
       return false;
     }
   };

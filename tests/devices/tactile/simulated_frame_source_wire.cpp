@@ -82,10 +82,9 @@ TEST_CASE("simulated frame source: what it says to a wrong request, to damage, a
   FrameClient client(sim.address);
   const auto said = [&](const Packed& request, std::uint16_t tag) {
     client.send_bytes(request);
-    return client.expect<Error>(tag);
+    return client.expect<Error>(tag).code;
   };
-  const Error unknown{ErrorCode::kUnknownType, "not a request of this protocol"};
-  const Error misfit{ErrorCode::kBadPayload, "the payload does not fit the request"};
+  const auto unknown = ErrorCode::kUnknownType, misfit = ErrorCode::kBadPayload;
   for (const std::uint8_t type :
        {std::uint8_t{0}, std::uint8_t{5}, std::uint8_t{0x7F}, std::uint8_t{0x80}, std::uint8_t{0xFF}})
     CHECK(said(sealed_packet(type, 0x0304, {}), 0x0304) == unknown);
@@ -99,14 +98,14 @@ TEST_CASE("simulated frame source: what it says to a wrong request, to damage, a
   CHECK(sim.array.scans == 0);
   sim.array.broken_scan = 1;
   expect_frame(client, 1, 0, 0);
-  CHECK(said(encode({2, Scan{}}), 2) == Error{ErrorCode::kDevice, "the array does not answer"});
+  CHECK(said(encode({2, Scan{}}), 2) == ErrorCode::kDevice);
   expect_frame(client, 3, 2, 1);
-  for (const auto& [at, word] : {std::pair{0, "magic"}, {5, "reserved byte"}, {15, "CRC"}}) {
+  for (const std::size_t at : {0U, 5U, 15U}) {  // magic, reserved byte, CRC
     FrameClient damaged(sim.address);
     Packed request = encode({3, Scan{}});
-    request[static_cast<std::size_t>(at)] ^= 1U;
+    request[at] ^= 1U;
     damaged.send_bytes(request);
-    CHECK(damaged.expect<Error>(0) == Error{ErrorCode::kDamaged, std::string("damaged request: ") + word});
+    CHECK(damaged.expect<Error>(0).code == ErrorCode::kDamaged);
     CHECK_FALSE(damaged.next());
   }
   CHECK(sim.array.scans == 3);
@@ -237,15 +236,12 @@ TEST_CASE("simulated frame source: rates above 0 up to 100 kHz, descriptions tha
   TurnedClock clock;
   CountedArray array;
   const auto opened = [&](double rate) {
-    const auto fault =
-        fault_of([&] { SimulatedFrameSource({.description = kSmall, .free_running_hz = rate}, array, clock); });
-    return fault ? fault->id() + ": " + fault->what() : "";
+    return fault_id_of([&] { SimulatedFrameSource({.description = kSmall, .free_running_hz = rate}, array, clock); });
   };
-  for (const double rate : {0.001, 0.5, 1e5}) CHECK(opened(rate).empty());
+  for (const double rate : {0.001, 0.5, 1e5}) CHECK(opened(rate) == "none");
   for (const double rate :
        {0.0, -1.0, std::nextafter(1e5, 1e6), std::nan(""), std::numeric_limits<double>::infinity()}) {
-    CHECK_THAT(opened(rate),
-               Catch::StartsWith("TB-SIM-LISTEN: ") && Catch::EndsWith("a rate lies above 0, up to 100 kHz"));
+    CHECK(opened(rate) == "TB-SIM-LISTEN");
   }
   CHECK_THROWS_AS(SimulatedFrameSource({.description = {1, 0, 3, 0.25, "", "", ""}}, array, clock),
                   std::invalid_argument);

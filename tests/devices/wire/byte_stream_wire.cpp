@@ -186,19 +186,6 @@ TEST_CASE("a serial address that leads to a pseudo-terminal is opened as one, li
   CHECK(stream->description() == terminal.path());
 }
 
-TEST_CASE("an address that cannot be opened is refused with the reason") {
-  CHECK(fault_id_of([] { (void)open_stream("/dev/pts/999999"); }) == "TB-SERIAL-OPEN");
-  CHECK(fault_id_of([] { (void)open_stream("/dev/null"); }) == "TB-SERIAL-OPEN");
-  CHECK(fault_id_of([] { (void)open_stream("tcp:127.0.0.1"); }) == "TB-SERIAL-OPEN");
-  CHECK(fault_id_of([] { (void)open_stream("tcp:127.0.0.1:"); }) == "TB-SERIAL-OPEN");
-  CHECK(fault_id_of([] { (void)open_stream("unix:/nowhere/at/all"); }) == "TB-SERIAL-OPEN");
-  CHECK(fault_id_of([] { (void)open_stream("unix:" + std::string(200, 'x')); }) == "TB-SERIAL-OPEN");
-  CHECK(fault_id_of([] { (void)open_serial({}); }) == "TB-SERIAL-OPEN");
-  CHECK(fault_id_of([] { (void)open_serial(at("/dev/ttyUSB99")); }) == "TB-SERIAL-OPEN");
-  CHECK(fault_id_of([] { (void)open_serial(at("", "no such serial")); }) == "TB-SERIAL-OPEN");
-  CHECK_THROWS_WITH(open_serial(at("", "no such serial")), Catch::Contains("no port carries it"));
-}
-
 TEST_CASE("listed serial ports have names and are never pseudo-terminals") {
   const PseudoTerminal terminal;
   for (const SerialPortInfo& port : list_serial_ports()) {

@@ -114,16 +114,13 @@ TEST_CASE("packet link: what was sent before the end is read, then the end is to
   rig.go();
   CHECK(rig.read(8) == Datagram{1});
   CHECK(rig.read(8) == Datagram{2});
-  const std::string lost =
-      "TB-HID-LOST: reading a report from packet socket " + rig.path + ": closed by the other side";
-  for (int i = 0; i < 2; ++i) CHECK(fault_words_of([&] { (void)rig.read(8); }) == lost);
-  CHECK(fault_words_of([&] { (void)rig.link->drain(); }) == lost);
+  for (int i = 0; i < 2; ++i) CHECK(fault_id_of([&] { (void)rig.read(8); }) == "TB-HID-LOST");
+  CHECK(fault_id_of([&] { (void)rig.link->drain(); }) == "TB-HID-LOST");
   const Datagram report{1, 2, 3};
-  CHECK(fault_words_of([&] { rig.link->write(report); }) ==
-        "TB-HID-WRITE: sending a report of 3 bytes to packet socket " + rig.path + ": Broken pipe");
+  CHECK(fault_id_of([&] { rig.link->write(report); }) == "TB-HID-WRITE");
   PacketPeer at_once(folder.path("other"));
   at_once.go();
-  CHECK_THAT(fault_words_of([&] { (void)at_once.read(8, 0ns); }), Catch::Contains("closed by the other side"));
+  CHECK(fault_id_of([&] { (void)at_once.read(8, 0ns); }) == "TB-HID-LOST");
 }
 
 TEST_CASE("packet link: paths that are empty, too long, of nobody, or of a full queue") {
@@ -134,14 +131,9 @@ TEST_CASE("packet link: paths that are empty, too long, of nobody, or of a full 
     const PacketPeer rig(longest);
     CHECK(rig.link->description() == "packet socket " + longest);
   }
-  for (const std::string& path : {std::string(), longest + "y"}) {
-    CHECK(fault_words_of([&] { (void)open_packet_link(path); }) ==
-          "TB-HID-OPEN: opening the packet socket " + path + ": the path is empty or too long");
-  }
-  const std::string nobody = folder.path("nobody");
-  CHECK(fault_words_of([&] { (void)open_packet_link(nobody); }) ==
-        "TB-HID-OPEN: opening the packet socket " + nobody + ": No such file or directory");
-  CHECK_THAT(fault_words_of([&] { (void)open_packet_link(longest); }), Catch::EndsWith(": Connection refused"));
+  // Too long, of nobody, and of one that has gone.
+  for (const std::string& path : {std::string(), longest + "y", folder.path("nobody"), longest})
+    CHECK(fault_id_of([&] { (void)open_packet_link(path); }) == "TB-HID-OPEN");
 }
 
 TEST_CASE("UDP, packets, channels: what an end that works sends late is waited for, unless no wait was asked for") {

@@ -53,17 +53,14 @@ class ScriptedPage {
     return ::send(socket, text.data(), text.size(), MSG_NOSIGNAL) > 0;
   }
   [[nodiscard]] int port() const { return bound_.port; }
-  // The body, or what the fault says after the address.
+  // The body, or the fault's id.
   [[nodiscard]] std::string get(Nanoseconds timeout = kPatient, std::size_t largest = 4096,
                                 const std::string& path = "/p") {
     try {
       return http_get({"127.0.0.1", port(), path, timeout, largest}, "test", clock);
     } catch (const Fault& fault) {
       CHECK(fault.device() == "test");
-      CHECK_FALSE(fault.remedy().empty());
-      const std::string start = "reading http://127.0.0.1:" + std::to_string(port()) + path + " of test: ";
-      CHECK_THAT(fault.what(), Catch::StartsWith(start));
-      return fault.id() + ": " + std::string(fault.what()).substr(start.size());
+      return fault.id();
     }
   }
   TurnedClock clock;
@@ -102,8 +99,8 @@ TEST_CASE("HTTP page: the body's length, where it stands and what is no length")
   CHECK(answered("HTTP/1.0 200 OK\r\nContent-Length: many\r\n\r\nbody") == "body");
   CHECK(answered("HTTP/1.0 200 OK\r\nX-Content-Length: 9\r\n\r\nbody") == "body");
   CHECK(answered("HTTP/1.0 200 OK\r\nA: b\r\n\r\n\r\ncontent-length: 99\r\n") == "\r\ncontent-length: 99\r\n");
-  CHECK(answered("HTTP/1.0 200 OK\r\nContent-Length: 5\r\n\r\nbody") == "TB-HTTP-ANSWER: 4 of 5 bytes came");
-  CHECK(answered("HTTP/1.0 200 OK\r\nContent-Length: 1\r\n\r\n") == "TB-HTTP-ANSWER: 0 of 1 bytes came");
+  CHECK(answered("HTTP/1.0 200 OK\r\nContent-Length: 5\r\n\r\nbody") == "TB-HTTP-ANSWER");
+  CHECK(answered("HTTP/1.0 200 OK\r\nContent-Length: 1\r\n\r\n") == "TB-HTTP-ANSWER");
 }
 
 TEST_CASE("HTTP page: an answer of known length ends before the connection does") {
@@ -118,26 +115,22 @@ TEST_CASE("HTTP page: an answer of known length ends before the connection does"
   }
 }
 
-TEST_CASE("HTTP page: another status is told, and what is no answer of HTTP by its size") {
-  CHECK(answered("HTTP/1.1 404 Not Found\r\n\r\nbody") == "TB-HTTP-ANSWER: the answer is 'HTTP/1.1 404 Not Found'");
-  CHECK(answered("HTTP/1.1 201 Created\r\n\r\n") == "TB-HTTP-ANSWER: the answer is 'HTTP/1.1 201 Created'");
-  CHECK(answered("HTTP/1.1  200\r\n\r\n") == "TB-HTTP-ANSWER: the answer is 'HTTP/1.1  200'");
-  CHECK(answered("HTTP/1.\r\n\r\n") == "TB-HTTP-ANSWER: the answer is 'HTTP/1.'");
+TEST_CASE("HTTP page: another status, and what is no answer of HTTP, are faults") {
+  CHECK(answered("HTTP/1.1 404 Not Found\r\n\r\nbody") == "TB-HTTP-ANSWER");
+  CHECK(answered("HTTP/1.1 201 Created\r\n\r\n") == "TB-HTTP-ANSWER");
+  CHECK(answered("HTTP/1.1  200\r\n\r\n") == "TB-HTTP-ANSWER");
+  CHECK(answered("HTTP/1.\r\n\r\n") == "TB-HTTP-ANSWER");
   CHECK(answered("HTTP/1.0 200\r\n\r\nx") == "x");
-  const std::string name = "HTTP/1.1 500 " + std::string(67, 'x');  // 80 characters
-  CHECK(answered(name + "\r\n\r\n") == "TB-HTTP-ANSWER: the answer is '" + name + "'");
-  CHECK(answered(name + "yz\r\n\r\n") == "TB-HTTP-ANSWER: the answer is '" + name + "'");
-  CHECK(answered("HTTP/2 200 OK\r\n\r\n") == "TB-HTTP-ANSWER: 17 bytes that are not an HTTP answer came");
-  CHECK(answered("HTTP/1.1 200 OK\r\n") == "TB-HTTP-ANSWER: 17 bytes that are not an HTTP answer came");
-  CHECK(answered("x") == "TB-HTTP-ANSWER: 1 bytes that are not an HTTP answer came");
+  CHECK(answered("HTTP/2 200 OK\r\n\r\n") == "TB-HTTP-ANSWER");
+  CHECK(answered("HTTP/1.1 200 OK\r\n") == "TB-HTTP-ANSWER");
+  CHECK(answered("x") == "TB-HTTP-ANSWER");
 }
 
 TEST_CASE("HTTP page: as large as allowed, and one byte more") {
   const std::string head = "HTTP/1.0 200 OK\r\n\r\n";
   for (const std::size_t size : {100, 101}) {
     ScriptedPage page(head + std::string(size - head.size(), 'x'));
-    CHECK(page.get(kPatient, 100) ==
-          (size == 100 ? std::string(100 - head.size(), 'x') : "TB-HTTP-ANSWER: more than 100 bytes"));
+    CHECK(page.get(kPatient, 100) == (size == 100 ? std::string(100 - head.size(), 'x') : "TB-HTTP-ANSWER"));
   }
 }
 
@@ -155,7 +148,7 @@ TEST_CASE("HTTP page: an answer in many pieces, and one that breaks off") {
     std::array<char, 8> some{};  // closed with the rest of the request unread
     (void)::recv(socket, some.data(), some.size(), 0);
   });
-  CHECK(reset.get() == "TB-HTTP-ANSWER: Connection reset by peer");
+  CHECK(reset.get() == "TB-HTTP-ANSWER");
 }
 
 TEST_CASE("HTTP page: each time that runs out is told by what is missing, and has passed on the clock") {
@@ -169,27 +162,24 @@ TEST_CASE("HTTP page: each time that runs out is told by what is missing, and ha
     }
   };
   ScriptedPage silent(until_closed);
-  CHECK(out_of_time(silent) == "TB-HTTP-TIMEOUT: 0 bytes came, not all within 0.4 s");
+  CHECK(out_of_time(silent) == "TB-HTTP-TIMEOUT");
   ScriptedPage short_of_one([&](int socket) {
     (void)ScriptedPage::receive(socket);
     ScriptedPage::send(socket, "HTTP/1.0 200 OK\r\nContent-Length: 3\r\n\r\nab");
     until_closed(socket);
   });
-  CHECK(out_of_time(short_of_one) == "TB-HTTP-TIMEOUT: 40 bytes came, not all within 0.4 s");
+  CHECK(out_of_time(short_of_one) == "TB-HTTP-TIMEOUT");
   ScriptedPage endless([](int socket) {
     (void)ScriptedPage::receive(socket);
     while (ScriptedPage::send(socket, std::string(64, 'x'))) std::this_thread::sleep_for(100us);
   });
-  CHECK_THAT(out_of_time(endless), Catch::StartsWith("TB-HTTP-TIMEOUT: "));
+  CHECK(out_of_time(endless) == "TB-HTTP-TIMEOUT");
   const BoundSocket deaf = bind_loopback(SOCK_STREAM, 0, "test");  // it takes connections, and reads nothing
   TurnedClock clock;
-  const auto fault = fault_of([&] {
-    (void)http_get({"127.0.0.1", deaf.port, "/" + std::string(std::size_t{1} << 24U, 'p'), kShort, 4096}, "test",
-                   clock);
-  });
-  REQUIRE(fault);
-  CHECK(fault->id() == "TB-HTTP-TIMEOUT");
-  CHECK_THAT(fault->what(), Catch::EndsWith("of test: the request is not accepted within 0.4 s"));
+  CHECK(fault_id_of([&] {
+          (void)http_get({"127.0.0.1", deaf.port, "/" + std::string(std::size_t{1} << 24U, 'p'), kShort, 4096}, "test",
+                         clock);
+        }) == "TB-HTTP-TIMEOUT");
   CHECK(clock.now() == kShort);
   ::close(deaf.socket);
 }
@@ -197,7 +187,7 @@ TEST_CASE("HTTP page: each time that runs out is told by what is missing, and ha
 TEST_CASE("HTTP page: a server that goes in the midst of the request") {
   ScriptedPage page([](int socket) { (void)ScriptedPage::receive(socket); });
   const std::string said = page.get(kPatient, 4096, "/" + std::string(std::size_t{1} << 24U, 'p'));
-  CHECK((said == "TB-HTTP-ANSWER: Connection reset by peer" || said == "TB-HTTP-ANSWER: Broken pipe"));
+  CHECK(said == "TB-HTTP-ANSWER");
 }
 
 TEST_CASE("HTTP page: a long request reaches a slow reader whole") {
@@ -221,16 +211,12 @@ TEST_CASE("HTTP page: a long request reaches a slow reader whole") {
 TEST_CASE("HTTP page: no address in numbers, nobody who listens, nobody who answers") {
   TurnedClock clock;
   const auto opening = [&](const std::string& host, int port, Nanoseconds timeout) {
-    const auto fault = fault_of([&] { (void)http_get({host, port, "/p", timeout, 4096}, "test", clock); });
-    return fault ? fault->id() + ": " + fault->what() : "none";
+    return fault_id_of([&] { (void)http_get({host, port, "/p", timeout, 4096}, "test", clock); });
   };
-  CHECK(opening("localhost", 80, kPatient) ==
-        "TB-HTTP-OPEN: reading http://localhost:80/p of test: no address in numbers or no port");
-  CHECK(opening("127.0.0.1", 0, kPatient) ==
-        "TB-HTTP-OPEN: reading http://127.0.0.1:0/p of test: no address in numbers or no port");
+  CHECK(opening("localhost", 80, kPatient) == "TB-HTTP-OPEN");
+  CHECK(opening("127.0.0.1", 0, kPatient) == "TB-HTTP-OPEN");
   const BoundSocket datagrams = bind_loopback(SOCK_DGRAM, 0, "test");
-  const std::string place = "reading http://127.0.0.1:" + std::to_string(datagrams.port) + "/p of test: ";
-  CHECK(opening("127.0.0.1", datagrams.port, kPatient) == "TB-HTTP-OPEN: " + place + "Connection refused");
+  CHECK(opening("127.0.0.1", datagrams.port, kPatient) == "TB-HTTP-OPEN");
   CHECK(clock.now() == 0ns);
   ::close(datagrams.socket);
 }

@@ -44,17 +44,13 @@ void check_needs(int needed, const std::string& id, const std::function<void()>&
   for (int left = 0; left <= needed; ++left) {
     INFO(id << ", " << left << " of " << needed << " descriptors left");
     const std::vector<int> before = FewDescriptors::open();
-    std::string said = "none", why;
+    std::string said = "none";
     {
       const FewDescriptors limit(left);
       const auto fault = fault_of(act);
-      if (fault) {
-        said = fault->id();
-        why = fault->what();
-      }
+      if (fault) said = fault->id();
     }
     CHECK(said == (left < needed ? id : "none"));
-    if (left < needed) CHECK_THAT(why, Catch::Contains("Too many open files"));
     CHECK(FewDescriptors::open() == before);
   }
 }
@@ -88,18 +84,14 @@ TEST_CASE("no descriptor left: a page that is asked for, and a Modbus module", "
   const BoundSocket bound = bind_loopback(SOCK_STREAM, 0, "test");
   const auto get = [&] { (void)http_get({"127.0.0.1", bound.port, "/p", kShort, 4096}, "test", clock); };
   const auto page = without_descriptors(get);
-  REQUIRE(page);
-  CHECK(page->id() == "TB-HTTP-OPEN");
-  CHECK_THAT(page->what(), Catch::EndsWith("Too many open files"));
+  CHECK((page && page->id() == "TB-HTTP-OPEN"));
   const auto read = [&] {
     ModbusLink link({"127.0.0.1", bound.port, 1, kShort}, "device", clock);
     std::uint16_t word = 0;
     link.read_input_registers(0, std::span(&word, 1));
   };
   const auto module = without_descriptors(read);
-  REQUIRE(module);
-  CHECK(module->id() == "TB-MODBUS-CONNECT");
-  CHECK_THAT(module->what(), Catch::EndsWith("Too many open files"));
+  CHECK((module && module->id() == "TB-MODBUS-CONNECT"));
   ::close(bound.socket);
 }
 

