@@ -128,9 +128,7 @@ TEST_CASE("serial port: one that is not there, cannot be opened, is held, or has
   another.check_refused("TB-SERIAL-OPEN", "'S6'");
   another.address = {"", 9600, 'N', 1, "S9"};
   another.check_refused("TB-SERIAL-OPEN", "S9");
-present:
-  / dev ");
-      another.address.usb_serial = "";
+  another.address.usb_serial = "";
   another.check_refused("TB-SERIAL-OPEN");
 }
 

@@ -34,7 +34,8 @@ TEST_CASE("modbus check sum: published values, and its bytes low first") {
   check_codec(
       rtu_frame(body), body, [](const std::vector<std::uint8_t>& one) { return rtu_frame(one); },
       [](const std::vector<std::uint8_t>& frame) {
-        return rtu_frame_is_whole(frame) ? std::optional(std::vector(frame.begin(), frame.end() - 2)) : std::nullopt;
+        const std::vector<std::uint8_t> front(frame.begin(), frame.end() - 2);
+        return rtu_frame(front) == frame ? std::optional(front) : std::nullopt;
       },
       Sum::kAll);
 }
