@@ -85,8 +85,6 @@ TEST_CASE("runs that repeat one another count once, and alone they are not a bas
   };
   std::string message;
   CHECK(accepted({1, 2, 3}, &message) == "TB-STORE-CONFLICT");
-  CHECK_THAT(message, Catch::Contains("run 2 repeats run 1") && Catch::Contains("no figure has a spread") &&
-                          Catch::Contains("--seed"));
   CHECK(store.baselines().empty());
   CHECK(accepted({1, 1}).empty());  // one run, named twice: accepted, but nothing is judged by it yet
   CHECK(accepted(runs).empty());

@@ -50,16 +50,15 @@ TEST_CASE("foreign triggers, tables, indexes and views are named, and a store wi
     const Changed changed = changed_by(sql);
     INFO(sql);
     CHECK(changed.written == "TB-STORE-FOREIGN");
-    CHECK_THAT(changed.message, Catch::Contains(named) && Catch::Contains("ATTACH"));
+    CHECK_THAT(changed.message, Catch::Contains(named));
     CHECK(changed.read.empty());
     REQUIRE(changed.structure.size() == 1);
     CHECK_THAT(changed.structure.front(), Catch::Contains(named));
   };
-  refused("CREATE TRIGGER evil AFTER INSERT ON runs BEGIN DELETE FROM verdicts; END",
-          "trigger 'evil' on 'runs' is not of tactbench");
-  refused("CREATE TABLE mine (a)", "table 'mine' is not of tactbench");
-  refused("CREATE INDEX quick ON frames (time_ns)", "index 'quick' on 'frames' is not of tactbench");
-  refused("CREATE VIEW v_mine AS SELECT 1", "view 'v_mine' is not of tactbench");
+  refused("CREATE TRIGGER evil AFTER INSERT ON runs BEGIN DELETE FROM verdicts; END", "'evil'");
+  refused("CREATE TABLE mine (a)", "'mine'");
+  refused("CREATE INDEX quick ON frames (time_ns)", "'quick'");
+  refused("CREATE VIEW v_mine AS SELECT 1", "'v_mine'");
 }
 
 TEST_CASE("where one of the store's own tables or views differs, reading is refused, too, and at once") {
@@ -70,13 +69,13 @@ TEST_CASE("where one of the store's own tables or views differs, reading is refu
     CHECK(changed.read == "TB-STORE-OTHER-SCHEMA");
     CHECK_THAT(changed.message, Catch::Contains(named));
   };
-  refused("DROP VIEW v_runs; CREATE VIEW v_runs AS SELECT 1 AS run", "view 'v_runs' is not as tactbench makes it");
-  refused("DROP INDEX verdicts_of_run", "index 'verdicts_of_run' is missing");
+  refused("DROP VIEW v_runs; CREATE VIEW v_runs AS SELECT 1 AS run", "'v_runs'");
+  refused("DROP INDEX verdicts_of_run", "'verdicts_of_run'");
   refused(
       "DROP VIEW v_frames; DROP VIEW v_runs; DROP TABLE frames; CREATE VIEW frames AS WITH RECURSIVE c (frame) AS "
       "(SELECT 1 UNION ALL SELECT frame + 1 FROM c) SELECT frame FROM c",
-      "view 'frames' is not of tactbench");
-  refused("ALTER TABLE verdicts ADD COLUMN more TEXT", "table 'verdicts' is not as tactbench makes it");
+      "'frames'");
+  refused("ALTER TABLE verdicts ADD COLUMN more TEXT", "'verdicts'");
 }
 
 TEST_CASE("SQLite's own statistics do not count as foreign objects") {
@@ -100,9 +99,7 @@ TEST_CASE("a value too large for a store is refused before memory is taken") {
   const TemporaryFolder folder;
   Connection connection(folder.path("any.db"), Access::kReadWrite);
   connection.trust_no_schema();
-  std::string message;
-  CHECK(store_error([&] { (void)connection.integer("SELECT length(zeroblob(300000000))"); }, &message) ==
-        "TB-STORE-TOO-LARGE");
+  CHECK(store_error([&] { (void)connection.integer("SELECT length(zeroblob(300000000))"); }) == "TB-STORE-TOO-LARGE");
   CHECK(connection.integer("SELECT length(zeroblob(5000000))") == 5000000);
 }
 

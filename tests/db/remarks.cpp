@@ -58,10 +58,7 @@ TEST_CASE("a void run is kept with reason and name, and is not a reference for l
   CHECK(store.frame_count(run) == 3);
   CHECK(store.check_content(run).holds());
   CHECK_FALSE(store.last_check("S-1", "seating", "pass", run + 1));
-  std::string message;
-  CHECK(store_error([&] { store.void_run(run, "again", "me", "2026-01-02T00:00:00Z"); }, &message) ==
-        "TB-STORE-CONFLICT");
-  CHECK_THAT(message, Catch::Contains("gauge was closed"));
+  CHECK(store_error([&] { store.void_run(run, "again", "me", "2026-01-02T00:00:00Z"); }) == "TB-STORE-CONFLICT");
   const std::int64_t open = store.begin_run(example_run());
   CHECK(store_error([&] { store.void_run(open, "why", "me", "2026-01-01T00:00:00Z"); }) == "TB-STORE-CONFLICT");
   db::sqlite::Connection raw(folder.path("runs.db"), db::sqlite::Access::kReadWrite);

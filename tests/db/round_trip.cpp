@@ -175,20 +175,6 @@ TEST_CASE("verdicts by other limits, and by models of another run, are not repla
   CHECK(store.verdicts_of_models(one).back().model_run == one);
 }
 
-TEST_CASE("a missing run or fit is named together with the existing ones") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
-  std::string message;
-  CHECK(store_error([&] { (void)store.run(1); }, &message) == "TB-STORE-NOT-FOUND");
-  CHECK_THAT(message, Catch::Contains("has no run 1; it has none yet"));
-  for (int i = 0; i < 3; ++i) store_example(store);
-  CHECK(store_error([&] { (void)store.frames(7); }, &message) == "TB-STORE-NOT-FOUND");
-  CHECK_THAT(message, Catch::Contains("has no run 7; it has 1-3") && Catch::Contains("runs list"));
-  CHECK(store_error([&] { store.append_event(7, {}); }) == "TB-STORE-NOT-FOUND");
-  CHECK(store_error([&] { (void)store.fit(4); }, &message) == "TB-STORE-NOT-FOUND");
-  CHECK_THAT(message, Catch::Contains("no fit 4; it has none yet"));
-}
-
 TEST_CASE("a sensor's serial stands for one type file and one scanner") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
@@ -199,13 +185,10 @@ TEST_CASE("a sensor's serial stands for one type file and one scanner") {
   CHECK_FALSE(store.sensor("S-2"));
   db::SensorRecord other = example_sensor();
   other.type_sha256 = "other";
-  std::string message;
-  CHECK(store_error([&] { store.add_sensor(other); }, &message) == "TB-STORE-CONFLICT");
-  CHECK_THAT(message, Catch::Contains("S-1") && Catch::Contains("another type file"));
+  CHECK(store_error([&] { store.add_sensor(other); }) == "TB-STORE-CONFLICT");
   other = example_sensor();
   other.scanner_serial = "SC-8";
-  CHECK(store_error([&] { store.add_sensor(other); }, &message) == "TB-STORE-CONFLICT");
-  CHECK_THAT(message, Catch::Contains("SC-7") && Catch::Contains("SC-8"));
+  CHECK(store_error([&] { store.add_sensor(other); }) == "TB-STORE-CONFLICT");
   CHECK(store.sensor("S-1")->scanner_serial == "SC-7");
   db::RunRecord run = example_run();
   run.sensor_serial = "S-9";

@@ -112,9 +112,7 @@ TEST_CASE("a frame whose counts do not fit its shape is not shown, and the next 
   Connection(looked.store.path(), Access::kReadWrite)
       .execute("PRAGMA ignore_check_constraints = ON; UPDATE frames SET scans = 3 WHERE frame = 2000000004");
   db::RunLook look = looked.look();
-  std::string message;
-  CHECK(store_error([&] { (void)after(look, 2, 9); }, &message) == "TB-STORE-SQL");
-  CHECK_THAT(message, Catch::Contains("does not hold scans x rows x columns counts"));
+  CHECK(store_error([&] { (void)after(look, 2, 9); }) == "TB-STORE-SQL");
   CHECK(after(look, 4, 9) == Positions{5});
 }
 

@@ -1,6 +1,4 @@
 // What a check of content names where a run is short, still open, or changed in several places; and of a store.
-#include <fmt/format.h>
-
 #include <catch2/catch.hpp>
 
 #include "db/schema.h"
@@ -64,21 +62,6 @@ TEST_CASE("of several changes the first is named") {
              Contains("the link kept with frame 1 "));
   CHECK_THAT(named_after(5, true, "UPDATE frames SET status = 7 WHERE frame % 10 IN (3, 5)"),
              Contains("frame 3 ") && Contains("its row"));
-}
-
-TEST_CASE("at most five foreign objects are named, with the number of further ones") {
-  const TemporaryFolder folder;
-  RunStore::open(folder.path("runs.db"));
-  const auto said = [&](int first, int last) {
-    Connection raw(folder.path("runs.db"), Access::kReadWrite);
-    for (int i = first; i <= last; ++i) raw.execute(fmt::format("CREATE TABLE mine_{} (a)", i));
-    std::string message;
-    CHECK(store_error([&] { RunStore::open(folder.path("runs.db")); }, &message) == "TB-STORE-FOREIGN");
-    return message;
-  };
-  CHECK_THAT(said(1, 5), Contains("'mine_5'") && !Contains(" more |"));
-  CHECK_THAT(said(6, 6), Contains("'mine_5'") && Contains("and 1 more |") && !Contains("'mine_6'"));
-  CHECK_THAT(said(7, 8), Contains("'mine_5'") && Contains("and 3 more |"));
 }
 
 TEST_CASE("tables without a version are damage, a file without either is new, and one is no longer than its pages") {

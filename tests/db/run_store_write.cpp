@@ -19,27 +19,10 @@ TEST_CASE("a branch that is void takes no frame, the next attempt does") {
   REQUIRE(begun.run == 1);
   store.append_frame(begun.run, example_frame(begun.branch, 0));
   store.void_branch(begun.branch, "scanner lost");
-  std::string message;
-  CHECK(store_error([&] { store.append_frame(begun.run, example_frame(begun.branch, 1)); }, &message) ==
-        "TB-STORE-CONFLICT");
-  CHECK_THAT(message, Catch::Contains("branch 1 of run 1 is void"));
+  CHECK(store_error([&] { store.append_frame(begun.run, example_frame(begun.branch, 1)); }) == "TB-STORE-CONFLICT");
   CHECK(store.frame_count(begun.run) == 1);
   const std::int64_t other_run = store.begin_run(example_run());
-  CHECK(store_error([&] { store.append_frame(other_run, example_frame(begun.branch, 1)); }, &message) ==
-        "TB-STORE-CONFLICT");
-  CHECK_THAT(message, Catch::Contains("run 2 has no branch 1"));
-}
-
-TEST_CASE("a frame that does not fit its shape is refused with its numbers") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
-  const Begun begun = begin_example(store);
-  db::FrameRecord frame = example_frame(begun.branch, 0);
-  frame.counts.push_back(1);
-  std::string message;
-  CHECK(store_error([&] { store.append_frame(begun.run, frame); }, &message) == "TB-STORE-CONFLICT");
-  CHECK_THAT(message, Catch::Contains("2 x 3 x 2 (scans, rows, columns) comes with 13 counts"));
-  CHECK(store.frame_count(begun.run) == 0);
+  CHECK(store_error([&] { store.append_frame(other_run, example_frame(begun.branch, 1)); }) == "TB-STORE-CONFLICT");
 }
 
 TEST_CASE("names of a run and of a sensor each have a maximum length") {
@@ -86,9 +69,7 @@ TEST_CASE("a sensor is registered once, and again only as another") {
   CHECK_FALSE(store.sensor("none"));
   db::SensorRecord other_type = example_sensor();
   other_type.type_sha256 = "other";
-  std::string message;
-  CHECK(store_error([&] { store.add_sensor(other_type); }, &message) == "TB-STORE-CONFLICT");
-  CHECK_THAT(message, Catch::Contains("'array-3x2'") && !Catch::Contains("SC-7"));
+  CHECK(store_error([&] { store.add_sensor(other_type); }) == "TB-STORE-CONFLICT");
 }
 
 TEST_CASE("devices are replaced as a whole until the first frame") {

@@ -23,11 +23,7 @@ using db::sqlite::Transaction;
 
 namespace {
 
-std::string message_of(const std::string& id, const std::function<void()>& action) {
-  std::string message;
-  CHECK(store_error(action, &message) == id);
-  return message;
-}
+void check_error(const std::string& id, const std::function<void()>& action) { CHECK(store_error(action) == id); }
 
 }  // namespace
 
@@ -41,8 +37,7 @@ TEST_CASE("a statement that failed or finished keeps no value bound before") {
   const Blob blob = std::vector<double>{1.5};
   insert.bind(1, std::optional(2.5), text, blob).run();
   insert.bind(2, std::optional<double>{}, Text{}, Blob{}).run();
-  CHECK(message_of("TB-STORE-CONFLICT", [&] { insert.bind(2, std::optional(7.5), text, blob).run(); }).find("UNIQUE") !=
-        std::string::npos);
+  check_error("TB-STORE-CONFLICT", [&] { insert.bind(2, std::optional(7.5), text, blob).run(); });
   insert.bind(3, std::optional<double>{}, Text{}, Blob{}).run();
   CHECK(connection.integer("SELECT count(*) FROM t WHERE b IS NULL AND c IS NULL AND d IS NULL") == 2);
   CHECK(connection.integer("SELECT a FROM t WHERE b = 2.5 AND c = 'word' AND length(d) = 8") == 1);
@@ -85,22 +80,8 @@ TEST_CASE("a query without a row is an error") {
   Connection connection(":memory:", Access::kReadWrite);
   CHECK(connection.integer("SELECT 41 + 1") == 42);
   CHECK(connection.text("SELECT 'a' || 'b'") == "ab");
-  message_of("TB-STORE-SQL", [&] { (void)connection.integer("SELECT 1 WHERE 0"); });
-  message_of("TB-STORE-SQL", [&] { (void)connection.text("SELECT 1 WHERE 0"); });
-}
-
-TEST_CASE("an error quotes the first eighty characters of the failed statement") {
-  Connection connection(":memory:", Access::kReadWrite);
-  connection.execute("CREATE TABLE t (a CHECK (a > 0))");
-  const std::string filling(100, 'x');
-  for (const std::string& sql : {"SELEC " + filling, "INSERT INTO t SELECT 0 AS " + filling}) {
-    const std::string quoted = "; " + sql.substr(0, 80) + ") | ";
-    std::string message;
-    CHECK_FALSE(store_error([&] { connection.execute(sql); }, &message).empty());
-    CHECK_THAT(message, Catch::Contains(quoted));
-    CHECK_FALSE(store_error([&] { Statement(connection, sql).run(); }, &message).empty());
-    CHECK_THAT(message, Catch::Contains(quoted));
-  }
+  check_error("TB-STORE-SQL", [&] { (void)connection.integer("SELECT 1 WHERE 0"); });
+  check_error("TB-STORE-SQL", [&] { (void)connection.text("SELECT 1 WHERE 0"); });
 }
 
 TEST_CASE("a value beyond the library's bound is refused where it is bound") {
@@ -108,8 +89,8 @@ TEST_CASE("a value beyond the library's bound is refused where it is bound") {
   sqlite3_limit(connection.handle(), SQLITE_LIMIT_LENGTH, 1000);
   Statement row(connection, "SELECT length(?)");
   const std::vector<std::uint8_t> bytes(1001);
-  message_of("TB-STORE-TOO-LARGE", [&] { row.bind(std::string(1001, 'x')); });
-  message_of("TB-STORE-TOO-LARGE", [&] { row.bind(bytes); });
+  check_error("TB-STORE-TOO-LARGE", [&] { row.bind(std::string(1001, 'x')); });
+  check_error("TB-STORE-TOO-LARGE", [&] { row.bind(bytes); });
   row.bind(std::string(990, 'x'));
   REQUIRE(row.step());
 }
@@ -119,22 +100,21 @@ TEST_CASE("a connection enforces foreign keys, trusts no schema and takes no quo
   CHECK(connection.integer("PRAGMA foreign_keys") == 1);
   CHECK(connection.integer("PRAGMA trusted_schema") == 0);
   connection.execute("CREATE TABLE t (a)");
-  message_of("TB-STORE-SQL", [&] { connection.execute("INSERT INTO t VALUES (\"no column\")"); });
-  message_of("TB-STORE-SQL", [&] {
+  check_error("TB-STORE-SQL", [&] { connection.execute("INSERT INTO t VALUES (\"no column\")"); });
+  check_error("TB-STORE-SQL", [&] {
     connection.execute("PRAGMA writable_schema = ON; UPDATE sqlite_master SET sql = 'CREATE TABLE t (b)'");
   });
 }
 
-TEST_CASE("writing through a read-only connection fails at once with SQLite's own error") {
+TEST_CASE("writing through a read-only connection fails at once") {
   const TemporaryFolder folder;
   Connection(folder.path("a.db"), Access::kReadWrite).execute("CREATE TABLE t (a)");
   Connection reader(folder.path("a.db"), Access::kReadOnly);
   CHECK(reader.is_read_only());
   CHECK_FALSE(Connection(folder.path("a.db"), Access::kReadWrite).is_read_only());
-  const std::string message = message_of("TB-STORE-OPEN", [&] { const Transaction transaction(reader); });
-  CHECK_THAT(message, Catch::Contains(sqlite3_errstr(SQLITE_READONLY)) && !Catch::Contains(sqlite3_errstr(SQLITE_OK)));
+  check_error("TB-STORE-OPEN", [&] { const Transaction transaction(reader); });
   CHECK_FALSE(reader.in_transaction());
-  message_of("TB-STORE-OPEN", [&] { Connection(folder.path("none.db"), Access::kReadOnly); });
+  check_error("TB-STORE-OPEN", [&] { Connection(folder.path("none.db"), Access::kReadOnly); });
   CHECK_FALSE(std::filesystem::exists(folder.path("none.db")));
 }
 
@@ -190,7 +170,7 @@ TEST_CASE("a copy takes all pages, and one over a database that is in use fails"
   CHECK_FALSE(store_error([&] { source.copy_to(source); }).empty());
 }
 
-TEST_CASE("a store whose making was cut off names the cure, and an opening for writing takes the half back") {
+TEST_CASE("a store whose making was cut off is not read, and an opening for writing takes the half back") {
   const TemporaryFolder folder;
   const std::string whole = folder.path("whole.db"), half = folder.path("half.db");
   (void)db::RunStore::open(whole);
@@ -202,9 +182,7 @@ TEST_CASE("a store whose making was cut off names the cure, and an opening for w
     std::filesystem::copy_file(whole + part, half + part);  // as SIGKILL leaves them
   writer.execute("ROLLBACK");
 
-  const std::string message = message_of("TB-STORE-OPEN", [&] { (void)db::RunStore::open_read_only(half); });
-  CHECK_THAT(message, Catch::Contains("was killed"));
-  CHECK_THAT(message, !Catch::Contains("may not be written"));
+  check_error("TB-STORE-OPEN", [&] { (void)db::RunStore::open_read_only(half); });
   (void)db::RunStore::open(half);
   (void)db::RunStore::open_read_only(half);
   CHECK(Connection(half, Access::kReadOnly).integer("SELECT count(*) FROM sqlite_master WHERE name = 'half'") == 0);

@@ -52,20 +52,6 @@ TEST_CASE("a snapshot leaves no descriptor open, and takes one of any number") {
         }) == 0);
 }
 
-TEST_CASE("files left by an aborted copy are removed when its name is used again") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
-  store_example(store);
-  for (const char* ending : {"", "-journal", "-wal", "-shm"}) {
-    write_file(folder.path("copy.db.partial") + ending, std::string(9000, 'x'));
-  }
-  store.snapshot(folder.path("copy.db"));
-  for (const char* ending : {"", "-journal", "-wal", "-shm"}) {
-    CHECK_FALSE(std::filesystem::exists(folder.path("copy.db.partial") + ending));
-  }
-  CHECK(RunStore::open_read_only(folder.path("copy.db")).check_content(1).holds());
-}
-
 TEST_CASE("in a read-only folder a store with a log beside it is not read without the log") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");

@@ -1,7 +1,6 @@
 // What a store's file is taken for by its first hundred bytes, built here by hand after sqlite.org/fileformat2.html.
 #include "db/store_file.h"
 
-#include <fmt/format.h>
 #include <linux/magic.h>
 
 #include <catch2/catch.hpp>
@@ -38,31 +37,29 @@ std::string good_header() {
   return header;
 }
 
-// "" for a store; else what is said.
-std::string wrong_with(const std::string& bytes) {
+bool is_store(const std::string& bytes) {
   const TemporaryFolder folder;
   write_file(folder.path("runs.db"), bytes);
-  std::string message;
   FileKind kind = FileKind::kStore;
-  const std::string id = store_error([&] { kind = db::look_at_file(folder.path("runs.db")); }, &message);
+  const std::string id = store_error([&] { kind = db::look_at_file(folder.path("runs.db")); });
   CHECK(kind == FileKind::kStore);
-  CHECK(id == (message.empty() ? "" : "TB-STORE-OPEN"));
-  return message;
+  CHECK((id.empty() || id == "TB-STORE-OPEN"));
+  return id.empty();
 }
 
-std::string with(std::size_t at, std::size_t bytes, std::uint32_t value) {
+bool is_store_with(std::size_t at, std::size_t bytes, std::uint32_t value) {
   std::string header = good_header();
-  return wrong_with(put(header, at, bytes, value));
+  return is_store(put(header, at, bytes, value));
 }
 
 }  // namespace
 
 TEST_CASE("a hundred bytes are enough to know a store, and no fewer") {
-  CHECK(wrong_with(good_header()).empty());
-  CHECK(wrong_with(good_header() + std::string(5000, 'x')).empty());
-  CHECK_THAT(wrong_with(good_header().substr(0, 99)), Catch::Contains("neither a store"));
-  CHECK_THAT(with(15, 1, 'x'), Catch::Contains("neither a store"));
-  CHECK_THAT(with(0, 1, 's'), Catch::Contains("neither a store"));
+  CHECK(is_store(good_header()));
+  CHECK(is_store(good_header() + std::string(5000, 'x')));
+  CHECK_FALSE(is_store(good_header().substr(0, 99)));
+  CHECK_FALSE(is_store_with(15, 1, 'x'));
+  CHECK_FALSE(is_store_with(0, 1, 's'));
   const TemporaryFolder folder;
   CHECK(db::look_at_file(folder.path("runs.db")) == FileKind::kMissing);
   write_file(folder.path("runs.db"), "");
@@ -70,31 +67,30 @@ TEST_CASE("a hundred bytes are enough to know a store, and no fewer") {
 }
 
 TEST_CASE("each byte of the application's number counts") {
-  CHECK_THAT(with(68, 4, 0x54424349), Catch::Contains("0x54424349") && Catch::Contains("0x54424348"));
-  CHECK_THAT(with(68, 1, 0x55), Catch::Contains("0x55424348"));
-  CHECK_THAT(with(68, 4, 0), Catch::Contains("another program"));
+  CHECK_FALSE(is_store_with(68, 4, 0x54424349));
+  CHECK_FALSE(is_store_with(68, 1, 0x55));
+  CHECK_FALSE(is_store_with(68, 4, 0));
 }
 
-TEST_CASE("each constant byte of the header is checked, and named with its value") {
-  struct Field {
+TEST_CASE("each constant byte of the header is checked") {
+  struct HeaderField {
     std::size_t at, bytes;
     std::uint32_t value;
-    const char* name;
   };
-  for (const Field& field : std::vector<Field>{{16, 2, 4096, "page size"},
-                                               {20, 1, 0, "bytes left free in each page"},
-                                               {21, 1, 64, "largest payload fraction"},
-                                               {22, 1, 32, "smallest payload fraction"},
-                                               {23, 1, 32, "leaf payload fraction"},
-                                               {44, 4, 4, "schema format"},
-                                               {48, 4, 0, "cache size"},
-                                               {52, 4, 0, "largest root page"},
-                                               {56, 4, 1, "text encoding"},
-                                               {64, 4, 0, "incremental vacuum"}}) {
+  // Page size, bytes left free, fractions of payload, schema format, cache size, root page, encoding, vacuum.
+  for (const HeaderField& field : std::vector<HeaderField>{{16, 2, 4096},
+                                                           {20, 1, 0},
+                                                           {21, 1, 64},
+                                                           {22, 1, 32},
+                                                           {23, 1, 32},
+                                                           {44, 4, 4},
+                                                           {48, 4, 0},
+                                                           {52, 4, 0},
+                                                           {56, 4, 1},
+                                                           {64, 4, 0}}) {
     for (std::size_t byte = 0; byte < field.bytes; ++byte) {
-      const std::uint32_t value = field.value ^ (0x80U << (8 * byte));
-      CHECK_THAT(with(field.at, field.bytes, value),
-                 Catch::Contains(fmt::format("{} is {}, and {} in every store", field.name, value, field.value)));
+      CAPTURE(field.at, byte);
+      CHECK_FALSE(is_store_with(field.at, field.bytes, field.value ^ (0x80U << (8 * byte))));
     }
   }
 }
@@ -103,9 +99,7 @@ TEST_CASE("the format's versions are both 1 or both 2") {
   for (const std::uint32_t write : {0U, 1U, 2U, 3U}) {
     for (const std::uint32_t read : {0U, 1U, 2U, 3U}) {
       CAPTURE(write, read);
-      const std::string said = with(18, 2, (write << 8) | read);
-      CHECK(said.empty() == (write == read && (write == 1 || write == 2)));
-      if (!said.empty()) CHECK_THAT(said, Catch::Contains(fmt::format("versions are {} and {}", write, read)));
+      CHECK(is_store_with(18, 2, (write << 8) | read) == (write == read && (write == 1 || write == 2)));
     }
   }
 }
@@ -116,12 +110,7 @@ TEST_CASE("free pages are among the pages, and the first of them is named where 
     put(header, 28, 4, pages);
     put(header, 32, 4, first_free);
     put(header, 36, 4, free);
-    const std::string said = wrong_with(header);
-    if (!said.empty()) {
-      CHECK_THAT(said,
-                 Catch::Contains(fmt::format("{} of {} pages are free, from page {} on", free, pages, first_free)));
-    }
-    return said.empty();
+    return is_store(header);
   };
   CHECK((holds(10, 0, 0) && holds(10, 5, 3) && holds(10, 10, 1) && holds(10, 2, 9) && holds(0, 0, 0)));
   CHECK((!holds(10, 0, 1) && !holds(10, 5, 0) && !holds(10, 11, 1) && !holds(10, 2, 10) && !holds(10, 2, 11)));

@@ -95,10 +95,7 @@ TEST_CASE("a run that another process ended takes no more rows, and stays verifi
   const Begun begun = begin_example(own);
   own.append_frame(begun.run, example_frame(begun.branch, 0));
   REQUIRE(other.mark_interrupted(kUtc) == 1);
-  std::string message;
-  CHECK(store_error([&] { own.append_frame(begun.run, example_frame(begun.branch, 1)); }, &message) ==
-        "TB-STORE-CONFLICT");
-  CHECK_THAT(message, Catch::Contains("ended"));
+  CHECK(store_error([&] { own.append_frame(begun.run, example_frame(begun.branch, 1)); }) == "TB-STORE-CONFLICT");
   const auto begun_anew = [&](auto action) {  // each as the first to notice
     other.reopen_run(begun.run, {9, "state", "", "resumed"});
     own.set_seen(begun.run, kUtc);
@@ -129,13 +126,7 @@ TEST_CASE("a run that was changed since it ended is not resumed, since its next 
   store.append_check(begun.run, {begun.run, 4, "seating", "fail", "{}", {}});
   store.end_run(begun.run, db::Outcome::kStopped, "stopped", db::SafeState::kVerified, kUtc);
   Connection(store.path(), Access::kReadWrite).execute("DELETE FROM checks");
-  std::string message;
-  CHECK(store_error(
-            [&] {
-              store.reopen_run(begun.run, {9, "state", "", "resumed"});
-            },
-            &message) == "TB-STORE-CONFLICT");
-  CHECK_THAT(message, Catch::Contains("tactbench verify 1") && Catch::Contains("a check"));
+  CHECK(store_error([&] { store.reopen_run(begun.run, {9, "state", "", "resumed"}); }) == "TB-STORE-CONFLICT");
   CHECK(store.run(begun.run).outcome == db::Outcome::kStopped);
   CHECK(store.events(begun.run).empty());
   CHECK_FALSE(store.check_content(begun.run).holds());
@@ -147,13 +138,9 @@ TEST_CASE("of two approvals that replace the same report the second is refused")
   const std::int64_t run = store_example(store);
   store.add_report({run, "1-a", "a", "K. Lee", kUtc, "", ""});
   store.add_report({run, "1-b", "b", "K. Lee", kUtc, "1-a", "serial corrected"});
-  std::string message;
-  CHECK(store_error(
-            [&] {
-              store.add_report({run, "1-c", "c", "M. Ito", kUtc, "1-a", "cable corrected"});
-            },
-            &message) == "TB-STORE-CONFLICT");
-  CHECK_THAT(message, Catch::Contains("the one approved last is '1-b'"));
+  CHECK(store_error([&] {
+          store.add_report({run, "1-c", "c", "M. Ito", kUtc, "1-a", "cable corrected"});
+        }) == "TB-STORE-CONFLICT");
   CHECK(store.reports(run).size() == 2);
 }
 
