@@ -44,10 +44,11 @@ TEST_CASE("dead-man's answers: an answer overdue beyond its time makes it silent
   reports.judge(seconds(31.0));
   CHECK(lost_id(reports) == "");
   reports.asked(seconds(40.0));
-  reports.judge(seconds(40.41));
+  reports.judge(seconds(40.4));
+  CHECK(lost_id(reports) == "");
+  reports.judge(seconds(40.4) + devices::Nanoseconds(1));
   REQUIRE(lost_id(reports) == "TB-DEADMAN-SILENT");
-  CHECK_THAT(reports.lost()->what, Catch::Contains("does not answer") && Catch::Contains("0.41 s"));
-  CHECK(reports.lost()->what.find("sequencer") == std::string::npos);
+  CHECK_THAT(reports.lost()->what, Catch::Contains("0.40 s") && Catch::Contains("0.4 s"));
   reports.heard("fed");
   CHECK(lost_id(reports) == "TB-DEADMAN-SILENT");
   CHECK_FALSE(reports.fired());
@@ -56,12 +57,14 @@ TEST_CASE("dead-man's answers: an answer overdue beyond its time makes it silent
 TEST_CASE("dead-man's answers: blind is reported once, and ends the run at the second reading if so configured") {
   const bool ends = GENERATE(true, false);
   DeadManReports reports(kTimeout, ends);
+  reports.heard("sees");
+  CHECK(reports.take_news().empty());  // it saw before
   reports.heard("blind: nobody answers at 192.168.0.10:502");
   CHECK(lost_id(reports) == "");
   auto news = reports.take_news();
   REQUIRE(news.size() == 1);
   CHECK(news[0].id == "TB-DEADMAN-BLIND");
-  CHECK_THAT(news[0].what, Catch::Contains("cannot reach the module: nobody answers at 192.168.0.10:502"));
+  CHECK_THAT(news[0].what, Catch::Contains("nobody answers at 192.168.0.10:502"));
   reports.heard("sees");
   reports.heard("sees");
   news = reports.take_news();
@@ -71,8 +74,13 @@ TEST_CASE("dead-man's answers: blind is reported once, and ends the run at the s
   CHECK(lost_id(reports) == "");
   reports.heard("blind: b");
   CHECK(lost_id(reports) == (ends ? "TB-DEADMAN-BLIND" : ""));
+  if (ends) CHECK_THAT(reports.lost()->what, Catch::Contains("b") && Catch::Contains("2 "));
   reports.heard("blind: c");
   CHECK(reports.take_news().size() == 1);
+  reports.ended();
+  CHECK(lost_id(reports) == (ends ? "TB-DEADMAN-BLIND" : "TB-DEADMAN-ENDED"));  // the first cause stays
+  reports.heard("something else");
+  CHECK_FALSE(reports.fired());
 }
 
 TEST_CASE("dead-man's answers: one that ends by itself is lost, one that ends after firing is not") {
@@ -106,7 +114,6 @@ TEST_CASE("guard: without a working dead-man no load is allowed, and the stage m
   const auto fault = devices::fault_of([&] { guard.check_pressure(devices::Psi(1.0)); });
   REQUIRE(fault);
   CHECK(fault->id() == "TB-DEADMAN-ENDED");
-  CHECK_THAT(fault->what(), Catch::Contains("the dead-man's process has ended"));
   REQUIRE(guard.tripped());
   CHECK(guard.tripped()->id == "TB-DEADMAN-ENDED");
   CHECK(stored.size() == 1);
