@@ -1,7 +1,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "analysis/dataset.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 #include "tests/support/small_run.h"
@@ -97,7 +96,6 @@ TEST_CASE("a scanner that stops in mid-run ends the run, vented, frames kept, ex
   CHECK(row.outcome == db::Outcome::kFailed);
   CHECK_THAT(row.reason, Catch::StartsWith(id));
   CHECK(row.content_sha256 == store.content_hash(result.run));
-  CHECK_THAT(result.error->rig_state(), Catch::Contains("vented, verified"));
   CHECK(!result.error->remedy().empty());
 }
 
@@ -120,7 +118,6 @@ TEST_CASE("one bad frame is read again, and both the attempt and the flag are st
     if (event.kind != "attempt") continue;
     ++attempts;
     CHECK(event.id == "TB-SCANNER-CORRUPT");
-    CHECK_THAT(event.detail, Catch::StartsWith("frame, 1 of 2: "));
   }
   CHECK(attempts == 1);
 }
@@ -139,7 +136,6 @@ TEST_CASE("a silent or dead Modbus server ends the run, and the safe state is re
   CHECK(result.outcome == db::Outcome::kFailed);
   CHECK(result.frames > 0);
   CHECK(static_cast<int>(store.frames(result.run).size()) == result.frames);
-  CHECK_THAT(result.error->rig_state(), Catch::Contains("tactile array back at its unloaded baseline"));
 }
 
 TEST_CASE("a module that never answers is found before the first command") {
@@ -170,18 +166,6 @@ TEST_CASE("pressure above the trip aborts the run and vents") {
   CHECK(result.outcome == db::Outcome::kAborted);
   CHECK(result.safe == db::SafeState::kVerified);
   CHECK(result.frames == 5);
-}
-
-TEST_CASE("a chamber that cannot reach its level is a named time-out") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
-  const bench::RunResult result =
-      run_small(small_request({{"simulation.chamber.leak_psi_per_s", "40"}, {"settling.timeout_s", "3"}}), store);
-  REQUIRE(result.error);
-  INFO(result.error->what());
-  CHECK(result.error->id() == "TB-CHAMBER-TIMEOUT");
-  CHECK(result.error->code() == ExitCode::kDevice);
-  CHECK(result.safe == db::SafeState::kVerified);
 }
 
 TEST_CASE("a sensor registered with another scanner is refused before any pressure") {
@@ -250,29 +234,4 @@ TEST_CASE("the trace stored with the frames holds every reading of the pressure,
     CHECK(frame.flags.empty());
     CHECK(static_cast<double>(frame.in_band_ns) * 1e-9 == Approx(2.0).margin(0.01));
   }
-}
-
-TEST_CASE("an overshoot inside a rising branch breaks it, the branch is redone, all attempts are kept") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
-  bench::RunRequest request = small_request();
-  request.recipes = {small_recipe("[guard]\nredo = 2\n")};
-  bench::PlannedFault overshoot;
-  overshoot.kind = bench::FaultKind::kOvershoot;
-  overshoot.at_s = 40.0;  // in a branch of the first repeat, after the conditioning
-  overshoot.value = 1.5;
-  request.bench.simulation->plant.faults.push_back(overshoot);
-  const bench::RunResult result = run_small(request, store);
-  REQUIRE_FALSE(result.error);
-  CHECK(result.branches_redone == 1);
-  int voids = 0;
-  for (const db::BranchRecord& branch : store.branches(result.run)) {
-    if (!branch.is_void) continue;
-    ++voids;
-    CHECK(branch.attempt == 0);
-    CHECK_THAT(branch.void_reason, Catch::StartsWith("TB-BRANCH-BROKEN"));
-  }
-  CHECK(voids == 1);
-  CHECK(store.frames(result.run).size() > 30);                                           // what was measured is kept
-  CHECK(analysis::load_dataset(store, result.run).sequences.at(0).repeats.size() == 2);  // and the set is whole
 }

@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "tests/support/process.h"
+#include "tests/support/refusal.h"
 #include "tests/support/small_run.h"
 
 using namespace tactbench;
@@ -14,12 +15,11 @@ struct Refused {
   TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   bench::RunRequest request = small_request();
-  void check(const std::string& id, bench::ExitCode code, const std::string& words) {
+  void check(const std::string& id, bench::ExitCode code) {
     const bench::RunResult result = run_small(request, store);
     REQUIRE(result.error);
     CHECK(result.error->id() == id);
     CHECK(result.error->code() == code);
-    CHECK_THAT(result.error->what(), Catch::Contains(words));
     CHECK(result.safe == db::SafeState::kVerified);
     CHECK(result.outcome == db::Outcome::kFailed);
   }
@@ -27,20 +27,11 @@ struct Refused {
 
 }  // namespace
 
-TEST_CASE("run: a step that takes longer than its recipe allows ends it") {
-  Refused run;
-  run.request.recipes = {small_recipe("dwell_s = 2\n[timeout]\nstep_s = 1.5\n")};
-  run.check("TB-STEP-TIMEOUT", bench::ExitCode::kDevice, "a step took longer than 1.5 s");
-  Refused longer;
-  longer.request.recipes = {small_recipe("dwell_s = 2\n[timeout]\nstep_s = 30\n")};
-  CHECK(run_small(longer.request, longer.store).outcome == db::Outcome::kCompleted);
-}
-
 TEST_CASE("run: a file that holds no state of the film is not taken for one, and one that it wrote is") {
   Refused run;
   run.request.specimen_state_file = run.folder.path("film");
   std::ofstream(run.request.specimen_state_file) << "name = \"film\"\n";
-  run.check("TB-SPECIMEN-STATE", bench::ExitCode::kUsage, "not a specimen state");
+  run.check("TB-SPECIMEN-STATE", bench::ExitCode::kUsage);
   std::filesystem::remove(run.request.specimen_state_file);
   CHECK(run_small(run.request, run.store).outcome == db::Outcome::kCompleted);
   CHECK(run_small(run.request, run.store).outcome == db::Outcome::kCompleted);
@@ -53,9 +44,10 @@ TEST_CASE("run: a recipe that presses needs a stage and a force sensor") {
     run.request.assume_yes = true;
     if (without_stage) run.request.bench.stage.reset();
     if (!without_stage) run.request.bench.force.reset();
-    CHECK_THROWS_WITH(
-        run_small(run.request, run.store),
-        Catch::Contains(without_stage ? "needs a stage, which bench" : "needs a force sensor, which bench"));
+    const auto refused = refusal_by([&] { (void)run_small(run.request, run.store); });
+    REQUIRE(refused);
+    CHECK(refused->id() == "TB-RECIPE-DEVICES");
+    CHECK(run.store.runs().empty());
   }
 }
 
@@ -68,7 +60,6 @@ TEST_CASE("run: forces beyond what the force sensor's calibration goes to are re
   REQUIRE(result.error);
   CHECK(result.error->id() == "TB-PRESS-LIMIT");
   CHECK(result.error->code() == bench::ExitCode::kStopped);
-  CHECK_THAT(result.error->what(), Catch::Contains("recipe 'small': 30 N, ") &&
-                                       Catch::Contains(" are beyond the 17.5 N of Fz that the fitted calibration"));
+  CHECK_THAT(result.error->what(), Catch::Contains("30 N") && Catch::Contains("17.5 N"));
   CHECK(run.store.frames(result.run).empty());
 }

@@ -1,170 +1,411 @@
-// Whole runs of pressure on the simulated rig, as they were recorded: warm-up, seating, conditioning by criterion, a
-// wait for the supply, a broken branch; levels with several frames, and ramps without stops. A deliberate change of the
-// simulation or of what a run does changes them.
-#include "tests/bench/run/recorded_run.h"
+// Whole runs on the simulated rig: in which order things happen, how many frames and attempts they take, within which
+// bounds they end, and that what is told while they run fits what is stored.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <tuple>
+
+#include "tests/support/live_runs.h"
+#include "tests/support/process.h"
+#include "tests/support/small_run.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
+using bench::ExitCode;
+using bench::FaultKind;
+using Strings = std::vector<std::string>;
 
-TEST_CASE("whole run: warmed up, seated, conditioned, suspended, broken and completed, line by line") {
-  bench::RunRequest request =
-      small_request({{"settling.trace_s", "0.1"},
-                     {"environment.sensor", "[{quantity = 'supply_bar', unit = 9, address = 20, type = 'f32'}]"}});
-  request.recipes = {recipe_of(
-      "unit = \"psi\"\nturning_points = [0, 6, 2, 6]\nstep = 2\nrepeats = 1\n"
-      "[warm_up]\ndrift_percent_per_min = 100.0\nat_most_s = 600\n"
-      "[[suspend]]\nquantity = \"supply_bar\"\ntrip_below = 6\nresume_above = 6.5\nhold_s = 2\ntimeout_s = 100\n"
-      "[conditioning]\ncycles = 3\npeak = 20\nchange_percent = 4\nleast = 2\n")};
-  request.check_seating = true;
-  request.bench.simulation->plant.faults = {planned_fault(bench::FaultKind::kSupplyLost, 68.0, 8.0, 0.001),
-                                            planned_fault(bench::FaultKind::kOvershoot, 105.0, 1e6, 1.5)};
-  check_lines(lines_of_run(request), R"(
-step 1 of 14, 0 of 8 frames: conditioning 1 of at most 3; 48.000 s 0 0.020 0.000 psi settled
-step 2 of 14, 0 of 8 frames: conditioning 1 of at most 3; 52.200 s 20 20.034 20.115 psi settled
-step 3 of 14, 0 of 8 frames: conditioning 2 of at most 3; 56.200 s 0 -0.044 0.024 psi settled
-step 4 of 14, 0 of 8 frames: conditioning 2 of at most 3; 60.400 s 20 19.994 20.096 psi settled
-step 7 of 14, 0 of 8 frames: small, step 7 of 14, loading; 64.400 s 0 0.004 0.003 psi settled
-step 8 of 14, 1 of 8 frames: small, step 8 of 14, loading; 66.800 s 0 0.028 -0.015 psi settled
-step 9 of 14, 2 of 8 frames: small, step 9 of 14, loading; 69.600 s 2 2.016 2.109 psi settled
-step 6 of 14, 2 of 8 frames: back to branch 1 of repeat 1: conditioning 1 of at most 3; 78.000 s 0 0.008 0.006 psi settled
-step 6 of 14, 2 of 8 frames: back to branch 1 of repeat 1: conditioning 1 of at most 3; 82.200 s 20 20.010 20.127 psi settled
-step 6 of 14, 2 of 8 frames: back to branch 1 of repeat 1: conditioning 2 of at most 3; 86.200 s 0 0.008 0.009 psi settled
-step 6 of 14, 2 of 8 frames: back to branch 1 of repeat 1: conditioning 2 of at most 3; 90.200 s 20 19.986 20.109 psi settled
-step 6 of 14, 2 of 8 frames: back to branch 1 of repeat 1: conditioning 3 of at most 3; 94.200 s 0 -0.016 -0.003 psi settled
-step 6 of 14, 2 of 8 frames: back to branch 1 of repeat 1: conditioning 3 of at most 3; 98.200 s 20 20.006 20.127 psi settled
-step 7 of 14, 2 of 8 frames: small, step 7 of 14, loading; 102.200 s 0 -0.004 -0.009 psi settled
-step 8 of 14, 3 of 8 frames: small, step 8 of 14, loading; 104.600 s 0 -0.040 0.006 psi settled
-step 9 of 14, 4 of 8 frames: small, step 9 of 14, loading; 107.400 s 2 1.996 2.115 psi settled
-step 9 of 14, 4 of 8 frames: back to branch 1 of repeat 1: conditioning 1 of at most 3; 108.000 s 4 4.649 4.547 psi
-step 9 of 14, 4 of 8 frames: back to branch 1 of repeat 1: conditioning 1 of at most 3; 111.800 s 20 19.966 20.109 psi settled
-step 9 of 14, 4 of 8 frames: back to branch 1 of repeat 1: conditioning 2 of at most 3; 115.800 s 0 0.036 -0.006 psi settled
-step 9 of 14, 4 of 8 frames: back to branch 1 of repeat 1: conditioning 2 of at most 3; 120.000 s 20 19.990 20.133 psi settled
-step 9 of 14, 4 of 8 frames: back to branch 1 of repeat 1: conditioning 3 of at most 3; 124.000 s 0 -0.036 -0.009 psi settled
-step 9 of 14, 4 of 8 frames: back to branch 1 of repeat 1: conditioning 3 of at most 3; 128.200 s 20 20.022 20.118 psi settled
-step 7 of 14, 4 of 8 frames: small, step 7 of 14, loading; 132.200 s 0 0.028 -0.018 psi settled
-step 8 of 14, 5 of 8 frames: small, step 8 of 14, loading; 134.600 s 0 0.008 0.012 psi settled
-step 9 of 14, 6 of 8 frames: small, step 9 of 14, loading; 137.400 s 2 2.032 2.149 psi settled
-step 10 of 14, 7 of 8 frames: small, step 10 of 14, loading; 140.200 s 4 4.012 4.111 psi settled
-step 11 of 14, 8 of 8 frames: small, step 11 of 14, unloading; 142.800 s 6 6.019 6.122 psi settled
-step 12 of 14, 9 of 8 frames: small, step 12 of 14, unloading; 145.600 s 4 4.008 3.894 psi settled
-step 13 of 14, 10 of 8 frames: small, step 13 of 14, loading; 148.200 s 2 2.016 1.892 psi settled
-step 14 of 14, 11 of 8 frames: small, step 14 of 14, loading; 151.000 s 4 3.988 4.117 psi settled
-12 of 12 frames, 36 exchanges, 2 redone, 154.200 s, waiting 7.400 s: redoing 31.4 %, setting up 31.1 %, dwelling 15.6 %, conditioning 10.6 %, settling 6.2 %, waiting 4.8 %, tearing down 0.3 %
-0.000 fail-safe: tactbench: every run ends vented, with proof of it; trip above 66 psi
-0.000 fail-safe: Beckhoff EK9000 + EL4xxx/EL3xxx: coupler watchdog: outputs to 0 V when no write comes in time (set and read back at the start)
-0.000 fail-safe: Beckhoff EK9000 + EL4xxx/EL3xxx: EL4xxx terminal watchdog: 0 V by default, 0x80n0:05, :13, :14 (neither set nor read by tactbench)
-0.000 fail-safe: watchdog time 1000 ms, fed every 450 ms
-0.000 environment supply_bar: 8.000
-0.000 state: prepared -> running: devices open, chamber unloaded
-15.000 check warm-up pass {"took_s":15.0,"last_drift_percent_per_min":0.00436313,"limit_percent_per_min":100.0,"at_most_s":600.0}: 0.00436313
-48.000 check seating pass {"pressure_psi":8.10877,"rows":16,"columns":16,"volts_per_count":7.62951e-05,"mean_response_v":0.655434,"dead_taxels":[],"findings":[]}: 238.5 270.5 251 300 280 283
-64.400 check conditioning pass {"cycles_at_most":3,"change_limit_percent":4.0,"cycles_done":2,"last_change_percent":1.34409}: 1.34409
-70.400 state: running -> suspended: supply_bar is 0.00, below 6
-70.600 safe verified: to wait: supply_bar is 0.00, below 6: vented, verified (feedback 0.8 psi, reference 0.7 psi)
-78.000 state: suspended -> running: conditions hold again
-78.000 way-back: conditioned again, then the turning points before branch 0 of repeat 0
-108.000 branch-broken TB-BRANCH-BROKEN: branch 0 of repeat 0: rose to 5.51 and fell back to 4.55 in the branch from 0 to 6 (tolerance 0.2) psi
-108.000 way-back: conditioned again, then the turning points before branch 0 of repeat 0
-153.800 environment supply_bar: 8.000
-154.200 time: redoing 31.4 %, setting up 31.1 %, dwelling 15.6 %, conditioning 10.6 %, settling 6.2 %, waiting 4.8 %, tearing down 0.3 %
-154.200 state: running -> stopping: all steps done
-154.200 safe verified: vented, verified (feedback 0.2 psi, reference 0.0 psi)
-branch 0.0.0 attempt 0: 0 to 6 psi, void: suspended: supply_bar is 0.00, below 6
-0: 66.800 s, 2.400 since command, 2.000 in band; 0 0.028 -0.015 psi, 0 7 -5; 2x16x16 134661; 35; 677: 23490.25 3232.00 3229.37 3261.50
-1: 69.600 s, 2.800 since command, 2.000 in band; 2 2.016 2.109 psi, 502 506 691; 2x16x16 823153; 35; 26: 30.40 52.00 51.23 54.45
-branch 0.0.0 attempt 1: 0 to 6 psi, void: TB-BRANCH-BROKEN: rose to 5.51 and fell back to 4.55 in the branch from 0 to 6 (tolerance 0.2) psi
-0: 104.600 s, 2.400 since command, 2.000 in band; 0 -0.040 0.006 psi, 0 -10 2; 2x16x16 134478; 35; 270: 4157.30 2072.00 2065.72 2075.12
-1: 107.400 s, 2.800 since command, 2.000 in band; 2 1.996 2.115 psi, 502 501 693; 2x16x16 839509; 35; 26: 30.40 52.00 51.48 54.54
-branch 0.0.0 attempt 2: 0 to 6 psi
-0: 134.600 s, 2.400 since command, 2.000 in band; 0 0.008 0.012 psi, 0 2 4; 2x16x16 134139; 35; 232: 3007.40 2086.00 2093.40 2101.92
-1: 137.400 s, 2.800 since command, 2.000 in band; 2 2.032 2.149 psi, 502 510 704; 2x16x16 847668; 35; 26: 30.40 52.00 51.55 54.57
-2: 140.200 s, 2.800 since command, 2.000 in band; 4 4.012 4.111 psi, 1004 1007 1347; 2x16x16 1920910; 36; 26: 30.40 104.00 103.13 106.15
-3: 142.800 s, 2.600 since command, 2.000 in band; 6 6.019 6.122 psi, 1506 1511 2006; 2x16x16 3272921; 34; 25: 27.40 150.00 149.28 152.35
-branch 0.0.1 attempt 0: 6 to 2 psi
-4: 145.600 s, 2.800 since command, 2.000 in band; 4 4.008 3.894 psi, 1004 1006 1276; 2x16x16 2553378; 36; 26: 30.40 104.00 104.82 101.56
-5: 148.200 s, 2.600 since command, 2.000 in band; 2 2.016 1.892 psi, 502 506 620; 2x16x16 1246907; 35; 25: 27.40 50.00 51.00 48.03
-branch 0.0.2 attempt 0: 2 to 6 psi
-6: 151.000 s, 2.800 since command, 2.000 in band; 4 3.988 4.117 psi, 1004 1001 1349; 2x16x16 2037245; 35; 26: 30.40 104.00 103.15 106.12
-7: 153.800 s, 2.800 since command, 2.000 in band; 6 5.956 6.110 psi, 1506 1495 2002; 2x16x16 3278940; 36; 26: 30.40 156.00 155.28 158.39
-)");
+namespace {
+
+const std::vector<sequences::Override> kSupplySensor = {
+    {"environment.sensor", "[{quantity = 'supply_bar', unit = 9, address = 20, type = 'f32'}]"}};
+const std::string kSupplyRule =
+    "[[suspend]]\nquantity = \"supply_bar\"\ntrip_below = 6\nresume_above = 6.5\nhold_s = 2\n";
+
+double seconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
+
+class FinishedRun {
+ public:
+  explicit FinishedRun(bench::RunRequest request) {
+    request.on_step = [&](const sequences::Step&) {
+      const std::vector<bench::LiveRun> live = live_runs();
+      if (live.size() == 1) told.push_back(live.front().status);
+    };
+    result = run_small(request, store);
+    frames = store.frames(result.run);
+    branches = store.branches(result.run);
+    for (const db::FrameRecord& frame : frames) void_frames += branch_of(frame).is_void ? 1 : 0;
+    check_laws();
+  }
+  [[nodiscard]] const db::BranchRecord& branch_of(const db::FrameRecord& frame) const {
+    return *std::ranges::find(branches, frame.branch, &db::BranchRecord::branch);
+  }
+  // Of the events of these kinds, in the order of time: a change of state by its states, others by kind and id.
+  [[nodiscard]] Strings course(const std::set<std::string>& kinds) const {
+    Strings course;
+    for (const db::EventRecord& event : store.events(result.run)) {
+      if (!kinds.contains(event.kind)) continue;
+      const std::string more = event.kind == "state" ? event.detail.substr(0, event.detail.find(':')) : event.id;
+      course.push_back(more.empty() ? event.kind : event.kind + " " + more);
+    }
+    return course;
+  }
+  // Kind and verdict.
+  [[nodiscard]] Strings checks() const {
+    Strings checks;
+    for (const db::CheckRecord& check : store.checks(result.run)) checks.push_back(check.kind + " " + check.verdict);
+    return checks;
+  }
+  [[nodiscard]] Strings flags() const {
+    Strings flags;
+    for (const db::FrameRecord& frame : frames) flags.push_back(frame.flags);
+    return flags;
+  }
+  [[nodiscard]] int voids() const {
+    return static_cast<int>(std::ranges::count_if(branches, &db::BranchRecord::is_void));
+  }
+
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  bench::RunResult result;
+  std::vector<bench::RunStatus> told;  // to a client, as each step began
+  std::vector<db::FrameRecord> frames;
+  std::vector<db::BranchRecord> branches;
+  std::int64_t void_frames = 0;
+
+ private:
+  // Of every run, however it ends.
+  void check_laws() const {
+    CHECK(result.frames_kept == static_cast<std::int64_t>(frames.size()));
+    CHECK(result.content_sha256 == store.content_hash(result.run));
+    CHECK(store.run(result.run).safe_state == result.safe);
+    CHECK((result.outcome == db::Outcome::kCompleted) == !result.error);
+    for (const bench::RunStatus& status : told) {
+      CHECK(status.step <= status.steps);
+      CHECK(status.frames <= status.frames_planned + void_frames);
+    }
+    if (!told.empty()) CHECK(static_cast<std::int64_t>(frames.size()) - void_frames <= told.back().frames_planned);
+    std::map<std::tuple<int, int, int>, int> attempts, valid;
+    for (const db::BranchRecord& branch : branches) {
+      const std::tuple place(branch.sequence, branch.repeat, branch.ordinal);
+      CHECK(branch.attempt == attempts[place]++);
+      CHECK((valid[place] += branch.is_void ? 0 : 1) <= 1);
+      CHECK(branch.is_void != branch.void_reason.empty());
+    }
+    std::int64_t last_ns = -1;
+    for (const db::FrameRecord& frame : frames) {
+      CHECK(frame.time_ns > last_ns);
+      CHECK(frame.in_band_ns <= frame.since_command_ns);
+      CHECK(fits_its_shape(frame));
+      last_ns = frame.time_ns;
+    }
+    const auto events = store.events(result.run);
+    const auto state = [](const db::EventRecord& event) { return event.kind == "state"; };
+    const auto first = std::ranges::find_if(events, state);
+    const auto last = std::find_if(events.rbegin(), events.rend(), state);
+    REQUIRE(first != events.end());
+    CHECK(first->detail.starts_with("prepared -> "));
+    CHECK(last->detail.find(" -> stopping") != std::string::npos);
+    CHECK(events.back().kind == "safe");
+    CHECK(seconds(events.back().time_ns) == Approx(result.process_seconds).margin(0.01));
+  }
+};
+
+// One branch up and one down; `more`: the end of its recipe.
+bench::RunRequest two_branches(const std::vector<sequences::Override>& overrides, const std::string& more,
+                               const std::vector<bench::PlannedFault>& faults = {}) {
+  bench::RunRequest request = small_request(overrides);
+  request.recipes = {recipe_of("unit = \"psi\"\nturning_points = [0, 4, 2]\nstep = 2\nrepeats = 1\n" + more)};
+  request.bench.simulation->plant.faults = faults;
+  return request;
 }
 
-TEST_CASE("whole run: two sequences, several frames a level, ramps without stops, line by line") {
+void check_settled(const FinishedRun& run, double dwell_s) {
+  for (const db::FrameRecord& frame : run.frames) {
+    CHECK(seconds(frame.in_band_ns) == Approx(dwell_s).margin(0.11));
+    CHECK(frame.feedback_psi == Approx(frame.setpoint_psi).margin(0.1));
+    CHECK(frame.reference_psi == Approx(frame.setpoint_psi).margin(0.25));
+    CHECK(frame.exchanges > 0);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("whole run: warmed up, seated, conditioned, suspended, broken and completed, in this order") {
+  bench::RunRequest request = small_request({{"settling.trace_s", "0.1"}, kSupplySensor[0]});
+  request.recipes = {recipe_of(
+      "unit = \"psi\"\nturning_points = [0, 6, 2, 6]\nstep = 2\nrepeats = 1\n"
+      "[warm_up]\ndrift_percent_per_min = 100.0\nat_most_s = 600\n" +
+      kSupplyRule + "timeout_s = 100\n[conditioning]\ncycles = 3\npeak = 20\nchange_percent = 4\nleast = 2\n")};
+  request.check_seating = true;
+  request.bench.simulation->plant.faults = {planned_fault(FaultKind::kSupplyLost, 68.0, 8.0, 0.001),
+                                            planned_fault(FaultKind::kOvershoot, 105.0, 1e6, 1.5)};
+  const FinishedRun run(request);
+  REQUIRE_FALSE(run.result.error);
+  CHECK(run.result.safe == db::SafeState::kVerified);
+  CHECK(run.checks() == Strings{"warm-up pass", "seating pass", "conditioning pass"});
+  CHECK(run.course({"state", "safe", "way-back", "branch-broken"}) ==
+        Strings{"state prepared -> running", "state running -> suspended", "safe verified",
+                "state suspended -> running", "way-back", "branch-broken TB-BRANCH-BROKEN", "way-back",
+                "state running -> stopping", "safe verified"});
+  CHECK(run.result.branches_redone == 2);
+  CHECK(run.result.waiting_seconds == Approx(7.4).margin(1.0));
+  CHECK((run.frames.size() == 12 && run.void_frames == 4));
+  REQUIRE(run.branches.size() == 5);
+  CHECK_THAT(run.branches[0].void_reason, Catch::StartsWith("suspended") && Catch::Contains("supply_bar"));
+  CHECK_THAT(run.branches[1].void_reason, Catch::StartsWith("TB-BRANCH-BROKEN"));
+  CHECK((run.branches[2].attempt == 2 && run.branches[2].from_psi == 0.0 && run.branches[2].to_psi == 6.0));
+  check_settled(run, 2.0);
+  std::vector<double> levels;
+  for (const db::FrameRecord& frame : run.frames)
+    if (!run.branch_of(frame).is_void) levels.push_back(frame.setpoint_psi);
+  CHECK(levels == std::vector<double>{0, 2, 4, 6, 4, 2, 4, 6});
+}
+
+TEST_CASE("whole run: several frames a level lie apart as asked, and ramps without stops take their own time") {
   bench::RunRequest request = small_request();
   request.recipes = {
       recipe_of("unit = \"psi\"\nturning_points = [20, 10]\nstep = 10\nframes_per_level = 2\nframe_interval_s = 1.5\n"
                 "[conditioning]\ncycles = 1\npeak = 15\n"),
       recipe_of("unit = \"psi\"\nturning_points = [0, 8, 0]\nstep = 4\nsettle = \"none\"\nramp_psi_per_s = [2.0, 8.0]\n"
                 "repeats = 2\n")};
-  check_lines(lines_of_run(request), R"(
-step 1 of 16, 0 of 14 frames: conditioning 1 of 1; 0.000 s 0 -0.012 -0.018 psi settled
-step 2 of 16, 0 of 14 frames: conditioning 1 of 1; 3.850 s 15 15.003 15.131 psi settled
-step 3 of 16, 0 of 14 frames: small, step 3 of 16, unloading; 7.700 s 0 0.000 -0.009 psi settled
-step 4 of 16, 1 of 14 frames: small, step 4 of 16, unloading; 11.750 s 20 20.030 20.127 psi settled
-step 5 of 16, 2 of 14 frames: small, step 5 of 16, unloading; 13.250 s 20 20.030 20.124 psi settled
-step 6 of 16, 3 of 14 frames: small, step 6 of 16, unloading; 16.800 s 10 10.027 9.885 psi settled
-step 7 of 16, 4 of 14 frames: small, step 7 of 16, repeat 1 of 2, loading; 18.300 s 10 10.043 9.894 psi settled
-step 8 of 16, 5 of 14 frames: small, step 8 of 16, repeat 1 of 2, loading; 24.350 s 0 0.012 -0.021 psi
-step 9 of 16, 6 of 14 frames: small, step 9 of 16, repeat 1 of 2, loading; 26.350 s 4 3.725 3.873 psi
-step 10 of 16, 7 of 14 frames: small, step 10 of 16, repeat 1 of 2, unloading; 28.350 s 8 7.752 7.880 psi
-step 11 of 16, 8 of 14 frames: small, step 11 of 16, repeat 1 of 2, unloading; 30.350 s 4 4.275 4.117 psi
-step 12 of 16, 9 of 14 frames: small, step 12 of 16, repeat 2 of 2, loading; 32.350 s 0 0.247 0.137 psi
-step 13 of 16, 10 of 14 frames: small, step 13 of 16, repeat 2 of 2, loading; 33.000 s 0 -0.004 0.012 psi
-step 14 of 16, 11 of 14 frames: small, step 14 of 16, repeat 2 of 2, loading; 33.500 s 4 2.888 3.061 psi
-step 15 of 16, 12 of 14 frames: small, step 15 of 16, repeat 2 of 2, unloading; 34.000 s 8 6.924 7.096 psi
-step 16 of 16, 13 of 14 frames: small, step 16 of 16, repeat 2 of 2, unloading; 34.500 s 4 5.143 4.990 psi
-14 of 14 frames, 154 exchanges, 0 redone, 35.200 s, waiting 0.000 s: moving 50.3 %, conditioning 21.9 %, dwelling 19.9 %, settling 7.4 %, tearing down 0.6 %
-0.000 fail-safe: tactbench: every run ends vented, with proof of it; trip above 66 psi
-0.000 fail-safe: Beckhoff EK9000 + EL4xxx/EL3xxx: coupler watchdog: outputs to 0 V when no write comes in time (set and read back at the start)
-0.000 fail-safe: Beckhoff EK9000 + EL4xxx/EL3xxx: EL4xxx terminal watchdog: 0 V by default, 0x80n0:05, :13, :14 (neither set nor read by tactbench)
-0.000 fail-safe: watchdog time 1000 ms, fed every 450 ms
-0.000 state: prepared -> running: devices open, chamber unloaded
-0.000 seating: left out as asked (--no-seating)
-7.700 check conditioning pass {"cycles_at_most":1,"change_limit_percent":0.0}:
-35.200 time: moving 50.3 %, conditioning 21.9 %, dwelling 19.9 %, settling 7.4 %, tearing down 0.6 %
-35.200 state: running -> stopping: all steps done
-35.200 safe verified: vented, verified (feedback 0.1 psi, reference 0.0 psi)
-branch 0.0.0 attempt 0: 20 to 10 psi
-0: 11.750 s, 4.050 since command, 2.000 in band; 20 20.030 20.127 psi, 5020 5028 6595; 2x16x16 13102145; 43; 45: 284.80 440.00 417.86 420.63
-1: 13.250 s, 5.550 since command, 3.500 in band; 20 20.030 20.124 psi, 5020 5028 6594; 2x16x16 13157519; 11; 5: 3.10 100.00 99.98 100.56
-2: 16.800 s, 3.550 since command, 2.000 in band; 10 10.027 9.885 psi, 2510 2517 3239; 2x16x16 10015258; 28; 11: 21.70 130.00 139.23 137.94
-3: 18.300 s, 5.050 since command, 3.500 in band; 10 10.043 9.894 psi, 2510 2521 3242; 2x16x16 9994624; 11; 5: 3.10 50.00 50.04 49.40
-branch 1.0.0 attempt 0: 0 to 8 psi
-0: 24.350 s, 6.050 since command, 0.000 in band; 0 0.012 -0.021 psi, 0 3 -7; 2x16x16 133968; 154; 51: 174.15 245.00 257.64 251.14
-1: 26.350 s, 2.000 since command, 2.000 in band; 4 3.725 3.873 psi, 1004 935 1269; 2x16x16 1650838; 62; 20: 19.00 42.00 36.99 38.69
-2: 28.350 s, 2.000 since command, 2.000 in band; 8 7.752 7.880 psi, 2008 1946 2582; 2x16x16 4319588; 62; 20: 19.00 122.00 116.85 119.46
-branch 1.0.1 attempt 0: 8 to 0 psi
-3: 30.350 s, 2.000 since command, 2.000 in band; 4 4.275 4.117 psi, 1004 1073 1349; 2x16x16 3110350; 62; 20: 19.00 118.00 123.04 121.48
-4: 32.350 s, 2.000 since command, 2.000 in band; 0 0.247 0.137 psi, 0 62 45; 2x16x16 144958; 62; 20: 19.00 38.00 43.18 40.58
-branch 1.1.0 attempt 0: 0 to 8 psi
-0: 33.000 s, 0.650 since command, 0.000 in band; 0 -0.004 0.012 psi, 0 -1 4; 2x16x16 134009; 7; 2: 0.20 0.00 0.01 0.02
-1: 33.500 s, 0.500 since command, 0.500 in band; 4 2.888 3.061 psi, 1004 725 1003; 2x16x16 1212670; 17; 5: 1.00 12.00 7.23 7.56
-2: 34.000 s, 0.500 since command, 0.500 in band; 8 6.924 7.096 psi, 2008 1738 2325; 2x16x16 3628082; 17; 5: 1.00 32.00 26.71 27.47
-branch 1.1.1 attempt 0: 8 to 0 psi
-3: 34.500 s, 0.500 since command, 0.500 in band; 4 5.143 4.990 psi, 1004 1291 1635; 2x16x16 3292382; 17; 5: 1.00 28.00 32.43 32.34
-4: 35.000 s, 0.500 since command, 0.500 in band; 0 1.056 0.903 psi, 0 265 296; 2x16x16 612187; 17; 5: 1.00 8.00 13.23 12.55
-)");
+  const FinishedRun run(request);
+  REQUIRE_FALSE(run.result.error);
+  CHECK(run.voids() == 0);
+  CHECK(run.flags() == Strings(14));
+  CHECK(run.result.waiting_seconds == 0.0);
+  REQUIRE(run.frames.size() == 14);
+  REQUIRE(run.told.size() == 16);  // with two of conditioning
+  for (std::size_t i = 0; i < run.told.size(); ++i) CHECK(run.told[i].step == static_cast<int>(i) + 1);
+  for (const std::size_t first : {0U, 2U}) {
+    CHECK(seconds(run.frames[first].in_band_ns) == Approx(2.0));
+    CHECK(seconds(run.frames[first + 1].time_ns - run.frames[first].time_ns) == Approx(1.5));
+    CHECK(run.frames[first + 1].setpoint_psi == run.frames[first].setpoint_psi);
+  }
+  for (const auto& [from, took_s] : {std::pair<std::size_t, double>{4, 2.0}, {9, 0.5}}) {
+    for (std::size_t i = from + 1; i < from + 5; ++i) {  // 4 psi each
+      CHECK(seconds(run.frames[i].since_command_ns) == Approx(took_s));
+      CHECK(seconds(run.frames[i].time_ns - run.frames[i - 1].time_ns) == Approx(took_s));
+    }
+  }
 }
 
-TEST_CASE("whole run: a chamber that does not reach its level ends it, line by line") {
-  bench::RunRequest request = small_request({{"simulation.chamber.leak_psi_per_s", "40"}, {"settling.timeout_s", "3"}});
-  request.recipes = {recipe_of("unit = \"psi\"\nturning_points = [0, 4]\nstep = 4\n")};
-  check_lines(lines_of_run(request), R"(
-step 1 of 2, 0 of 2 frames: small, step 1 of 2, loading; 0.000 s 0 -0.012 -0.018 psi settled
-step 2 of 2, 1 of 2 frames: small, step 2 of 2, loading; 2.650 s 0 -0.004 -0.003 psi settled
-1 of 1 frames, 16 exchanges, 0 redone, 6.300 s, waiting 0.000 s: settling 58.7 %, dwelling 31.7 %, moving 9.5 %
-3 TB-CHAMBER-TIMEOUT: chamber did not reach 4.0 psi (27.6 kPa) within 3 s; last reading 0.01 psi by the regulator, 0.00 psi by the reference, moving 0.03 psi/s | run 1, after frame 1, chamber | check the compressor supply and for leaks; raise [settling] timeout_s or band_psi | vented, verified (feedback 0.0 psi, reference 0.0 psi); run 1 kept with 1 frame
-0.000 fail-safe: tactbench: every run ends vented, with proof of it; trip above 66 psi
-0.000 fail-safe: Beckhoff EK9000 + EL4xxx/EL3xxx: coupler watchdog: outputs to 0 V when no write comes in time (set and read back at the start)
-0.000 fail-safe: Beckhoff EK9000 + EL4xxx/EL3xxx: EL4xxx terminal watchdog: 0 V by default, 0x80n0:05, :13, :14 (neither set nor read by tactbench)
-0.000 fail-safe: watchdog time 1000 ms, fed every 450 ms
-0.000 state: prepared -> running: devices open, chamber unloaded
-0.000 seating: left out as asked (--no-seating)
-6.300 fault TB-CHAMBER-TIMEOUT: chamber did not reach 4.0 psi (27.6 kPa) within 3 s; last reading 0.01 psi by the regulator, 0.00 psi by the reference, moving 0.03 psi/s
-6.300 time: settling 58.7 %, dwelling 31.7 %, moving 9.5 %
-6.300 state: running -> stopping: TB-CHAMBER-TIMEOUT: chamber did not reach 4.0 psi (27.6 kPa) within 3 s; last reading 0.01 psi by the regulator, 0.00 psi by the reference, moving 0.03 psi/s
-6.300 safe verified: vented, verified (feedback 0.0 psi, reference 0.0 psi)
-branch 0.0.0 attempt 0: 0 to 4 psi
-0: 2.650 s, 2.650 since command, 2.000 in band; 0 -0.004 -0.003 psi, 0 -1 -1; 2x16x16 134130; 16; 8: 11.15 0.00 -0.05 -0.05
-)");
+TEST_CASE("whole run: a fault that ends it has its id and code, its frames are kept, its attempts are told") {
+  struct Row {
+    std::string id;
+    ExitCode code;
+    db::SafeState safe;
+    std::size_t frames;
+    int redone, voids, attempts;
+    std::vector<sequences::Override> overrides;
+    std::string more;
+    std::vector<bench::PlannedFault> faults;
+  };
+  constexpr auto kVented = db::SafeState::kVerified;
+  const auto overshoot = [](double at_s) { return planned_fault(FaultKind::kOvershoot, at_s, 1e6, 1.5); };
+  const std::vector<Row> rows = {
+      {"TB-CHAMBER-TIMEOUT",
+       ExitCode::kDevice,
+       kVented,
+       1,
+       0,
+       0,
+       0,
+       {{"simulation.chamber.leak_psi_per_s", "40"}, {"settling.timeout_s", "3"}},
+       "",
+       {}},
+      // Twice two readings of a frame, and the third attempt of the branch.
+      {"TB-SCANNER-TIMEOUT",
+       ExitCode::kDevice,
+       kVented,
+       2,
+       2,
+       2,
+       8,
+       {{"simulation.wire_faults.scanner_silent_after_scans", "6"}, {"scanner.frame_timeout_ms", "200"}},
+       "[retry]\nframe = 1\nbranch = 2\n",
+       {}},
+      {"TB-BRANCH-BROKEN",
+       ExitCode::kDevice,
+       kVented,
+       2,
+       1,
+       2,
+       0,
+       {{"settling.trace_s", "0.1"}},
+       "[guard]\nredo = 1\n[conditioning]\ncycles = 1\npeak = 6\n",
+       {overshoot(9.0), overshoot(17.0)}},
+      {"TB-RUN-SUSPENDED",
+       ExitCode::kDevice,
+       kVented,
+       2,
+       1,
+       1,
+       0,
+       kSupplySensor,
+       kSupplyRule + "timeout_s = 3\n",
+       {planned_fault(FaultKind::kSupplyLost, 4.0, 1e6, 0.001)}},
+      {"TB-SCANNER-STALE",
+       ExitCode::kDevice,
+       kVented,
+       2,
+       0,
+       0,
+       0,
+       {},
+       "",
+       {planned_fault(FaultKind::kScannerStale, 3.0, 1e6, 0.0)}},
+      // Apart for half a second they may be.
+      {"TB-CHAMBER-DISAGREE",
+       ExitCode::kUnsafe,
+       db::SafeState::kFailed,
+       1,
+       1,
+       1,
+       0,
+       {},
+       "",
+       {planned_fault(FaultKind::kReferenceOffset, 3.0, 0.5, 5.0),
+        planned_fault(FaultKind::kReferenceOffset, 5.5, 1e6, 5.0)}},
+      {"TB-STEP-TIMEOUT", ExitCode::kDevice, kVented, 0, 0, 0, 0, {}, "dwell_s = 2.0\n[timeout]\nstep_s = 2.55\n", {}},
+      {"TB-CHAMBER-NOT-VENTED",
+       ExitCode::kUnsafe,
+       db::SafeState::kFailed,
+       0,
+       0,
+       0,
+       0,
+       {},
+       "",
+       {planned_fault(FaultKind::kReferenceOffset, 0.0, 1e6, 1.25)}}};
+  for (const Row& row : rows) {
+    INFO(row.id);
+    const FinishedRun run(two_branches(row.overrides, row.more, row.faults));
+    REQUIRE(run.result.error);
+    CHECK(run.result.error->id() == row.id);
+    CHECK(run.result.error->code() == row.code);
+    CHECK_FALSE(run.result.error->remedy().empty());
+    CHECK((run.result.outcome == db::Outcome::kFailed || run.result.outcome == db::Outcome::kAborted));
+    CHECK(run.result.safe == row.safe);
+    CHECK(run.frames.size() == row.frames);
+    CHECK(run.result.branches_redone == row.redone);
+    CHECK(run.voids() == row.voids);
+    const Strings course = run.course({"attempt", "fault"});
+    CHECK(std::ranges::count(course, "attempt " + row.id) == row.attempts);
+    CHECK(course.back() == "fault " + row.id);
+    CHECK((run.told.empty()) == (row.id == "TB-CHAMBER-NOT-VENTED"));  // no step was begun
+    CHECK_THAT(run.store.run(run.result.run).reason, Catch::StartsWith(row.id));
+  }
+}
+
+TEST_CASE("whole run: a step may take just as long as its recipe allows") {
+  const FinishedRun run(two_branches({}, "dwell_s = 2.0\n[timeout]\nstep_s = 2.65\n"));
+  CHECK(run.result.outcome == db::Outcome::kCompleted);
+  CHECK(run.frames.size() == 4);
+}
+
+TEST_CASE("whole run: a damaged scan costs a branch where frames are not read again") {
+  const FinishedRun run(
+      two_branches({{"simulation.wire_faults.scanner_corrupt_scan", "6"}, {"scanner.frame_timeout_ms", "1000"}},
+                   "[retry]\nframe = 0\nbranch = 1\n"));
+  REQUIRE_FALSE(run.result.error);
+  CHECK(run.course({"attempt", "safe", "way-back"}) == Strings{"attempt TB-SCANNER-CORRUPT",
+                                                               "attempt TB-SCANNER-CORRUPT", "safe verified",
+                                                               "way-back", "safe verified"});
+  CHECK(run.result.branches_redone == 1);
+  REQUIRE(run.branches.size() == 3);
+  CHECK_THAT(run.branches[0].void_reason, Catch::StartsWith("TB-SCANNER-CORRUPT"));
+  CHECK((run.frames.size() == 6 && run.void_frames == 2));
+  check_settled(run, 2.0);
+}
+
+TEST_CASE("whole run: a broken branch is kept with a flag where its recipe says so") {
+  const FinishedRun run(two_branches({{"settling.trace_s", "0.1"}}, "[guard]\nredo = 0\non_broken = \"flag\"\n",
+                                     {planned_fault(FaultKind::kOvershoot, 3.0, 1e6, 1.5)}));
+  REQUIRE_FALSE(run.result.error);
+  CHECK(run.voids() == 0);
+  CHECK(run.flags() == Strings{"", "", "broken", ""});
+}
+
+TEST_CASE("whole run: a row that is stuck and a feedback that leaves its band flag the frame that they meet") {
+  const FinishedRun run(two_branches(
+      {}, "[dwell]\ntolerance_s = 0.0\n",
+      {planned_fault(FaultKind::kRowStuck, 1.0, 6.0, 3.0), planned_fault(FaultKind::kFeedbackOffset, 4.0, 0.5, 0.4)}));
+  REQUIRE_FALSE(run.result.error);
+  CHECK(run.flags() == Strings{"", "row-stuck left-band", "", ""});
+}
+
+TEST_CASE("whole run: a wait shorter than the rest that its recipe allows costs its own branch alone") {
+  const FinishedRun run(two_branches(kSupplySensor, "dwell_s = 4.0\nrest_restart_s = 15\n" + kSupplyRule,
+                                     {planned_fault(FaultKind::kSupplyLost, 14.0, 5.0, 0.001)}));
+  REQUIRE_FALSE(run.result.error);
+  REQUIRE(run.branches.size() == 3);
+  CHECK((!run.branches[0].is_void && run.branches[1].is_void && !run.branches[2].is_void));
+  CHECK((run.branches[1].ordinal == 1 && run.branches[2].ordinal == 1));
+}
+
+TEST_CASE("whole press run: z is homed first, forces are reached and held, and z is proved to be off at the end") {
+  bench::RunRequest request = small_request();
+  request.recipes = {recipe_of(press_text(1))};
+  const FinishedRun run(request);
+  REQUIRE_FALSE(run.result.error);
+  CHECK(run.result.safe == db::SafeState::kVerified);
+  CHECK(run.course({"stage"}) == Strings{"stage home", "stage tare", "stage contact", "stage contact", "stage tare"});
+  CHECK(run.checks() == Strings{"tare pass", "conditioning pass", "tare pass"});
+  Strings moved;  // axes in the order in which they were first sent
+  for (const db::EventRecord& event : run.store.events(1)) {
+    const std::size_t at = (event.id + event.detail).find("stage ");
+    if (event.kind != "command" || at == std::string::npos) continue;
+    const std::string axis = (event.id + event.detail).substr(at + 6, 1);
+    if (std::ranges::find(moved, axis) == moved.end()) moved.push_back(axis);
+  }
+  CHECK(moved == Strings{"z", "x", "y"});
+  REQUIRE(run.frames.size() == 3);
+  const std::vector<double> forces = {5.0, 30.0, 5.0};
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    REQUIRE(run.frames[i].wrench);
+    const db::WrenchRecord& pressed = *run.frames[i].wrench;
+    CHECK(pressed.target_n == forces[i]);
+    CHECK(pressed.force_start_n == Approx(forces[i]).margin(forces[i] < 10.0 ? 0.06 : 0.31));
+    CHECK(pressed.wrench[2] == Approx(-forces[i]).epsilon(0.02));
+    CHECK((pressed.place_mm[0] == Approx(30.0) && pressed.place_mm[1] == Approx(30.0)));
+    CHECK(seconds(run.frames[i].in_band_ns) == Approx(0.5).margin(0.01));
+  }
+  CHECK(run.frames[1].wrench->place_mm[2] > run.frames[0].wrench->place_mm[2]);
+  REQUIRE(run.branches.size() == 2);
+  CHECK((run.branches[0].from_n == 0.0 && run.branches[0].to_n == 30.0 && run.branches[1].to_n == 5.0));
+  CHECK(run.result.most_exchanges_a_step <= 60);
+}
+
+TEST_CASE("whole press run: a point held in three places registers where the taxels lie") {
+  bench::RunRequest request = small_request();
+  request.recipes = {recipe_of(
+      "kind = \"press\"\ndwell_s = 1.0\n[press]\nobject = \"point\"\npositions_mm = [[20, 24], [40, 28], [30, 40]]\n"
+      "forces_n = [3]\nhold = \"force\"\nregisters = true\napproach_mm_per_s = 0.6\ncontact_n = 0.15\nclear_mm = "
+      "4.0\n")};
+  const FinishedRun run(request);
+  REQUIRE_FALSE(run.result.error);
+  CHECK(run.result.safe == db::SafeState::kVerified);
+  REQUIRE(run.frames.size() == 3);
+  const std::vector<std::pair<double, double>> places = {{20, 24}, {40, 28}, {30, 40}};
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    REQUIRE(run.frames[i].wrench);
+    CHECK(run.frames[i].wrench->place_mm[0] == Approx(places[i].first));
+    CHECK(run.frames[i].wrench->place_mm[1] == Approx(places[i].second));
+    CHECK(run.frames[i].wrench->wrench[2] == Approx(-3.0).margin(0.06));
+  }
+  CHECK(run.checks() == Strings{"tare pass", "tare pass", "mount pass"});
+  const nlohmann::json mount = nlohmann::json::parse(run.store.checks(1).back().detail_json);
+  CHECK(mount.at("touches").size() == 3);
+  CHECK(mount.at("flipped") == false);
+  // The array's centre, taxel 7.5, lies under 30, 30.
+  CHECK(mount.at("scale").get<double>() == Approx(1.0).margin(0.02));
+  CHECK(mount.at("angle_deg").get<double>() == Approx(0.0).margin(3.0));
+  for (const int axis : {0, 1})
+    CHECK(mount.at("offset_mm").at(axis).get<double>() == Approx(30.0 - 7.5 * 2.54).margin(1.0));
+  CHECK(mount.at("rms_mm").get<double>() < 0.5);
+  CHECK(mount.at("other_flip_rms_mm").get<double>() > 5.0);
 }

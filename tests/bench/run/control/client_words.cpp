@@ -4,6 +4,9 @@
 #include <catch2/catch.hpp>
 #include <string>
 
+#include "bench/run/control/peer.h"
+#include "bench/run/control/run_status.h"
+
 using namespace tactbench::bench;
 
 TEST_CASE("client words: what is written is read again, with whom it is for") {
@@ -37,4 +40,31 @@ TEST_CASE("client words: what is no word asks for the status, and no text breaks
   CHECK(read.behalf.find('\n') == std::string::npos);
   CHECK(read.behalf.starts_with("bob"));
   CHECK(command_words(Command::kStop, std::string(5000, 'x')).size() < 500);
+}
+
+TEST_CASE("client words: texts are cut to their columns, and words end at the first blank") {
+  const std::string long_text(1000, 'x');
+  const std::string cut_behalf = std::string(kLongestBehalf - 1, 'x') + "\u2026";
+  const std::string cut_reply = std::string(kLongestReply - 1, 'x') + "\u2026";
+  CHECK(command_words(Command::kStop, "") == "stop");
+  CHECK(command_words(Command::kStop, "ann") == "stop\nann");
+  CHECK(command_words(Command::kStop, long_text) == "stop\n" + cut_behalf);
+  CHECK(answer_words(12, "a b", "") == "answer 12 a b");
+  CHECK(answer_words(12, long_text, "ann") == "answer 12 " + cut_reply + "\nann");
+  CHECK(read_words("stop now").command == Command::kStop);
+  CHECK(read_words("stop\n" + long_text).behalf == cut_behalf);
+  CHECK(read_words("stop\n").behalf.empty());
+  CHECK(read_words("follow me\nann").word == ClientWord::kFollow);
+  CHECK(read_words("follow me\nann").behalf == "ann");
+  const ClientWords read = read_words("answer 12  two blanks\nann");
+  CHECK(
+      (read.word == ClientWord::kAnswer && read.question == 12 && read.text == " two blanks" && read.behalf == "ann"));
+  CHECK(read_words("answer 12 " + long_text).text == cut_reply);
+  CHECK(read_words("answer -3 x").question == -3);
+}
+
+TEST_CASE("peers: their names from the user database, or their numbers") {
+  CHECK(peer_text({812, 0, false}) == "root (pid 812)");
+  CHECK(peer_text({812, 3999999999U, false}) == "user 3999999999 (pid 812)");
+  CHECK_FALSE(peer_of(-1));
 }

@@ -1,22 +1,16 @@
-// What Control answers in each state and remembers of it, and the words of its clients at their lengths.
-#include <unistd.h>
-
+// Which commands a run takes in each of its states, and what Control remembers of them.
+#include <algorithm>
 #include <catch2/catch.hpp>
-#include <chrono>
 #include <csignal>
+#include <map>
 #include <string>
 #include <vector>
 
-#include "bench/common/for_people.h"
-#include "bench/run/control/client_words.h"
 #include "bench/run/control/control.h"
-#include "bench/run/control/peer.h"
-#include "bench/run/control/progress.h"
 #include "bench/run/control/run_status.h"
 
 using namespace tactbench;
 using namespace tactbench::bench;
-using namespace std::chrono_literals;
 
 namespace {
 
@@ -29,41 +23,78 @@ RunStatus asked_status(RunState state, const std::string& question = {}) {
   return status;
 }
 
-// What a run in that state answers to a command: "+" taken, "-" refused.
-std::string answer_in(RunState state, Command command, const std::string& question = {}) {
-  Control control;
-  control.publish(asked_status(state, question));
-  const Control::Answer answer = control.ask(command, "bob");
-  CHECK(control.who() == (answer.taken && command != Command::kStatus ? "bob" : ""));
-  return (answer.taken ? "+" : "-") + answer.text;
-}
-
 }  // namespace
 
-TEST_CASE("control's answers: a resume in each state, with and without a question") {
-  const std::string on = "+run 7 continues: ";
-  CHECK(answer_in(RunState::kPaused, Command::kResume) == on + "conditioned again, then the next branch");
-  CHECK(answer_in(RunState::kPausing, Command::kResume) == on + "the pause is taken back");
-  CHECK(answer_in(RunState::kPaused, Command::kResume, "Mounted?") == on + "it takes this as the answer to: Mounted?");
-  CHECK(answer_in(RunState::kPausing, Command::kResume, "Mounted?") == on + "it takes this as the answer to: Mounted?");
-  for (const RunState state : {RunState::kPrepared, RunState::kRunning, RunState::kSuspended})
-    CHECK(answer_in(state, Command::kResume) == std::string("-run 7 is ") + to_string(state) + ", not paused");
+TEST_CASE("run states: they follow the table and nothing else") {
+  using S = RunState;
+  const std::vector<S> all = {S::kPrepared,  S::kRunning,  S::kPausing, S::kPaused,
+                              S::kSuspended, S::kStopping, S::kEnded};
+  const std::map<S, std::vector<S>> allowed = {{S::kPrepared, {S::kRunning, S::kStopping}},
+                                               {S::kRunning, {S::kPausing, S::kSuspended, S::kStopping}},
+                                               {S::kPausing, {S::kPaused, S::kRunning, S::kSuspended, S::kStopping}},
+                                               {S::kPaused, {S::kRunning, S::kStopping}},
+                                               {S::kSuspended, {S::kRunning, S::kPaused, S::kStopping}},
+                                               {S::kStopping, {S::kEnded}},
+                                               {S::kEnded, {}}};
+  for (const S from : all) {
+    for (const S to : all) {
+      INFO(to_string(from) << " -> " << to_string(to));
+      const auto& next = allowed.at(from);
+      CHECK(may_follow(from, to) == (std::find(next.begin(), next.end(), to) != next.end()));
+    }
+  }
 }
 
-TEST_CASE("control's answers: a pause, a stop, an abort and a panic in each state") {
-  const std::string pauses = "+run 7 pauses at the end of this branch; 'stop' ends it at once";
-  for (const RunState state : {RunState::kPrepared, RunState::kRunning, RunState::kPausing, RunState::kSuspended})
-    CHECK(answer_in(state, Command::kPause) == pauses);
-  CHECK(answer_in(RunState::kPaused, Command::kPause) == "-run 7 is paused already");
-  for (const RunState state : {RunState::kPrepared, RunState::kRunning, RunState::kPausing, RunState::kPaused}) {
-    for (const Command command : {Command::kStop, Command::kAbort})
-      CHECK(answer_in(state, command) == "+run 7 ends: vents, retracts and proves it");
-    CHECK(answer_in(state, Command::kPanic) == "+run 7 ends: vented and halted past the sequencer");
-    CHECK(answer_in(state, Command::kStatus) == std::string("+") + to_string(state));
+TEST_CASE("control's answers: which command is taken in which state, and who asked") {
+  using S = RunState;
+  const std::vector<S> alive = {S::kPrepared, S::kRunning, S::kPausing, S::kPaused, S::kSuspended};
+  const std::map<Command, std::vector<S>> taken_in = {
+      {Command::kStatus, {S::kPrepared, S::kRunning, S::kPausing, S::kPaused, S::kSuspended, S::kStopping, S::kEnded}},
+      {Command::kPause, {S::kPrepared, S::kRunning, S::kPausing, S::kSuspended}},
+      {Command::kResume, {S::kPausing, S::kPaused}},
+      {Command::kStop, alive},
+      {Command::kAbort, alive},
+      {Command::kPanic, alive}};
+  for (const auto& [command, states] : taken_in) {
+    for (int i = 0; i <= static_cast<int>(S::kEnded); ++i) {
+      const auto state = static_cast<S>(i);
+      INFO(to_string(command) << " in " << to_string(state));
+      const bool taken = std::ranges::find(states, state) != states.end();
+      Control control;
+      control.publish(asked_status(state));
+      const Control::Answer answer = control.ask(command, "bob");
+      CHECK(answer.taken == taken);
+      if (command == Command::kStatus) CHECK(answer.text == to_string(state));
+      if (command != Command::kStatus) CHECK(answer.text.find("7") != std::string::npos);
+      CHECK(control.who() == (taken && command != Command::kStatus ? "bob" : ""));
+    }
   }
-  for (const RunState state : {RunState::kStopping, RunState::kEnded})
-    for (const Command command : {Command::kPause, Command::kResume, Command::kStop, Command::kAbort, Command::kPanic})
-      CHECK(answer_in(state, command) == std::string("-run 7 is ") + to_string(state) + " already");
+  for (const S state : {S::kPaused, S::kPausing}) {  // it answers what is asked
+    Control control;
+    control.publish(asked_status(state, "Mounted?"));
+    CHECK_THAT(control.ask(Command::kResume, "bob").text, Catch::Contains("Mounted?"));
+  }
+  const std::vector<std::string> words = {"status", "pause", "resume", "stop", "abort", "panic"};
+  for (std::size_t i = 0; i < words.size(); ++i) CHECK(to_string(static_cast<Command>(i)) == words[i]);
+}
+
+TEST_CASE("commands: the end is attributed to the first sender of the strongest command") {
+  const StopRequest signals;
+  Control control;
+  CHECK(control.ask(Command::kAbort, "alice").taken);
+  CHECK(control.ask(Command::kStop, "bob").taken);
+  CHECK(control.ask(Command::kAbort, "carol").taken);
+  REQUIRE(control.asked(signals));
+  CHECK(control.asked(signals)->who == "alice");
+  CHECK(control.asked(signals)->command == Command::kAbort);
+  CHECK(control.who() == "carol");
+  int panics = 0;
+  control.on_panic([&] { ++panics; });
+  CHECK(control.ask(Command::kPanic, "dora").taken);
+  CHECK(panics == 1);
+  CHECK(control.asked(signals)->who == "dora");
+  Control lone;  // without anybody to call
+  CHECK(lone.ask(Command::kPanic, "e").taken);
 }
 
 TEST_CASE("control's answers: after the last step a pause, a resume and a stop come too late, the others do not") {
@@ -75,7 +106,6 @@ TEST_CASE("control's answers: after the last step a pause, a resume and a stop c
     const bool late = command < Command::kAbort;
     const Control::Answer answer = control.ask(command, "bob");
     CHECK(answer.taken == !late);
-    if (late) CHECK(answer.text == "run 7 has done all its steps: it vents, retracts, proves it and ends");
     CHECK_FALSE(control.pause_wanted());
     CHECK_FALSE(control.take_resume());
   }
@@ -96,6 +126,14 @@ TEST_CASE("control's answers: after the last step a pause, a resume and a stop c
   Control none;
   CHECK_NOTHROW(none.poll(signals));
   CHECK_FALSE(none.asked(signals));
+  CHECK_NOTHROW(none.finish(signals));
+  CHECK_FALSE(none.close(signals));
+  CHECK_FALSE(none.ask(Command::kAbort, "e").taken);
+  CHECK(none.ask(Command::kStatus, "e").taken);
+  Control aborted;
+  aborted.finish(signals);
+  CHECK(aborted.ask(Command::kAbort, "t").taken);
+  CHECK(aborted.close(signals));
 }
 
 TEST_CASE("control's answers: pauses and resumes, as they are wanted") {
@@ -115,15 +153,14 @@ TEST_CASE("control's answers: pauses and resumes, as they are wanted") {
 
 TEST_CASE("control's answers: one answer to a question, from the page or by a resume") {
   Control control;
-  CHECK(control.answer(4, "yes", "ann").text == "run 0 does not wait for an answer to question 4");
+  CHECK_FALSE(control.answer(4, "yes", "ann").taken);
   control.publish(asked_status(RunState::kPaused, "Mounted?"));
-  CHECK(control.answer(3, "yes", "ann").text == "run 7 does not wait for an answer to question 3");
+  CHECK_FALSE(control.answer(3, "yes", "ann").taken);
   CHECK(control.who().empty());
   CHECK_FALSE(control.answer_to(4));
   CHECK_FALSE(control.status().answer);
   const Control::Answer taken = control.answer(4, "yes", "ann");
   CHECK(taken.taken);
-  CHECK(taken.text == "run 7 continues: question 4 is answered");
   CHECK(control.who() == "ann");
   REQUIRE(control.answer_to(4));
   CHECK((control.answer_to(4)->text == "yes" && control.answer_to(4)->who == "ann"));
@@ -132,7 +169,7 @@ TEST_CASE("control's answers: one answer to a question, from the page or by a re
   const Control::Answer second = control.answer(4, "no", "eve"), resumed = control.ask(Command::kResume, "eve");
   for (const Control::Answer& late : {second, resumed}) {
     CHECK_FALSE(late.taken);
-    CHECK(late.text == "question 4 has its answer already, by ann");
+    CHECK_THAT(late.text, Catch::Contains("ann"));
   }
   CHECK(control.who() == "ann");
   CHECK_FALSE(control.take_resume());
@@ -141,7 +178,6 @@ TEST_CASE("control's answers: one answer to a question, from the page or by a re
     ending.publish(asked_status(state, "Mounted?"));
     const Control::Answer late = ending.answer(4, "yes", "ann");
     CHECK_FALSE(late.taken);
-    CHECK(late.text == "run 7 is ending: it waits for no answer");
   }
   Control closed;
   closed.publish(asked_status(RunState::kPaused, "Mounted?"));
@@ -162,73 +198,4 @@ TEST_CASE("control's answers: each status, each reading and each answer is a pie
   (void)control.ask(Command::kStatus, "ann");
   (void)control.ask(Command::kStop, "ann");
   CHECK(control.news() == 3);
-}
-
-TEST_CASE("control's answers: the first Ctrl-C pauses, the second ends, the first alone where nobody is there") {
-  const StopRequest signals;
-  Control alone, attended;
-  alone.end_by_first_interrupt();
-  std::raise(SIGINT);
-  CHECK(alone.asked(signals));
-  CHECK_FALSE(attended.asked(signals));
-  attended.poll(signals);
-  CHECK(attended.pause_wanted());
-  std::raise(SIGINT);
-  REQUIRE(attended.asked(signals));
-  CHECK(attended.close(signals)->signal == SIGINT);
-}
-
-TEST_CASE("client words: texts are cut to their columns, and words end at the first blank") {
-  const std::string long_text(1000, 'x');
-  const std::string cut_behalf = std::string(kLongestBehalf - 1, 'x') + "\u2026";
-  const std::string cut_reply = std::string(kLongestReply - 1, 'x') + "\u2026";
-  CHECK(command_words(Command::kStop, "") == "stop");
-  CHECK(command_words(Command::kStop, "ann") == "stop\nann");
-  CHECK(command_words(Command::kStop, long_text) == "stop\n" + cut_behalf);
-  CHECK(answer_words(12, "a b", "") == "answer 12 a b");
-  CHECK(answer_words(12, long_text, "ann") == "answer 12 " + cut_reply + "\nann");
-  CHECK(read_words("stop now").command == Command::kStop);
-  CHECK(read_words("stop\n" + long_text).behalf == cut_behalf);
-  CHECK(read_words("stop\n").behalf.empty());
-  CHECK(read_words("follow me\nann").word == ClientWord::kFollow);
-  CHECK(read_words("follow me\nann").behalf == "ann");
-  const ClientWords read = read_words("answer 12  two blanks\nann");
-  CHECK(
-      (read.word == ClientWord::kAnswer && read.question == 12 && read.text == " two blanks" && read.behalf == "ann"));
-  CHECK(read_words("answer 12 " + long_text).text == cut_reply);
-  CHECK(read_words("answer -3 x").question == -3);
-}
-
-TEST_CASE("progress lines: other units, thousands of seconds, no share without steps, no readings") {
-  RunStatus status;
-  status.label = "run";
-  status.phase = "travelling to 20 psi";
-  CHECK(progress_line(status, 3661.9) == "run: 61:01 left  travelling to 20 psi");
-  CHECK(progress_line(status, 0.0) == "run: 0:00 left  travelling to 20 psi");
-  CHECK(progress_line(status, 59.99) == "run: 0:59 left  travelling to 20 psi");
-  CHECK(progress_line(status, 60.0) == "run: 1:00 left  travelling to 20 psi");
-  status.steps = 1;
-  CHECK(progress_line(status, -0.1) == "run:   0 %  travelling to 20 psi");
-  status.step = 1;
-  CHECK(progress_line(status, -0.1) == "run: 100 %  travelling to 20 psi");
-  status.readings = RunReadings{1.0, 20.0, 19.0, 18.5, false, {}};
-  CHECK(progress_line(status, -0.1) == "run: 100 %  travelling to 20 psi  20.0 psi (reference 18.5)");
-  status.target_n = 2.0;
-  CHECK(progress_line(status, -0.1) == "run: 100 %  travelling to 20 psi  2.0 N (force 0.0)");
-}
-
-TEST_CASE("pace: a minute's rest is none, a longer one begins anew, and the same step again tells nothing more") {
-  const auto start = Pace::Clock::now();
-  Pace pace(start);
-  CHECK(pace.left_s(start + 60s, 10, 40) == 180.0);
-  CHECK(pace.left_s(start + 120s, 10, 40) == 360.0);
-  CHECK(pace.left_s(start + 180s + 1ns, 20, 40) < 0.0);
-  CHECK(pace.left_s(start + 190s + 1ns, 20, 40) < 0.0);
-  CHECK(pace.left_s(start + 200s + 1ns, 30, 40) == 20.0);
-}
-
-TEST_CASE("peers: their names from the user database, or their numbers") {
-  CHECK(peer_text({812, 0, false}) == "root (pid 812)");
-  CHECK(peer_text({812, 3999999999U, false}) == "user 3999999999 (pid 812)");
-  CHECK_FALSE(peer_of(-1));
 }

@@ -133,20 +133,6 @@ TEST_CASE("status: a step in words") {
   CHECK(phase_of(step, recipe, 19, 217) == "conditioning 1 of 1");
 }
 
-TEST_CASE("progress: the line has phase, set-point, reference, share and time left") {
-  RunStatus status = example_status();
-  status.target_n.reset();
-  status.phase = "conditioning 2 of 6";
-  CHECK(progress_line(status, 645.4) == "run:   9 %  10:45 left  conditioning 2 of 6  40.0 psi (reference 40.0)");
-  CHECK(progress_line(status, -1.0) == "run:   9 %  conditioning 2 of 6  40.0 psi (reference 40.0)");
-  status.target_n = 10.0;
-  CHECK(progress_line(status, 5.0) == "run:   9 %  0:05 left  conditioning 2 of 6  10.0 N (force 9.6)");
-  status.readings.reset();
-  status.steps = 0;
-  status.phase = "opening the devices";
-  CHECK(progress_line(status, -1.0) == "run: opening the devices");
-}
-
 TEST_CASE("progress: the first phase of a run in real time is due at once, of a simulation with its time only") {
   RunStatus status;
   status.phase = "opening the devices";
@@ -188,4 +174,14 @@ TEST_CASE("run status: the time left by the pace so far, anew after a way back o
   CHECK(pace.left_s(start + 1000s, 20, 100) < 0.0);  // it was paused
   CHECK(pace.left_s(start + 1001s, 30, 100) == 7.0);
   CHECK(pace.left_s(start + 1002s, 100, 100) == 0.0);
+}
+
+TEST_CASE("pace: a minute's rest is none, a longer one begins anew, and the same step again tells nothing more") {
+  const auto start = Pace::Clock::now();
+  Pace pace(start);
+  CHECK(pace.left_s(start + 60s, 10, 40) == 180.0);
+  CHECK(pace.left_s(start + 120s, 10, 40) == 360.0);
+  CHECK(pace.left_s(start + 180s + 1ns, 20, 40) < 0.0);
+  CHECK(pace.left_s(start + 190s + 1ns, 20, 40) < 0.0);
+  CHECK(pace.left_s(start + 200s + 1ns, 30, 40) == 20.0);
 }
