@@ -38,12 +38,14 @@ Recipe levels_recipe(double peak) {
   return recipe;
 }
 
+// "id: what", of which numbers and names count.
 std::string refusal(const Recipe& recipe, const BenchConfig& config) {
   try {
     bench::check_recipes({recipe}, config);
   } catch (const bench::Error& error) {
     CHECK(error.code() == bench::ExitCode::kUsage);
-    return error.id() + ": " + error.what() + " / " + error.remedy();
+    CHECK_FALSE(error.remedy().empty());
+    return error.id() + ": " + error.what();
   }
   return "none";
 }
@@ -91,40 +93,44 @@ TEST_CASE("recipe margins: of pressure, places and force, where the steps have t
   CHECK(margins[2].lowest == 0.0);
 }
 
-TEST_CASE("recipe check: at the limit it passes, beyond it is refused with what is beyond and what to change") {
+TEST_CASE("recipe check: at the limit it passes, beyond it is refused with what is beyond") {
+  const auto refused = [](const Recipe& recipe, const BenchConfig& config, const std::string& id,
+                          const std::vector<std::string>& parts) {
+    const std::string what = refusal(recipe, config);
+    INFO(what);
+    CHECK(what.starts_with(id + ": "));
+    for (const std::string& part : parts) CHECK(what.find(part) != std::string::npos);
+  };
   BenchConfig config;
   CHECK(refusal(levels_recipe(60.0), config) == "none");
   config.limits.command_psi = 59.0;
-  CHECK_THAT(
-      refusal(levels_recipe(60.0), config),
-      Catch::StartsWith("TB-RECIPE-LIMIT: recipe 'levels' goes to 60.00 psi of pressure, beyond the bench's limit of "
-                        "59.00 psi") &&
-          Catch::Contains("command_psi"));
+  refused(levels_recipe(60.0), config, "TB-RECIPE-LIMIT", {"levels", "60.00 psi", "59.00 psi"});
   Recipe press;
   press.name = "press";
   press.kind = RecipeKind::kPress;
   press.press.positions_mm = {{30.0, 30.0}};
   press.press.forces_n = {2.0, 10.0};
   config = {};
-  CHECK_THAT(refusal(press, config), Catch::StartsWith("TB-RECIPE-DEVICES") && Catch::Contains("needs a stage"));
+  refused(press, config, "TB-RECIPE-DEVICES", {"stage"});
   config.stage.emplace();
-  CHECK_THAT(refusal(press, config), Catch::StartsWith("TB-RECIPE-DEVICES") && Catch::Contains("a force sensor"));
+  refused(press, config, "TB-RECIPE-DEVICES", {"force sensor"});
   config.force.emplace();
   CHECK(refusal(press, config) == "none");
   config.limits.force_n[2] = 9.5;
-  CHECK_THAT(refusal(press, config), Catch::StartsWith("TB-RECIPE-LIMIT: recipe 'press' goes to 10.00 N of force") &&
-                                         Catch::Contains("[limits] force_n"));
+  refused(press, config, "TB-RECIPE-LIMIT", {"10.00 N", "9.50 N"});
   config.limits.force_n[2] = 10.1;  // not with tolerance and overshoot
-  CHECK_THAT(refusal(press, config), Catch::StartsWith("TB-RECIPE-LIMIT: 10 N, with its tolerance"));
+  refused(press, config, "TB-RECIPE-LIMIT", {"10 N", "10.1 N"});
   config.limits.force_n[2] = 35.0;
   config.stage->options.axes[0].high = devices::Millimetres(29.0);
-  CHECK_THAT(refusal(press, config), Catch::Contains("30.00 mm of x, beyond the bench's limit of 29.00 mm") &&
-                                         Catch::Contains("low_mm and high_mm"));
+  refused(press, config, "TB-RECIPE-LIMIT", {"30.00 mm", "29.00 mm", " x"});
+  config.stage->options.axes[0].high = devices::Millimetres(60.0);
+  config.stage->options.axes[1].low = devices::Millimetres(31.0);
+  refused(press, config, "TB-RECIPE-LIMIT", {"30.00 mm", "31.00 mm", " y"});
   Recipe waits = levels_recipe(20.0);
   waits.suspend.push_back({"supply_bar", true, 6.0, 6.5});
   config = {};
   config.environment.emplace_back().quantity = "temperature_c";
-  CHECK_THAT(refusal(waits, config), Catch::Contains("a sensor of supply_bar"));
+  refused(waits, config, "TB-RECIPE-DEVICES", {"supply_bar"});
   config.environment.emplace_back().quantity = "supply_bar";
   CHECK(refusal(waits, config) == "none");
 }

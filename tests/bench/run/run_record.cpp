@@ -2,6 +2,8 @@
 // of an old one.
 #include "bench/run/run_record.h"
 
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <string>
@@ -33,11 +35,11 @@ db::DeviceRecord device(const std::string& role, const std::string& model, const
   return {role, model, serial, "1", "simulated", "{}"};
 }
 
-std::string said_of(const std::function<void()>& act) {
+std::string id_of(const std::function<void()>& act) {
   const auto fault = devices::fault_of(act);
   if (!fault) return "";
-  return fault->id() + " | " + fault->device() + " | " + fault->what() + " | " +
-         as_error(std::make_exception_ptr(*fault)).remedy();
+  CHECK_FALSE(as_error(std::make_exception_ptr(*fault)).remedy().empty());
+  return fault->id();
 }
 
 }  // namespace
@@ -124,15 +126,14 @@ TEST_CASE("run record: a sensor with another number of taxels than the scanner i
       check_geometry(request);
     } catch (const Error& error) {
       CHECK(error.code() == ExitCode::kUsage);
-      CHECK(error.where() == request.bench.file + " [scanner], sensor S-1");
-      CHECK(error.remedy() == "use the bench file of this sensor's scanner, or correct rows and columns");
-      return error.id() + " " + error.what();
+      CHECK_FALSE(error.remedy().empty());
+      CHECK_THAT(error.what(), Catch::Contains(fmt::format("{} x {}", rows, columns)) && Catch::Contains("16 x 16"));
+      return error.id();
     }
     return std::string("none");
   };
-  const std::string head = "TB-SENSOR-GEOMETRY sensor type '" + request.sensor_type.name + "' has ";
-  CHECK(refused(16, 8) == head + "16 x 8 taxels, the bench's scanner 16 x 16");
-  CHECK(refused(8, 16) == head + "8 x 16 taxels, the bench's scanner 16 x 16");
+  CHECK(refused(16, 8) == "TB-SENSOR-GEOMETRY");
+  CHECK(refused(8, 16) == "TB-SENSOR-GEOMETRY");
   CHECK(refused(16, 16) == "none");
 }
 
@@ -145,17 +146,15 @@ TEST_CASE("run record: devices are kept once, and a continued run must find each
   keep_devices(row.store, number, begun);
   REQUIRE(row.store.run(number).devices.size() == 2);
   CHECK(row.store.run(number).devices[1].serial == "2");
-  CHECK(said_of([&] { keep_devices(row.store, number, {begun[1], begun[0], device("stage", "Z", "3")}); }).empty());
+  CHECK(id_of([&] { keep_devices(row.store, number, {begun[1], begun[0], device("stage", "Z", "3")}); }).empty());
   CHECK(row.store.run(number).devices.size() == 2);
   const auto missing = [&](const db::DeviceRecord& in_place) {
-    return said_of([&] { keep_devices(row.store, number, {begun[0], in_place}); });
+    return id_of([&] { keep_devices(row.store, number, {begun[0], in_place}); });
   };
-  const std::string complaint =
-      "TB-RESUME-DEVICES | scanner | run 1 began with S '2', which is not there now | connect the device that the run "
-      "began with, or start a new run";
-  CHECK(missing(device("scanner", "S", "3")) == complaint);
-  CHECK(missing(device("scanner", "T", "2")) == complaint);
-  CHECK(missing(device("array", "S", "2")) == complaint);
+  CHECK(missing(device("scanner", "S", "3")) == "TB-RESUME-DEVICES");
+  CHECK(missing(device("scanner", "T", "2")) == "TB-RESUME-DEVICES");
+  CHECK(missing(device("array", "S", "2")) == "TB-RESUME-DEVICES");
+  CHECK(missing({"scanner", "S", "2", "6", "hardware", "{1}"}).empty());  // firmware and calibration may be others
   CHECK(missing(begun[1]).empty());
 }
 
@@ -165,14 +164,10 @@ TEST_CASE("run record: a device that answers nonsense is named") {
   run.devices.clear();
   const std::int64_t number = row.store.begin_run(run);
   const auto kept = [&](const std::string& model) {
-    return said_of([&] { keep_devices(row.store, number, {device("scanner", model, "1")}); });
+    return id_of([&] { keep_devices(row.store, number, {device("scanner", model, "1")}); });
   };
-  const std::string remedy =
-      " | it answers nonsense, or another device does: check wiring, address and firmware, and what the bench file "
-      "calls it";
-  const std::string too_long = kept(std::string(100'000, 'x')), no_text = kept("a\xff");
-  CHECK_THAT(too_long, Catch::StartsWith("TB-DEVICE-NAME | instruments | ") && Catch::EndsWith(remedy));
-  CHECK_THAT(no_text, Catch::StartsWith("TB-DEVICE-NAME | instruments | ") && Catch::EndsWith(remedy));
+  CHECK(kept(std::string(100'000, 'x')) == "TB-DEVICE-NAME");
+  CHECK(kept("a\xff") == "TB-DEVICE-NAME");
 }
 
 TEST_CASE("run record: a sensor has rested since the last sign of its newest earlier run") {

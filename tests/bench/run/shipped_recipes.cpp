@@ -2,7 +2,6 @@
 #include <filesystem>
 #include <set>
 
-#include "bench/common/error.h"
 #include "bench/run/recipe_check.h"
 #include "tests/support/paths.h"
 
@@ -72,41 +71,5 @@ TEST_CASE("frames of a shipped recipe have one place each") {
       places.emplace(step.repeat, step.ordinal);
     }
     CHECK(frames == static_cast<int>(places.size()));
-  }
-}
-
-TEST_CASE("a recipe beyond an axis or without its devices is refused before anything is touched") {
-  const auto refused = [](const std::string& name, const BenchConfig& bench, const std::string& id,
-                          const std::string& message) {
-    try {
-      check_recipes({sequences::read_recipe(find_recipe(name))}, bench);
-      FAIL("accepted " << name);
-    } catch (const Error& error) {
-      CHECK(error.code() == ExitCode::kUsage);
-      CHECK(error.id() == id);
-      CHECK_THAT(error.what(), Catch::Contains(message));
-      CHECK(!error.remedy().empty());
-    }
-  };
-  refused("descending", simulated({{"limits.command_psi", "59"}}), "TB-RECIPE-LIMIT", "60.00 psi of pressure");
-  BenchConfig small = simulated();
-  small.stage->options.axes[1].high = devices::Millimetres(30.0);
-  refused("register", small, "TB-RECIPE-LIMIT", "40.00 mm of y, beyond the bench's limit of 30.00 mm");
-  small.stage->options.axes[1].high = devices::Millimetres(60.0);
-  small.stage->options.axes[0].low = devices::Millimetres(25.0);
-  refused("register", small, "TB-RECIPE-LIMIT", "20.00 mm of x, beyond the bench's limit of 25.00 mm");
-  small.stage.reset();
-  refused("ring", small, "TB-RECIPE-DEVICES", "a stage");
-  BenchConfig blind = simulated();
-  blind.force.reset();
-  refused("ring", blind, "TB-RECIPE-DEVICES", "a force sensor");
-  check_recipes({sequences::read_recipe(find_recipe("descending"))}, small);
-  Recipe supplied = sequences::read_recipe(find_recipe("zero-check"));
-  supplied.suspend.push_back({"supply_bar", true, 6.0, 6.5});
-  try {
-    check_recipes({supplied}, simulated());
-    FAIL("accepted");
-  } catch (const Error& error) {
-    CHECK_THAT(error.what(), Catch::Contains("supply_bar"));
   }
 }

@@ -1,6 +1,7 @@
 #include "bench/run/time_estimate.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "tests/bench/run/stored_past.h"
 #include "tests/support/process.h"
@@ -68,21 +69,6 @@ TEST_CASE("a completed run of the same recipe is learned from, total and remaini
   CHECK(six.runs == 6);
   CHECK(six.p90_s - six.p50_s < 0.2 * half_of_one);
   CHECK(six.p90_s > six.p50_s);
-}
-
-TEST_CASE("the band holds the spread of the runs") {
-  Bed bed;
-  const std::vector<Recipe> recipes = {recipe_named("a")};
-  for (int i = 0; i < 10; ++i) {
-    Past past;
-    past.step_s = 3.0 + 0.1 * i;
-    store_run(bed.store, recipes, past);
-  }
-  const TimeBand band = bed.learned(recipes).total();
-  CHECK(band.runs == 10);
-  CHECK(band.p10_s == Approx(20 * 3.09));
-  CHECK(band.p50_s == Approx(20 * 3.45));
-  CHECK(band.p90_s == Approx(20 * 3.81));
 }
 
 TEST_CASE("time already lost in a run is not added to the remaining time") {
@@ -169,4 +155,37 @@ TEST_CASE("prompts are counted separately from the time") {
   CHECK(estimate.total_of(0).prompts == 1);
   CHECK(estimate.total_of(1).prompts == 0);
   CHECK(estimate.remaining(1).prompts == 0);
+}
+
+TEST_CASE("time left: rises and falls at their own speeds, and bands of two recipes widen independently") {
+  const auto recipe = [](const std::string& text) {
+    return sequences::parse_recipe(sequences::TomlDocument::from_text("schema = 1\nunit = \"psi\"\n" + text, "r.toml"));
+  };
+  const std::vector<Recipe> recipes = {
+      recipe("name = \"one\"\nturning_points = [0, 8, 0]\nstep = 8\n[prompt]\nbefore = \"ready?\"\n"
+             "[conditioning]\ncycles = 1\npeak = 8\n"),
+      recipe("name = \"two\"\nturning_points = [0, 8, 0]\nstep = 4\nrepeats = 2\n[prompt]\nbefore = \"now?\"\n")};
+  const auto steps = sequences::compile(recipes);
+  sequences::TimeModel model;
+  model.rise_psi_per_s = 20.0;
+  model.fall_psi_per_s = 10.0;
+  model.settle_s = 1.0;
+  model.prompt_s = 0.0;
+  const TimeEstimate estimate(recipes, steps, model);
+  // Steps of 2 s dwell and 1 s to settle; 8 psi up take 0.4 s, down 0.8 s. One: five steps, up and down twice.
+  CHECK(estimate.total_of(0).p50_s == Approx(5 * 3.0 + 2 * (0.4 + 0.8)));
+  CHECK(estimate.total_of(1).p50_s == Approx(10 * 3.0 + 2 * (0.4 + 0.8)));
+  const TimeBand one = estimate.total_of(0), two = estimate.total_of(1), both = estimate.total();
+  CHECK(both.p50_s == Approx(one.p50_s + two.p50_s));
+  CHECK(both.p90_s - both.p50_s == Approx(std::hypot(one.p90_s - one.p50_s, two.p90_s - two.p50_s)));
+  CHECK(both.p50_s - both.p10_s == Approx(std::hypot(one.p50_s - one.p10_s, two.p50_s - two.p10_s)));
+  double last_s = both.p50_s;
+  for (std::size_t done = 0; done <= steps.size(); ++done) {
+    const TimeBand left = estimate.remaining(done);
+    CHECK(left.p50_s <= last_s);
+    CHECK((left.p10_s <= left.p50_s && left.p50_s <= left.p90_s));
+    CHECK(left.prompts == (done == 0 ? 2 : done <= 6 ? 1 : 0));  // the prompts are steps 1 and 7
+    last_s = left.p50_s;
+  }
+  CHECK(last_s == 0.0);
 }

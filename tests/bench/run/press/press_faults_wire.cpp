@@ -137,14 +137,3 @@ TEST_CASE("retract: never toward the specimen, callable twice, and a z that lost
   CHECK(rig.z_mm() == Approx(0.0).margin(1e-4));
   CHECK(rig.press->retract().verified);
 }
-
-TEST_CASE("retract: a force that stays is not safe, and without a sensor nothing is verified") {
-  PressRig rig([](double) { return 3.0; });  // stuck to the object
-  const bench::RetractProof stuck = rig.press->retract();
-  CHECK_FALSE(stuck.verified);
-  CHECK_THAT(stuck.text, Catch::StartsWith("NOT SAFE"));
-  const bench::RetractProof blind = bench::retract(rig.stage, nullptr, rig.zaber.clock, {10.0, 4.0, 0.5, 50}, {});
-  CHECK_FALSE(blind.verified);
-  CHECK(blind.z_mm);
-  CHECK_THAT(blind.text, Catch::Contains("no force sensor"));
-}

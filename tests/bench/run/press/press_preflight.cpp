@@ -1,8 +1,13 @@
-// What a press plan is refused for, before anything moves.
+// What a press plan is refused for, before anything moves: each limit at its edge and beyond it.
 #include "bench/run/press/press_preflight.h"
 
 #include <catch2/catch.hpp>
 #include <limits>
+#include <string>
+#include <vector>
+
+#include "bench/config/config.h"
+#include "bench/run/stage_steps.h"
 
 using namespace tactbench;
 using bench::PressEnvelope;
@@ -11,48 +16,128 @@ using bench::PressPlanned;
 
 namespace {
 
-const PressEnvelope kEnvelope{{25.0, 25.0, 35.0, 250.0, 250.0, 250.0}, 1.0, {{{0.0, 60.0}, {0.0, 60.0}, {0.0, 50.0}}}};
-const PressPlanned kRing{{{30.0, 30.0}}, {2.0, 6.0, 10.0, 20.0, 30.0}};
+// Numbers that are exact in binary. 0.5 mm/s x (0.25 + 0.25) s x 8 N/mm: 2 N of overshoot; half of 32 N of Fz, as much
+// as the bench's limit.
+PressOptions exact_options() {
+  PressOptions options;
+  options.servo_mm_per_s = 0.5;
+  options.force_latency_s = 0.25;
+  options.stop_time_s = 0.25;
+  options.poll_interval_s = 0.25;
+  options.stiffest_n_per_mm = 8.0;
+  options.tolerance_n = 0.5;
+  options.tolerance_share = 0.0;
+  options.force_limit_n = 16.0;
+  options.contact_n = 1.0;
+  options.approach_mm_per_s = 2.5;  // 1 N + 2.5 mm/s x 0.75 s x 8 N/mm: 16 N
+  options.resolution_mm = 0.0625;
+  options.clear_z_mm = 0.0;
+  options.deepest_z_mm = 50.0;
+  return options;
+}
 
-std::string first(const PressPlanned& planned, const PressOptions& options = {},
-                  const PressEnvelope& envelope = kEnvelope) {
-  const auto complaints = bench::press_complaints(planned, options, envelope);
-  return complaints.empty() ? "none" : complaints.front();
+const PressEnvelope kEdgeEnvelope{
+    {25.0, 25.0, 32.0, 250.0, 250.0, 250.0}, 0.5, {{{0.0, 60.0}, {10.0, 60.0}, {0.0, 50.0}}}};
+
+// One complaint for each row of `numbers`, which it has to name.
+using Numbers = std::vector<std::vector<std::string>>;
+
+void check_complaints(const std::vector<std::string>& complaints, const Numbers& numbers) {
+  REQUIRE(complaints.size() == numbers.size());
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    for (const std::string& number : numbers[i]) {
+      INFO(complaints[i] << ": " << number);
+      CHECK(complaints[i].find(number) != std::string::npos);
+    }
+  }
+}
+
+void check_forces(const std::vector<double>& forces, const Numbers& numbers,
+                  const PressOptions& options = exact_options()) {
+  check_complaints(bench::press_complaints({{{0.0, 10.0}, {60.0, 60.0}}, forces}, options, kEdgeEnvelope), numbers);
 }
 
 }  // namespace
 
 TEST_CASE("press preflight: the paper's ring fits the SI-25 calibration and not the SI-12") {
-  CHECK(first(kRing) == "none");
-  PressEnvelope small = kEnvelope;
-  small.force_range[2] = 17.0;
-  const auto complaints = bench::press_complaints(kRing, {}, small);
-  REQUIRE(complaints.size() == 3);  // 20 N, 30 N, and a force limit that nothing would see passed
-  CHECK_THAT(complaints[0], Catch::StartsWith("20 N"));
-  CHECK_THAT(complaints[0], Catch::Contains("17 N"));
+  const PressPlanned ring{{{30.0, 30.0}}, {2.0, 6.0, 10.0, 20.0, 30.0}};
+  PressEnvelope calibrated = {{25.0, 25.0, 35.0, 250.0, 250.0, 250.0}, 1.0, {{{0.0, 60.0}, {0.0, 60.0}, {0.0, 50.0}}}};
+  CHECK(bench::press_complaints(ring, {}, calibrated).empty());
+  calibrated.force_range[2] = 17.0;
+  // 20 N, 30 N, and a force limit that nothing would see passed.
+  check_complaints(bench::press_complaints(ring, {}, calibrated), {{"20 N", "17 N"}, {"30 N"}, {}});
 }
 
-TEST_CASE("press preflight: overshoot is speed times latency and stop time times stiffness, and counts") {
-  CHECK(bench::overshoot_n(0.5, 0.02, 0.03, 100.0) == Approx(2.5));
-  PressOptions fast;
-  fast.servo_mm_per_s = 1.0;
-  CHECK_THAT(first(kRing, fast), Catch::Contains("4.00 N of overshoot"));
-  PressOptions hasty;
-  hasty.approach_mm_per_s = 5.0;
-  CHECK_THAT(first(kRing, hasty), Catch::Contains("the search at 5 mm/s"));
+TEST_CASE("press preflight: forces with tolerance and overshoot up to the range, down to what counts as contact") {
+  CHECK(bench::overshoot_n(0.5, 0.02, 0.03, 100.0) == Approx(2.5));  // speed, latency and stop time, stiffness
+  check_forces({1.0, 13.5}, {});
+  check_forces({13.75}, {{"13.75 N", "2.00 N", "16 N"}, {"13.75 N", "2.00 N", "16 N"}});  // of the range, of the bench
+  check_forces({0.75}, {{"0.75 N", "1 N"}});
+  check_forces({std::numeric_limits<double>::quiet_NaN()}, {{}, {}});
+  PressOptions share = exact_options();
+  share.tolerance_share = 0.0625;  // of 13.5 N more than 0.5 N
+  check_forces({13.5}, {{"13.5 N"}, {"13.5 N"}}, share);
+  check_forces({8.0}, {}, share);
 }
 
-TEST_CASE("press preflight: places outside the axes, too small a force, coarse moves and not-a-number are refused") {
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  CHECK_THAT(first({{{61.0, 30.0}}, {2.0}}), Catch::Contains("x = 61 mm"));
-  CHECK_THAT(first({{{30.0, -0.1}}, {2.0}}), Catch::Contains("y = -0.1 mm"));
-  CHECK_THAT(first({{{nan, 30.0}}, {2.0}}), Catch::Contains("x = nan"));
-  CHECK_FALSE(first({{{30.0, 30.0}}, {nan}}) == "none");
-  CHECK_THAT(first({{{30.0, 30.0}}, {0.05}}), Catch::Contains("count as contact"));
-  PressOptions deep;
-  deep.deepest_z_mm = 50.5;
-  CHECK_THAT(first(kRing, deep), Catch::Contains("deepest z"));
-  PressOptions coarse;
-  coarse.resolution_mm = 0.001;
-  CHECK_THAT(first(kRing, coarse), Catch::Contains("smallest move"));
+TEST_CASE("press preflight: the bench's limit, the search and the smallest move") {
+  PressOptions options = exact_options();
+  options.force_limit_n = 16.5;
+  check_forces({2.0}, {{"16.5 N", "16 N"}}, options);
+  check_forces({}, {{}}, options);
+  options = exact_options();
+  options.approach_mm_per_s = 3.0;
+  check_forces({2.0, 8.0}, {{"3 mm/s", "19.0 N", "8 N/mm", "16 N"}}, options);
+  options.resolution_mm = 0.125;
+  check_forces({}, {}, options);  // nothing is pressed
+  options.approach_mm_per_s = 2.5;
+  check_forces({8.0, 2.0, 4.0}, {{"1.000 N", "0.500 N", "2 N"}}, options);
+}
+
+TEST_CASE("press preflight: places at the ends of each axis and beyond") {
+  const auto check_place = [](double x_mm, double y_mm, double clear_mm, double deepest_mm, const Numbers& numbers) {
+    PressOptions options = exact_options();
+    options.clear_z_mm = clear_mm;
+    options.deepest_z_mm = deepest_mm;
+    check_complaints(bench::press_complaints({{{x_mm, y_mm}}, {2.0}}, options, kEdgeEnvelope), numbers);
+  };
+  check_place(0.0, 10.0, 0.0, 50.0, {});
+  check_place(60.0, 60.0, 49.0, 50.0, {});
+  check_place(-0.5, 9.5, 0.0, 50.0, {{"x = -0.5 mm", "0 to 60 mm"}, {"y = 9.5 mm", "10 to 60 mm"}});
+  check_place(60.5, 60.5, -0.5, 50.5,
+              {{"x = 60.5 mm"}, {"y = 60.5 mm"}, {"z = -0.5 mm", "0 to 50 mm"}, {"z = 50.5 mm", "0 to 50 mm"}});
+  check_place(std::numeric_limits<double>::quiet_NaN(), 30.0, 0.0, 50.0, {{"x = nan"}});
+  check_place(0.0, 10.0, 50.0, 50.0, {{}});  // clear is not above the deepest
+}
+
+TEST_CASE("press options of a run: the bench's limits and the recipe's own speeds") {
+  bench::BenchConfig config;
+  config.stage.emplace();
+  config.force.emplace();
+  config.limits.clear_z_mm = 21.0;
+  config.limits.contact_n = 0.7;
+  config.limits.force_n = {1.0, 2.0, 30.0};
+  sequences::Recipe recipe;
+  recipe.press.approach_mm_per_s = 0.25;
+  recipe.press.contact_n = 0.3;
+  recipe.press.servo_mm_per_s = 0.02;
+  recipe.press.clear_mm = 3.0;
+  PressOptions options = bench::press_options(config, recipe);
+  CHECK(options.clear_z_mm == 21.0);
+  CHECK(options.safe_force_n == 0.7);
+  CHECK(options.force_limit_n == 30.0);
+  CHECK(options.approach_mm_per_s == 0.25);
+  CHECK(options.contact_n == 0.3);
+  CHECK(options.servo_mm_per_s == 0.02);
+  CHECK(options.clear_mm == 3.0);
+  config.limits.force_n[2] = 40.0;
+  CHECK(bench::press_options(config, recipe).force_limit_n == 33.0);  // the press's own is less
+  recipe.press.positions_mm = {{30.0, 62.0}};
+  recipe.press.forces_n = {2.0};
+  config.stage->options.axes[1].high = devices::Millimetres(61.0);
+  config.force->overload_share = 0.9;
+  const auto complaints = bench::press_complaints(recipe, config, {25.0, 25.0, 35.0, 250.0, 250.0, 250.0});
+  REQUIRE(complaints.size() == 2);
+  CHECK_THAT(complaints[0], Catch::Contains("33 N") && Catch::Contains("31.5 N"));
+  CHECK_THAT(complaints[1], Catch::StartsWith("y = 62 mm"));
 }

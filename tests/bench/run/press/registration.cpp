@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <stdexcept>
 
 #include "tests/devices/fault_of.h"
 
@@ -13,6 +14,7 @@ using namespace tactbench;
 using bench::MountRegistration;
 using bench::Touch;
 using devices::fault_id_of;
+using devices::fault_of;
 
 namespace {
 
@@ -124,4 +126,91 @@ TEST_CASE("registration by hand: the transform that fits, and how far the reject
   CHECK(found.rms_mm == Approx(0.0).margin(1e-9));
   CHECK(found.other_rms_mm == Approx(std::sqrt(80.0)));
   CHECK(nlohmann::json::parse(found.json())["other_flip_rms_mm"].get<double>() == found.other_rms_mm);
+}
+
+TEST_CASE("registration: the centre of a touch by hand") {
+  // 3 rows of 4; the peak 10, threshold 1: weights 9 at (1, 1), 4 at (1, 2), 1 at (2, 1); what is below counts nothing.
+  std::vector<double> frame(12, 5.0);
+  const std::vector<double> baseline(12, 5.0);
+  frame[1 * 4 + 1] += 10.0;
+  frame[1 * 4 + 2] += 5.0;
+  frame[2 * 4 + 1] += 2.0;
+  frame[0 * 4 + 3] += 1.0;
+  frame[0 * 4 + 0] -= 4.0;
+  const auto centre = bench::touch_centre_mm(frame, baseline, 3, 4, 2.0, 10.0);
+  CHECK(centre[0] == Approx(2.0 * (9.0 * 1 + 4.0 * 2 + 1.0 * 1) / 14.0));
+  CHECK(centre[1] == Approx(2.0 * (9.0 * 1 + 4.0 * 1 + 1.0 * 2) / 14.0));
+  const auto sharp = bench::touch_centre_mm(frame, baseline, 3, 4, 2.0, 10.0, 0.4);
+  CHECK(sharp[0] == Approx(2.0 * (6.0 * 1 + 1.0 * 2) / 7.0));
+  const auto id = [&](const std::vector<double>& made, int rows, int columns, double least) {
+    return fault_id_of([&] { (void)bench::touch_centre_mm(made, baseline, rows, columns, 2.0, least); });
+  };
+  CHECK(id(frame, 3, 4, std::nextafter(10.0, 11.0)) == "TB-MOUNT-NO-TOUCH");
+  CHECK_THROWS_AS(bench::touch_centre_mm(frame, baseline, 3, 5, 2.0, 1.0), std::invalid_argument);
+  CHECK_THROWS_AS(bench::touch_centre_mm(frame, std::vector<double>(11), 3, 4, 2.0, 1.0), std::invalid_argument);
+  for (std::size_t i = 0; i < 12; ++i) {
+    std::vector<double> one = baseline;
+    one[i] += 10.0;
+    CHECK(id(one, 3, 4, 1.0) == (i == 5 || i == 6 ? "none" : "TB-MOUNT-EDGE"));
+  }
+  std::vector<double> edge = baseline;
+  edge[2 * 4 + 3] += 10.0;
+  const auto fault = fault_of([&] { (void)bench::touch_centre_mm(edge, baseline, 3, 4, 2.0, 1.0); });
+  CHECK_THAT(fault.value().what(), Catch::Contains("2") && Catch::Contains("3"));
+  CHECK(fault_id_of([&] {
+          (void)bench::touch_centre_mm(std::vector<double>(12, std::nan("")), baseline, 3, 4, 2.0, 1.0);
+        }) == "TB-MOUNT-NO-TOUCH");
+}
+
+TEST_CASE("registration: stage position over a taxel when turned, scaled and flipped") {
+  MountRegistration mount;
+  mount.angle_deg = 30.0;
+  mount.offset_mm = {3.0, -2.0};
+  mount.scale = 2.0;
+  const double c = std::sqrt(0.75), s = 0.5;
+  CHECK(mount.stage_mm({1.0, 5.0})[0] == Approx(3.0 + c * 2.0 - s * 10.0));
+  CHECK(mount.stage_mm({1.0, 5.0})[1] == Approx(-2.0 + s * 2.0 + c * 10.0));
+  mount.flipped = true;
+  CHECK(mount.stage_mm({1.0, 5.0})[0] == Approx(3.0 + c * 2.0 + s * 10.0));
+  CHECK(mount.stage_mm({1.0, 5.0})[1] == Approx(-2.0 + s * 2.0 - c * 10.0));
+}
+
+TEST_CASE("registration: residuals, their mean square and the spread, to their limits") {
+  // A square of 10 mm whose corners lie 0.1 mm in and out along the diagonals: turn, shift and scale stay, rms 0.1.
+  const double in = 0.1 / std::sqrt(2.0);
+  std::vector<Touch> square;
+  int k = 0;
+  for (const auto& [x, y] : {std::pair{-5.0, -5.0}, std::pair{5.0, -5.0}, std::pair{5.0, 5.0}, std::pair{-5.0, 5.0}}) {
+    const double out = k++ % 2 == 0 ? in : -in;
+    square.push_back({x + std::copysign(out, out * x), y + std::copysign(out, out * y), {x, y}});
+  }
+  bench::RegistrationOptions options;
+  options.most_rms_mm = 0.1 + 1e-9;
+  const MountRegistration made = bench::register_mount(square, 2.5, options);
+  CHECK(made.rms_mm == Approx(0.1));
+  CHECK(made.scale == Approx(1.0));
+  CHECK(made.angle_deg == Approx(0.0).margin(1e-9));
+  CHECK(made.pitch_mm == 2.5);
+  REQUIRE(made.residual_mm.size() == 4);
+  for (const double residual : made.residual_mm) CHECK(residual == Approx(0.1));
+  const auto json = nlohmann::json::parse(made.json());
+  CHECK(json["touches"][1]["stage_mm"][1].get<double>() == square[1].y_mm);
+  CHECK(json["touches"][1]["taxel_mm"][0].get<double>() == 5.0);
+  CHECK(json["rms_mm"].get<double>() == made.rms_mm);
+  CHECK(json["angle_deg"].get<double>() == made.angle_deg);
+  options.most_rms_mm = 0.1 - 1e-9;
+  CHECK(fault_id_of([&] { (void)bench::register_mount(square, 2.5, options); }) == "TB-MOUNT-RESIDUAL");
+  // Three in a row and one 8 mm off: 8 x sqrt(3) / 4 mm from their line, root mean square.
+  std::vector<Touch> kite;
+  for (const auto& [x, y] : {std::pair{0.0, 0.0}, std::pair{15.0, 8.0}, std::pair{30.0, 0.0}, std::pair{15.0, 0.0}})
+    kite.push_back({x, y, {x, y}});
+  options = {};
+  options.least_spread_mm = 2.0 * std::sqrt(3.0) - 1e-9;
+  CHECK(bench::register_mount(kite, 2.5, options).rms_mm < 1e-9);
+  options.least_spread_mm = 2.0 * std::sqrt(3.0) + 1e-9;
+  CHECK(fault_id_of([&] { (void)bench::register_mount(kite, 2.5, options); }) == "TB-MOUNT-COLLINEAR");
+  kite.resize(3);
+  CHECK_FALSE(bench::register_mount(kite, 2.5).flipped);
+  kite.resize(2);
+  CHECK(fault_id_of([&] { (void)bench::register_mount(kite, 2.5); }) == "TB-MOUNT-TOUCHES");
 }
