@@ -223,7 +223,6 @@ TEST_CASE("control: after the last step a panic or an abort ends the run, and a 
   const bench::RunResult result = words.run(-1, [] {});
   CHECK(answer.taken == !late);
   if (late) {
-    CHECK(answer.text == "run 1 has done all its steps: it vents, retracts, proves it and ends");
     CHECK_FALSE(result.error);
     CHECK(result.outcome == db::Outcome::kCompleted);
     CHECK(words.reasons() == Reasons{});
@@ -258,7 +257,6 @@ TEST_CASE("control: after a long pause the whole repeat is done again") {
   for (const db::BranchRecord& branch : words.store.branches(1)) {
     if (!branch.is_void) continue;
     CHECK(branch.repeat == 1);
-    CHECK_THAT(branch.void_reason, Catch::Contains("the repeat is done again"));
   }
 }
 
@@ -267,7 +265,7 @@ TEST_CASE("control: a command that does not fit the state is refused with the re
   const bench::RunResult result = words.run(12, [&] {
     const bench::LiveRun answer = say(Command::kResume);
     CHECK_FALSE(answer.taken);
-    CHECK(answer.text == "run 1 is running, not paused");
+    CHECK(answer.status.state == bench::RunState::kRunning);
   });
   CHECK_FALSE(result.error);
   CHECK(words.states().size() == 2);

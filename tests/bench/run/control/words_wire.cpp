@@ -20,6 +20,7 @@
 #include "bench/run/control/peer.h"
 #include "tests/support/answering_run.h"
 #include "tests/support/process.h"
+#include "tests/support/refusal.h"
 
 using namespace tactbench::bench;
 using namespace tactbench::tests;
@@ -172,22 +173,20 @@ TEST_CASE("commands: a bench whose id cannot be a file name is found by that id 
 
 TEST_CASE("commands: who holds a bench is told with its run and store, to another run and to another program") {
   AnsweringRun live("held bench", 3, "held bench.db");
-  const auto refusal = [&](const std::function<void()>& take) {
-    try {
-      take();
-    } catch (const Error& error) {
-      CHECK(error.id() == "TB-BENCH-LOCKED");
-      CHECK(error.code() == ExitCode::kUsage);
-      CHECK(error.where() == shown_name(run_names("held bench").at(0)));
-      return std::string(error.what()) + " | " + error.remedy();
-    }
-    return std::string("not refused");
+  const auto refused = [&](const std::function<void()>& take, const std::vector<std::string>& parts) {
+    const auto error = refusal_by(take);
+    REQUIRE(error);
+    CHECK(error->id() == "TB-BENCH-LOCKED");
+    CHECK(error->code() == ExitCode::kUsage);
+    CHECK(error->where() == shown_name(run_names("held bench").at(0)));
+    for (const std::string& part : parts) CHECK(std::string(error->what()).find(part) != std::string::npos);
   };
-  const std::string holder = "bench 'held bench' is in use by " + peer_text({getpid(), geteuid(), false});
-  CHECK(refusal([&] { const BenchLock lock(live.config); }) ==
-        holder + ", run 3 of held bench.db | wait for it to end, or end it: tactbench stop --bench held bench");
-  CHECK(refusal([&] {
-          Control control;
-          const ControlSocket socket(live.config, control, 4);
-        }) == holder + " | wait for it to end, or end it: tactbench stop");
+  const std::string holder = peer_text({getpid(), geteuid(), false});
+  refused([&] { const BenchLock lock(live.config); }, {holder, "run 3", "held bench.db"});
+  refused(
+      [&] {
+        Control control;
+        const ControlSocket socket(live.config, control, 4);
+      },
+      {holder});
 }

@@ -73,7 +73,7 @@ TEST_CASE("press preflight: forces with tolerance and overshoot up to the range,
   check_forces({1.0, 13.5}, {});
   check_forces({13.75}, {{"13.75 N", "2.00 N", "16 N"}, {"13.75 N", "2.00 N", "16 N"}});  // of the range, of the bench
   check_forces({0.75}, {{"0.75 N", "1 N"}});
-  check_forces({std::numeric_limits<double>::quiet_NaN()}, {{}, {}});
+  check_forces({std::numeric_limits<double>::quiet_NaN()}, {{}, {}, {}});
   PressOptions share = exact_options();
   share.tolerance_share = 0.0625;  // of 13.5 N more than 0.5 N
   check_forces({13.5}, {{"13.5 N"}, {"13.5 N"}}, share);
