@@ -35,8 +35,7 @@ TEST_CASE("suspension: a branch is void while the supply is gone, and done again
   for (const db::EventRecord& event : store.events(result.run)) {
     if (event.kind == "state") states += event.detail + "\n";
   }
-  CHECK_THAT(states, Catch::Contains("running -> suspended: supply_bar is 0.00, below 6") &&
-                         Catch::Contains("suspended -> running: conditions hold again"));
+  CHECK_THAT(states, Catch::Contains("running -> suspended: supply_bar") && Catch::Contains("suspended -> running"));
   int suspended = 0;
   for (const db::BranchRecord& branch : store.branches(result.run)) {
     if (!branch.is_void) continue;
