@@ -1,5 +1,5 @@
 // How the plant goes through time, in numbers of another implementation: when the film is moved, what turns it, how an
-// object under the stage comes to it, and what of faults each question meets.
+// object under the stage comes to it, and what a scan's status says.
 #include <array>
 #include <catch2/catch.hpp>
 #include <chrono>
@@ -151,43 +151,15 @@ TEST_CASE("plant coupling: a scan's status marks rows without time to settle and
   CHECK_THROWS_AS(ends.plant.scan(wrong, ends.status), std::invalid_argument);
 }
 
-TEST_CASE("plant coupling: faults of the witnesses, the supply and a row act while they last") {
-  SmallPlant bed([](PlantOptions& options) { options.supply_bar = 7.5; });
+TEST_CASE("plant coupling: a stuck row beyond the array is its last one") {
+  SmallPlant bed;
   bed.drive(2.0);
   bed.at(3s);
-  CHECK(bed.plant.supply_bar() == 7.5);
-  const double psi = bed.plant.true_pressure().value();
-  bed.plant.inject(FaultKind::kFeedbackOffset, 3.0);
-  bed.plant.inject(FaultKind::kReferenceOffset, -2.0);
-  CHECK(bed.plant.feedback().value() / 10.0 * 130.534 == Approx(psi + 3.0).margin(0.3));
-  CHECK(bed.plant.reference_pressure().value() == Approx(psi - 2.0).margin(0.1));
-  bed.plant.clear(FaultKind::kFeedbackOffset);
-  CHECK(bed.plant.feedback().value() / 10.0 * 130.534 == Approx(psi).margin(0.3));
-  bed.plant.inject(FaultKind::kRegulatorUnpowered);
-  CHECK(bed.plant.feedback().value() == 0.0);
-  bed.plant.clear(FaultKind::kRegulatorUnpowered);
-  bed.plant.inject(FaultKind::kSupplyLost);
-  CHECK(bed.plant.supply_bar() == 0.0);
-  bed.plant.clear(FaultKind::kSupplyLost);
-  CHECK(bed.plant.supply_bar() == 7.5);
-  const std::vector<int> before = bed.scan();
-  bed.plant.inject(FaultKind::kRowStuck, 1.0);
-  const std::vector<int> first = bed.scan();
-  bed.drive(4.0);
-  bed.at(6s);
-  const std::vector<int> later = bed.scan();
-  CHECK(std::equal(first.begin() + 3, first.end(), later.begin() + 3));
-  CHECK_FALSE(first[0] == later[0]);
-  bed.plant.clear(FaultKind::kRowStuck);
-  CHECK(bed.scan()[3] > first[3] + 100);
-  bed.plant.inject(FaultKind::kRowStuck, 77.0);  // beyond the array: its last row
+  bed.plant.inject(FaultKind::kRowStuck, 77.0);
   const std::vector<int> last = bed.scan();
+  bed.drive(4.0);
   bed.at(60s);
-  CHECK(std::equal(last.begin() + 3, last.end(), bed.scan().begin() + 3));
-  CHECK(bed.plant.injected(Instrument::kScanner) == devices::InjectedFault::kNone);
-  bed.plant.inject(FaultKind::kScannerTorn, std::nullopt, 2);
-  CHECK(bed.plant.injected(Instrument::kModule) == devices::InjectedFault::kNone);
-  CHECK(bed.plant.injected(Instrument::kScanner) == devices::InjectedFault::kTorn);
-  CHECK(bed.plant.injected(Instrument::kScanner) == devices::InjectedFault::kTorn);
-  CHECK(bed.plant.injected(Instrument::kScanner) == devices::InjectedFault::kNone);
+  const std::vector<int> later = bed.scan();
+  CHECK(std::equal(last.begin() + 3, last.end(), later.begin() + 3));
+  CHECK(last[0] != later[0]);
 }

@@ -66,7 +66,12 @@ TEST_CASE("plant's questions: a look before a change leaves all as it is") {
       {"a command", [](SmallPlant& bed) { bed.drive(1.0); }},
       {"a command with a limit",
        [](SmallPlant& bed) { bed.plant.drive(devices::Volts(3.0), 391ms, devices::Volts(0.5)); }},
-      {"the dump valve opens", [](SmallPlant& bed) { bed.plant.dump(true); }},
+      {"the dump valve opens, and closes",
+       [](SmallPlant& bed) {
+         bed.plant.dump(true);
+         bed.at(304ms);
+         bed.plant.dump(false);
+       }},
       {"another memory of the film",
        [](SmallPlant& bed) { bed.plant.set_specimen_state(SmallPlant().plant.specimen_state()); }},
   };
