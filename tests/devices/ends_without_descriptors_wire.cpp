@@ -40,7 +40,7 @@ int refused_with_few(const std::function<void()>& start) {
 
 }  // namespace
 
-TEST_CASE("simulated ends: with too few descriptors each says so and leaves none open") {
+TEST_CASE("simulated ends: with too few descriptors each says so and leaves none open", "[few-descriptors]") {
   NoLoad load;
   TurnedClock clock;
   TestArray array;
@@ -56,7 +56,7 @@ TEST_CASE("simulated ends: with too few descriptors each says so and leaves none
         }) == 2);
 }
 
-TEST_CASE("simulated scanner: with too few descriptors a living one keeps its path") {
+TEST_CASE("simulated scanner: with too few descriptors a living one keeps its path", "[few-descriptors]") {
   TurnedClock clock;
   TestArray array;
   const TemporaryFolder folder;

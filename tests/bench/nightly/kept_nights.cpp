@@ -1,5 +1,7 @@
 // Nights in a store: their runs are taken once, and compared with the last ones of the same seeds. No rig: the stores
 // of scenarios are written here.
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <string>
@@ -99,6 +101,14 @@ ScenarioResult night_of_one(KeptNights& nights, const std::vector<NightRun>& run
   return results[0];
 }
 
+bool is_first(const ScenarioResult& result) { return result.compared.starts_with("first run"); }
+bool same_as(const ScenarioResult& result, int run) {
+  return result.compared == fmt::format("same frames as run {}", run);
+}
+bool changed_since(const ScenarioResult& result, int run) {
+  return result.compared.starts_with(fmt::format("frames changed since run {} ", run));
+}
+
 using TextLines = std::vector<std::string>;
 
 }  // namespace
@@ -141,41 +151,41 @@ TEST_CASE("a night's runs are taken once, with its tag, its figures and its resu
 
 TEST_CASE("fixed seeds: the first night, one of the same frames with other figures, one of other frames") {
   KeptNights nights;
-  const ScenarioResult first =
-      night_of_one(nights, {{}}, {{"a", 2.0}, {"b", 5.0}, {"c", 1.0}, {"d", 0.0}}, "2026-01-02T00:00:00Z");
-  CHECK(first.compared == "first run with this seed");
+  const std::map<std::string, double> figures = {{"a", 2.0}, {"b", 5.0}, {"c", 1.0}, {"d", 0.0}};
+  const ScenarioResult first = night_of_one(nights, {{}}, figures, "2026-01-02T00:00:00Z");
+  CHECK(is_first(first));
   CHECK((first.remarks.empty() && first.wrong.empty()));
   const ScenarioResult second = night_of_one(
       nights, {{}}, {{"a", 2.5}, {"c", 1.0000000009}, {"d", 0.0}, {"e", 4.0}, {"f", 4.0}}, "2026-01-03T00:00:00Z");
-  CHECK(second.compared == "same frames as run 1");
-  CHECK(second.remarks == TextLines{"a is 2.5, was 2 in run 1, of the same frames",
-                                    "b is missing; run 1 has it, of the same frames",
-                                    "2 figures that run 1 does not have, of the same frames"});
+  CHECK(same_as(second, 1));
+  REQUIRE(second.remarks.size() == 3);  // another, one missing, two more
+  CHECK_THAT(second.remarks[0], Catch::StartsWith("a is 2.5") && Catch::Contains("2 in run 1"));
+  CHECK_THAT(second.remarks[1], Catch::StartsWith("b ") && Catch::Contains("run 1"));
+  CHECK_THAT(second.remarks[2], Catch::StartsWith("2 figures"));
   const ScenarioResult third = night_of_one(
       nights, {{}}, {{"a", 2.5}, {"c", 1.0000000029}, {"d", 1e-300}, {"e", 4.0}, {"f", 4.0}}, "2026-01-04T00:00:00Z");
-  CHECK(third.compared == "same frames as run 2");
-  CHECK(third.remarks ==
-        TextLines{"c is 1, was 1 in run 2, of the same frames", "d is 1e-300, was 0 in run 2, of the same frames"});
+  CHECK(same_as(third, 2));
+  REQUIRE(third.remarks.size() == 2);  // beyond a billionth
+  CHECK((third.remarks[0].starts_with("c ") && third.remarks[1].starts_with("d is 1e-300")));
   const ScenarioResult fourth = night_of_one(nights, {{.counts = 8}}, {{"a", 9.0}}, "2026-01-05T00:00:00Z");
-  CHECK(fourth.compared == "frames changed since run 3 (2026-01-02, commit 0123456789ab)");
-  CHECK(fourth.remarks ==
-        TextLines{"with the same seeds the frames changed since run 3 (2026-01-02, commit 0123456789ab)"});
-  const ScenarioResult other = night_of_one(nights, {{.seed = 2}}, {{"a", 9.0}}, "2026-01-06T00:00:00Z");
-  CHECK(other.compared == "first run with this seed");
+  CHECK(changed_since(fourth, 3));
+  REQUIRE(fourth.remarks.size() == 1);
+  CHECK_THAT(fourth.remarks[0],
+             Catch::Contains("run 3") && Catch::Contains("2026-01-02") && Catch::Contains("0123456789ab"));
+  CHECK(is_first(night_of_one(nights, {{.seed = 2}}, {{"a", 9.0}}, "2026-01-06T00:00:00Z")));
 }
 
 TEST_CASE("fixed seeds: held-out runs count as well, one by one, and runs of another purpose are none of them") {
   KeptNights nights;
   const std::vector<NightRun> two{{}, {.seed = 1'000'001, .counts = 9}};
   (void)night_of_one(nights, two, {{"a", 2.0}}, "2026-01-02T00:00:00Z");
-  CHECK(night_of_one(nights, two, {{"a", 2.0}}, "2026-01-03T00:00:00Z").compared == "same frames as run 1");
-  CHECK(night_of_one(nights, {{}, {.seed = 1'000'001, .counts = 10}}, {{"a", 2.0}}, "2026-01-04T00:00:00Z").compared ==
-        "frames changed since run 3 (2026-01-02, commit 0123456789ab)");
+  CHECK(same_as(night_of_one(nights, two, {{"a", 2.0}}, "2026-01-03T00:00:00Z"), 1));
+  const std::vector<NightRun> other{{}, {.seed = 1'000'001, .counts = 10}};
+  CHECK(changed_since(night_of_one(nights, other, {{"a", 2.0}}, "2026-01-04T00:00:00Z"), 3));
   // The first run alone: it is the same.
-  CHECK(night_of_one(nights, {{}}, {{"a", 2.0}}, "2026-01-05T00:00:00Z").compared == "same frames as run 5");
+  CHECK(same_as(night_of_one(nights, {{}}, {{"a", 2.0}}, "2026-01-05T00:00:00Z"), 5));
   // Run 7 has no second one behind it: the next is of the night that is compared.
-  CHECK(night_of_one(nights, two, {{"a", 2.0}}, "2026-01-06T00:00:00Z").compared ==
-        "frames changed since run 7 (2026-01-02, commit 0123456789ab)");
+  CHECK(changed_since(night_of_one(nights, two, {{"a", 2.0}}, "2026-01-06T00:00:00Z"), 7));
 }
 
 TEST_CASE("a night of several seeds shows each scenario once, with the newest seed's figures") {
@@ -196,7 +206,6 @@ TEST_CASE("a night of several seeds shows each scenario once, with the newest se
   CHECK(followed[0].run == 2);
   CHECK(followed[1].subject == "nightly/two");
   CHECK(followed[1].figures[0].values == std::vector<double>{4.0});
-  CHECK(results[0].compared == "first run with this seed");
-  CHECK(results[2].compared == "first run with this seed");
+  CHECK((is_first(results[0]) && is_first(results[2])));
   CHECK(results[3].compared.empty());
 }

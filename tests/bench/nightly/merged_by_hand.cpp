@@ -28,16 +28,25 @@ class MergedByHand {
     for (const std::string& name : names) paths.push_back(path(name));
     return merge_stores(paths, store);
   }
+  // "id what place"; a refusal always says what to do.
   [[nodiscard]] std::string refusal(const std::vector<std::string>& names) {
     try {
       (void)merge(names);
     } catch (const Error& error) {
-      return fmt::format("{} {} | {} | {} | {}", static_cast<int>(error.code()), error.id(), error.what(),
-                         error.where(), error.remedy());
+      CHECK((error.code() == ExitCode::kUsage && !error.remedy().empty()));
+      return fmt::format("{} {} {}", error.id(), error.what(), error.where());
     } catch (const db::StoreError& error) {
-      return fmt::format("{} | {} | {}", error.id(), error.what(), error.remedy());
+      CHECK_FALSE(std::string(error.remedy()).empty());
+      return fmt::format("{} {}", error.id(), error.what());
     }
     return "merged";
+  }
+  void check_refused(const std::vector<std::string>& names, const std::string& id,
+                     const std::vector<std::string>& parts) {
+    const std::string said = refusal(names);
+    INFO(said);
+    CHECK(said.starts_with(id + " "));
+    for (const std::string& part : parts) CHECK(said.find(part) != std::string::npos);
   }
   // runs, those there, fits, baselines, nights
   static std::string counts(const MergedStores& merged) {
@@ -81,9 +90,8 @@ TEST_CASE("merged by hand: parts of a night are that night, in the order of its 
   REQUIRE(night.results.size() == 3);
   std::string results;
   for (const ScenarioResult& result : night.results)
-    results += fmt::format("{} {} {}; ", result.name, result.runs.front().run, result.compared);
-  CHECK(results ==
-        "one 1 first run with this seed; two 3 first run with this seed; three 4 first run with this seed; ");
+    results += fmt::format("{} {}; ", result.name, result.runs.front().run);
+  CHECK(results == "one 1; two 3; three 4; ");
   CHECK(night.results[2].wrong == std::vector<std::string>{"it is red"});
   REQUIRE(night.followed.size() == 3);
   CHECK(night.followed[1].subject == "nightly/two");
@@ -113,36 +121,26 @@ TEST_CASE("merged by hand: whole nights of several stores come in the order of t
   }
   const MergedStores merged = made.merge({"late", "early"});
   CHECK(MergedByHand::counts(merged) == "3 0 0 0 3");
-  std::vector<std::string> words;
-  for (const MergedNight& night : merged.nights)
-    words.push_back(night.record.begun_utc.substr(0, 10) + " " + night.results[0].compared);
-  CHECK(words == std::vector<std::string>{"2026-01-03 first run with this seed", "2026-01-04 same frames as run 1",
-                                          "2026-01-05 same frames as run 2"});
+  for (std::size_t i = 0; i < 3; ++i) {
+    CHECK(merged.nights[i].record.begun_utc == fmt::format("2026-01-{:02}T00:00:00Z", 3 + i));
+    CHECK(merged.nights[i].results[0].compared.ends_with(i == 0 ? "seed" : fmt::format("run {}", i)));
+  }
 }
 
 TEST_CASE("merged by hand: a night of which parts are missing or there twice is refused, and nothing is taken") {
   MergedByHand made;
   write_parts(made);
-  const auto missing = [&](const std::string& what, int shards) {
-    return fmt::format(
-        "2 TB-MERGE-SHARD | of the night parts, {} | {} | carry them out: tactbench nightly SUITE "
-        "--shard K/{} --db FILE",
-        what, made.path("a"), shards);
-  };
-  CHECK(made.refusal({"a"}) == missing("one part is of 2 missing: 2", 2));
+  made.check_refused({"a"}, "TB-MERGE-SHARD", {"parts", ": 2", made.path("a")});
   {
     PartStore copy = made.part("copy");
     copy.add_night(2, 2, "2026-01-02T00:30:00Z", "2026-01-02T02:00:00Z", "p", {});
   }
-  CHECK(made.refusal({"a", "b", "copy"}) == "2 TB-MERGE-SHARD | part 2 of 2 of the night parts is there twice | " +
-                                                made.path("b") + ", " + made.path("copy") +
-                                                " | merge each night by itself");
+  made.check_refused({"a", "b", "copy"}, "TB-MERGE-SHARD", {"2 of 2", made.path("b"), made.path("copy")});
   {
     PartStore five = made.part("five");
     five.add_night(3, 5, "2026-01-02T00:30:00Z", "2026-01-02T02:00:00Z", "p", {});
   }
-  CHECK_THAT(made.refusal({"a", "b", "five"}),
-             Catch::StartsWith("2 TB-MERGE-SHARD | of the night parts, 4 parts are of 5 missing: 1, 2, 4, 5 | "));
+  made.check_refused({"a", "b", "five"}, "TB-MERGE-SHARD", {"1, 2, 4, 5"});
   CHECK(made.store.runs().empty());
   CHECK(made.store.nights().empty());
 }
@@ -150,14 +148,11 @@ TEST_CASE("merged by hand: a night of which parts are missing or there twice is 
 TEST_CASE("merged by hand: a store into itself, or named twice, by whatever path") {
   MergedByHand made;
   write_parts(made);
-  CHECK(made.refusal({"a", "main"}) ==
-        "2 TB-USAGE | a store is not merged into itself | " + made.path("main") + " | leave it out");
-  CHECK(made.refusal({"a", "b", "a"}) ==
-        "2 TB-USAGE | this store is named twice | " + made.path("a") + " | name each store once");
+  made.check_refused({"a", "main"}, "TB-USAGE", {made.path("main")});
+  made.check_refused({"a", "b", "a"}, "TB-USAGE", {made.path("a")});
   std::filesystem::create_symlink(made.path("b"), made.path("link"));
-  CHECK(made.refusal({"b", "link"}) ==
-        "2 TB-USAGE | this store is named twice | " + made.path("link") + " | name each store once");
-  CHECK_THAT(made.refusal({"none"}), Catch::StartsWith("TB-STORE-OPEN | "));
+  made.check_refused({"b", "link"}, "TB-USAGE", {made.path("link")});
+  made.check_refused({"none"}, "TB-STORE-OPEN", {});
 }
 
 TEST_CASE("merged by hand: results that another hand has changed are refused by store and night") {
@@ -175,15 +170,12 @@ TEST_CASE("merged by hand: results that another hand has changed are refused by 
     (void)part.store.add_night(night);
     return made.refusal({name});
   };
-  const std::string hand = " | the file was changed by another hand: take your last snapshot";
-  CHECK_THAT(damaged("x", "one", "{}"), Catch::StartsWith("TB-STORE-SQL | store " + made.path("x") +
-                                                          ": night 1: a scenario's result cannot be read: ") &&
-                                            Catch::EndsWith(hand));
+  CHECK_THAT(damaged("x", "one", "{}"),
+             Catch::StartsWith("TB-STORE-SQL ") && Catch::Contains(made.path("x")) && Catch::Contains("night 1"));
   ScenarioResult other;
   other.name = "four";
-  CHECK(damaged("y", "four", to_json(other)) == "TB-STORE-SQL | store " + made.path("y") +
-                                                    ": a night has a result of 'four', which its suite does not have" +
-                                                    hand);
+  CHECK_THAT(damaged("y", "four", to_json(other)),
+             Catch::StartsWith("TB-STORE-SQL ") && Catch::Contains(made.path("y")) && Catch::Contains("four"));
 }
 
 TEST_CASE("merged by hand: runs that are no night's come first, and one UUID has one content") {
@@ -203,10 +195,7 @@ TEST_CASE("merged by hand: runs that are no night's come first, and one UUID has
     PartStore other = made.part("other");
     (void)other.add_run("by hand", 9, 8, uuid);
   }
-  CHECK(made.refusal({"other"}) ==
-        fmt::format("TB-STORE-CONFLICT | run 1 of {} and run 1 of {} have one UUID ({}) and different content | "
-                    "tactbench verify shows which of them is as it was stored",
-                    made.path("other"), made.path("main"), uuid));
+  made.check_refused({"other"}, "TB-STORE-CONFLICT", {"run 1", made.path("other"), made.path("main"), uuid});
 }
 
 TEST_CASE("merged by hand: baselines come with the numbers that their runs have here, each acceptance once") {
