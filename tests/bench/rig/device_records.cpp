@@ -1,12 +1,14 @@
-// What a run keeps of its devices, to the letter: everything that scales their readings, and what is stated of them.
+// What a run keeps of its devices: everything that scales their readings, and what is stated of them.
 #include "bench/rig/device_records.h"
 
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include "devices/stage/zaber_binary.h"
 
 using namespace tactbench;
 using namespace tactbench::bench;
+using nlohmann::json;
 
 namespace {
 
@@ -24,13 +26,27 @@ StatedCalibration everything_stated() {
   return stated;
 }
 
-std::string row_of(const db::DeviceRecord& record) {
-  return record.role + "|" + record.model + "|" + record.serial + "|" + record.firmware + "|" + record.origin + "|" +
-         record.calibration_json;
+// With the keys that end in `unit`; `chain`: what a budget needs beside U.
+json with_stated(json all, const std::string& unit, bool chain, const std::string& input_unit = {}) {
+  all.update({{"certificate", "C-1"}, {"calibrated", "2026-01-31"}, {"due", "2027-01-31"}});
+  all["expanded_uncertainty_" + unit] = 0.25;
+  if (!chain) return all;
+  all["certificate_covers"] = "transducer";
+  all["drift_" + unit] = 0.125;
+  all["input_limit_" + (input_unit.empty() ? unit : input_unit)] = 0.5;
+  return all;
 }
 
-const std::string kAll = R"("certificate":"C-1","calibrated":"2026-01-31","due":"2027-01-31")";
-const std::string kNone = R"("certificate":"","calibrated":"","due":"")";
+json with_none(json all) {
+  all.update({{"certificate", ""}, {"calibrated", ""}, {"due", ""}});
+  return all;
+}
+
+json kept(const db::DeviceRecord& record) { return json::parse(record.calibration_json); }
+
+std::string head_of(const db::DeviceRecord& record) {
+  return record.role + "|" + record.model + "|" + record.serial + "|" + record.firmware + "|" + record.origin;
+}
 
 }  // namespace
 
@@ -40,37 +56,40 @@ TEST_CASE("device records: module and regulator with the scales of what they hav
   profile.outputs.channels = 1;
   profile.outputs.volts = {0.0, 32767.0, 0.0, 10.0};
   profile.inputs.channels = 0;
-  CHECK(
-      row_of(module_record(kNamed, profile)) ==
-      R"(role|model|serial|firmware|hardware|{"profile":"p","output_volts":{"raw_low":0.0,"raw_high":32767.0,"low":0.0,"high":10.0}})");
+  const auto scale = [](double raw_low, double raw_high, double low, double high) {
+    return json{{"raw_low", raw_low}, {"raw_high", raw_high}, {"low", low}, {"high", high}};
+  };
+  CHECK(head_of(module_record(kNamed, profile)) == "role|model|serial|firmware|hardware");
+  CHECK(kept(module_record(kNamed, profile)) == json{{"profile", "p"}, {"output_volts", scale(0, 32767, 0, 10)}});
   profile.outputs.channels = 0;
   profile.inputs.channels = 1;
   profile.inputs.volts = {1.0, 2.0, 3.0, 4.0};
-  CHECK(module_record(kNamed, profile).calibration_json ==
-        R"({"profile":"p","input_volts":{"raw_low":1.0,"raw_high":2.0,"low":3.0,"high":4.0}})");
+  CHECK(kept(module_record(kNamed, profile)) == json{{"profile", "p"}, {"input_volts", scale(1, 2, 3, 4)}});
   profile.inputs.channels = 0;
-  CHECK(module_record(kNamed, profile).calibration_json == R"({"profile":"p"})");
+  CHECK(kept(module_record(kNamed, profile)) == json{{"profile", "p"}});
   BenchConfig config;
   config.regulator.command_span = {devices::Volts(1.0), devices::Volts(9.0), devices::Psi(2.0), devices::Psi(80.0)};
   devices::Identity simulated = kNamed;
   simulated.origin = devices::Origin::kSimulated;
-  CHECK(row_of(regulator_record(simulated, config)) ==
-        R"(role|model|serial|firmware|simulated|{"volts_low":1.0,"volts_high":9.0,"psi_low":2.0,"psi_high":80.0})");
+  CHECK(head_of(regulator_record(simulated, config)).ends_with("|simulated"));
+  CHECK(kept(regulator_record(simulated, config)) ==
+        json{{"volts_low", 1.0}, {"volts_high", 9.0}, {"psi_low", 2.0}, {"psi_high", 80.0}});
 }
 
 TEST_CASE("device records: the reference by transducer or gauge, with its correction, limits and what is stated") {
   BenchConfig config;
   config.reference.span = {devices::Volts(0.0), devices::Volts(10.0), devices::Psi(0.0), devices::Psi(100.0)};
-  const std::string span = R"({"volts_low":0.0,"volts_high":10.0,"psi_low":0.0,"psi_high":100.0,)";
-  CHECK(reference_record(kNamed, config).calibration_json == span + R"("independent":true,)" + kNone + "}");
+  const json span = {
+      {"volts_low", 0.0}, {"volts_high", 10.0}, {"psi_low", 0.0}, {"psi_high", 100.0}, {"independent", true}};
+  CHECK(kept(reference_record(kNamed, config)) == with_none(span));
   config.reference_stated = everything_stated();
   config.reference_limits = {0.01, 0.02, 0.03};
   config.reference_resolution_psi = 0.005;
-  const std::string stated = kAll + R"(,"expanded_uncertainty_psi":0.25)";
-  const std::string limits = R"("hysteresis_psi":0.01,"zero_psi":0.02,"temperature_psi":0.03,"resolution_psi":0.005})";
-  CHECK(reference_record(kNamed, config).calibration_json ==
-        span + R"("independent":true,)" + stated +
-            R"(,"certificate_covers":"transducer","drift_psi":0.125,"input_limit_v":0.5,)" + limits);
+  const json limits = {
+      {"hysteresis_psi", 0.01}, {"zero_psi", 0.02}, {"temperature_psi", 0.03}, {"resolution_psi", 0.005}};
+  json all = with_stated(span, "psi", true, "v");
+  all.update(limits);
+  CHECK(kept(reference_record(kNamed, config)) == all);
   config.reference_independent = false;  // the chain is then the regulator's
   config.reference_gauge.emplace();
   config.reference_gauge->quantity.scale = {0.0, 1000.0, -5.0, 95.0};
@@ -78,11 +97,14 @@ TEST_CASE("device records: the reference by transducer or gauge, with its correc
   config.reference_correction.correction_psi = {0.5, -0.25};
   config.reference_correction.expanded_uncertainty_psi = {0.1, 0.2};
   config.reference_correction.coverage_factor = 2.5;
-  CHECK(
-      reference_record(kNamed, config).calibration_json ==
-      R"({"raw_low":0.0,"raw_high":1000.0,"low":-5.0,"high":95.0,"correction":{"reading_psi":[0.0,50.0],)"
-      R"("correction_psi":[0.5,-0.25],"expanded_uncertainty_psi":[0.1,0.2],"coverage_factor":2.5},"independent":false,)" +
-          stated + "," + limits);
+  all = with_stated({{"raw_low", 0.0}, {"raw_high", 1000.0}, {"low", -5.0}, {"high", 95.0}, {"independent", false}},
+                    "psi", false);
+  all["correction"] = {{"reading_psi", {0.0, 50.0}},
+                       {"correction_psi", {0.5, -0.25}},
+                       {"expanded_uncertainty_psi", {0.1, 0.2}},
+                       {"coverage_factor", 2.5}};
+  all.update(limits);
+  CHECK(kept(reference_record(kNamed, config)) == all);
 }
 
 TEST_CASE("device records: a thermometer with all that is stated of it, other surroundings with their scale alone") {
@@ -94,33 +116,34 @@ TEST_CASE("device records: a thermometer with all that is stated of it, other su
   sensor.serial = "7";
   sensor.stated = everything_stated();
   sensor.place.scale = {-1000.0, 1000.0, -100.0, 100.0};
-  const std::string scale = R"({"raw_low":-1000.0,"raw_high":1000.0,"low":-100.0,"high":100.0)";
-  CHECK(row_of(environment_record(sensor, config)) ==
-        "temperature_c sensor|T|7||hardware|" + scale + "," + kAll +
-            R"(,"expanded_uncertainty_c":0.25,"certificate_covers":"transducer","drift_c":0.125,"input_limit_c":0.5})");
+  const json scale = {{"raw_low", -1000.0}, {"raw_high", 1000.0}, {"low", -100.0}, {"high", 100.0}};
+  CHECK(head_of(environment_record(sensor, config)) == "temperature_c sensor|T|7||hardware");
+  CHECK(kept(environment_record(sensor, config)) == with_stated(scale, "c", true));
   sensor.quantity = "supply_bar";
-  CHECK(row_of(environment_record(sensor, config)) == "supply_bar sensor|T|7||hardware|" + scale + "}");
+  CHECK(head_of(environment_record(sensor, config)) == "supply_bar sensor|T|7||hardware");
+  CHECK(kept(environment_record(sensor, config)) == scale);
 }
 
 TEST_CASE("device records: scanner, force sensor and stage") {
   BenchConfig config;
-  CHECK(scanner_record(kNamed, 0.5, config).calibration_json == R"({"volts_per_count":0.5})");
+  CHECK(kept(scanner_record(kNamed, 0.5, config)) == json{{"volts_per_count", 0.5}});
   config.scanner_cable = "W-1";
-  CHECK(scanner_record(kNamed, 0.5, config).calibration_json == R"({"volts_per_count":0.5,"cable":"W-1"})");
+  CHECK(kept(scanner_record(kNamed, 0.5, config)) == json{{"volts_per_count", 0.5}, {"cable", "W-1"}});
   ForceConfig force;
   force.records = 20;
-  CHECK(force_record({kNamed, "", {}}, force).calibration_json == R"({"records_per_reading":20,)" + kNone + "}");
+  CHECK(kept(force_record({kNamed, "", {}}, force)) == with_none({{"records_per_reading", 20}}));
   force.stated = everything_stated();
-  CHECK(force_record({kNamed, "FT-1", {1.0, 2.0, 3.0, 40.0, 50.0, 60.0}}, force).calibration_json ==
-        R"({"records_per_reading":20,"calibration":"FT-1","range_n":[1.0,2.0,3.0],"range_nmm":[40.0,50.0,60.0],)" +
-            kAll +
-            R"(,"expanded_uncertainty_n":0.25,"certificate_covers":"transducer","drift_n":0.125,"input_limit_n":0.5})");
+  CHECK(kept(force_record({kNamed, "FT-1", {1.0, 2.0, 3.0, 40.0, 50.0, 60.0}}, force)) ==
+        with_stated({{"records_per_reading", 20},
+                     {"calibration", "FT-1"},
+                     {"range_n", {1.0, 2.0, 3.0}},
+                     {"range_nmm", {40.0, 50.0, 60.0}}},
+                    "n", true));
   StageConfig stage;
   stage.options.axes[1].low = devices::Millimetres(1.5);
   stage.options.axes[1].high = devices::Millimetres(20.5);
   stage.stated = everything_stated();
-  CHECK(stage_record(kNamed, 1, stage).calibration_json ==
-        R"({"low_mm":1.5,"high_mm":20.5,)" + kAll + R"(,"expanded_uncertainty_mm":0.25})");
+  CHECK(kept(stage_record(kNamed, 1, stage)) == with_stated({{"low_mm", 1.5}, {"high_mm", 20.5}}, "mm", false));
 }
 
 TEST_CASE("device records: the instruments that a bench file states, with those that press where they are used") {
@@ -130,9 +153,7 @@ TEST_CASE("device records: the instruments that a bench file states, with those 
   config.reference.serial = "r";
   const auto heads = [&](bool presses) {
     std::string text;
-    for (const db::DeviceRecord& record : stated_instruments(config, presses))
-      text +=
-          record.role + "|" + record.model + "|" + record.serial + "|" + record.firmware + "|" + record.origin + "; ";
+    for (const db::DeviceRecord& record : stated_instruments(config, presses)) text += head_of(record) + "; ";
     return text;
   };
   const std::string reference = "pressure reference|R|r||simulated; ";

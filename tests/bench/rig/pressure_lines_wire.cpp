@@ -107,8 +107,8 @@ TEST_CASE("a reference that differs from the feedback trips the run, and the cha
 TEST_CASE("an impossible pressure configuration is refused by the key that makes it so") {
   const std::vector<std::pair<Overrides, std::string>> rows = {
       {{{"module.profile", "moxa-iologik-e1241"}}, "watchdog"},
-      {{{"module.profile", "moxa-iologik-e1240"}}, "module"},  // no outputs
-      {{{"module.transport", "rtu"}}, "transport"},
+      {{{"module.profile", "moxa-iologik-e1240"}}, "profile"},  // no outputs
+      {{{"module.transport", "rtu"}}, "profile"},
       {{{"module.baud", "9600"}}, "baud"},
       {{{"reference.correction.reading_psi", "[0, 60]"},
         {"reference.correction.correction_psi", "[0.0]"},
