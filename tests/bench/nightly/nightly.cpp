@@ -170,21 +170,6 @@ TEST_CASE("a suite's numbers have bounds, its names are plain, and a scenario ha
   CHECK(two.void_held_out);
 }
 
-TEST_CASE("a suite with several seeds runs each scenario once per seed, counting up from its own seed") {
-  const Suite suite = parse_suite(with(kOne, "seed = 5\n[[scenario]]\nname = \"two\"\nabout = \"\"\n"), "s.toml");
-  const Suite once = with_seeds(suite, 1);
-  REQUIRE(once.scenarios.size() == 2);
-  CHECK(once.scenarios[0].label == "one");
-  CHECK(once.scenarios[0].seed == 5);
-  const Suite many = with_seeds(suite, 3);
-  std::vector<std::string> labels;
-  for (const Scenario& scenario : many.scenarios) labels.push_back(scenario.label);
-  CHECK(labels ==
-        std::vector<std::string>{"one-seed-5", "one-seed-6", "one-seed-7", "two-seed-1", "two-seed-2", "two-seed-3"});
-  CHECK(many.scenarios[2].seed == 7);
-  CHECK(many.scenarios[2].name == "one");
-}
-
 TEST_CASE("suite keys: every one of a scenario as it is written") {
   const Suite suite = parse_suite(
       std::string(kOne) +

@@ -122,16 +122,6 @@ TEST_CASE("a run in the chamber does not keep instruments that it does not use")
   CHECK(warnings_of(store, result.run).empty());  // overdue, and not used
 }
 
-TEST_CASE("a run with chamber and stage stores all its instruments before its first frame") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
-  bench::RunRequest request = ring_request();
-  request.recipes.insert(request.recipes.begin(), small_recipe());
-  const bench::RunResult result = run_small(request, store);
-  if (result.error) FAIL(result.error->what());
-  CHECK(device_of(store.run(result.run), "force sensor").serial == "SIM-FT-1");
-}
-
 TEST_CASE("an instrument that is overdue when the run begins is an event of the run") {
   const TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);

@@ -81,28 +81,6 @@ TEST_CASE("guarded rig: force beyond the limit halts the stage, and z may still 
   CHECK(stage.wait(Axis::kZ).value() == Approx(stands - 5.0).margin(0.01));
 }
 
-TEST_CASE("guarded rig: x and y wait for z, and z for x and y") {
-  Rig rig(small_request().bench);
-  devices::Stage& stage = *rig.stage_gate();
-  stage.arm();
-  CHECK(fault_id_of([&] { stage.home(Axis::kX); }) == "TB-STAGE-ENVELOPE");  // z was not homed
-  home(rig);
-  devices::ForceSensor& force = rig.open_force();
-  (void)force.bias(10);
-  (void)force.read(10);
-  stage.start_move_to(Axis::kX, Millimetres(5.0), std::nullopt);
-  CHECK(fault_id_of([&] { stage.start_move_to(Axis::kZ, Millimetres(26.0), std::nullopt); }) == "TB-STAGE-ENVELOPE");
-  (void)stage.wait(Axis::kX);
-  (void)force.read(10);
-  stage.start_move_to(Axis::kZ, Millimetres(26.0), std::nullopt);
-  CHECK(fault_id_of([&] { stage.start_move_to(Axis::kY, Millimetres(1.0), std::nullopt); }) == "TB-STAGE-ENVELOPE");
-  (void)stage.wait(Axis::kZ);
-  CHECK(fault_id_of([&] { stage.start_speed(Axis::kY, devices::MillimetresPerSecond(1.0)); }) == "TB-STAGE-ENVELOPE");
-  stage.start_move_to(Axis::kZ, Millimetres(25.0), std::nullopt);
-  (void)stage.wait(Axis::kZ);
-  CHECK(fault_id_of([&] { stage.start_move_to(Axis::kY, Millimetres(1.0), std::nullopt); }) == "none");
-}
-
 TEST_CASE("guarded rig: a press is refused before the sensor is tared") {
   Rig rig(small_request().bench);
   home(rig);

@@ -84,17 +84,6 @@ TEST_CASE("chamber: the regulator's hysteresis separates true and reported press
   }
 }
 
-TEST_CASE("chamber: stepped as on the bench, the regulator's hysteresis stays visible in the pressure") {
-  Chamber chamber({});
-  for (int level = 2; level <= 30; level += 2) respond(chamber, level, 2.4);
-  const double up = chamber.pressure().value();
-  for (int level = 32; level <= 60; level += 2) respond(chamber, level, 2.4);
-  for (int level = 58; level >= 30; level -= 2) respond(chamber, level, 2.4);
-  const double width = ChamberOptions().hysteresis_share * ChamberOptions().span_psi;
-  CHECK(up - chamber.pressure().value() > 0.7 * width);
-  CHECK(up - chamber.pressure().value() <= width);
-}
-
 TEST_CASE("chamber: the command has the regulator's resolution") {
   ChamberOptions options;
   options.hysteresis_share = 0.0;

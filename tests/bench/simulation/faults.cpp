@@ -348,18 +348,4 @@ TEST_CASE("an axis reports its position at an earlier time") {
   CHECK_FALSE(stage.at_rest_since(back - 1ms));
 }
 
-TEST_CASE("faults: the same schedule gives the same run") {
-  const auto run = [] {
-    PlannedFault leak = planned(FaultKind::kLeak);
-    leak.at_psi = 15.0;
-    leak.lasts_s = 2.5;
-    PlannedFault jump = planned(FaultKind::kOvershoot);
-    jump.at_s = 5.0;
-    Bench bench({leak, jump});
-    for (const double psi : {10.0, 20.0, 30.0}) bench.hold(psi);
-    return bench.plant.specimen_state();
-  };
-  CHECK(run() == run());
-}
-
 }  // namespace tactbench::bench

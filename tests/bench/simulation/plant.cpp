@@ -159,21 +159,6 @@ TEST_CASE("plant: same seeds, same answers, and another noise seed moves only th
   CHECK(std::sqrt(sensor) > 50 * std::sqrt(noise));
 }
 
-TEST_CASE("plant: repeated scans at one time differ by noise alone") {
-  PlantRig rig;
-  rig.hold(25.0, 3s);
-  constexpr int kScans = 400;
-  double sum = 0.0;
-  double squares = 0.0;
-  for (int k = 0; k < kScans; ++k) {
-    const double v = scan(rig.plant).counts[100] * ScannerFrontEnd().volts_per_count;
-    sum += v;
-    squares += v * v;
-  }
-  const double spread = std::sqrt(squares / kScans - std::pow(sum / kScans, 2));
-  CHECK(spread == Approx(ScannerFrontEnd().noise_v).epsilon(0.12));
-}
-
 TEST_CASE("plant: a relay that is not given its time mixes in the row before") {
   const auto at_settle = [](double settle_s) {
     PlantOptions options;

@@ -236,37 +236,3 @@ TEST_CASE("control: after the last step a panic or an abort ends the run, and a 
   REQUIRE_FALSE(run_small(request, words.store).error);
   CHECK(judge_final_set(words.store, 1, 15, 2).faults == std::vector<std::string>());
 }
-
-TEST_CASE("control: after a long pause the whole repeat is done again") {
-  Words words;
-  bench::RunRequest request = small_request();
-  request.recipes = {small_recipe("rest_restart_s = 0.1\n")};
-  int seen = 0;
-  std::thread person;
-  request.on_step = [&](const sequences::Step& step) {
-    if (step.repeat != 1 || step.branch != 2 || seen++ != 0) return;
-    CHECK(say(Command::kPause).taken);
-    person = std::thread(resume_when_paused, the_live_run().name);
-  };
-  const bench::RunResult result = run_small(request, words.store);
-  person.join();
-  REQUIRE_FALSE(result.error);
-  const FinalSet set = judge_final_set(words.store, 1, 15, 2);
-  CHECK(set.faults == std::vector<std::string>());
-  CHECK(set.voids == 3);  // branches 0, 1 and the one at whose end it paused
-  for (const db::BranchRecord& branch : words.store.branches(1)) {
-    if (!branch.is_void) continue;
-    CHECK(branch.repeat == 1);
-  }
-}
-
-TEST_CASE("control: a command that does not fit the state is refused with the reason") {
-  Words words;
-  const bench::RunResult result = words.run(12, [&] {
-    const bench::LiveRun answer = say(Command::kResume);
-    CHECK_FALSE(answer.taken);
-    CHECK(answer.status.state == bench::RunState::kRunning);
-  });
-  CHECK_FALSE(result.error);
-  CHECK(words.states().size() == 2);
-}

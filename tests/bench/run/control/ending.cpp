@@ -31,34 +31,20 @@ const devices::Fault kTripFault("TB-CHAMBER-TRIP", "chamber", "67 psi", "look");
 
 }  // namespace
 
-TEST_CASE("answers: every field is read, text that no run wrote gives none") {
+TEST_CASE("answers: who answers, what is taken, and text that no run wrote gives none") {
   const auto live = read_answer("B/process/3", {12, 34, true},
-                                R"({"bench":"B","run":9,"state":"paused","store":"/s.db","label":"l","reason":"r",
-                                    "step":3,"steps":8,"left_s":1.5,"taken":true,"denied":true,"text":"t"})");
+                                R"({"bench":"B","run":9,"state":"paused","taken":true,"denied":true,"text":"t"})");
   REQUIRE(live);
-  CHECK(live->name == "B/process/3");
-  CHECK(live->bench == "B");
+  CHECK((live->name == "B/process/3" && live->bench == "B" && live->text == "t"));
   CHECK((live->server.process == 12 && live->server.user == 34 && live->server.in_group));
-  CHECK(live->status.run == 9);
-  CHECK(live->status.state == RunState::kPaused);
-  CHECK(live->status.store == "/s.db");
-  CHECK(live->status.label == "l");
-  CHECK(live->status.reason == "r");
-  CHECK((live->status.step == 3 && live->status.steps == 8));
-  CHECK(live->status.left_s == 1.5);
+  CHECK((live->status.run == 9 && live->status.state == RunState::kPaused));
   CHECK((live->taken && live->denied));
-  CHECK(live->text == "t");
   const auto bare = read_answer("B", {}, "{}");
   REQUIRE(bare);
-  CHECK((bare->status.run == 0 && bare->status.step == 0 && bare->status.steps == 0 && bare->status.left_s == 0.0));
-  CHECK(bare->status.state == RunState::kEnded);
-  CHECK_FALSE((bare->taken || bare->denied));
+  CHECK_FALSE((bare->taken || bare->denied || bare->status.run != 0));
   const std::vector<std::string> states = {"prepared",  "running",  "pausing", "paused",
                                            "suspended", "stopping", "ended"};
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    CHECK(to_string(static_cast<RunState>(i)) == states[i]);
-    CHECK(read_answer("B", {}, R"({"state":")" + states[i] + R"("})").value().status.state == static_cast<RunState>(i));
-  }
+  for (std::size_t i = 0; i < states.size(); ++i) CHECK(to_string(static_cast<RunState>(i)) == states[i]);
   for (const char* strange : {"", "[]", "7", "{", R"({"run":"x"})", R"({"taken":1})"})
     CHECK_FALSE(read_answer("B", {}, strange));
 }

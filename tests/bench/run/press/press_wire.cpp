@@ -193,18 +193,6 @@ TEST_CASE(
   CHECK(reading.wrench.force_n[2] == Approx(-reading.force_n));
 }
 
-TEST_CASE("press: the tare removes the offset and reports its drift") {
-  PressRig rig(elastic(20.0));
-  rig.port.offset_n = 1.5;
-  const bench::TareReading first = rig.press->tare();
-  CHECK(first.removed.force_n[2] == Approx(1.5).margin(0.005));
-  CHECK_FALSE(first.drift);
-  rig.port.offset_n = 1.62;
-  const bench::TareReading second = rig.press->tare();
-  REQUIRE(second.drift);
-  CHECK(second.drift->force_n[2] == Approx(0.12).margin(0.005));
-}
-
 TEST_CASE("press: steps in the wrong order are refused and nothing moves") {
   PressRig rig(elastic(20.0));
   rig.press->tare();

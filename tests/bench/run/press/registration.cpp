@@ -93,23 +93,6 @@ TEST_CASE("registration: a pitch that is not the nominal one shows as scale, and
   CHECK(json["flipped"] == false);
 }
 
-TEST_CASE("registration: touches in a line, too few, one astray, none felt and one on the edge are refused") {
-  const Mount mount{5.0, 1.0, 2.0, 1.0, false};
-  const auto line = touches(mount, {{8.0, 8.0}, {16.0, 16.0}, {28.0, 28.5}});
-  CHECK(fault_id_of([&] { (void)bench::register_mount(line, kPitchMm); }) == "TB-MOUNT-COLLINEAR");
-  CHECK(fault_id_of([&] { (void)bench::register_mount({line[0], line[1]}, kPitchMm); }) == "TB-MOUNT-TOUCHES");
-  auto astray = touches(mount, kFour);
-  astray[1].y_mm += 2.5;
-  CHECK(fault_id_of([&] { (void)bench::register_mount(astray, kPitchMm); }) == "TB-MOUNT-RESIDUAL");
-  const auto centre = [](const std::vector<double>& frame) {
-    return fault_id_of([&] { (void)bench::touch_centre_mm(frame, kBaseline, kRows, kColumns, kPitchMm, 500.0); });
-  };
-  CHECK(centre(kBaseline) == "TB-MOUNT-NO-TOUCH");
-  CHECK(centre(frame_of(0.3, 12.0)) == "TB-MOUNT-EDGE");
-  CHECK(centre(frame_of(15 * kPitchMm, 12.0)) == "TB-MOUNT-EDGE");
-  CHECK(centre(frame_of(12.0, 12.0)) == "none");
-}
-
 TEST_CASE("registration by hand: the transform that fits, and how far the rejected mirror misses") {
   // Corners of 20 x 10 mm. Their mirror image fits best along the longer side: squares of 400 and 100 about the centre,
   // scale (400 - 100) / 500, what is left 500 - 300^2 / 500 = 320 over four corners.
