@@ -242,19 +242,6 @@ TEST_CASE("dead-man: reaches a serial module whose line the sequencer still hold
   CHECK(record_of(rig.config())["ended"] == "safe, verified");
 }
 
-TEST_CASE("dead-man: does not start without its own connection to the module") {
-  HostedRig hosted;
-  BenchConfig config = hosted.client();
-  const std::string at = fmt::format("port = {}", config.module.endpoint.port);
-  const std::size_t where = config.resolved.find(at);
-  REQUIRE(where != std::string::npos);
-  config.resolved.replace(where, at.size(), "port = 1");
-  Rig rig(config);
-  const auto fault = devices::fault_of([&] { rig.open(); });
-  REQUIRE(fault);
-  CHECK(fault->id() == "TB-DEADMAN-START");
-}
-
 TEST_CASE("dead-man: a module that does not answer is named before the dead-man is started") {
   HostedRig hosted;
   BenchConfig config = hosted.client();

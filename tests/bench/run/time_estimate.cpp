@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numeric>
 
 #include "tests/bench/run/stored_past.h"
 #include "tests/support/process.h"
@@ -23,7 +24,26 @@ struct Bed {
     estimate.learn(db::RunStore::open_read_only(store.path()), "b", overrides, shape);
     return estimate;
   }
+  // A completed run without frames.
+  void store_idle(const Recipe& recipe) {
+    db::RunRecord run;
+    run.uuid = db::new_uuid();
+    run.origin = std::string("simulated");
+    run.state = std::string("prepared");
+    run.bench_id = "b";
+    run.overrides_json = "[]";
+    run.sensor_serial = "S-1";
+    run.sequences.push_back({0, recipe.name, recipe.text, db::sha256_hex(recipe.text), recipe.repeats, 9});
+    store.end_run(store.begin_run(run), db::Outcome::kCompleted, "", db::SafeState::kVerified, "");
+  }
 };
+
+Recipe long_recipe() {  // 65 frames, once, two steps of conditioning before them
+  return sequences::parse_recipe(sequences::TomlDocument::from_text(
+      "schema = 1\nname = \"long\"\nunit = \"psi\"\nturning_points = [0, 64, 0]\nstep = 2\nrepeats = 1\n"
+      "[conditioning]\ncycles = 1\npeak = 8\n",
+      "long.toml"));
+}
 
 }  // namespace
 
@@ -49,26 +69,6 @@ TEST_CASE("without history the model's time band is given and labelled as the mo
     last = left;
   }
   CHECK(last == 0.0);
-}
-
-TEST_CASE("a completed run of the same recipe is learned from, total and remaining") {
-  Bed bed;
-  const std::vector<Recipe> recipes = {recipe_named("a")};
-  const auto steps = sequences::compile(recipes);
-  store_run(bed.store, recipes, {});
-  const TimeEstimate one = bed.learned(recipes);
-  CHECK(one.total().runs == 1);
-  CHECK(one.total().p50_s == Approx(3.0 * static_cast<double>(steps.size())));
-  for (std::size_t done = 0; done <= steps.size(); ++done) {
-    CHECK(one.remaining(done).p50_s == Approx(3.0 * static_cast<double>(steps.size() - done)).margin(1e-6));
-  }
-  const double half_of_one = one.total().p90_s - one.total().p50_s;
-  CHECK(half_of_one > 0.05 * one.total().p50_s);
-  for (int i = 0; i < 5; ++i) store_run(bed.store, recipes, {});
-  const TimeBand six = bed.learned(recipes).total();
-  CHECK(six.runs == 6);
-  CHECK(six.p90_s - six.p50_s < 0.2 * half_of_one);
-  CHECK(six.p90_s > six.p50_s);
 }
 
 TEST_CASE("time already lost in a run is not added to the remaining time") {
@@ -188,4 +188,151 @@ TEST_CASE("time left: rises and falls at their own speeds, and bands of two reci
     last_s = left.p50_s;
   }
   CHECK(last_s == 0.0);
+}
+
+TEST_CASE("time band: of less than ten runs by Student's t, about their median, with the spread of a further run") {
+  const Recipe recipe = recipe_named("a");
+  Bed bed;
+  // 0.9 quantiles of Student's distribution, one degree of freedom and more.
+  const std::vector<double> student = {3.077684, 1.885618, 1.637744, 1.533206, 1.475884, 1.439756, 1.414924, 1.396815};
+  std::vector<double> totals;
+  for (std::size_t n = 1; n <= 9; ++n) {
+    INFO(n << " runs");
+    Past past;
+    past.step_s = 3.0 + 0.01 * static_cast<double>(n * n);
+    store_run(bed.store, {recipe}, past);
+    totals.push_back(20.0 * past.step_s);
+    const TimeBand band = bed.learned({recipe}).total();
+    CHECK(band.runs == static_cast<int>(n));
+    const double middle = n % 2 == 1 ? totals[n / 2] : (totals[n / 2 - 1] + totals[n / 2]) / 2.0;
+    CHECK(band.p50_s == Approx(middle).epsilon(1e-9));
+    double half = 1.281552 * std::sqrt(2.0) * 0.05 * middle;
+    if (n > 1) {
+      const double count = static_cast<double>(n);
+      const double mean = std::accumulate(totals.begin(), totals.end(), 0.0) / count;
+      double squares = 0.0;
+      for (const double total : totals) squares += (total - mean) * (total - mean);
+      half = student[n - 2] * std::sqrt(squares / (count - 1.0) * (1.0 + 1.0 / count));
+    }
+    CHECK(band.p90_s - band.p50_s == Approx(half).epsilon(1e-6));
+    CHECK(band.p50_s - band.p10_s == Approx(half).epsilon(1e-6));
+  }
+}
+
+TEST_CASE("time band: of ten runs their own quantiles, of more the newest ten, never narrower than half a percent") {
+  const Recipe recipe = recipe_named("a");
+  Bed bed;
+  for (int i = 1; i <= 11; ++i) {
+    Past past;
+    past.step_s = 3.0 + 0.01 * i * i;
+    store_run(bed.store, {recipe}, past);
+  }
+  // The oldest, 3.01 s a step, is no part of it.
+  const auto total = [](double i) { return 20.0 * (3.0 + 0.01 * i * i); };
+  const TimeBand band = bed.learned({recipe}).total();
+  CHECK(band.runs == 10);
+  CHECK(band.p10_s == Approx(total(2) + 0.9 * (total(3) - total(2))));
+  CHECK(band.p50_s == Approx((total(6) + total(7)) / 2.0));
+  CHECK(band.p90_s == Approx(total(10) + 0.1 * (total(11) - total(10))));
+  Bed alike;
+  for (int i = 0; i < 10; ++i) store_run(alike.store, {recipe}, {});
+  const TimeBand narrow = alike.learned({recipe}).total();
+  CHECK(narrow.p90_s - narrow.p50_s == Approx(0.005 * 60.0));
+  CHECK(narrow.p50_s - narrow.p10_s == Approx(0.005 * 60.0));
+  Bed apart;
+  store_run(apart.store, {recipe}, {});
+  Past slow;
+  slow.step_s = 300.0;
+  store_run(apart.store, {recipe}, slow);
+  CHECK(apart.learned({recipe}).total().p10_s == 0.0);  // no less than nothing
+}
+
+TEST_CASE("time band: two recipes vary independently, and the smaller number of runs counts") {
+  const std::vector<Recipe> both = {recipe_named("a"), recipe_named("b")};
+  Bed bed;
+  store_run(bed.store, both, {});
+  Past slow;
+  slow.step_s = 3.5;
+  store_run(bed.store, {both[1]}, slow);
+  const TimeEstimate estimate = bed.learned(both);
+  const TimeBand a = estimate.total_of(0), b = estimate.total_of(1), all = estimate.total();
+  CHECK(a.runs == 1);
+  CHECK(b.runs == 2);
+  CHECK(all.runs == 1);
+  CHECK(a.p50_s == Approx(60.0));
+  CHECK(b.p50_s == Approx(65.0));
+  CHECK(all.p50_s == Approx(125.0));
+  CHECK(all.p90_s == Approx(125.0 + std::hypot(a.p90_s - 60.0, b.p90_s - 65.0)));
+  CHECK(all.p10_s == Approx(125.0 - std::hypot(60.0 - a.p10_s, 65.0 - b.p10_s)));
+  CHECK(estimate.remaining(20).runs == 2);
+  CHECK(estimate.remaining(40).p50_s == 0.0);
+  CHECK(estimate.remaining(40).runs == 2);
+}
+
+TEST_CASE("time left: 32 samples of each run, a straight line between two of them") {
+  const std::vector<Recipe> recipes = {long_recipe()};
+  REQUIRE(sequences::compile(recipes).size() == 67);
+  Past past;
+  past.growth_s = 0.5;
+  Bed bed;
+  store_run(bed.store, recipes, past);
+  const auto elapsed = [](int frames) {  // after so many frames; the two steps before them are part of the first
+    const int steps = frames == 0 ? 0 : frames + 2;
+    return 3.0 * steps + 0.5 * steps * (steps - 1) / 2.0;
+  };
+  const TimeEstimate estimate = bed.learned(recipes);
+  CHECK(estimate.total().p50_s == Approx(elapsed(65)));
+  for (int done = 0; done < 65; ++done) {
+    INFO(done << " frames");
+    int i = 0;
+    while (65 * (i + 1) / 32 < done) ++i;
+    const int low = 65 * i / 32, high = 65 * (i + 1) / 32;
+    const double share = static_cast<double>(done - low) / (high - low);
+    const double at = elapsed(low) + share * (elapsed(high) - elapsed(low));
+    const std::size_t steps = done == 0 ? 0 : static_cast<std::size_t>(done) + 2;
+    CHECK(estimate.remaining(steps).p50_s == Approx(elapsed(65) - at).epsilon(1e-7));
+  }
+  // Conditioning counts as parts of the first frame, which lies between the first two samples (at 0 and 2 frames).
+  CHECK(estimate.remaining(1).p50_s == Approx(elapsed(65) - elapsed(2) / 6.0));
+  CHECK(estimate.remaining(2).p50_s == Approx(elapsed(65) - elapsed(2) / 3.0));
+  // Without samples the model's own shape: 67 steps of 2.65 s, and their ramps at 60 psi/s.
+  const TimeEstimate flat = bed.learned(recipes, {}, false);
+  const double whole = 67 * 2.65 + (16.0 + 128.0) / 60.0;
+  CHECK(flat.remaining(0).p50_s == Approx(elapsed(65)));
+  CHECK(flat.remaining(66).p50_s == Approx(elapsed(65) * (2.65 + 2.0 / 60.0) / whole));
+}
+
+TEST_CASE("time estimate: uses the newest two hundred runs of the bench") {
+  const Recipe recipe = recipe_named("a"), other = recipe_named("b");
+  Bed bed;
+  store_run(bed.store, {recipe}, {});
+  for (int i = 0; i < 199; ++i) bed.store_idle(other);
+  CHECK(bed.learned({recipe}, {}, false).total().runs == 1);
+  bed.store_idle(other);
+  CHECK(bed.learned({recipe}, {}, false).total().runs == 0);
+}
+
+TEST_CASE("time estimate: only runs of identical work are used: text, repeats, frames") {
+  const Recipe recipe = recipe_named("a");
+  Recipe thrice = recipe;
+  thrice.repeats = 3;  // the text is the same
+  Bed bed;
+  store_run(bed.store, {thrice}, {});
+  CHECK(bed.learned({recipe}).total().runs == 0);
+  CHECK(bed.learned({thrice}).total().runs == 1);
+  bed.store_idle(recipe);  // nothing is stored of its time
+  CHECK(bed.learned({recipe}).total().runs == 0);
+  CHECK(bed.learned({recipe}).total_of(0).p50_s == Approx(53.8));
+}
+
+TEST_CASE("time model of a bench: rates in both directions, one feeding and one poll to settle, no time for people") {
+  BenchConfig bench;
+  bench.limits.rate_psi_per_s = 13.0;
+  bench.regulator.feed_interval = std::chrono::milliseconds(350);
+  bench.settling.poll_s = 0.15;
+  const sequences::TimeModel model = time_model(bench);
+  CHECK(model.rise_psi_per_s == 13.0);
+  CHECK(model.fall_psi_per_s == 13.0);
+  CHECK(model.settle_s == Approx(0.5));
+  CHECK(model.prompt_s == 0.0);
 }

@@ -4,7 +4,6 @@
 
 #include <catch2/catch.hpp>
 #include <filesystem>
-#include <thread>
 
 #include "bench/rig/rig.h"
 #include "bench/run/control/control_client.h"
@@ -35,16 +34,6 @@ bench::LiveRun say(Command command) {
   return *answer;
 }
 
-// Until the run ends or is resumed.
-void resume_when_paused(const std::string& socket) {
-  for (auto live = bench::send_command(socket, Command::kStatus); live;
-       live = bench::send_command(socket, Command::kStatus)) {
-    if (live->status.state != bench::RunState::kPaused) continue;
-    (void)bench::send_command(socket, Command::kResume);
-    return;
-  }
-}
-
 struct Words {
   Words() : store(db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal)) {}
   // `act` is told of the `at`-th step.
@@ -69,13 +58,6 @@ struct Words {
       }
     }
     return reasons;
-  }
-  [[nodiscard]] std::vector<std::string> states() const {
-    std::vector<std::string> states;
-    for (const db::EventRecord& event : store.events(1)) {
-      if (event.kind == "state") states.push_back(event.detail.substr(0, event.detail.find(':')));
-    }
-    return states;
   }
   TemporaryFolder folder;
   db::RunStore store;
@@ -105,36 +87,6 @@ const Met kRefused{"TB-MODBUS-EXCEPTION",
                    [](bench::Rig& rig) { rig.plant()->inject(bench::FaultKind::kModuleException, std::nullopt, 1); }};
 
 }  // namespace
-
-TEST_CASE("control: a simulated run pauses at the end of its branch, waits vented, and continues") {
-  Words words;
-  bench::LiveRun answer, again;
-  std::thread person;
-  const bench::RunResult result = words.run(12, [&] {
-    answer = say(Command::kPause);
-    again = say(Command::kResume);  // taken back
-    answer = say(Command::kPause);
-    person = std::thread(resume_when_paused, the_live_run().name);
-  });
-  person.join();
-  REQUIRE_FALSE(result.error);
-  CHECK(answer.taken);
-  CHECK(again.taken);
-  CHECK(answer.status.run == 1);
-  CHECK(answer.status.store == words.store.path());
-  CHECK(words.states() == std::vector<std::string>{"prepared -> running", "running -> pausing", "pausing -> paused",
-                                                   "paused -> running", "running -> stopping"});
-  const FinalSet set = judge_final_set(words.store, 1, 15, 2);
-  CHECK(set.faults == std::vector<std::string>());
-  CHECK(set.voids == 0);  // a pause comes between branches
-  const auto events = words.store.events(1);
-  const auto vented = std::find_if(events.begin(), events.end(), [](const auto& event) {
-    return event.kind == "safe" && event.detail.starts_with("to pause: vented, verified");
-  });
-  REQUIRE(vented != events.end());
-  CHECK(std::any_of(vented, events.end(), [](const auto& event) { return event.kind == "way-back"; }));
-  CHECK(live_runs().empty());
-}
 
 TEST_CASE("control: stop, abort and panic end a simulated run, vented, and it can be resumed") {
   struct Row {

@@ -1,18 +1,14 @@
-// Chamber, contact and the plant that couples them in numbers: what another implementation of their equations
+// Chamber and contact in numbers: what another implementation of their equations
 // (bench/simulation/README.md) gives, in Python, to ten digits. A deliberate change of the physics changes them.
 #include <catch2/catch.hpp>
-#include <chrono>
 #include <cmath>
 #include <stdexcept>
 
 #include "bench/simulation/chamber.h"
 #include "bench/simulation/contact.h"
-#include "tests/bench/simulation/small_plant.h"
 
 using namespace tactbench;
 using namespace tactbench::bench;
-using namespace tactbench::tests;
-using namespace std::chrono_literals;
 
 namespace {
 
@@ -176,40 +172,4 @@ TEST_CASE("contact numbers: what a ring put down askew and a point press on each
     none.*size = 0.0;
     CHECK_THROWS_AS(Contact(none, 4, 5), std::invalid_argument);
   }
-}
-
-TEST_CASE("plant numbers: the monitor, the reference, a scan and a wrench with their noise") {
-  SmallPlant bed([](PlantOptions& options) { options.specimen.defects = {{TaxelDefect::Kind::kNoisy, 1, 1, 0, 0}}; });
-  bed.drive(2.0);
-  bed.at(13ms);
-  bed.drive(3.0);
-  bed.at(250ms);
-  CHECK(bed.plant.feedback().value() == Approx(1.081344686529).epsilon(1e-11));
-  CHECK(bed.plant.feedback().value() == Approx(1.081286335163).epsilon(1e-11));
-  CHECK(bed.plant.reference_pressure().value() == Approx(14.246218331414).epsilon(1e-11));
-  CHECK(bed.plant.reference().value() == Approx(1.4260953819205).epsilon(1e-11));
-  CHECK(bed.plant.true_pressure().value() == Approx(14.255247269973).epsilon(1e-11));
-  bed.at(255ms);
-  bed.plant.drive(devices::Volts(1.0), 293ms, devices::Volts(0.5));
-  bed.at(297ms);
-  CHECK(bed.plant.true_pressure().value() == Approx(16.145766706929).epsilon(1e-11));
-  bed.at(420ms);
-  CHECK(bed.plant.true_pressure().value() == Approx(14.457985336225).epsilon(1e-11));
-  CHECK(bed.scan() == std::vector<int>{9251, 21146, 21271, 13606, 23576, 23203});
-  CHECK(bed.status == std::vector<std::uint8_t>{0, 0});
-  const devices::Wrench first = bed.plant.wrench(), second = bed.plant.wrench();
-  CHECK(first.force_n[0] == Approx(-0.0021855459831025274).epsilon(1e-11));
-  CHECK(first.force_n[2] == Approx(-0.0017756322253430473).epsilon(1e-11));
-  CHECK(first.torque_nmm[0] == Approx(0.030959456744978082).epsilon(1e-11));
-  CHECK(first.torque_nmm[2] == Approx(0.007475177772062626).epsilon(1e-11));
-  CHECK(second.force_n[1] == Approx(0.009541264684560843).epsilon(1e-11));
-  CHECK(second.torque_nmm[1] == Approx(-0.005288442484053639).epsilon(1e-11));
-  bed.at(90s);
-  bed.check_film({6.4631761070018605, 6.4631761070018605, 0.8537431484631394, 17.085990642902708, 36.613553987084984,
-                  47.18765380885405, 60.24928866878416, 73.70813931037188, 84.46358677426046, 89.8453400260124,
-                  2.9987650012254536, 2.9987650007288362, 2.8191154872522044, 0.8895078275786735});
-  bed.check_film({6.4631761070018605, 6.4631761070018605, 0.8537431484631394, 17.085990642902708, 36.613553987084984,
-                  47.18765380885405, 60.24928866878416, 73.70813931037188, 84.46358677426046, 89.8453400260124,
-                  2.9987650012254536, 2.9987650007288362, 2.8191154872522044,
-                  0.8895078275786735});  // asking moves nothing
 }
