@@ -4,8 +4,7 @@
 #include <fstream>
 
 #include "sequences/toml/strict_toml.h"
-#include "tests/support/process.h"
-#include "tests/support/small_run.h"
+#include "tests/bench/run/finished_run.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -50,22 +49,19 @@ bench::RunRequest rtu_request() {
 }  // namespace
 
 TEST_CASE("a run over Modbus RTU with outputs and inputs in two modules") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
-  const bench::RunResult result = run_small(rtu_request(), store);
+  const FinishedRun run(rtu_request());
+  const bench::RunResult& result = run.result;
   if (result.error) FAIL(result.error->what());
   CHECK(result.frames == 30);
   CHECK(result.safe == db::SafeState::kVerified);
   CHECK(result.most_exchanges_a_step <= 30);
-  CHECK(store.run(result.run).devices.size() == 5);
-  for (const db::FrameRecord& frame : store.frames(result.run)) {
+  CHECK(run.store.run(result.run).devices.size() == 5);
+  for (const db::FrameRecord& frame : run.frames) {
     CHECK(std::abs(frame.reference_psi - frame.setpoint_psi) < 1.0);
   }
 }
 
 TEST_CASE("a digital gauge as reference, its certificate applied, and the environment stored with the run") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   const Overrides overrides = {{"reference.gauge.unit", "5"},
                                {"reference.gauge.address", "100"},
                                {"reference.gauge.type", "f32"},
@@ -78,25 +74,24 @@ TEST_CASE("a digital gauge as reference, its certificate applied, and the enviro
                                 "1000], span_c = [-100, 100]}, {quantity = 'supply_bar', unit = 9, address = 20, "
                                 "type = 'f32'}]"},
                                {"simulation.temperature_c", "25.5"}};
-  const bench::RunResult result =
-      run_small(request_without("reference", {"channel", "span_v", "span_psi"}, overrides), store);
+  const FinishedRun run(request_without("reference", {"channel", "span_v", "span_psi"}, overrides));
+  const bench::RunResult& result = run.result;
   if (result.error) FAIL(result.error->what());
-  for (const db::FrameRecord& frame : store.frames(result.run)) {
+  for (const db::FrameRecord& frame : run.frames) {
     CHECK(frame.reference_psi == Approx(1.05 * frame.feedback_psi).margin(0.6));
   }
-  const auto events = store.events(result.run);
+  const auto events = run.store.events(result.run);
   CHECK(value_of(events, "environment", "temperature_c") == "25.500");
   CHECK(value_of(events, "environment", "supply_bar") == "8.000");
-  const db::RunRecord run = store.run(result.run);
-  CHECK(run.devices.size() == 6);
-  CHECK_THAT(run.devices[2].calibration_json, Catch::Contains("correction_psi"));
+  const db::RunRecord row = run.store.run(result.run);
+  CHECK(row.devices.size() == 6);
+  CHECK_THAT(row.devices[2].calibration_json, Catch::Contains("correction_psi"));
 }
 
 TEST_CASE("a reference that differs from the feedback trips the run, and the chamber is vented") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   // The transducer is taken for one of twice its span.
-  const bench::RunResult result = run_small(small_request({{"reference.span_psi", "[0, 200]"}}), store);
+  const FinishedRun run(small_request({{"reference.span_psi", "[0, 200]"}}));
+  const bench::RunResult& result = run.result;
   REQUIRE(result.error);
   CHECK(result.error->id() == "TB-CHAMBER-DISAGREE");
   CHECK(result.error->code() == bench::ExitCode::kStopped);

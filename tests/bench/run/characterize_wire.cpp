@@ -1,35 +1,32 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "tests/bench/run/finished_run.h"
 #include "tests/support/paths.h"
-#include "tests/support/process.h"
-#include "tests/support/small_run.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
 using bench::ExitCode;
 
 TEST_CASE("a run from recipe to store ends with a closed, verified row") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   bench::RunRequest request = small_request();
   request.bench.scanner_cable = "W-17";
-  const bench::RunResult result = run_small(request, store);
+  const FinishedRun run(request);
+  const bench::RunResult& result = run.result;
   REQUIRE(!result.error);
   CHECK(result.outcome == db::Outcome::kCompleted);
   CHECK(result.safe == db::SafeState::kVerified);
   CHECK(result.frames == 2 * 15);
   CHECK(result.most_exchanges_a_step <= 20);
-  const db::RunRecord row = store.run(result.run);
+  const db::RunRecord row = run.store.run(result.run);
   CHECK(row.origin == "simulated");
   CHECK(row.state == "ended");
   REQUIRE(row.devices.size() == 4);
   CHECK_THAT(row.devices.back().calibration_json, Catch::Contains("\"cable\":\"W-17\""));
-  CHECK(row.content_sha256 == store.content_hash(result.run));
+  CHECK(row.content_sha256 == run.store.content_hash(result.run));
   CHECK(row.content_sha256.size() == 64);
-  const std::vector<db::FrameRecord> frames = store.frames(result.run);
-  REQUIRE(frames.size() == 30);
-  for (const db::FrameRecord& frame : frames) {
+  REQUIRE(run.frames.size() == 30);
+  for (const db::FrameRecord& frame : run.frames) {
     CHECK(frame.in_band_ns >= 2'000'000'000);
     CHECK(frame.in_band_ns < 2'100'000'000);
     CHECK(frame.since_command_ns > frame.in_band_ns);
@@ -38,7 +35,7 @@ TEST_CASE("a run from recipe to store ends with a closed, verified row") {
     CHECK(frame.counts.size() == 2U * 256U);
     CHECK(frame.exchanges > 0);
   }
-  CHECK(store.branches(result.run).size() == 8);
+  CHECK(run.branches.size() == 8);
 }
 
 TEST_CASE("the same seeds give the same canonical content, another noise seed another") {
@@ -75,15 +72,13 @@ TEST_CASE("the same seeds give the same content where an instrument fails, thoug
 }
 
 TEST_CASE("a scanner that stops in mid-run ends the run, vented, frames kept, exit code 3") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   const auto [key, id] = GENERATE(table<std::string, std::string>({
       {"scanner_silent_after_scans", "TB-SCANNER-TIMEOUT"},
       {"scanner_unplug_after_scans", "TB-SCANNER-LOST"},
   }));
   // 2 scans a frame and 2 for the baseline: the fault strikes in frame 6 (counted from 0).
-  const bench::RunResult result =
-      run_small(small_request({{"simulation.wire_faults." + key, "14"}, {"scanner.frame_timeout_ms", "300"}}), store);
+  const FinishedRun run(small_request({{"simulation.wire_faults." + key, "14"}, {"scanner.frame_timeout_ms", "300"}}));
+  const bench::RunResult& result = run.result;
   REQUIRE(result.error);
   INFO(key << ": " << result.error->what());
   CHECK(result.error->id() == id);
@@ -91,30 +86,26 @@ TEST_CASE("a scanner that stops in mid-run ends the run, vented, frames kept, ex
   CHECK(result.safe == db::SafeState::kVerified);
   CHECK(result.outcome == db::Outcome::kFailed);
   CHECK(result.frames == 6);
-  CHECK(store.frames(result.run).size() == 6);
-  const db::RunRecord row = store.run(result.run);
+  const db::RunRecord row = run.store.run(result.run);
   CHECK(row.outcome == db::Outcome::kFailed);
   CHECK_THAT(row.reason, Catch::StartsWith(id));
-  CHECK(row.content_sha256 == store.content_hash(result.run));
   CHECK(!result.error->remedy().empty());
 }
 
 TEST_CASE("one bad frame is read again, and both the attempt and the flag are stored") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   const std::string key = GENERATE("scanner_corrupt_scan", "scanner_drop_report_scan");
   bench::RunRequest request =
       small_request({{"simulation.wire_faults." + key, "14"}, {"scanner.frame_timeout_ms", "300"}});
   const std::string rule = GENERATE("worst", "any");
   request.recipes = {small_recipe("[retry]\nverdict = \"" + rule + "\"\n")};
-  const bench::RunResult result = run_small(request, store);
+  const FinishedRun run(request);
+  const bench::RunResult& result = run.result;
   INFO(key << " " << rule);
   CHECK(result.outcome == db::Outcome::kCompleted);
-  const std::vector<db::FrameRecord> frames = store.frames(result.run);
-  REQUIRE(frames.size() == 30);
-  CHECK(frames[6].flags == (rule == "worst" ? "retried" : ""));
+  REQUIRE(run.frames.size() == 30);
+  CHECK(run.frames[6].flags == (rule == "worst" ? "retried" : ""));
   int attempts = 0;
-  for (const db::EventRecord& event : store.events(result.run)) {
+  for (const db::EventRecord& event : run.store.events(result.run)) {
     if (event.kind != "attempt") continue;
     ++attempts;
     CHECK(event.id == "TB-SCANNER-CORRUPT");
@@ -123,11 +114,10 @@ TEST_CASE("one bad frame is read again, and both the attempt and the flag are st
 }
 
 TEST_CASE("a silent or dead Modbus server ends the run, and the safe state is reported as unverified") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   const std::string key = GENERATE("module_silent_after_requests", "module_dead_after_requests");
-  const bench::RunResult result = run_small(
-      small_request({{"simulation.wire_faults." + key, "150"}, {"module.response_timeout_ms", "300"}}), store);
+  const FinishedRun run(
+      small_request({{"simulation.wire_faults." + key, "150"}, {"module.response_timeout_ms", "300"}}));
+  const bench::RunResult& result = run.result;
   REQUIRE(result.error);
   INFO(key << ": " << result.error->what() << " / " << result.error->rig_state());
   CHECK(result.error->code() == ExitCode::kUnsafe);
@@ -135,30 +125,26 @@ TEST_CASE("a silent or dead Modbus server ends the run, and the safe state is re
   CHECK(result.safe == db::SafeState::kUnverified);
   CHECK(result.outcome == db::Outcome::kFailed);
   CHECK(result.frames > 0);
-  CHECK(static_cast<int>(store.frames(result.run).size()) == result.frames);
 }
 
 TEST_CASE("a module that never answers is found before the first command") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
-  const bench::RunResult result = run_small(small_request({{"simulation.wire_faults.module_silent_after_requests", "0"},
-                                                           {"module.response_timeout_ms", "300"}}),
-                                            store);
+  const FinishedRun run(small_request(
+      {{"simulation.wire_faults.module_silent_after_requests", "0"}, {"module.response_timeout_ms", "300"}}));
+  const bench::RunResult& result = run.result;
   REQUIRE(result.error);
   CHECK(result.error->code() == ExitCode::kUnsafe);
   CHECK(result.frames == 0);
-  CHECK(store.run(result.run).outcome == db::Outcome::kFailed);
+  CHECK(run.store.run(result.run).outcome == db::Outcome::kFailed);
 }
 
 TEST_CASE("pressure above the trip aborts the run and vents") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   // A transducer that reads a third too much stands for an overshoot: 50 psi seem to be 66.7.
   bench::RunRequest request = small_request({{"limits.disagreement_psi", "50"}, {"reference.span_psi", "[0, 133.4]"}});
   request.recipes = {sequences::parse_recipe(sequences::TomlDocument::from_text(
       "schema = 1\nname = \"high\"\nunit = \"psi\"\nturning_points = [0, 60, 0]\nstep = 10\ndwell_s = 0.5\n",
       "high.toml"))};
-  const bench::RunResult result = run_small(request, store);
+  const FinishedRun run(request);
+  const bench::RunResult& result = run.result;
   REQUIRE(result.error);
   INFO(result.error->what());
   CHECK(result.error->id() == "TB-CHAMBER-TRIP");
@@ -169,11 +155,10 @@ TEST_CASE("pressure above the trip aborts the run and vents") {
 }
 
 TEST_CASE("a sensor registered with another scanner is refused before any pressure") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   bench::RunRequest request = small_request();
   request.sensor.scanner_serial = "ANOTHER";
-  const bench::RunResult result = run_small(request, store);
+  const FinishedRun run(request);
+  const bench::RunResult& result = run.result;
   REQUIRE(result.error);
   CHECK(result.error->id() == "TB-SCANNER-SERIAL");
   CHECK(result.frames == 0);
@@ -215,11 +200,9 @@ TEST_CASE("a run carries out the very steps that plan lists") {
 }
 
 TEST_CASE("the trace stored with the frames holds every reading of the pressure, in order and without a gap") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
-  const bench::RunResult result = run_small(small_request({{"settling.trace_s", "0.1"}}), store);
+  const FinishedRun run(small_request({{"settling.trace_s", "0.1"}}));
   double last_s = 0.0;
-  for (const db::FrameRecord& frame : store.frames(result.run)) {
+  for (const db::FrameRecord& frame : run.frames) {
     REQUIRE(!frame.trace.empty());
     const double frame_s = static_cast<double>(frame.time_ns) * 1e-9;
     for (const db::TracePoint& point : frame.trace) {

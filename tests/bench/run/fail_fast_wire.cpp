@@ -7,8 +7,7 @@
 
 #include "bench/rig/rig.h"
 #include "bench/simulation/plant.h"
-#include "tests/support/process.h"
-#include "tests/support/small_run.h"
+#include "tests/bench/run/finished_run.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -93,8 +92,6 @@ TEST_CASE("run: with a weaker array than its recipe asks for it ends at the firs
 
 TEST_CASE("run: the array is judged at the first peak alone, whatever becomes of it") {
   // At 60 psi a row that was read at 0 psi from then on is dead.
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   bench::RunRequest request = small_request();
   request.recipes = {recipe_of(
       "unit = \"psi\"\nturning_points = [0, 60, 0]\nstep = 20\nrepeats = 2\n[limits]\nmost_dead_taxels = 3\n")};
@@ -108,13 +105,14 @@ TEST_CASE("run: the array is judged at the first peak alone, whatever becomes of
     begins_s = devices::in_seconds(rig->clock().now());
     rig->plant()->inject(bench::FaultKind::kRowStuck, 2.0);
   };
-  const bench::RunResult result = run_small(request, store);
+  const FinishedRun run(request);
+  const bench::RunResult& result = run.result;
   INFO((result.error ? result.error->what() : ""));
   CHECK(begins_s > 0.0);
-  CHECK(store.events(1).front().time_ns == 0);
+  CHECK(run.store.events(1).front().time_ns == 0);
   CHECK(result.outcome == db::Outcome::kCompleted);
   int flagged = 0;
-  for (const db::FrameRecord& frame : store.frames(1))
+  for (const db::FrameRecord& frame : run.store.frames(1))
     flagged += frame.flags.find("row-stuck") != std::string::npos ? 1 : 0;
   CHECK(flagged >= 3);
 }

@@ -3,8 +3,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "tests/support/process.h"
-#include "tests/support/small_run.h"
+#include "tests/bench/run/finished_run.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -24,19 +23,18 @@ TEST_CASE("run: a repeat may begin at any level, and fall, rise or stay from the
                                         {"[10, 20]", {10, 20}},
                                         {"[20]\nframes_per_level = 3\nframe_interval_s = 1", {20, 20, 20}}}));
   INFO(row.turning_points);
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   bench::RunRequest request = small_request();
   request.recipes = {recipe_of(fmt::format(
       "unit = \"psi\"\nturning_points = {}\nstep = 10\nrepeats = 2\n[conditioning]\ncycles = 1\npeak = 20\n",
       row.turning_points))};
-  const bench::RunResult result = run_small(request, store);
+  const FinishedRun run(request);
+  const bench::RunResult& result = run.result;
   INFO((result.error ? result.error->what() : ""));
   REQUIRE(result.outcome == db::Outcome::kCompleted);
   std::vector<double> expected = row.levels, read;
   expected.insert(expected.end(), row.levels.begin(), row.levels.end());
-  for (const db::BranchRecord& branch : store.branches(1)) CHECK_FALSE(branch.is_void);
-  for (const db::FrameRecord& frame : store.frames(1)) {
+  for (const db::BranchRecord& branch : run.store.branches(1)) CHECK_FALSE(branch.is_void);
+  for (const db::FrameRecord& frame : run.store.frames(1)) {
     read.push_back(frame.setpoint_psi);
     CHECK(frame.reference_psi == Approx(frame.setpoint_psi).margin(0.5));
     CHECK(frame.flags.empty());

@@ -9,8 +9,7 @@
 #include "bench/rig/rig.h"
 #include "bench/run/run_record.h"
 #include "devices/fault.h"
-#include "tests/support/process.h"
-#include "tests/support/small_run.h"
+#include "tests/bench/run/finished_run.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -87,48 +86,43 @@ TEST_CASE(
 }
 
 TEST_CASE("the force sensor that answers is the one that is kept: Digital F/T has another serial") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   bench::RunRequest request = ring_request({{"force.kind", "digital"}});
   request.bench.force->digital.reply_timeout = std::chrono::seconds(5);  // a busy machine reads the port late
-  const bench::RunResult result = run_small(request, store);
+  const FinishedRun run(request);
+  const bench::RunResult& result = run.result;
   if (result.error) FAIL(result.error->what());
-  CHECK(device_of(store.run(result.run), "force sensor").serial == "SIMFT2");
+  CHECK(device_of(run.store.run(result.run), "force sensor").serial == "SIMFT2");
 }
 
 TEST_CASE("an instrument with an overlong serial number ends the run, and nothing of it is stored") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   bench::RunRequest request = small_request({{"scanner.kind", "frame-source"}});
   request.bench.simulation->scanner_serial = std::string(db::kLongestName + 1, '7');
-  const bench::RunResult result = run_small(request, store);
+  const FinishedRun run(request);
+  const bench::RunResult& result = run.result;
   REQUIRE(result.error);
   CHECK(result.error->id() == "TB-DEVICE-NAME");
   CHECK(result.error->code() == ExitCode::kDevice);
   CHECK_THAT(result.error->what(), Catch::Contains("201"));
   CHECK(result.safe == db::SafeState::kVerified);
-  CHECK(store.run(result.run).devices.empty());
+  CHECK(run.store.run(result.run).devices.empty());
 }
 
 TEST_CASE("a run in the chamber does not keep instruments that it does not use") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
-  const bench::RunResult result = run_small(small_request({{"force.due", "\"2020-01-31\""}}), store);
+  const FinishedRun run(small_request({{"force.due", "\"2020-01-31\""}}));
+  const bench::RunResult& result = run.result;
   REQUIRE_FALSE(result.error);
-  for (const db::DeviceRecord& device : store.run(result.run).devices) {
+  for (const db::DeviceRecord& device : run.store.run(result.run).devices) {
     CHECK(device.role != "force sensor");
     CHECK_FALSE(device.role.starts_with("stage"));
   }
-  CHECK(warnings_of(store, result.run).empty());  // overdue, and not used
+  CHECK(warnings_of(run.store, result.run).empty());  // overdue, and not used
 }
 
 TEST_CASE("an instrument that is overdue when the run begins is an event of the run") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
-  const bench::RunResult result =
-      run_small(ring_request({{"force.due", "\"2020-01-31\""}, {"reference.due", "\"2021-01-31\""}}), store);
+  const FinishedRun run(ring_request({{"force.due", "\"2020-01-31\""}, {"reference.due", "\"2021-01-31\""}}));
+  const bench::RunResult& result = run.result;
   if (result.error) FAIL(result.error->what());
-  const std::vector<std::string> lines = warnings_of(store, result.run);
+  const std::vector<std::string> lines = warnings_of(run.store, result.run);
   REQUIRE(lines.size() == 2);
   CHECK_THAT(lines[0], Catch::Contains("SIM-REF-1") && Catch::Contains("2021-01-31"));
   CHECK_THAT(lines[1], Catch::Contains("SIM-FT-1") && Catch::Contains("2020-01-31"));
@@ -149,11 +143,10 @@ TEST_CASE("a bench that was never filled in runs simulated with a warning, and i
 }
 
 TEST_CASE("a resumed run that presses continues only with its original force sensor") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
-  const bench::RunResult result = run_small(ring_request(), store);
+  const FinishedRun run(ring_request());
+  const bench::RunResult& result = run.result;
   if (result.error) FAIL(result.error->what());
-  const db::RunRecord begun = store.run(result.run);
+  const db::RunRecord begun = run.store.run(result.run);
   bench::Rig other(ring_request({{"force.serial", "\"FT-7\""}}).bench);
   other.open_array();
   other.name_press_instruments();

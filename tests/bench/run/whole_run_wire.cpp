@@ -2,15 +2,9 @@
 // bounds they end, and that what is told while they run fits what is stored.
 #include <algorithm>
 #include <catch2/catch.hpp>
-#include <cmath>
-#include <map>
 #include <nlohmann/json.hpp>
-#include <set>
-#include <tuple>
 
-#include "tests/support/live_runs.h"
-#include "tests/support/process.h"
-#include "tests/support/small_run.h"
+#include "tests/bench/run/finished_run.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -25,95 +19,6 @@ const std::vector<sequences::Override> kSupplySensor = {
 const std::string kSupplyRule =
     "[[suspend]]\nquantity = \"supply_bar\"\ntrip_below = 6\nresume_above = 6.5\nhold_s = 2\n";
 
-double seconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
-
-class FinishedRun {
- public:
-  explicit FinishedRun(bench::RunRequest request) {
-    request.on_step = [&](const sequences::Step&) {
-      const std::vector<bench::LiveRun> live = live_runs();
-      if (live.size() == 1) told.push_back(live.front().status);
-    };
-    result = run_small(request, store);
-    frames = store.frames(result.run);
-    branches = store.branches(result.run);
-    for (const db::FrameRecord& frame : frames) void_frames += branch_of(frame).is_void ? 1 : 0;
-    check_laws();
-  }
-  [[nodiscard]] const db::BranchRecord& branch_of(const db::FrameRecord& frame) const {
-    return *std::ranges::find(branches, frame.branch, &db::BranchRecord::branch);
-  }
-  // Of the events of these kinds, in the order of time: a change of state by its states, others by kind and id.
-  [[nodiscard]] Strings course(const std::set<std::string>& kinds) const {
-    Strings course;
-    for (const db::EventRecord& event : store.events(result.run)) {
-      if (!kinds.contains(event.kind)) continue;
-      const std::string more = event.kind == "state" ? event.detail.substr(0, event.detail.find(':')) : event.id;
-      course.push_back(more.empty() ? event.kind : event.kind + " " + more);
-    }
-    return course;
-  }
-  // Kind and verdict.
-  [[nodiscard]] Strings checks() const {
-    Strings checks;
-    for (const db::CheckRecord& check : store.checks(result.run)) checks.push_back(check.kind + " " + check.verdict);
-    return checks;
-  }
-  [[nodiscard]] Strings flags() const {
-    Strings flags;
-    for (const db::FrameRecord& frame : frames) flags.push_back(frame.flags);
-    return flags;
-  }
-  [[nodiscard]] int voids() const {
-    return static_cast<int>(std::ranges::count_if(branches, &db::BranchRecord::is_void));
-  }
-
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
-  bench::RunResult result;
-  std::vector<bench::RunStatus> told;  // to a client, as each step began
-  std::vector<db::FrameRecord> frames;
-  std::vector<db::BranchRecord> branches;
-  std::int64_t void_frames = 0;
-
- private:
-  // Of every run, however it ends.
-  void check_laws() const {
-    CHECK(result.frames_kept == static_cast<std::int64_t>(frames.size()));
-    CHECK(result.content_sha256 == store.content_hash(result.run));
-    CHECK(store.run(result.run).safe_state == result.safe);
-    CHECK((result.outcome == db::Outcome::kCompleted) == !result.error);
-    for (const bench::RunStatus& status : told) {
-      CHECK(status.step <= status.steps);
-      CHECK(status.frames <= status.frames_planned + void_frames);
-    }
-    if (!told.empty()) CHECK(static_cast<std::int64_t>(frames.size()) - void_frames <= told.back().frames_planned);
-    std::map<std::tuple<int, int, int>, int> attempts, valid;
-    for (const db::BranchRecord& branch : branches) {
-      const std::tuple place(branch.sequence, branch.repeat, branch.ordinal);
-      CHECK(branch.attempt == attempts[place]++);
-      CHECK((valid[place] += branch.is_void ? 0 : 1) <= 1);
-      CHECK(branch.is_void != branch.void_reason.empty());
-    }
-    std::int64_t last_ns = -1;
-    for (const db::FrameRecord& frame : frames) {
-      CHECK(frame.time_ns > last_ns);
-      CHECK(frame.in_band_ns <= frame.since_command_ns);
-      CHECK(fits_its_shape(frame));
-      last_ns = frame.time_ns;
-    }
-    const auto events = store.events(result.run);
-    const auto state = [](const db::EventRecord& event) { return event.kind == "state"; };
-    const auto first = std::ranges::find_if(events, state);
-    const auto last = std::find_if(events.rbegin(), events.rend(), state);
-    REQUIRE(first != events.end());
-    CHECK(first->detail.starts_with("prepared -> "));
-    CHECK(last->detail.find(" -> stopping") != std::string::npos);
-    CHECK(events.back().kind == "safe");
-    CHECK(seconds(events.back().time_ns) == Approx(result.process_seconds).margin(0.01));
-  }
-};
-
 // One branch up and one down; `more`: the end of its recipe.
 bench::RunRequest two_branches(const std::vector<sequences::Override>& overrides, const std::string& more,
                                const std::vector<bench::PlannedFault>& faults = {}) {
@@ -125,7 +30,7 @@ bench::RunRequest two_branches(const std::vector<sequences::Override>& overrides
 
 void check_settled(const FinishedRun& run, double dwell_s) {
   for (const db::FrameRecord& frame : run.frames) {
-    CHECK(seconds(frame.in_band_ns) == Approx(dwell_s).margin(0.11));
+    CHECK(in_s(frame.in_band_ns) == Approx(dwell_s).margin(0.11));
     CHECK(frame.feedback_psi == Approx(frame.setpoint_psi).margin(0.1));
     CHECK(frame.reference_psi == Approx(frame.setpoint_psi).margin(0.25));
     CHECK(frame.exchanges > 0);
@@ -181,14 +86,14 @@ TEST_CASE("whole run: several frames a level lie apart as asked, and ramps witho
   REQUIRE(run.told.size() == 16);  // with two of conditioning
   for (std::size_t i = 0; i < run.told.size(); ++i) CHECK(run.told[i].step == static_cast<int>(i) + 1);
   for (const std::size_t first : {0U, 2U}) {
-    CHECK(seconds(run.frames[first].in_band_ns) == Approx(2.0));
-    CHECK(seconds(run.frames[first + 1].time_ns - run.frames[first].time_ns) == Approx(1.5));
+    CHECK(in_s(run.frames[first].in_band_ns) == Approx(2.0));
+    CHECK(in_s(run.frames[first + 1].time_ns - run.frames[first].time_ns) == Approx(1.5));
     CHECK(run.frames[first + 1].setpoint_psi == run.frames[first].setpoint_psi);
   }
   for (const auto& [from, took_s] : {std::pair<std::size_t, double>{4, 2.0}, {9, 0.5}}) {
     for (std::size_t i = from + 1; i < from + 5; ++i) {  // 4 psi each
-      CHECK(seconds(run.frames[i].since_command_ns) == Approx(took_s));
-      CHECK(seconds(run.frames[i].time_ns - run.frames[i - 1].time_ns) == Approx(took_s));
+      CHECK(in_s(run.frames[i].since_command_ns) == Approx(took_s));
+      CHECK(in_s(run.frames[i].time_ns - run.frames[i - 1].time_ns) == Approx(took_s));
     }
   }
 }
@@ -372,7 +277,7 @@ TEST_CASE("whole press run: z is homed first, forces are reached and held, and z
     CHECK(pressed.force_start_n == Approx(forces[i]).margin(forces[i] < 10.0 ? 0.06 : 0.31));
     CHECK(pressed.wrench[2] == Approx(-forces[i]).epsilon(0.02));
     CHECK((pressed.place_mm[0] == Approx(30.0) && pressed.place_mm[1] == Approx(30.0)));
-    CHECK(seconds(run.frames[i].in_band_ns) == Approx(0.5).margin(0.01));
+    CHECK(in_s(run.frames[i].in_band_ns) == Approx(0.5).margin(0.01));
   }
   CHECK(run.frames[1].wrench->place_mm[2] > run.frames[0].wrench->place_mm[2]);
   REQUIRE(run.branches.size() == 2);

@@ -5,8 +5,7 @@
 
 #include "analysis/dataset.h"
 #include "bench/run/time_estimate.h"
-#include "tests/support/process.h"
-#include "tests/support/small_run.h"
+#include "tests/bench/run/finished_run.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -27,23 +26,22 @@ bench::RunRequest request_with(double lost_at_s, double lasts_s, double timeout_
 }  // namespace
 
 TEST_CASE("suspension: a branch is void while the supply is gone, and done again when it is back") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
-  const bench::RunResult result = run_small(request_with(45.0, 8.0, 600.0), store);
+  const FinishedRun run(request_with(45.0, 8.0, 600.0));
+  const bench::RunResult& result = run.result;
   if (result.error) FAIL(result.error->what());
   std::string states;
-  for (const db::EventRecord& event : store.events(result.run)) {
+  for (const db::EventRecord& event : run.store.events(result.run)) {
     if (event.kind == "state") states += event.detail + "\n";
   }
   CHECK_THAT(states, Catch::Contains("running -> suspended: supply_bar") && Catch::Contains("suspended -> running"));
   int suspended = 0;
-  for (const db::BranchRecord& branch : store.branches(result.run)) {
+  for (const db::BranchRecord& branch : run.branches) {
     if (!branch.is_void) continue;
     ++suspended;
     CHECK_THAT(branch.void_reason, Catch::StartsWith("suspended: supply_bar"));
   }
   CHECK(suspended == 1);
-  CHECK(analysis::load_dataset(store, result.run).sequences.at(0).repeats.size() == 2);
+  CHECK(analysis::load_dataset(run.store, result.run).sequences.at(0).repeats.size() == 2);
 }
 
 TEST_CASE("suspension: a supply that stays away ends the run, which can be resumed") {
