@@ -85,7 +85,7 @@ TEST_CASE(
   bench.fail(FaultKind::kModuleException);
   const Proved never = bench.prove();
   CHECK(never.state == SafeState::kUnverified);
-  CHECK(never.psi < 1.0);  // by its watchdog
+  CHECK(never.psi < 1.0);
   CHECK(never.took_s < 5.0);
 }
 
