@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <cstdio>
 #include <vector>
 
 namespace tactbench::bench {
@@ -49,7 +48,6 @@ TEST_CASE("chamber: a 2 psi step settles within 0.25 psi in 0.6 s with a small o
     worst_time = std::max(worst_time, down.settled_s);
     if (level > 0) worst_overshoot = std::max(worst_overshoot, down.overshoot_psi);
   }
-  std::printf("chamber: 2 psi step settles in %.2f s, overshoot %.3f psi\n", worst_time, worst_overshoot);
   CHECK(worst_time < 0.6);
   CHECK(worst_time > 0.1);  // finite speed
   CHECK(worst_overshoot < 0.3);
@@ -60,7 +58,6 @@ TEST_CASE("chamber: a 2 psi step settles within 0.25 psi in 0.6 s with a small o
 TEST_CASE("chamber: a jump over the whole range takes less than 3 s, no faster than the valve") {
   Chamber chamber({});
   const Response response = respond(chamber, 60.0);
-  std::printf("chamber: 0 to 60 psi in %.2f s, overshoot %.2f psi\n", response.settled_s, response.overshoot_psi);
   CHECK(response.settled_s < 3.0);
   CHECK(response.settled_s > 0.9);
   CHECK(response.overshoot_psi < 1.0);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 #include <stdexcept>
 
@@ -79,7 +78,6 @@ TEST_CASE("contact: the ring is a ring on the array, 30 N bring 30 to 60 psi on 
   Contact contact({}, 16, 16);
   const auto psi = contact.psi_per_newton(30.0, 30.0);
   const double peak = 30.0 * *std::max_element(psi.begin(), psi.end());
-  std::printf("contact: the ring at 30 N, highest taxel %.1f psi\n", peak);
   CHECK(peak > 30.0);
   CHECK(peak < 60.0);
   CHECK(30.0 * psi[7 * 16 + 7] < 0.5);  // the hole

@@ -4,7 +4,6 @@
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <vector>
 
 #include "bench/simulation/plant.h"
@@ -89,8 +88,6 @@ TEST_CASE("plant: the array shows the ring and its hole, growing with the force"
     rig.wait(2s);
     down.push_back(mean(rig.scan()));
   }
-  std::printf("plant: ring, std/FS at 2 6 10 20 30 N: %.3f %.3f %.3f %.3f %.3f; mean up %.3f, down %.3f V at 10 N\n",
-              spread[0], spread[1], spread[2], spread[3], spread[4], up[2], down[1]);
   CHECK(std::is_sorted(up.begin(), up.end()));
   CHECK(std::is_sorted(spread.begin(), spread.end()));
   CHECK(down[1] > 1.1 * up[2]);  // the film's hysteresis

@@ -1,5 +1,5 @@
-// How the plant goes through time, in numbers of another implementation: when the film is moved, what turns it, how an
-// object under the stage comes to it, and what a scan's status says.
+// How an object under the stage comes to the plant, in numbers of another implementation, and what a scan's status
+// says.
 #include <array>
 #include <catch2/catch.hpp>
 #include <chrono>
@@ -32,28 +32,7 @@ void point(PlantOptions& options) { options.contact.object = Footprint::kPoint; 
 
 }  // namespace
 
-TEST_CASE("plant coupling: at constant pressure the film's time steps grow, and each small turn adds a step") {
-  SmallPlant calm;
-  calm.drive(1.5);
-  calm.at(400s);
-  calm.check_film({19.602433847357556, 19.602433847357556, 0.7979305218383512, 20.15780560050148, 114.64501509189341,
-                   114.68121572758837, 114.68121572758837, 114.68121572758837, 114.68121572758837, 114.68121572758837,
-                   4.536382270397945, 4.536382270397945, 4.536365293321497, 3.5850047988530127});
-  SmallPlant turning;
-  devices::Nanoseconds now = 0ms;
-  int i = 0;
-  for (const double volts : {1.5, 1.51, 1.49, 1.52, 1.5, 2.0, 1.98}) {
-    turning.drive(volts);
-    now += std::chrono::milliseconds(130 + 7 * i++);
-    turning.at(now);
-  }
-  turning.check_film({25.425176806080245, 10.875254392785665, 0.6959394185410527, 25.575055320680086,
-                      143.45758317677306, 143.45758317677306, 143.45758317677306, 143.45758317677306,
-                      143.45758317677306, 143.45758317677306, 3.8708565907488683, 0.9451348696556967,
-                      0.13048658233958332, 0.016518965492596127});
-}
-
-TEST_CASE("plant coupling: an object's force, its pressure on each taxel and what the film keeps of it") {
+TEST_CASE("plant coupling: an object's force and its pressure on each taxel") {
   ScriptedStage stage(scripted);
   SmallPlant bed(point);
   bed.plant.set_stage(&stage);
@@ -72,9 +51,6 @@ TEST_CASE("plant coupling: an object's force, its pressure on each taxel and wha
                                         0.039153792, 20.522767047, 12.052383919};
   REQUIRE(psi.size() == 6);
   for (std::size_t k = 0; k < 6; ++k) CHECK(psi[k] == Approx(expected[k]).epsilon(0.0).margin(2e-9));
-  bed.check_film({0.0, 0.0, 1.0, 0.0, 128.9764924798102, 134.01532450090244, 139.94944034877093, 146.7312870320492,
-                  155.20859538614707, 167.07682708188406, 3.234188756482185, 3.198779449800697, 1.7046603863092629,
-                  0.29154261120849667});
   bed.at(31s);
   CHECK(bed.plant.true_force().value() == 0.0);
   CHECK(bed.plant.true_contact_psi().empty());

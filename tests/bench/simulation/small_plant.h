@@ -45,8 +45,6 @@ struct SmallPlant {
     plant.scan(counts, status);
     return {counts.begin(), counts.end()};
   }
-  // `expected`: pressure, lag, virgin share, path length, and the sums of all plays and creeps.
-  void check_film(const std::vector<double>& expected);
   devices::TurnedClock clock;
   bench::Plant plant;
   std::vector<std::uint8_t> status = std::vector<std::uint8_t>(2);

@@ -5,7 +5,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <vector>
 
 #include "bench/simulation/specimen.h"
@@ -37,7 +36,6 @@ TEST_CASE("harsh specimen: no output falls while the load rises, or rises while 
         before = now;
       }
     }
-    std::printf("harsh, sensor %d: an output goes back by at most %.2f mV in 0.25 psi\n", int(sensor), 1000.0 * worst);
     CHECK(worst < 0.003);
   }
 }
@@ -45,8 +43,6 @@ TEST_CASE("harsh specimen: no output falls while the load rises, or rises while 
 TEST_CASE("harsh specimen: hysteresis and full scale are about those of the paper's sensor") {
   for (const std::uint64_t sensor : kNewSensors) {
     const LoopFigures loop = measure_loop(harsh_sensor(sensor));
-    std::printf("harsh, sensor %d: hysteresis %.1f %% FS max, %.1f %% mean, full scale %.2f V\n", int(sensor),
-                loop.max_percent_fs, loop.mean_percent_fs, loop.full_scale_v);
     CHECK(loop.max_percent_fs == Approx(25.0).margin(5.0));
     CHECK(loop.mean_percent_fs == Approx(10.0).margin(3.0));
     CHECK(loop.full_scale_v == Approx(3.4).margin(0.25));
@@ -56,8 +52,6 @@ TEST_CASE("harsh specimen: hysteresis and full scale are about those of the pape
 TEST_CASE("harsh specimen: friction varies from cycle to cycle by 0.6 % FS over 50 cycles, half of it in all taxels") {
   for (const std::uint64_t sensor : kNewSensors) {
     const CycleFigures harsh = measure_cycles(harsh_sensor(sensor), 50);
-    std::printf("harsh, sensor %d: cycle to cycle %.3f %% FS a taxel, %.3f %% FS mean taxel\n", int(sensor),
-                harsh.taxel_percent_fs, harsh.mean_taxel_percent_fs);
     CHECK(harsh.taxel_percent_fs == Approx(0.6).margin(0.15));
     CHECK(harsh.mean_taxel_percent_fs == Approx(0.38).margin(0.2));
   }
@@ -68,7 +62,6 @@ TEST_CASE("harsh specimen: 5 % FS of creep in each decade of time from 1 s to 10
   for (const std::uint64_t sensor : kNewSensors) {
     for (const double from_s : {1.0, 10.0, 100.0}) {
       const double creep = measure_creep_percent_fs(harsh_sensor(sensor), 40.0, from_s, 10.0 * from_s);
-      std::printf("harsh, sensor %d: creep %.2f %% FS from %.0f to %.0f s\n", int(sensor), creep, from_s, 10 * from_s);
       CHECK(creep == Approx(5.0).margin(0.8));
     }
   }
@@ -77,7 +70,6 @@ TEST_CASE("harsh specimen: 5 % FS of creep in each decade of time from 1 s to 10
 
 TEST_CASE("harsh specimen: zero and gain walk, by the square root of time") {
   const WalkFigures harsh = measure_walk(harsh_sensor(52163), 48);
-  std::printf("harsh: zero walks %.2f mV, gain %.2f %% in an hour\n", harsh.zero_mv, harsh.gain_percent);
   CHECK(harsh.zero_mv == Approx(3.5).margin(1.0));
   CHECK(harsh.gain_percent == Approx(0.3).margin(0.1));
   const WalkFigures paper = measure_walk(paper_sensor(52163), 8);
@@ -108,10 +100,6 @@ TEST_CASE("harsh specimen: white noise has heavy tails, slow noise falls as 1/f"
   paper.specimen = paper_sensor(52163);
   paper.seed = 1234;
   const NoiseFigures harsh = measure_noise(harsh_plant(52163, 1234)), kind = measure_noise(paper);
-  std::printf("harsh noise: %.2f mV, kurtosis %.1f, %.0f ppm beyond 5 sigma, slope %.2f, slow %.3f %% of output\n",
-              harsh.white_mv, harsh.kurtosis, 1e6 * harsh.beyond_five, harsh.slope, harsh.slow_percent_of_output);
-  std::printf("paper noise: %.2f mV, kurtosis %.1f, slope %.2f, slow %.3f %% of output\n", kind.white_mv, kind.kurtosis,
-              kind.slope, kind.slow_percent_of_output);
   CHECK(harsh.white_mv == Approx(1.5).epsilon(0.05));
   CHECK(harsh.kurtosis > 5.0);
   CHECK(harsh.beyond_five > 3e-4);
@@ -126,8 +114,6 @@ TEST_CASE("harsh specimen: white noise has heavy tails, slow noise falls as 1/f"
 TEST_CASE("harsh specimen: a taxel pressed alone is seen by its neighbours, and not beyond") {
   for (const std::uint64_t sensor : kNewSensors) {
     const CrosstalkFigures harsh = measure_crosstalk(harsh_sensor(sensor));
-    std::printf("harsh, sensor %d: crosstalk %.2f %% beside, %.2f %% at a corner\n", int(sensor), 100 * harsh.beside,
-                100 * harsh.corner);
     CHECK(harsh.beside == Approx(0.022).margin(0.004));
     CHECK(harsh.corner == Approx(0.0055).margin(0.002));
     CHECK(harsh.two_away == Approx(0.0).margin(1e-12));
@@ -138,9 +124,6 @@ TEST_CASE("harsh specimen: a taxel pressed alone is seen by its neighbours, and 
 TEST_CASE("harsh specimen: no Preisach model behind a divider: minor loops are neither congruent nor closed") {
   for (const std::uint64_t sensor : kNewSensors) {
     const MemoryFigures harsh = measure_memory(harsh_sensor(sensor)), paper = measure_memory(paper_sensor(sensor));
-    std::printf("sensor %d: minor loops differ by %.2f %% FS (paper %.2f), do not close by %.2f %% FS (paper %.4f)\n",
-                int(sensor), harsh.congruency_percent_fs, paper.congruency_percent_fs, harsh.closure_percent_fs,
-                paper.closure_percent_fs);
     CHECK(harsh.congruency_percent_fs > 1.0);
     CHECK(harsh.closure_percent_fs > 0.4);
     CHECK(paper.closure_percent_fs < 0.01);

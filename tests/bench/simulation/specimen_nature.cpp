@@ -1,6 +1,5 @@
 // Each claimed nature of the film, measured: what puts it outside the classes that we fit.
 #include <catch2/catch.hpp>
-#include <cstdio>
 #include <utility>
 
 #include "tests/bench/simulation/specimen_runs.h"
@@ -39,8 +38,6 @@ TEST_CASE("specimen: rate dependence, a quick loop differs from a slow one") {
   const Loop quick = external_loop(walker, 0.02, 0.02);
   const double normal_to_slow = loop_change(normal, slow);
   const double quick_to_normal = loop_change(quick, normal);
-  std::printf("rate: 2.4 s against 24 s a step %.2f %% FS, 0.04 s against 2.4 s a step %.2f %% FS\n",
-              100 * normal_to_slow, 100 * quick_to_normal);
   CHECK(quick_to_normal > 0.02);
   CHECK(normal_to_slow > 0.001);
   CHECK(normal_to_slow < 0.03);
@@ -56,8 +53,6 @@ TEST_CASE(
     const double at_1s = held(specimen, level, 1.0);
     const double at_10s = held(specimen, level, 9.0);
     const double at_100s = held(specimen, level, 90.0);
-    std::printf("creep at %.0f psi: %.2f %% FS from 1 to 10 s, %.2f %% FS from 10 to 100 s\n", level,
-                100 * (at_10s - at_1s) / kFullScale, 100 * (at_100s - at_10s) / kFullScale);
     CHECK((at_10s - at_1s) / kFullScale > 0.004);
     CHECK((at_10s - at_1s) / kFullScale < 0.03);
     CHECK((at_100s - at_10s) / kFullScale > 0.003);
@@ -88,8 +83,6 @@ TEST_CASE("specimen: minor loops over one range are not congruent") {
   for (const auto& [low, high] : {std::pair{10.0, 14.0}, {10.0, 20.0}, {10.0, 30.0}, {20.0, 30.0}, {20.0, 40.0}}) {
     const double from_below = height(0.0, low, high);
     const double from_above = height(60.0, low, high);
-    std::printf("minor loop %.0f-%.0f psi: %.4f V high from below, %.4f V from above\n", low, high, from_below,
-                from_above);
     CHECK(std::abs(from_below - from_above) / kFullScale > 0.005);
   }
 }
@@ -107,7 +100,6 @@ TEST_CASE("specimen: the same small range has different heights on the two outer
   };
   const double ascending = rise({30});
   const double descending = rise({60, 30});
-  std::printf("30-34 psi: rises %.4f V on the ascending, %.4f V on the descending branch\n", ascending, descending);
   CHECK(std::abs(ascending - descending) > 0.2 * std::max(ascending, descending));
 }
 
@@ -120,8 +112,6 @@ TEST_CASE("specimen: first cycles differ and the difference fades") {
   std::vector<double> changes;
   changes.reserve(loops.size());
   for (std::size_t k = 1; k < loops.size(); ++k) changes.push_back(loop_change(loops[k - 1], loops[k]));
-  std::printf("conditioning: change from loop to loop %.3f %.3f %.3f %.3f %.3f %% FS\n", 100 * changes[0],
-              100 * changes[1], 100 * changes[2], 100 * changes[3], 100 * changes[4]);
   CHECK(changes[0] > 0.02);
   CHECK(changes[1] < 0.4 * changes[0]);
   CHECK(changes[2] < 0.4 * changes[1]);
@@ -139,7 +129,6 @@ TEST_CASE("specimen: reproducible after conditioning, through the whole of Table
     walker.walk(kAscendingSet);
   }
   const double change = loop_change(first, external_loop(walker));
-  std::printf("first loop against the one after two repeats of Table 1: %.3f %% FS\n", 100 * change);
   CHECK(change < 0.003);
   CHECK(change > 1e-5);  // not a machine that closes its loops exactly
 }

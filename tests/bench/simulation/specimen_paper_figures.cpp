@@ -1,7 +1,6 @@
 // The specimen against the figures of the paper's sensor: hysteresis of the mean taxel, full scale, Table 6.
 #include <array>
 #include <catch2/catch.hpp>
-#include <cstdio>
 #include <span>
 
 #include "tests/bench/simulation/specimen_runs.h"
@@ -89,8 +88,8 @@ Figures measure(std::uint64_t sensor_seed) {
 
 void check_cells(const char* name, const std::vector<double>& levels, std::span<const Cell> cells) {
   for (const Cell& cell : cells) {
+    INFO(name << ' ' << cell.pressure_psi << " psi");
     const double got = at(levels, cell.pressure_psi);
-    std::printf("  %s %5.2f psi std/FS %.3f (paper %.2f)\n", name, cell.pressure_psi, got, cell.std_over_full_scale);
     CHECK(got == Approx(cell.std_over_full_scale).margin(0.03));
   }
 }
@@ -101,10 +100,6 @@ TEST_CASE("specimen: figures of the paper's sensor, sensor seeds 1 to 5") {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     CAPTURE(seed);
     const Figures f = measure(seed);
-    std::printf(
-        "sensor seed %d: FS %.3f V, hysteresis max %.2f %% mean %.2f %%, 60->50 psi falls %.2f %%, %.4f..%.3f V\n",
-        static_cast<int>(seed), f.full_scale_v, f.max_percent, f.mean_percent, f.top_fall_percent, f.lowest_v,
-        f.highest_v);
     CHECK(f.full_scale_v == Approx(3.5).margin(0.05));
     CHECK(f.max_percent == Approx(25.3).margin(1.5));
     CHECK(f.mean_percent == Approx(10.0).margin(1.2));
@@ -114,7 +109,7 @@ TEST_CASE("specimen: figures of the paper's sensor, sensor seeds 1 to 5") {
     CHECK(f.falling_taxels == 0);
     CHECK(f.lowest_v >= 0.0);
     CHECK(f.highest_v < 4.9);
-    check_cells("up  ", f.up_std, kUp);
+    check_cells("up", f.up_std, kUp);
     check_cells("down", f.down_std, kDown);
   }
 }
