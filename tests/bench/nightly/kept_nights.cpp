@@ -9,7 +9,7 @@
 
 #include "bench/nightly/night_store.h"
 #include "bench/nightly/suite.h"
-#include "tests/support/process.h"
+#include "tests/bench/nightly/part_store.h"
 
 using namespace tactbench;
 using namespace tactbench::bench;
@@ -35,32 +35,13 @@ struct NightRun {
 ScenarioResult carried_out(const std::string& path, const std::string& label, const std::vector<NightRun>& runs,
                            const std::map<std::string, double>& figures) {
   std::filesystem::remove(path);
-  db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
-  store.add_sensor({"SIM-0001", "t", "", db::sha256_hex(""), "", "", ""});
+  PartStore part(path);
   ScenarioResult result;
   result.name = label;
   result.figures = figures;
   for (const NightRun& own : runs) {
-    db::RunRecord run;
-    run.uuid = db::new_uuid();
-    run.origin = "simulated";
-    run.state = "prepared";
-    run.sensor_serial = "SIM-0001";
-    run.operator_name = "nightly";
-    run.purpose = own.purpose;
-    run.seed = own.seed;
-    run.sensor_seed = 1;
-    run.started_utc = "2026-01-02T03:04:05Z";
-    run.git_commit = "0123456789abcdef0123";
-    run.sequences = {{0, "s", "", "", 1, 1}};
-    const std::int64_t number = store.begin_run(run);
-    db::FrameRecord frame;
-    frame.branch = store.begin_branch(number, {});
-    frame.rows = frame.columns = frame.scans = 1;
-    frame.counts = {own.counts};
-    store.append_frame(number, frame);
-    store.end_run(number, db::Outcome::kCompleted, "", db::SafeState::kVerified, "2026-01-02T03:05:00Z");
-    result.runs.push_back({number, "completed", "", "verified", store.run(number).content_sha256});
+    const std::int64_t number = part.add_run(own.purpose, own.seed, own.counts);
+    result.runs.push_back({number, "completed", "", "verified", part.store.run(number).content_sha256});
   }
   return result;
 }

@@ -36,6 +36,7 @@ class PartStore {
     run.seed = seed;
     run.sensor_seed = 1;
     run.started_utc = "2026-01-02T03:04:05Z";
+    run.git_commit = "0123456789abcdef0123";
     run.sequences = {{0, "s", "", "", 1, 1}};
     const std::int64_t number = store.begin_run(run);
     db::FrameRecord frame;

@@ -9,6 +9,7 @@
 #include "bench/run/ending.h"
 #include "bench/run/recorder.h"
 #include "devices/fault.h"
+#include "tests/db/store_example.h"
 #include "tests/support/process.h"
 
 using namespace tactbench;
@@ -103,13 +104,7 @@ TEST_CASE("ending: a last command other than stop ends a run that nothing else h
   const auto told = [&](const std::function<void(Ending&, Control&)>& act) {
     const tests::TemporaryFolder folder;
     db::RunStore store = db::RunStore::open(folder.path("s.db"), db::Durability::kNormal);
-    db::RunRecord run;
-    run.uuid = db::new_uuid();
-    run.origin = "simulated";
-    run.state = "prepared";
-    store.add_sensor({"S-1", "type", "", "", "", "", ""});
-    run.sensor_serial = "S-1";
-    const std::int64_t number = store.begin_run(run);
+    const std::int64_t number = tests::begin_example(store).run;
     devices::TurnedClock clock;
     Recorder recorder(store, number, clock);
     Control control;
