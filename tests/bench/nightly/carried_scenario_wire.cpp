@@ -1,6 +1,4 @@
 // A scenario carried out in this process on the simulated rig: what its store, its result and its expectations hold.
-#include <fmt/format.h>
-
 #include <catch2/catch.hpp>
 #include <string>
 #include <vector>

@@ -1,7 +1,6 @@
 // A night in parts, put together, beside the same night in one; what merging takes and refuses.
 #include <catch2/catch.hpp>
 #include <filesystem>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <regex>
 

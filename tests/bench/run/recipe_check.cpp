@@ -2,7 +2,6 @@
 #include "bench/run/recipe_check.h"
 
 #include <catch2/catch.hpp>
-#include <cmath>
 
 #include "bench/common/error.h"
 

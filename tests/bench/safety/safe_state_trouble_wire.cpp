@@ -1,5 +1,4 @@
 // The safe state when instruments fail on the way to it: what is proved, where the rig stands, how long it takes.
-#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 

@@ -1,7 +1,6 @@
 // Chamber and contact in numbers: what another implementation of their equations
 // (bench/simulation/README.md) gives, in Python, to ten digits. A deliberate change of the physics changes them.
 #include <catch2/catch.hpp>
-#include <cmath>
 #include <stdexcept>
 
 #include "bench/simulation/chamber.h"

@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
-#include <filesystem>
 
 #include "bench/rig/rig.h"
 #include "bench/run/control/control_client.h"

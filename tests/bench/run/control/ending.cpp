@@ -1,7 +1,6 @@
 // What ends a run, and how its answers are parsed: without a rig and without a socket.
 #include <catch2/catch.hpp>
 #include <csignal>
-#include <nlohmann/json.hpp>
 
 #include "bench/common/error.h"
 #include "bench/run/control/control.h"

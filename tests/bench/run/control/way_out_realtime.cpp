@@ -9,8 +9,6 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <csignal>
-#include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "bench/run/control/control_client.h"
 #include "db/run_store.h"
