@@ -1,6 +1,7 @@
 // Writing a run: what is refused before it reaches the file, and what two programs at one store leave of it.
 #include <catch2/catch.hpp>
 #include <filesystem>
+#include <functional>
 
 #include "db/sqlite.h"
 #include "tests/db/store_example.h"
@@ -143,4 +144,136 @@ TEST_CASE("a log of exactly a thousand pages is long enough, and one that is a b
     store.begin_run(example_run());
     CHECK((std::filesystem::file_size(log) == length) == (length == 1000 * (4096 + 24) + 32));
   }
+}
+
+TEST_CASE("a missing run cannot be read, extended or annotated") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const std::int64_t run = store_example(store);
+  db::FitRecord fit;
+  fit.run = 99;
+  fit.model = "elam";
+  const std::int64_t own_fit = store.add_fit({0, run, "elam", true, 1, "", "", "", ""});
+  const std::vector<std::pair<std::string, std::function<void()>>> questions = {
+      {"run", [&] { (void)store.run(99); }},
+      {"branches", [&] { (void)store.branches(99); }},
+      {"frames", [&] { (void)store.frames(99); }},
+      {"each_frame", [&] { store.each_frame(99, [](const db::FrameRecord&) {}); }},
+      {"frame_count", [&] { (void)store.frame_count(99); }},
+      {"events", [&] { (void)store.events(99); }},
+      {"checks", [&] { (void)store.checks(99); }},
+      {"series", [&] { (void)store.series(99); }},
+      {"check_content", [&] { (void)store.check_content(99); }},
+      {"check_seals", [&] { (void)store.check_seals(99); }},
+      {"content_hash", [&] { (void)store.content_hash(99); }},
+      {"fits", [&] { (void)store.fits(99); }},
+      {"fit", [&] { (void)store.fit(99); }},
+      {"latest_fit", [&] { (void)store.latest_fit(99); }},
+      {"standing_fit", [&] { (void)store.standing_fit(99); }},
+      {"verdicts", [&] { (void)store.verdicts(99); }},
+      {"verdicts_of_models", [&] { (void)store.verdicts_of_models(99); }},
+      {"reports", [&] { (void)store.reports(99); }},
+      {"add_fit", [&] { store.add_fit(fit); }},
+      {"replace_verdicts", [&] { store.replace_verdicts(99, 0, {}); }},
+      {"replace_verdicts by a fit", [&] { store.replace_verdicts(99, own_fit, {}); }},
+      {"replace_figures", [&] { store.replace_figures(99, "rig", {}); }},
+      {"add_report",
+       [&] {
+         store.add_report({99, "99-a", "a", "me", "2026", "", ""});
+       }},
+      {"set_tags", [&] { store.set_tags(99, {}, {}); }},
+      {"add_note", [&] { store.add_note(99, "x"); }},
+      {"void_run", [&] { store.void_run(99, "why", "me", "2026"); }},
+      {"set_devices", [&] { store.set_devices(99, {}); }},
+      {"set_state", [&] { store.set_state(99, "running", {}); }},
+      {"begin_branch", [&] { store.begin_branch(99, example_branch()); }},
+      {"void_branch", [&] { store.void_branch(99, "why"); }},
+      {"append_frame", [&] { store.append_frame(99, example_frame(1, 0)); }},
+      {"append_event", [&] { store.append_event(99, {}); }},
+      {"append_check", [&] { store.append_check(99, {}); }},
+      {"append_series", [&] { store.append_series(99, {}); }},
+      {"set_rest", [&] { store.set_rest(99, 1.0); }},
+      {"set_seen", [&] { store.set_seen(99, "2026"); }},
+      {"end_run", [&] { store.end_run(99, db::Outcome::kFailed, "", {}, ""); }},
+      {"reopen_run", [&] { store.reopen_run(99, {}); }}};
+  for (const auto& [name, question] : questions) {
+    INFO(name);
+    CHECK(store_error(question) == "TB-STORE-NOT-FOUND");
+  }
+  CHECK((store.fits(run).size() == 1 && store.check_seals(run).empty() && store.check_structure().empty()));
+}
+
+TEST_CASE("an ended run accepts no more data, and the error states how it ended") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const std::int64_t run = store_example(store);
+  const std::vector<std::pair<std::string, std::function<void()>>> changes = {
+      {"set_devices", [&] { store.set_devices(run, {}); }},
+      {"set_state", [&] { store.set_state(run, "running", {}); }},
+      {"begin_branch", [&] { store.begin_branch(run, example_branch()); }},
+      {"void_branch", [&] { store.void_branch(2, "why"); }},
+      {"append_frame", [&] { store.append_frame(run, example_frame(2, 2)); }},
+      {"append_event", [&] { store.append_event(run, {}); }},
+      {"append_check", [&] { store.append_check(run, {}); }},
+      {"append_series", [&] { store.append_series(run, {}); }},
+      {"set_rest", [&] { store.set_rest(run, 1.0); }},
+      {"set_seen", [&] { store.set_seen(run, "2026"); }},
+      {"end_run", [&] { store.end_run(run, db::Outcome::kFailed, "", {}, ""); }}};
+  for (const auto& [name, change] : changes) {
+    INFO(name);
+    CHECK(store_error(change) == "TB-STORE-CONFLICT");
+  }
+  CHECK(store.check_content(run).holds());
+  const db::RunRecord record = store.run(run);
+  CHECK((!record.rest_s && record.seen_utc.empty()));
+}
+
+TEST_CASE("an unknown word for an outcome or a safe state is refused") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const std::int64_t run = store_example(store);
+  Connection raw(store.path(), Access::kReadWrite);
+  raw.execute("PRAGMA ignore_check_constraints = ON");
+  const auto read_with = [&](const std::string& change) {
+    raw.execute("UPDATE runs SET " + change);
+    return store_error([&] { (void)store.run(run); });
+  };
+  CHECK(read_with("outcome = 'done'") == "TB-STORE-SQL");
+  CHECK(read_with("outcome = 'completed', safe_state = 'fine'") == "TB-STORE-SQL");
+  CHECK(read_with("safe_state = 'verified'").empty());
+}
+
+TEST_CASE("a run's rest and the forces at a branch's ends are absent unless they were stored") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const Begun begun = begin_example(store);
+  CHECK_FALSE(store.run(begun.run).rest_s);
+  store.set_rest(begun.run, 0.0);
+  CHECK(store.run(begun.run).rest_s == 0.0);
+  for (int i = 1; i < 4; ++i) {
+    db::BranchRecord branch = example_branch();
+    branch.attempt = i;
+    if (i != 1) branch.from_n.reset();
+    if (i != 2) branch.to_n.reset();
+    store.begin_branch(begun.run, branch);
+  }
+  const auto branches = store.branches(begun.run);
+  REQUIRE(branches.size() == 4);
+  CHECK((branches[1].from_n == 2.1 && !branches[1].to_n));
+  CHECK((!branches[2].from_n && branches[2].to_n == 30.3));
+  CHECK((!branches[3].from_n && !branches[3].to_n));
+}
+
+TEST_CASE("the newest time of a run is that of its last frame or of its last event, whichever is later") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const Begun begun = begin_example(store);
+  CHECK(store.last_time_ns(begun.run) == 0);
+  store.append_event(begun.run, {7, "note", "", ""});
+  CHECK(store.last_time_ns(begun.run) == 7);
+  store.append_frame(begun.run, example_frame(begun.branch, 3));
+  CHECK(store.last_time_ns(begun.run) == example_frame(1, 3).time_ns);
+  store.append_event(begun.run, {example_frame(1, 3).time_ns + 1, "note", "", ""});
+  CHECK(store.last_time_ns(begun.run) == example_frame(1, 3).time_ns + 1);
+  CHECK(store.last_time_ns(99) == 0);
 }

@@ -1,9 +1,11 @@
 // Copies of a store that another process is writing, and checks of the file.
+#include <fcntl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
-#include <catch2/catch.hpp>
 
+#include <catch2/catch.hpp>
 #include <csignal>
 #include <filesystem>
 
@@ -96,4 +98,145 @@ TEST_CASE("the structure check names rows that point nowhere and broken constrai
   CHECK_THAT(store.check_structure().front(), Catch::Contains("row 2 of events"));
   raw.execute("UPDATE runs SET outcome = 'done'");
   CHECK(store.check_structure().size() == 2);
+}
+
+namespace {
+
+std::size_t open_descriptors() {
+  std::size_t count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) count += entry.path().empty() ? 0 : 1;
+  return count;
+}
+
+// The exit code of `action` in a process of its own.
+template <class Action>
+int in_child(Action action) {
+  const pid_t child = fork();
+  REQUIRE(child >= 0);
+  if (child == 0) _exit(action());
+  int status = 0;
+  REQUIRE(waitpid(child, &status, 0) == child);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+}  // namespace
+
+TEST_CASE("a snapshot leaves no descriptor open, and takes one of any number") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  store_example(store);
+  store.snapshot(folder.path("first.db"));
+  const std::size_t before = open_descriptors();
+  for (int i = 0; i < 5; ++i) store.snapshot(folder.path("copy-" + std::to_string(i) + ".db"));
+  store_error([&] { store.snapshot(folder.path("first.db")); });
+  CHECK(open_descriptors() == before);
+  CHECK(in_child([&] {  // without a standard input the name's file gets its number
+          close(0);
+          const std::string id = store_error([&] { store.snapshot(folder.path("zero.db")); });
+          return id.empty() && std::filesystem::exists(folder.path("zero.db")) ? 0 : 1;
+        }) == 0);
+}
+
+TEST_CASE("in a read-only folder a store with a log beside it is not read without the log") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("runs.db");
+  REQUIRE(in_child([&] {
+            auto* store = new RunStore(RunStore::open(path));  // never closed: the log stays
+            store_example(*store);
+            return 0;
+          }) == 0);
+  REQUIRE(std::filesystem::file_size(path + "-wal") > 0);
+  std::filesystem::remove(path + "-shm");
+  chmod(path.c_str(), 0444);
+  chmod(folder.path().c_str(), 0555);
+  const int code = in_child([&] {
+    if (geteuid() == 0 && (setgid(65534) != 0 || setuid(65534) != 0)) return 3;
+    return store_error([&] { RunStore::open_read_only(path); }).empty() ? 1 : 0;
+  });
+  chmod(folder.path().c_str(), 0755);
+  CHECK(code == 0);
+}
+
+TEST_CASE("all runs that are copied come with their verdicts under seal, the first as well as the last") {
+  const TemporaryFolder folder;
+  RunStore source = RunStore::open(folder.path("a.db")), target = RunStore::open(folder.path("b.db"));
+  db::VerdictRecord verdict;
+  verdict.verdict = "pass";
+  for (int i = 0; i < 3; ++i) source.replace_verdicts(store_example(source), 0, {verdict});
+  store_example(target);
+  for (const std::int64_t run : target.copy_runs_from(source, {1, 2, 3})) {
+    CAPTURE(run);
+    CHECK(target.verdicts(run).size() == 1);
+    CHECK(target.check_seals(run).empty());
+  }
+  CHECK(target.runs().size() == 4);
+  CHECK(target.copy_runs_from(source, {}).empty());
+}
+
+namespace {
+
+// Run 2 is judged by the fit of run 1.
+void store_judged(RunStore& store) {
+  const std::int64_t first = store_example(store), second = store_example(store);
+  db::FitRecord fit;
+  fit.run = first;
+  fit.model = "elam";
+  fit.document = R"({"taxels":[]})";
+  const std::int64_t number = store.add_fit(fit);
+  db::VerdictRecord verdict;
+  verdict.verdict = "pass";
+  store.replace_verdicts(second, number, {verdict});
+  store.set_tags(second, {"night"}, {});
+}
+
+}  // namespace
+
+TEST_CASE("copied runs keep their content, tags, fits and verdicts, under the numbers of the other store") {
+  const TemporaryFolder folder;
+  RunStore source = RunStore::open(folder.path("a.db"));
+  RunStore target = RunStore::open(folder.path("b.db"));
+  store_judged(source);
+  store_judged(target);
+  store_example(target);
+  CHECK(target.copy_runs_from(source, {1, 2}) == std::vector<std::int64_t>{4, 5});
+  for (const std::int64_t run : {1, 2, 3, 4, 5}) CHECK(target.check_content(run).holds());
+  CHECK(target.run(4).content_sha256 == source.run(1).content_sha256);
+  CHECK(target.run(4).uuid == source.run(1).uuid);
+  CHECK(target.run(5).tags == std::vector<std::string>{"night"});
+  REQUIRE(target.fits(4).size() == 1);
+  CHECK(target.fits(4).front().fit == 2);
+  CHECK(target.fit(2).document == source.fit(1).document);
+  REQUIRE(target.verdicts(5).size() == 1);
+  CHECK(target.verdicts(5).front().fit == 2);
+  CHECK(target.check_structure().empty());
+  CHECK(target.frames(5).size() == 3);
+  // The copy works as a store: the next run's keys follow.
+  CHECK(store_example(target) == 6);
+  CHECK(target.check_content(6).holds());
+}
+
+TEST_CASE("a run is copied once, ended and complete, or nothing is copied") {
+  const TemporaryFolder folder;
+  RunStore source = RunStore::open(folder.path("a.db"));
+  RunStore target = RunStore::open(folder.path("b.db"));
+  store_judged(source);
+  CHECK(target.copy_runs_from(source, {2}) == std::vector<std::int64_t>{1});
+  CHECK(target.verdicts(1).front().fit == 0);  // the run of its models was not copied
+  CHECK(store_error([&] { target.copy_runs_from(source, {1, 2}); }) == "TB-STORE-EXISTS");
+  CHECK(target.runs().size() == 1);
+  const std::int64_t open = source.begin_run(example_run());
+  CHECK(store_error([&] { target.copy_runs_from(source, {1, open}); }) == "TB-STORE-CONFLICT");
+  CHECK(store_error([&] { target.copy_runs_from(source, {99}); }) == "TB-STORE-NOT-FOUND");
+  db::sqlite::Connection(folder.path("a.db"), db::sqlite::Access::kReadWrite)
+      .execute("UPDATE frames SET status = 9 WHERE frame = 1000000002");
+  std::string message;
+  CHECK(store_error([&] { target.copy_runs_from(source, {1}); }, &message) == "TB-STORE-CONFLICT");
+  CHECK_THAT(message, Catch::Contains("frame 2"));
+  CHECK(target.runs().size() == 1);
+  CHECK(target.check_structure().empty());
+  RunStore third = RunStore::open(folder.path("c.db"));
+  db::SensorRecord other = example_sensor();
+  other.type_sha256 = db::sha256_hex("another");
+  third.add_sensor(other);
+  CHECK(store_error([&] { third.copy_runs_from(source, {2}); }) == "TB-STORE-CONFLICT");
 }

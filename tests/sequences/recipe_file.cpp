@@ -1,6 +1,10 @@
 // Suspensions, repeats and parameters of a recipe: their edges.
 #include <catch2/catch.hpp>
+#include <string>
+#include <vector>
 
+#include "sequences/pressure_text.h"
+#include "sequences/recipe.h"
 #include "tests/sequences/recipe_text.h"
 #include "tests/sequences/refusal.h"
 
@@ -60,4 +64,91 @@ TEST_CASE("the text of a recipe is kept as it was read, whatever was set") {
   const Recipe recipe = parse_recipe(TomlDocument::from_text(body, "t.toml"), {{"repeats", "7"}});
   CHECK(recipe.text == body);
   CHECK(recipe.repeats == 7);
+}
+
+namespace {
+
+const std::string kBody =
+    "schema = 1\nname = \"t\"\nunit = \"psi\"\nturning_points = [0, \"$peak\", 0]\nstep = 2\ndwell_s = \"$dwell_s\"\n"
+    "repeats = \"$times\"\n"
+    "[parameters.peak]\ndefault = 60\nlow = 10\nhigh = 60\nunit = \"psi\"\nhelp = \"of the loop\"\n"
+    "[parameters.dwell_s]\ndefault = 2.0\nlow = 0.5\nhigh = 10\n"
+    "[parameters.times]\ndefault = 3\nlow = 1\nhigh = 5\n";
+
+Recipe recipe_with(const std::vector<Override>& overrides, const std::string& body = kBody) {
+  return parse_recipe(TomlDocument::from_text(body, "p.toml"), overrides);
+}
+
+}  // namespace
+
+TEST_CASE("a parameter stands for a number, by default and as set") {
+  const Recipe standard = recipe_with({});
+  CHECK(standard.turning_points[1].value() == 60.0);
+  CHECK(standard.dwell_s == std::vector<double>{2.0});
+  CHECK(standard.ramp_psi_per_s == std::vector<double>{0.0});  // the bench's own
+  CHECK(standard.repeats == 3);
+  const Recipe set = recipe_with({{"peak", "20"}, {"dwell_s", "0.5"}, {"times", "1"}});
+  CHECK(set.turning_points[1].value() == 20.0);
+  CHECK(set.dwell_s == std::vector<double>{0.5});
+  CHECK(set.repeats == 1);
+  REQUIRE(set.parameters.size() == 3);
+  for (const Parameter& parameter : set.parameters) {
+    if (parameter.name != "peak") continue;
+    CHECK((parameter.value == 20.0 && parameter.standard == 60.0 && parameter.low == 10.0 && parameter.high == 60.0));
+    CHECK((parameter.unit == "psi" && parameter.help == "of the loop"));
+  }
+}
+
+TEST_CASE("a key set over a parameter's place wins") {
+  std::string other = kBody;
+  other.replace(other.find("[parameters.times]"), 18, "[parameters.count]");
+  other.replace(other.find("$times"), 6, "$count");
+  CHECK(recipe_with({{"repeats", "4"}}, other).repeats == 4);
+}
+
+namespace {
+
+constexpr const char* kRecipe =
+    "schema = 1\nname = \"r\"\nunit = \"kPa\"\nturning_points = [0, 400, 0]\nstep = \"$step\"\n"
+    "[conditioning]\ncycles = 1\npeak = 300\n"
+    "[parameters.step]\ndefault = 100\nlow = 10\nhigh = 400\nunit = \"kPa\"\n";
+
+Recipe with(const std::vector<Override>& overrides) {
+  return parse_recipe(TomlDocument::from_text(kRecipe, "r.toml"), overrides);
+}
+
+}  // namespace
+
+TEST_CASE("a typed pressure has a number and a unit, in any case") {
+  CHECK(*typed_pressure_psi("3 psi") == 3.0);
+  CHECK(*typed_pressure_psi("413.6854375901kPa") == Approx(60.0));
+  CHECK(*typed_pressure_psi(" 2BAR ") == Approx(29.0075475));
+  CHECK(*typed_pressure_psi("-0.5 psi") == -0.5);
+  for (const char* other : {"", "3", "kPa", "3 mbar", "3 psi 4", "nan psi", "0x3 psi", "3psi/s"})
+    CHECK_FALSE(typed_pressure_psi(other).has_value());
+  // Blanks before, between and behind, as many as there are.
+  for (const char* blanks : {"3 psi ", " 3 psi", " 3psi ", "  3  psi  ", "\t 3 \t psi \t"})
+    CHECK(typed_pressure_psi(blanks) == 3.0);
+  for (const char* none : {" ", " \t ", "\n3 psi", "3\npsi"}) CHECK_FALSE(typed_pressure_psi(none).has_value());
+  const std::string_view digit = std::string_view("25 psi").substr(0, 1);  // what lies behind it is no part of it
+  CHECK_FALSE(typed_pressure_psi(digit).has_value());
+  CHECK(as_number_in("kPa", "2 bar") == "200");
+  CHECK(as_number_in("psi", "12.5") == "12.5");    // a bare number keeps the unit of its key
+  CHECK(as_number_in("s", "20 kPa") == "20 kPa");  // a time is no pressure: the key's own error follows
+}
+
+TEST_CASE("recipe: a parameter and a key of pressure take other units, a bare number the recipe's") {
+  CHECK(with({{"step", "0.5bar"}}).step.value() == Approx(50.0 / 6.894757293168));
+  CHECK(with({{"step", "50"}}).step.value() == Approx(50.0 / 6.894757293168));
+  CHECK(with({{"conditioning.peak", "30 psi"}}).conditioning.peak.value() == Approx(30.0));
+  CHECK(with({{"step", "50"}, {"unit", "psi"}, {"turning_points", "[0, 50, 0]"}, {"conditioning.peak", "200kPa"}})
+            .conditioning.peak.value() == Approx(200.0 / 6.894757293168));
+  // The unit that is typed counts for all, wherever it stands.
+  const Recipe psi = with({{"turning_points", "[0, 50, 0]"}, {"step", "25"}, {"unit", "psi"}});
+  CHECK((psi.turning_points[1].value() == 50.0 && psi.step.value() == 25.0));
+  CHECK(psi.conditioning.peak.value() == 300.0);
+  CHECK_THROWS_WITH(with({{"step", "5kPa"}}), Catch::Contains("5kPa") && Catch::Contains("10 to 400"));
+  CHECK_THROWS_AS(with({{"step", "20psi"}, {"step", "5"}}), FileError);
+  CHECK_THROWS_AS(with({{"step", "5"}}), FileError);
+  CHECK_THROWS_AS(with({{"dwell_s", "2kPa"}}), FileError);
 }

@@ -1,12 +1,19 @@
-#include "devices/force/daq_ft.h"
-
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "devices/force/daq_ft.h"
+#include "devices/force/daqmx_gauges.h"
+#include "tests/devices/fault_of.h"
 #include "tests/devices/force/invented_calibration.h"
 #include "tests/devices/test_chamber.h"
+#include "tests/support/fake_nidaqmx/fake_nidaqmx.h"
+#include "tests/support/paths.h"
 
 using namespace tactbench::devices;
+using namespace std::chrono_literals;
+using tactbench::tests::fake_daqmx;
+using tactbench::tests::FakeDaqmx;
 
 namespace {
 
@@ -145,4 +152,196 @@ TEST_CASE("DAQ F/T: a source's faults pass through, data of the wrong shape do n
   DaqFtOptions options;
   options.expected_serial = "FT00000";
   CHECK(fault_id_of([&] { DaqFt(std::make_unique<Gauges>(Rows{kOne}), calibration(), options); }) == "TB-FORCE-SERIAL");
+}
+
+namespace {
+
+// Says what it is told to say.
+class ToldGauges final : public GaugeSource {
+ public:
+  ToldGauges(int channels, GaugeSamples told) : channels_(channels), told_(std::move(told)) {}
+  GaugeSamples read(int /*samples*/) override { return told_; }
+  [[nodiscard]] int channels() const override { return channels_; }
+  [[nodiscard]] std::uint64_t exchanges() const override { return 1; }
+  [[nodiscard]] Identity identity() const override { return {"gauge source", "NI 6210", "C1", "", Origin::kSimulated}; }
+
+ private:
+  int channels_;
+  GaugeSamples told_;
+};
+
+AtiCalibration invented(const char* more = "") {
+  InventedCalibration calibration;
+  calibration.more = more;
+  return parse_ati_calibration(calibration.text(), "test.cal");
+}
+
+std::string read_of(int channels, GaugeSamples told, int asked = 1, DaqFtOptions options = {}) {
+  DaqFt sensor(std::make_unique<ToldGauges>(channels, std::move(told)), invented(), std::move(options));
+  return fault_id_of([&] { (void)sensor.read(asked); });
+}
+
+GaugeSamples one_of(std::vector<double> volts) {
+  const int channels = static_cast<int>(volts.size());
+  return {1, channels, std::move(volts), Nanoseconds(0)};
+}
+
+}  // namespace
+
+TEST_CASE("DAQ F/T: samples, channels and values have to be as many as were asked for, each of them") {
+  const std::vector<double> twelve(12, 0.25), fourteen(14, 0.25);
+  CHECK(read_of(6, {2, 6, twelve, {}}, 2) == "none");
+  CHECK(read_of(6, {1, 6, twelve, {}}, 2) == "TB-FORCE-PROTOCOL");
+  CHECK(read_of(6, {2, 7, twelve, {}}, 2) == "TB-FORCE-PROTOCOL");
+  CHECK(read_of(6, {2, 6, fourteen, {}}, 2) == "TB-FORCE-PROTOCOL");
+  CHECK(read_of(6, {2, 6, {}, {}}, 2) == "TB-FORCE-PROTOCOL");
+}
+
+TEST_CASE("DAQ F/T: six gauges are enough unless the temperature is compensated, seven always") {
+  const auto opened = [](int channels, const AtiCalibration& calibration, bool compensated) {
+    DaqFtOptions options;
+    options.temperature_compensation = compensated;
+    return fault_id_of([&] { DaqFt(std::make_unique<ToldGauges>(channels, GaugeSamples{}), calibration, options); });
+  };
+  for (const bool compensated : {false, true}) {
+    CHECK(opened(6, invented(), compensated) == "none");
+    CHECK(opened(7, invented(), compensated) == "none");
+    CHECK(opened(7, invented(kInventedTemperature), compensated) == "none");
+    CHECK(opened(5, invented(), compensated) == "TB-FORCE-GAUGES");
+    CHECK(opened(8, invented(), compensated) == "TB-FORCE-GAUGES");
+  }
+  CHECK(opened(6, invented(kInventedTemperature), false) == "none");
+  CHECK(opened(6, invented(kInventedTemperature), true) == "TB-FORCE-GAUGES");
+}
+
+TEST_CASE("DAQ F/T: a gauge saturates at its share of the converter's limit, the thermistor nowhere") {
+  DaqFtOptions options;
+  options.converter_limit = Volts(0.5);
+  options.saturation_share = 0.5;  // 0.25 V
+  for (std::size_t gauge = 0; gauge < 6; ++gauge) {
+    for (const double sign : {1.0, -1.0}) {
+      std::vector<double> volts(7, 0.0);
+      volts[6] = 12.0;
+      volts[gauge] = sign * std::nextafter(0.25, 0.0);
+      CHECK(read_of(7, one_of(volts), 1, options) == "none");
+      volts[gauge] = sign * 0.25;
+      CHECK(read_of(7, one_of(volts), 1, options) == "TB-FORCE-SATURATED");
+    }
+  }
+}
+
+TEST_CASE("DAQ F/T: a thermistor is reported where nothing is compensated, and the card is named") {
+  const GaugeSamples told{
+      2, 7, {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 1.5, 0.3, 0.2, 0.1, 0.0, -0.1, -0.2, 2.5}, Nanoseconds(9)};
+  DaqFt sensor(std::make_unique<ToldGauges>(7, told), invented(), {});
+  const ForceReading reading = sensor.read(2);
+  REQUIRE(reading.thermistor_v);
+  CHECK(*reading.thermistor_v == Approx(2.0));
+  CHECK((reading.raw[0] == Approx(0.2) && reading.raw[5] == Approx(0.2) && reading.raw[3] == Approx(0.2)));
+  CHECK((reading.time == Nanoseconds(9) && reading.records == 2));
+  const Identity identity = sensor.identity();
+  CHECK((identity.role == "force sensor" && identity.serial == "FT99901" && identity.firmware == "NI 6210 C1"));
+}
+
+namespace {
+
+struct GaugeRig {
+  GaugeRig() {
+    card = FakeDaqmx{};
+    card.volts = [](const FakeDaqmx::Levels&, int channel, int sample) { return channel + 0.001 * sample; };
+    options.library = tactbench::tests::fake_nidaqmx_path();
+    options.sample_rate_hz = 1000;
+    options.timeout = 300ms;
+  }
+  ~GaugeRig() {
+    CHECK(card.tasks == 0);
+    CHECK(card.misuse.empty());
+  }
+  GaugeRig(const GaugeRig&) = delete;
+  GaugeRig& operator=(const GaugeRig&) = delete;
+  [[nodiscard]] auto called(const std::string& function) const {
+    return std::count(card.calls.begin(), card.calls.end(), function);
+  }
+  // The next call of this function and all later ones fail.
+  void fail(const std::string& function, int code) const {
+    card.fail_function = function;
+    card.fail_code = code;
+    card.fail_call = static_cast<int>(called(function));
+  }
+  FakeDaqmx& card = fake_daqmx();
+  TurnedClock clock;
+  DaqmxGaugesOptions options;
+};
+
+}  // namespace
+
+TEST_CASE("daqmx gauges told: a reading may take its time and that of its samples") {
+  GaugeRig rig;
+  DaqmxGauges gauges(rig.options, rig.clock);
+  for (const auto& [samples, seconds] : {std::pair{1, 0.301}, {200, 0.5}, {50, 0.35}}) {
+    CHECK(gauges.read(samples).volts.size() == static_cast<std::size_t>(6 * samples));
+    CHECK(rig.card.timeout == Approx(seconds).epsilon(1e-12));
+    CHECK(rig.card.rate == 1000.0);
+  }
+  CHECK((rig.card.minimum == -10.0 && rig.card.maximum == 10.0));
+  CHECK(rig.clock.now() == 0s);
+  CHECK(gauges.exchanges() == 3);
+  const Identity identity = gauges.identity();
+  CHECK((identity.role == "gauge source" && identity.model == "NI USB-6259" && identity.serial == "01A2B3C4"));
+  CHECK((identity.firmware.empty() && identity.origin == Origin::kHardware));
+  rig.card.devices[0].simulated = true;
+  CHECK(DaqmxGauges(rig.options, rig.clock).identity().origin == Origin::kSimulated);
+  CHECK_THROWS_AS(gauges.read(0), std::invalid_argument);
+  CHECK_THROWS_AS(gauges.read(-1), std::invalid_argument);
+  CHECK(gauges.exchanges() == 3);
+}
+
+TEST_CASE("daqmx gauges told: five and eight channels are refused, by their number") {
+  GaugeRig rig;
+  for (const auto& [channels, number] : {std::pair{"Dev1/ai0:4", 5}, {"Dev1/ai0:7", 8}}) {
+    rig.options.channels = channels;
+    check_fault([&] { DaqmxGauges(rig.options, rig.clock); }, "TB-DAQMX-CHANNELS", "Dev1", std::to_string(number));
+  }
+}
+
+TEST_CASE("daqmx gauges told: only samples that did not come in time cost time, and every failure stops the task") {
+  for (const auto& [code, cost] : {std::pair{-200284, 310ms}, {-200279, 0ms}, {-50103, 0ms}}) {
+    GaugeRig rig;
+    DaqmxGauges gauges(rig.options, rig.clock);
+    rig.fail("ReadAnalogF64", code);
+    const auto stops = rig.called("StopTask");
+    CHECK(fault_id_of([&] { (void)gauges.read(10); }) == "TB-DAQMX-ERROR");
+    CHECK(rig.clock.now() == cost);
+    CHECK(rig.called("StopTask") == stops + 1);
+    rig.card.fail_function.clear();
+    CHECK(gauges.read(10).volts.size() == 60);
+    CHECK(rig.called("StopTask") == stops + 2);
+    CHECK(gauges.exchanges() == 2);
+    CHECK(rig.called("CfgSampClkTiming") == 1);  // as many samples as before: nothing to set up
+  }
+  GaugeRig rig;
+  DaqmxGauges gauges(rig.options, rig.clock);
+  rig.fail("StartTask", -50103);
+  CHECK(fault_id_of([&] { (void)gauges.read(10); }) == "TB-DAQMX-ERROR");
+  CHECK(rig.called("StopTask") == 1);
+  rig.card.fail_function.clear();
+  rig.card.short_by = 1;
+  CHECK(fault_id_of([&] { (void)gauges.read(10); }) == "TB-DAQMX-SHORT");
+  CHECK(rig.clock.now() == 0s);
+  CHECK(rig.called("StopTask") == 2);
+}
+
+TEST_CASE("daqmx gauges told: a number of samples that could not be set up is set up again") {
+  GaugeRig rig;
+  DaqmxGauges gauges(rig.options, rig.clock);
+  (void)gauges.read(10);
+  for (const std::string function : {"TaskControl", "CfgSampClkTiming"}) {
+    rig.fail(function, -50103);
+    CHECK(fault_id_of([&] { (void)gauges.read(20); }) == "TB-DAQMX-ERROR");
+    rig.card.fail_function.clear();
+    const auto timings = rig.called("CfgSampClkTiming"), commits = rig.called("TaskControl");
+    CHECK(gauges.read(10).volts.size() == 60);
+    CHECK(rig.called("CfgSampClkTiming") == timings + 1);
+    CHECK(rig.called("TaskControl") == commits + 1);
+  }
 }

@@ -144,3 +144,208 @@ TEST_CASE("Digital F/T line: a gauge at its limit is named, one count off it is 
     }
   }
 }
+
+TEST_CASE("Digital F/T line: damaged bytes cost their samples and no more") {
+  const std::array<std::int16_t, 6> right{1, 2, 3, 4, 5, 6};
+  const auto reading_of = [&](const Bytes& damage, std::size_t chunk) {
+    Script script;
+    script.say(right);
+    script.line.stream.insert(script.line.stream.end(), damage.begin(), damage.end());
+    for (int i = 0; i < 4; ++i) script.say(right);
+    auto sensor = script.open();
+    script.line.chunk = chunk;
+    const auto reading = sensor.read(4);
+    CHECK(reading.raw == SixAxes{1, 2, 3, 4, 5, 6});
+    return reading.lost;
+  };
+  auto torn = encode(DigitalSample{right, false});
+  for (const std::size_t chunk : {1U, 13U, 1000U}) {
+    CHECK(reading_of({}, chunk) == 0);
+    CHECK(reading_of(Bytes(torn.begin(), torn.begin() + 12), chunk) == 1);
+    CHECK(reading_of(Bytes{0x31}, chunk) == 1);
+    torn[3] ^= 0x10U;
+    CHECK(reading_of(Bytes(torn.begin(), torn.end()), chunk) == 1);
+    torn[3] ^= 0x10U;
+    // Thirteen zeros have the right sum, off the track as on it: between other bytes they are no sample.
+    Bytes chance(torn.begin(), torn.begin() + 5);
+    chance.insert(chance.end(), 13, 0);
+    chance.insert(chance.end(), {0x31, 0x32, 0x33});
+    CHECK(reading_of(chance, chunk) == 1);
+  }
+}
+
+TEST_CASE("Digital F/T line: an error bit ends the reading, and the status register is reported") {
+  Script script;
+  script.line.registers[0x001D] = 0xA55A;
+  script.say({1, 2, 3, 4, 5, 6});
+  script.say({1, 2, 3, 4, 5, 6}, true);
+  auto sensor = script.open();
+  CHECK(sensor.read(1).records == 1);
+  check_fault([&] { (void)sensor.read(2); }, "TB-FORCE-STATUS", {}, "0xA55A");
+  CHECK(script.line.written.back() == rtu_read_holding(kUnit, 0x001D, 1));
+  CHECK(script.jams() == 3);  // the line is quiet before the register is asked for
+}
+
+TEST_CASE("Digital F/T line: a stream that dries up costs the reply's time and that of the samples") {
+  Script script;
+  script.options.reply_timeout = 300ms;
+  script.options.samples_per_second = 1000.0;
+  for (int i = 0; i < 3; ++i) script.say({1, 2, 3, 4, 5, 6});
+  auto sensor = script.open();
+  check_fault([&] { (void)sensor.read(50); }, "TB-FORCE-TIMEOUT", {}, "3 came");
+  CHECK(script.clock.now() == 350ms);
+  CHECK(script.jams() == 2);
+  script.line.torn = true;
+  script.line.stream.clear();
+  CHECK(fault_id_of([&] { (void)sensor.read(1); }) == "TB-SERIAL-LOST");
+  CHECK(script.jams() == 2);  // nobody is there to hear one
+}
+
+TEST_CASE("Digital F/T line: short, damaged, refused and foreign replies are distinguished") {
+  const auto check_opened = [](const std::function<Bytes(Bytes)>& change, const std::string& id,
+                               const std::string& number = {}) {
+    Script script;
+    script.options.reply_timeout = 300ms;
+    script.line.change = [&](const Bytes&, const Bytes& answer) { return change(answer); };
+    check_fault([&] { (void)script.open(); }, id, {}, number);
+    CHECK(script.clock.now() == (id == "TB-FORCE-TIMEOUT" ? Nanoseconds(300ms) : Nanoseconds(0)));
+  };
+  const std::string late = "TB-FORCE-TIMEOUT", wrong = "TB-FORCE-PROTOCOL";
+  check_opened([](Bytes answer) { return Bytes(answer.begin(), answer.end() - 1); }, late, "254 of 255");
+  check_opened([](Bytes answer) { return Bytes(answer.begin(), answer.begin() + 4); }, late, "4 of 255");
+  check_opened([](const Bytes&) { return Bytes{kUnit, 0x83, 2, 0}; }, late, "4 of 255");
+  check_opened([](const Bytes&) { return Bytes(); }, late, "0 of 255");
+  for (const std::uint8_t exception : {1, 2, 4}) {
+    const Bytes refusal = rtu_frame(Bytes{kUnit, 0x83, exception});
+    check_opened([&](const Bytes&) { return refusal; }, wrong, "exception " + std::to_string(exception));
+  }
+  for (const std::size_t at : {100U, 253U, 254U}) {
+    check_opened(
+        [&](Bytes answer) {
+          answer[at] ^= 1U;
+          return answer;
+        },
+        wrong);
+  }
+  check_opened([](const Bytes&) { return rtu_frame(Bytes{kUnit + 1, 0x83, 2}); }, wrong);
+  check_opened(
+      [](const Bytes& answer) {
+        Bytes body(answer.begin(), answer.end() - 2);
+        body[0] = kUnit + 1;
+        return rtu_frame(body);
+      },
+      wrong);
+  check_opened(
+      [](const Bytes&) {
+        Bytes refusal = rtu_frame(Bytes{kUnit, 0x83, 2});
+        refusal[4] ^= 1U;
+        return refusal;
+      },
+      wrong);
+}
+
+TEST_CASE("Digital F/T line: a sensor that keeps sending is jammed again after 64 pieces") {
+  for (const std::size_t waiting : {63U, 64U}) {
+    Script script;
+    script.line.coming.assign(waiting, 0x41);
+    script.line.deaf = true;
+    script.line.chunk = 1;
+    auto sensor = script.open();
+    CHECK(script.jams() == (waiting == 63 ? 1 : 2));
+  }
+}
+
+TEST_CASE("Digital F/T line: an invalid number of records is refused without a request") {
+  Script script;
+  auto sensor = script.open();
+  const std::size_t before = script.line.written.size();
+  CHECK(fault_id_of([&] { (void)sensor.read(0); }) == "TB-FORCE-RECORDS");
+  CHECK(fault_id_of([&] { (void)sensor.bias(kMostForceRecords + 1); }) == "TB-FORCE-RECORDS");
+  CHECK(script.line.written.size() == before);
+}
+
+TEST_CASE("Digital F/T line: each wait is for the quiet, for the reply, or for the reply and the samples") {
+  Script script;
+  script.options.quiet = 30s;
+  script.options.reply_timeout = 100s;
+  script.options.samples_per_second = 0.5;
+  script.line.chunk = 50;  // answers of more bytes come in pieces
+  script.line.coming = {1, 2, 3};
+  script.line.deaf = true;
+  auto sensor = script.open();
+  auto& waits = script.line.waits;
+  // The rest of an old stream and then nothing; 255, 93 and 29 bytes of answers.
+  REQUIRE(waits.size() == 2 + 6 + 2 + 1);
+  for (std::size_t i = 0; i < waits.size(); ++i) {
+    INFO(i);
+    CHECK((waits[i] <= (i < 2 ? 30s : 100s) && waits[i] > (i < 2 ? 20s : 90s)));
+  }
+  waits.clear();
+  for (int i = 0; i < 8; ++i) script.say({1, 2, 3, 4, 5, 6});
+  (void)sensor.read(8);  // 16 s of samples
+  REQUIRE(waits.size() == 1 + 3 + 1);
+  CHECK((waits[0] <= 100s && waits[0] > 90s));
+  for (std::size_t i = 1; i < 4; ++i) CHECK((waits[i] <= 116s && waits[i] > 106s));
+  CHECK((waits[4] <= 30s && waits[4] > 20s));
+}
+
+TEST_CASE("Digital F/T line: a refusal that comes in pieces is a refusal, to a start as to a reading") {
+  Script script;
+  auto sensor = script.open();
+  script.line.chunk = 1;
+  script.line.change = [](const Bytes& request, const Bytes& answer) {
+    if (request[1] == 0x46) return rtu_frame(Bytes{kUnit, 0xC6, 6});
+    return answer;
+  };
+  check_fault([&] { (void)sensor.read(1); }, "TB-FORCE-PROTOCOL", {}, "exception 6");
+  CHECK(script.jams() == 2);
+  script.line.change = [](const Bytes&, const Bytes&) { return Bytes(); };
+  check_fault([&] { (void)sensor.read(1); }, "TB-FORCE-TIMEOUT", {}, "0 of 5");
+}
+
+TEST_CASE("Digital F/T line: out of step, two samples in a row have to be right") {
+  // A right sample among wrong bytes, then again wrong ones, then two: the first one counts for nothing.
+  const auto right = encode(DigitalSample{{1, 2, 3, 4, 5, 6}, false});
+  const auto other = encode(DigitalSample{{60, 50, 40, 30, 20, 10}, false});
+  Script script;
+  auto sensor = script.open();
+  auto& stream = script.line.stream;
+  stream.insert(stream.end(), {0x31, 0x32, 0x33});
+  stream.insert(stream.end(), other.begin(), other.end());
+  stream.insert(stream.end(), 7, 0x35);
+  for (int i = 0; i < 2; ++i) stream.insert(stream.end(), right.begin(), right.end());  // and nothing behind them
+  const auto reading = sensor.read(2);
+  CHECK(reading.raw == SixAxes{1, 2, 3, 4, 5, 6});
+  CHECK(reading.lost == 1);
+  CHECK(sensor.read(2).lost == 2);  // counted over all readings
+}
+
+TEST_CASE("Digital F/T line: noise without end is read to the end of its time, and no longer") {
+  Script script;
+  script.options.reply_timeout = 20ms;
+  script.options.samples_per_second = 1000.0;
+  auto sensor = script.open();
+  script.line.change = [&](const Bytes& request, const Bytes& answer) {
+    script.line.endless = request[1] == 0x46;
+    return answer;
+  };
+  check_fault([&] { (void)sensor.read(5); }, "TB-FORCE-TIMEOUT", {}, "25 ms");
+}
+
+TEST_CASE("Digital F/T line: forces and torques each have their counts") {
+  DigitalCalibration calibration = wide();
+  for (std::size_t row = 0; row < 6; ++row) {
+    calibration.matrix[row] = {};
+    calibration.matrix[row][row] = 2.0F;
+  }
+  calibration.counts_per_force = 100;
+  calibration.counts_per_torque = 8000;
+  calibration.range = {50.0F, 60.0F, 70.0F, 8.0F, 9.0F, 10.0F};
+  Script script(calibration);
+  script.say({100, 200, 300, 4, 5, 6});
+  auto sensor = script.open();
+  CHECK(sensor.range() == SixAxes{50, 60, 70, 8000, 9000, 10'000});
+  const auto wrench = sensor.read(1).wrench;
+  CHECK(wrench.force_n == std::array<double, 3>{2, 4, 6});
+  CHECK(wrench.torque_nmm == std::array<double, 3>{1, 1.25, 1.5});
+}

@@ -98,3 +98,162 @@ TEST_CASE("Net F/T: a page file is a regular file with something in it, of which
     check_refused(nothing, "");  // as root, the last one would be waited for
   check_refused(long_one, "1000000");
 }
+
+namespace {
+
+using Records = std::vector<RdtRecord>;
+
+// As many good records as were asked for, sample by sample.
+struct GoodRecords {
+  Records operator()(std::uint32_t count) {
+    Records records;
+    for (std::uint32_t i = 1; i <= count; ++i) records.push_back(record_of(i, ++sample));
+    return records;
+  }
+  std::uint32_t sample = 0;
+};
+
+}  // namespace
+
+TEST_CASE("Net F/T told: a request that ended well is followed from its port, any other from a new one") {
+  GoodRecords good;
+  ScriptedBench bench(
+      [&](int number, std::uint32_t count) {
+        Records records = good(count);
+        if (number == 2) records[0].status = 0x80000004U;
+        if (number == 5) records.pop_back();
+        if (number == 9) records[0].status = ScriptedSensor::kShort;
+        if (number == 12) records.clear();
+        return records;
+      },
+      30ms);
+  const auto read = [&](int records) { return fault_id_of([&] { (void)bench.sensor->read(records); }); };
+  CHECK((read(2) == "none" && read(2) == "none"));                                  // requests 0 and 1
+  CHECK((read(2) == "TB-FORCE-STATUS" && read(2) == "none" && read(2) == "none"));  // 2, 3, 4
+  CHECK((read(2) == "none" && read(2) == "none" && read(1) == "none"));  // 5 lacks a record, asked for by 6; 7, 8
+  CHECK((read(2) == "TB-FORCE-PROTOCOL" && read(2) == "none" && read(1) == "none"));  // 9, 10, 11
+  CHECK((read(2) == "TB-FORCE-TIMEOUT" && read(2) == "none"));                        // 12, 13
+  const auto ports = bench.server.ports();
+  REQUIRE(ports.size() == 14);
+  for (std::size_t i = 1; i < ports.size(); ++i) {
+    INFO("request " << i);
+    const bool anew = i == 3 || i == 6 || i == 10 || i == 13;
+    CHECK((ports[i] != ports[i - 1]) == anew);
+  }
+}
+
+TEST_CASE("Net F/T told: what is missing is counted, asked for again, and said") {
+  for (const std::uint32_t few : {0U, 1U, 2U}) {
+    GoodRecords good;
+    ScriptedBench bench([&](int, std::uint32_t count) { return good(std::min(few, count)); }, 30ms);
+    const Nanoseconds limit = 30ms + Nanoseconds(static_cast<Nanoseconds::rep>(1e9 * 9 / 7000.0));
+    check_fault([&] { (void)bench.sensor->read(9); }, "TB-FORCE-TIMEOUT", {}, std::to_string(3 * few) + " came");
+    using Asked = std::vector<std::uint32_t>;
+    CHECK(bench.server.asked() == (few == 0 ? Asked{9} : few == 1 ? Asked{9, 8, 7} : Asked{9, 7, 5}));
+    CHECK(bench.clock.now() == (few == 0 ? limit : 3 * limit));
+    CHECK(bench.sensor->exchanges() == (few == 0 ? 1 : 3));
+    if (few == 0) continue;
+    CHECK(bench.sensor->read(1).lost == (few == 1 ? 8U + 7 + 6 : 7U + 5 + 3));
+  }
+}
+
+TEST_CASE("Net F/T told: records behind a newer one are counted one by one") {
+  ScriptedBench bench([](int, std::uint32_t) {
+    return Records{record_of(1, 11), record_of(4, 14), record_of(2, 12), record_of(3, 13), record_of(5, 15)};
+  });
+  const ForceReading reading = bench.sensor->read(5);
+  CHECK((reading.reordered == 2 && reading.lost == 0 && reading.raw[0] == 13.0));
+}
+
+TEST_CASE("Net F/T told: a sample counter that stands, within a reading, between two, and beside silence") {
+  const auto read_after_51 = [](const Records& second) {
+    ScriptedBench bench(
+        [&](int number, std::uint32_t) {
+          if (number == 0) return Records{record_of(1, 50), record_of(2, 51)};
+          return number == 1 ? second : Records();
+        },
+        30ms);
+    CHECK(bench.sensor->read(2).records == 2);
+    return fault_id_of([&] { (void)bench.sensor->read(3); });
+  };
+  const std::string stands = "TB-FORCE-STALL";
+  CHECK(read_after_51({record_of(1, 51), record_of(2, 51), record_of(3, 51)}) == stands);
+  CHECK(read_after_51({record_of(1, 49), record_of(2, 50), record_of(3, 51)}) == stands);
+  CHECK(read_after_51({record_of(1, 51)}) == stands);
+  CHECK(read_after_51({record_of(1, 60), record_of(2, 60)}) == stands);
+  CHECK(read_after_51({record_of(1, 52), record_of(2, 53), record_of(3, 54)}) == "none");
+  const Records late{record_of(1, 51), record_of(2, 50), record_of(3, 52), record_of(4, 53), record_of(5, 54)};
+  CHECK(read_after_51(late) == "none");
+  // One old record and one new one, then nothing: records are missing.
+  CHECK(read_after_51({record_of(1, 51), record_of(2, 52)}) == "TB-FORCE-TIMEOUT");
+}
+
+TEST_CASE("Net F/T told: datagrams of another length, errors and overload are faults with their numbers") {
+  struct Told {
+    RdtRecord record;
+    std::string id, number;
+  };
+  for (const Told& one :
+       std::vector<Told>{{record_of(1, 1, ScriptedSensor::kShort), "TB-FORCE-PROTOCOL", "35 bytes"},
+                         {record_of(1, 1, ScriptedSensor::kLonger), "TB-FORCE-PROTOCOL", "37 bytes"},
+                         {record_of(1, 1, 0x80020000U), "TB-FORCE-SATURATED", "0x80020000"},
+                         {record_of(1, 1, 0x00020000U), "TB-FORCE-SATURATED", "0x00020000"},
+                         {record_of(1, 1, 0x80000004U), "TB-FORCE-STATUS", "0x80000004"},
+                         {{1, 1, 0, {0, 0, 0, 0, -251'000'000, 0}}, "TB-FORCE-OVERLOAD", "Ty is -251"}}) {
+    ScriptedBench bench([&](int, std::uint32_t) { return Records{one.record}; }, 30ms);
+    check_fault([&] { (void)bench.sensor->read(1); }, one.id, {}, one.number);
+  }
+}
+
+TEST_CASE("Net F/T told: each axis has its unit, its mean and its bias") {
+  std::uint32_t sample = 0;
+  ScriptedBench bench([&](int number, std::uint32_t count) {
+    Records records;
+    for (std::uint32_t i = 1; i <= count; ++i) {
+      const auto step = static_cast<std::int32_t>(1'000'000 * (number + 1)), odd = static_cast<std::int32_t>(i % 2);
+      records.push_back({i, ++sample, 0, {step + odd * 2, 2 * step, 3 * step, step * 4, step * 5, step * 6 + odd * 4}});
+    }
+    return records;
+  });
+  NetFtPage page;
+  page.product = "scripted";
+  page.torque_unit = "Nmm";
+  page.counts_per_force = 1e6;
+  page.counts_per_torque = 5e5;
+  page.range = SixAxes{25, 25, 35, 250, 250, 250};
+  std::ofstream(bench.options.page_file) << format_netft_page(page);
+  NetFt sensor(bench.options, bench.clock);
+  const Wrench bias = sensor.bias(2);
+  CHECK(bias.force_n[0] == Approx(1.000001).epsilon(1e-12));
+  CHECK(bias.torque_nmm[2] == Approx(12.000004).epsilon(1e-12));
+  const ForceReading reading = sensor.read(4);
+  CHECK(reading.raw == SixAxes{2'000'001, 4'000'000, 6'000'000, 8'000'000, 10'000'000, 12'000'002});
+  for (std::size_t i = 0; i < 3; ++i) {
+    CHECK(reading.wrench.force_n[i] == Approx(1.0 + static_cast<double>(i)).epsilon(1e-9));
+    CHECK(reading.wrench.torque_nmm[i] == Approx(8.0 + 2.0 * static_cast<double>(i)).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("Net F/T told: a page that cannot be used, and the bench file's range counts before the page's") {
+  ScriptedBench bench([](int, std::uint32_t) { return Records(); });
+  const std::string file = bench.options.page_file;
+  const auto opened = [&] { return fault_id_of([&] { NetFt(bench.options, bench.clock); }); };
+  CHECK(opened() == "none");
+  bench.options.range = SixAxes{1, 2, 3, 4, 5, 6};
+  CHECK(NetFt(bench.options, bench.clock).range() == SixAxes{1, 2, 3, 4, 5, 6});
+  bench.options.range.reset();
+  CHECK(NetFt(bench.options, bench.clock).range() == SixAxes{25, 25, 35, 250, 250, 250});
+  bench.options.expected_serial = "FT1";
+  CHECK(opened() == "TB-FORCE-SERIAL");
+  bench.options.expected_serial.clear();
+  NetFtPage page;  // of no range
+  page.product = "scripted";
+  for (const std::string& text : {format_netft_page(page), std::string("<netft/>"), std::string("x")}) {
+    std::ofstream(file) << text;
+    CHECK(opened() == "TB-FORCE-CALIBRATION");
+  }
+  for (const std::string& no_file : {bench.folder.path("absent.xml"), std::string("/dev/zero"), std::string("/dev")}) {
+    bench.options.page_file = no_file;
+    CHECK(opened() == "TB-FORCE-CALIBRATION");
+  }
+}

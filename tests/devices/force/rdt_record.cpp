@@ -1,10 +1,12 @@
-#include "devices/force/rdt_record.h"
-
 #include <catch2/catch.hpp>
 #include <limits>
+#include <map>
 #include <vector>
 
+#include "devices/force/netft_xml.h"
+#include "devices/force/rdt_record.h"
 #include "tests/devices/check_codec.h"
+#include "tests/devices/fault_of.h"
 
 using namespace tactbench::devices;
 using Bytes = std::vector<std::uint8_t>;
@@ -68,4 +70,106 @@ TEST_CASE("RDT: each command has its number, and numbers beside them are none") 
     if (request) CHECK((static_cast<unsigned>(request->command) == number && request->count == 0x09080706));
     CHECK_FALSE(decode_rdt_request(Bytes{0x12, 0x34, 1, static_cast<std::uint8_t>(number), 0, 0, 0, 0}));
   }
+}
+
+namespace {
+
+using Elements = std::map<std::string, std::string>;
+
+Elements all_elements() {
+  return {{"prodname", "Net F/T"}, {"cfgcalsn", "FT9"}, {"scfgfu", "lbf"},        {"scfgtu", "lbf-in"},
+          {"cfgcpf", "2000"},      {"cfgcpt", "4000"},  {"cfgmr", "1;2;3;4;5;6"}, {"comrdtrate", "125"},
+          {"mfgdigsn", "B1"},      {"mfgdigver", "2.2"}};
+}
+
+std::string page_of(const Elements& elements) {
+  std::string text = "<netft>";
+  for (const auto& [name, value] : elements) text += "<" + name + ">" + value + "</" + name + ">";
+  return text + "</netft>";
+}
+
+NetFtPage parsed(const Elements& elements) { return parse_netft_page(page_of(elements), "P"); }
+
+// What the refusal is about; empty: there is none.
+void check_page(const std::string& text, const std::string& about) {
+  INFO(text);
+  const auto read = [&] { (void)parse_netft_page(text, "P"); };
+  if (about.empty()) CHECK_NOTHROW(read());
+  if (!about.empty()) check_fault(read, "TB-FORCE-CALIBRATION", "force sensor", about);
+}
+
+void check_page_with(const std::string& name, const std::string& value, const std::string& about) {
+  Elements elements = all_elements();
+  elements[name] = value;
+  check_page(page_of(elements), about);
+}
+
+}  // namespace
+
+TEST_CASE("Net F/T page told: each element is read for itself, without the blanks around it") {
+  for (const char* blank : {"", " ", "\t", "\n", "\r\n  \t"}) {
+    Elements elements = all_elements();
+    for (auto& [name, value] : elements) value = blank + value + blank;
+    const NetFtPage page = parsed(elements);
+    CHECK((page.product == "Net F/T" && page.calibration_serial == "FT9" && page.box_serial == "B1"));
+    CHECK((page.firmware == "2.2" && page.force_unit == "lbf" && page.torque_unit == "lbf-in"));
+    CHECK((page.counts_per_force == 2000.0 && page.counts_per_torque == 4000.0 && page.records_per_second == 125.0));
+    CHECK(page.range == std::array<double, 6>{1, 2, 3, 4, 5, 6});
+    CHECK(parse_netft_page(format_netft_page(page), "P") == page);
+  }
+  Elements inner = all_elements();
+  inner["prodname"] = " a  b ";
+  CHECK(parsed(inner).product == "a  b");
+}
+
+TEST_CASE("Net F/T page told: what has to be there is missed, what need not be is not") {
+  for (const auto& [name, value] : all_elements()) {
+    INFO(name);
+    const bool required =
+        name == "prodname" || name == "scfgfu" || name == "scfgtu" || name == "cfgcpf" || name == "cfgcpt";
+    Elements elements = all_elements();
+    elements.erase(name);
+    check_page(page_of(elements), required ? name : "");
+    for (const char* nothing : {"", " \n"}) check_page_with(name, nothing, required ? name : "");
+    std::string twice = page_of(all_elements());
+    twice.insert(7, "<deep><er><" + name + ">" + value + "</" + name + "></er></deep>");
+    check_page(twice, name);
+  }
+  Elements few = all_elements();
+  for (const char* name : {"cfgcalsn", "cfgmr", "comrdtrate", "mfgdigsn", "mfgdigver"}) few.erase(name);
+  const NetFtPage page = parsed(few);
+  CHECK((page.calibration_serial.empty() && page.box_serial.empty() && page.firmware.empty() && !page.range));
+  CHECK(page.records_per_second == NetFtPage().records_per_second);
+}
+
+TEST_CASE("Net F/T page told: counts, rates and ranges are numbers above 0") {
+  for (const std::string name : {"cfgcpf", "cfgcpt", "comrdtrate"}) {
+    for (const std::string bad : {"0", "-0.5", "nan", "x", "1 2"}) check_page_with(name, bad, name);
+    for (const std::string good : {"0.5", "1"}) check_page_with(name, good, "");
+  }
+  for (const std::string name : {"cfgcpf", "cfgcpt"}) {
+    for (const std::string extreme : {"1e-310", "1.7e308"}) {
+      Elements elements = all_elements();
+      elements["scfgfu"] = "N";
+      elements["scfgtu"] = "Nmm";
+      elements[name] = extreme;
+      check_page(page_of(elements), "cfgcp");
+    }
+  }
+  for (std::size_t at = 0; at < 6; ++at) {
+    const auto check_range = [&](const std::string& value, const std::string& about) {
+      std::string range;
+      for (std::size_t i = 0; i < 6; ++i) range += (i == 0 ? "" : ";") + (i == at ? value : std::string("7"));
+      check_page_with("cfgmr", range, about);
+    };
+    for (const char* good : {"0.5", "1e-9", "999999999"}) check_range(good, "");
+    for (const char* bad : {"0", "-1", "1e9", "1e300", "x"}) check_range(bad, "cfgmr");
+  }
+}
+
+TEST_CASE("Net F/T page told: units that it cannot have, and pages that are none") {
+  check_page_with("scfgfu", "stone", "scfgfu");
+  check_page_with("scfgtu", "N", "scfgtu");
+  check_page(std::string(262'145, ' '), "262145");
+  for (const char* text : {"", "<netft>", "<netft></nett>"}) check_page(text, "XML");
 }

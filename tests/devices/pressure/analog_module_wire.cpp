@@ -1,11 +1,12 @@
-#include "devices/pressure/analog_module.h"
-
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "devices/pressure/analog_module.h"
 #include "devices/pressure/pressure_reference.h"
 #include "devices/pressure/regulator.h"
 #include "devices/pressure/simulated_module.h"
+#include "tests/devices/pressure/recorded_module.h"
 #include "tests/devices/test_chamber.h"
 #include "tests/devices/timeouts.h"
 
@@ -132,4 +133,176 @@ TEST_CASE("analog module: with the lock on only the first writer writes") {
   first.close();
   write_one(second, 0x0800, 600);
   CHECK(register_at(second, 0x0800) == 600);
+}
+
+namespace {
+
+using Notes = RecordedModule::Notes;
+
+ModuleProfile watched_profile(int watchdog_address = 0x1120, int fallbacks_address = 0x1021) {
+  ModuleProfile profile;
+  profile.outputs.address = 0x10;
+  profile.outputs.channels = 2;
+  profile.inputs.channels = 0;
+  profile.fail_safe.watchdog_address = watchdog_address;
+  profile.fail_safe.fallbacks_address = fallbacks_address;
+  return profile;
+}
+
+struct BringUp {
+  explicit BringUp(const ModuleProfile& profile, Nanoseconds watchdog = 0ns)
+      : module(profile, server.endpoint(), watchdog, clock, Origin::kSimulated) {}
+  RecordedModule server;
+  TurnedClock clock;
+  AnalogModule module;
+};
+
+}  // namespace
+
+TEST_CASE("module bring-up: reset words, write lock, type and time are written, settings read back") {
+  BringUp rig(watched_profile(), 1500ms);
+  rig.module.bring_up();
+  CHECK(rig.server.notes() == Notes{"16 1121 <48847", "16 1121 <45054", "16 1124 <0", "3 1124 1", "16 1122 <0",
+                                    "3 1122 1", "16 1120 <1500", "3 1120 1", "3 1021 1"});
+  BringUp at_zero(watched_profile(0, 0x1021), 1ms);
+  at_zero.module.bring_up();
+  CHECK(at_zero.server.notes() == Notes{"16 0001 <48847", "16 0001 <45054", "16 0004 <0", "3 0004 1", "16 0002 <0",
+                                        "3 0002 1", "16 0000 <1", "3 0000 1", "3 1021 1"});
+  BringUp uncounted(watched_profile(0x1120, -1), 60s);
+  uncounted.module.bring_up();
+  CHECK(uncounted.server.notes().size() == 8);
+  CHECK(uncounted.server.at(0x1120) == 60'000);
+  BringUp counted(watched_profile(0x1120, 0), 1s);
+  counted.module.bring_up();
+  CHECK(counted.server.notes().back() == "3 0000 1");
+  BringUp without(watched_profile(-1, -1));
+  without.module.bring_up();
+  CHECK(without.server.notes().empty());
+}
+
+TEST_CASE("module bring-up: a watchdog time that does not fit is refused before anything is sent") {
+  const struct {
+    int address;
+    Nanoseconds time;
+    const char* milliseconds;
+  } cases[] = {{0, 0ns, " 0 ms"},
+               {0x1120, 0ns, " 0 ms"},
+               {0x1120, 999us, " 0 ms"},
+               {0x1120, 60'001ms, " 60001 ms"},
+               {-1, 500ms, " 500 ms"}};  // it has none
+  for (const auto& [address, time, milliseconds] : cases) {
+    BringUp rig(watched_profile(address), time);
+    check_fault([&] { rig.module.bring_up(); }, "TB-MODULE-WATCHDOG", "analog module", milliseconds);
+    CHECK(rig.server.notes().empty());
+  }
+}
+
+TEST_CASE("module bring-up: each setting that does not read back is told with its register") {
+  const struct {
+    const char* note;
+    std::size_t address;
+    const char* told;
+  } cases[] = {{"16 1124 <0", 0x1124, "0x1124"}, {"16 1122 <0", 0x1122, "0x1122"}, {"16 1120 <900", 0x1120, "0x1120"}};
+  for (const auto& [note, address, told] : cases) {
+    BringUp rig(watched_profile(), 900ms);
+    rig.server.set(address, {7});
+    rig.server.interfere([ignored = std::string(note)](const std::string& request) {
+      return request == ignored ? std::optional(-1) : std::nullopt;
+    });
+    check_fault([&] { rig.module.bring_up(); }, "TB-MODULE-WATCHDOG", {}, told);
+  }
+}
+
+TEST_CASE("module bring-up: a channel in safe mode is ordered out of it, with all others, and that is verified") {
+  ModuleProfile profile = watched_profile(-1, -1);
+  profile.outputs.channels = 3;
+  for (const bool at_zero : {false, true}) {
+    profile.fail_safe.safe_mode_address = at_zero ? 0 : 0x40;
+    profile.fail_safe.safe_mode_clear_address = 0x50;
+    const std::size_t at = at_zero ? 0 : 0x40;
+    const std::string look = at_zero ? "2 0000 3" : "2 0040 3";
+    for (const std::size_t channel : {0, 1, 2}) {
+      BringUp rig(profile);
+      rig.server.set_inputs({at + channel});
+      CHECK(fault_id_of([&] { rig.module.bring_up(); }) == "TB-MODULE-WATCHDOG");
+      CHECK(rig.server.notes() == Notes{look, "5 0050 <65280", "5 0051 <65280", "5 0052 <65280", look});
+    }
+    BringUp rig(profile);
+    rig.server.set_inputs({at + 3, at + 8});  // others' inputs
+    rig.module.bring_up();
+    CHECK(rig.server.notes() == Notes{look});
+  }
+}
+
+TEST_CASE("module bring-up: then 0 V is written first, the valve is closed anew, and the inputs are read") {
+  ModuleProfile profile = watched_profile(-1, -1);
+  profile.inputs.address = 0x20;
+  profile.inputs.channels = 1;
+  profile.dump_coil = 3;
+  BringUp rig(profile);
+  rig.module.bring_up();
+  CHECK(rig.server.notes() == Notes{"5 0003 <65280", "4 0020 1"});
+  rig.module.write(1, 800);
+  (void)rig.server.notes();
+  rig.clock.wait_until(1s);
+  rig.module.bring_up();
+  CHECK(rig.server.notes() == Notes{"5 0003 <65280", "4 0020 1"});
+  CHECK(rig.module.output(1) == 0);
+  CHECK(rig.module.last_write_time() < 0ns);
+  CHECK(rig.module.image_time() == 1s);
+  rig.module.feed();
+  CHECK(rig.server.notes() == Notes{"16 0010 <0 <0", "4 0020 1", "3 0010 2"});
+}
+
+TEST_CASE("module watchdog: blamed where it has fallen back and the module refuses, with both times") {
+  const struct {
+    bool fallen;
+    int refusal;  // 0: the connection breaks
+    const char* id;
+  } cases[] = {{true, 4, "TB-MODULE-WATCHDOG"}, {false, 4, "TB-MODBUS-EXCEPTION"}, {true, 0, "TB-MODBUS-CONNECT"}};
+  for (const auto& [fallen, refusal, id] : cases) {
+    BringUp rig(watched_profile(), 1s);
+    rig.server.set(0x1021, {6});  // those of earlier runs
+    rig.module.bring_up();
+    rig.clock.wait_until(500ms);
+    rig.module.write(0, 100);
+    if (fallen) rig.server.set(0x1021, {7});
+    rig.server.interfere([refusal = refusal](const std::string& note) {
+      return note.starts_with("16") ? std::optional(refusal) : std::nullopt;
+    });
+    rig.clock.wait_until(2s);
+    check_fault([&] { rig.module.write(0, 200); }, id, {},
+                id == std::string("TB-MODULE-WATCHDOG") ? "1500 ms" : "");  // the age of the last write
+  }
+  // Found by reading the outputs back, too, and only there.
+  for (const bool fallen : {true, false}) {
+    BringUp rig(watched_profile(), 1s);
+    rig.module.bring_up();
+    rig.module.write(0, 100);
+    rig.server.set(0x10, {0});
+    if (fallen) rig.server.set(0x1021, {1});
+    rig.clock.wait_until(1s);
+    CHECK(fault_id_of([&] { rig.module.feed(); }) == (fallen ? "TB-MODULE-WATCHDOG" : "TB-MODULE-READBACK"));
+  }
+}
+
+TEST_CASE("module watchdog: one that fell back before the first write is set up again, another refusal is told") {
+  BringUp rig(watched_profile(), 1s);
+  rig.module.bring_up();
+  (void)rig.server.notes();
+  rig.server.set(0x1021, {1});
+  std::atomic<int> refusals = 1;
+  rig.server.interfere([&](const std::string& note) {
+    return note == "16 0010 <9 <0" && refusals-- > 0 ? std::optional(4) : std::nullopt;
+  });
+  rig.module.write(0, 9);
+  CHECK(rig.server.notes() == Notes{"16 0010 <9 <0", "3 1021 1", "16 1121 <48847", "16 1121 <45054", "16 1124 <0",
+                                    "3 1124 1", "16 1122 <0", "3 1122 1", "16 1120 <1000", "3 1120 1", "3 1021 1",
+                                    "16 0010 <9 <0", "3 0010 2"});
+  BringUp other(watched_profile(), 1s);
+  other.module.bring_up();
+  (void)other.server.notes();
+  other.server.interfere([](const std::string& note) { return note[0] == '1' ? std::optional(2) : std::nullopt; });
+  CHECK(fault_id_of([&] { other.module.write(0, 9); }) == "TB-MODBUS-EXCEPTION");
+  CHECK(other.server.notes() == Notes{"16 0010 <9 <0", "3 1021 1"});
 }

@@ -2,26 +2,39 @@
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/un.h>
+#include <termios.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
+#include <cerrno>
 #include <chrono>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <memory>
 #include <numeric>
+#include <thread>
 #include <vector>
 
+#include "devices/wire/ends/loopback.h"
 #include "devices/wire/ends/pseudo_terminal.h"
+#include "devices/wire/ends/stream_end.h"
 #include "devices/wire/serial_link.h"
 #include "devices/wire/stream_link.h"
 #include "tests/devices/fault_of.h"
+#include "tests/devices/full_queue.h"
+#include "tests/devices/timeouts.h"
+#include "tests/support/process.h"
 
 using namespace tactbench::devices;
 using namespace std::chrono_literals;
+using tactbench::tests::TemporaryFolder;
 
 namespace {
 
@@ -192,4 +205,271 @@ TEST_CASE("listed serial ports have names and are never pseudo-terminals") {
     CHECK(port.name.starts_with("/dev/"));
     CHECK(port.name != terminal.path());
   }
+}
+
+namespace {
+
+std::string opening(const std::string& address) {
+  return fault_id_of([&] { (void)open_stream(address, kShort); });
+}
+
+}  // namespace
+
+TEST_CASE("stream: each form of address that is wrong, and each opening that fails") {
+  const FullQueue unheard;
+  for (const std::string& address :
+       {std::string("tcp:"), std::string("tcp:127.0.0.1"), std::string("tcp::5"), std::string("tcp:127.0.0.1:"),
+        std::string("tcp:127.0.0.1:no such service"), std::string("/dev/pts/999999"), std::string("/dev/pts/../null"),
+        std::string("unix:/nowhere/at/all"), "unix:" + std::string(200, 'x'),
+        "tcp:127.0.0.1:" + std::to_string(unheard.port())}) {
+    INFO(address);
+    CHECK(opening(address) == "TB-SERIAL-OPEN");
+  }
+  for (const char* address : {"serial", "/dev/ttyS0", "/dev/null", "udp:127.0.0.1:5"}) {
+    CHECK(opening(address) == "TB-SERIAL-OPEN");
+    CHECK_FALSE(is_stream_address(address));
+  }
+  for (const char* address : {"/dev/pts/3", "tcp:x", "unix:x"}) CHECK(is_stream_address(address));
+  const PseudoTerminal terminal;
+  const auto holder = open_stream(terminal.path());
+  CHECK(opening(terminal.path()) == "TB-SERIAL-BUSY");
+}
+
+TEST_CASE("stream: an opening that nobody answers ends after its time") {
+  FullQueue queue;
+  queue.fill();
+  const std::string name = "tcp:127.0.0.1:" + std::to_string(queue.port());
+  CHECK(opening(name) == "TB-SERIAL-OPEN");
+}
+
+TEST_CASE("stream: an IPv6 address stands in brackets") {
+  const int listener = ::socket(AF_INET6, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in6 address{};
+  address.sin6_family = AF_INET6;
+  address.sin6_addr = in6addr_loopback;
+  socklen_t size = sizeof address;
+  if (listener < 0 || ::bind(listener, reinterpret_cast<const sockaddr*>(&address), size) != 0) return;  // no IPv6 here
+  REQUIRE(::listen(listener, 4) == 0);
+  REQUIRE(::getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size) == 0);
+  const std::string port = std::to_string(ntohs(address.sin6_port));
+  CHECK(opening("tcp:[::1]:" + port) == "none");
+  CHECK(opening("tcp:::1:" + port) == "none");
+  for (const char* host : {"[::1", "::1]", "x::1]", "[::1x", "[]", "[", "]"}) {
+    CHECK(opening("tcp:" + std::string(host) + ":" + port) == "TB-SERIAL-OPEN");
+  }
+  ::close(listener);
+}
+
+TEST_CASE("stream: a pseudo-terminal is raw, for its reader and writer both") {
+  const PseudoTerminal terminal;
+  const auto check_raw = [](int descriptor) {
+    termios settings{};
+    REQUIRE(::tcgetattr(descriptor, &settings) == 0);
+    CHECK((settings.c_lflag & (ECHO | ICANON | ISIG | IEXTEN)) == 0);
+    CHECK((settings.c_oflag & OPOST) == 0);
+    return settings;
+  };
+  check_raw(terminal.master());  // before any client
+  const auto stream = open_stream(terminal.path());
+  const termios settings = check_raw(stream->descriptor());
+  CHECK((settings.c_cflag & CLOCAL) != 0);
+  CHECK((settings.c_cflag & CREAD) != 0);
+  CHECK(settings.c_cc[VMIN] == 1);
+  CHECK(settings.c_cc[VTIME] == 0);
+  CHECK(::fcntl(stream->descriptor(), F_GETFD) == FD_CLOEXEC);
+  CHECK((::fcntl(stream->descriptor(), F_GETFL) & O_NONBLOCK) != 0);
+  CHECK(::fcntl(terminal.master(), F_GETFD) == FD_CLOEXEC);
+}
+
+TEST_CASE("stream: what is closed, full or no stream is lost") {
+  const std::array<std::uint8_t, 5> bytes{1, 2, 3, 4, 5};
+  std::array<std::uint8_t, 8> into{};
+  std::array<int, 2> line{};
+  REQUIRE(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, line.data()) == 0);
+  const auto socket = adopt_stream(line[0], "the line");
+  CHECK(socket->read(into, 0ns) == 0);
+  CHECK(socket->read(into, 1ms) == 0);
+  ::close(line[1]);
+  const std::string lost = "TB-SERIAL-LOST";
+  CHECK(fault_id_of([&] { (void)socket->read(into, kPatient); }) == lost);
+  CHECK(fault_id_of([&] { socket->write(bytes); }) == lost);
+  const auto full = adopt_stream(::open("/dev/full", O_RDWR | O_CLOEXEC), "a full disk");
+  CHECK(fault_id_of([&] { full->write(bytes); }) == lost);
+  const auto folder = adopt_stream(::open("/", O_RDONLY | O_CLOEXEC), "a folder");
+  CHECK(fault_id_of([&] { (void)folder->read(into, 0ns); }) == lost);
+}
+
+TEST_CASE("stream: discarding ends at a sender that never stops") {
+  const auto endless = adopt_stream(::open("/dev/zero", O_RDONLY | O_CLOEXEC), "endless");
+  CHECK(endless->discard() == 1U << 20U);
+}
+
+TEST_CASE("stream: what is not taken in time is told by its number of bytes, a slow reader gets all of them") {
+  std::array<int, 2> line{};
+  REQUIRE(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, line.data()) == 0);
+  std::vector<std::uint8_t> many(1U << 20U);
+  std::iota(many.begin(), many.end(), std::uint8_t{0});
+  {
+    const auto hurried = adopt_stream(::fcntl(line[0], F_DUPFD_CLOEXEC, 0), "the line", 2ms);
+    const auto fault = whole_fault_of([&] { hurried->write(many); });
+    REQUIRE(fault);
+    CHECK(fault->id() == "TB-SERIAL-TIMEOUT");
+    std::vector<std::uint8_t> taken(many.size());
+    std::size_t count = 0;
+    for (ssize_t got = 1; got > 0; count += static_cast<std::size_t>(std::max<ssize_t>(got, 0))) {
+      got = ::recv(line[1], taken.data(), taken.size(), 0);
+    }
+    CHECK_THAT(fault->what(), Catch::Contains(" " + std::to_string(many.size() - count) + " "));
+  }
+  std::vector<std::uint8_t> read;
+  std::thread reader([&] {
+    std::array<std::uint8_t, 4096> some{};
+    pollfd waited{line[1], POLLIN, 0};
+    while (read.size() < many.size() && ::poll(&waited, 1, 20000) == 1) {
+      const ssize_t got = ::recv(line[1], some.data(), some.size(), 0);
+      if (got <= 0) break;
+      read.insert(read.end(), some.begin(), some.begin() + got);
+    }
+  });
+  const auto patient = adopt_stream(line[0], "the line", kPatient);
+  CHECK(fault_id_of([&] { patient->write(many); }) == "none");
+  reader.join();
+  CHECK((read == many));
+  ::close(line[1]);
+}
+
+namespace {
+
+std::string opening_end(const std::string& address) {
+  return fault_id_of([&] { (void)open_stream(address, kShort); });
+}
+
+std::string listening(const std::string& listen) {
+  return fault_id_of([&] { const StreamEnd end(listen); });
+}
+
+void next_event(const StreamEnd& end) {
+  pollfd waited{end.descriptor(), POLLIN, 0};
+  REQUIRE(::poll(&waited, 1, 20000) == 1);
+}
+
+// A local socket's path of this length.
+std::string long_path(const TemporaryFolder& folder, std::size_t length) {
+  const std::string begin = folder.path("x");
+  REQUIRE(begin.size() < length);
+  return begin + std::string(length - begin.size(), 'y');
+}
+
+int option_of(int socket, int level, int name) {
+  int value = -1;
+  socklen_t size = sizeof value;
+  CHECK(::getsockopt(socket, level, name, &value, &size) == 0);
+  return value;
+}
+
+}  // namespace
+
+TEST_CASE("stream end: what it listens on is told where that cannot be") {
+  for (const char* port : {"", "x", "1x", " 1", "-1", "65536", "70000", "99999999999"})
+    CHECK(listening("tcp:" + std::string(port)) == "TB-SIM-LISTEN");
+  for (const char* form : {"udp:5", "/dev/ttyS0", "TCP:0", "x"}) CHECK(listening(form) == "TB-SIM-LISTEN");
+  const StreamEnd end("tcp:0");
+  CHECK(end.address().starts_with("tcp:127.0.0.1:"));
+  const std::string taken = "tcp:" + end.address().substr(14);
+  CHECK(listening(taken) == "TB-SIM-LISTEN");
+}
+
+TEST_CASE("stream end: the longest path of a local socket, on both its ends") {
+  const TemporaryFolder folder;
+  const std::string longest = "unix:" + long_path(folder, 107);
+  StreamEnd end(longest);
+  CHECK(end.address() == longest);
+  CHECK(opening_end(longest) == "none");
+  for (const std::string& address : {std::string("unix:"), "unix:" + long_path(folder, 108)}) {
+    CHECK(listening(address) == "TB-SIM-LISTEN");
+    CHECK(opening_end(address) == "TB-SERIAL-OPEN");
+  }
+}
+
+TEST_CASE("stream end: takes a dead program's socket over, and neither a living one's nor another file") {
+  const TemporaryFolder folder;
+  const std::string address = "unix:" + folder.path("end");
+  {
+    const StreamEnd living(address);
+    CHECK(listening(address) == "TB-SIM-LISTEN");
+    CHECK(opening_end(address) == "none");
+    errno = ECONNREFUSED;  // an older call's
+    CHECK(listening(address) == "TB-SIM-LISTEN");
+    // Its queue is full, and it lives.
+    std::vector<std::unique_ptr<ByteStream>> clients;
+    while (fault_id_of([&] { clients.push_back(open_stream(address, kShort)); }) == "none")
+      REQUIRE(clients.size() < 99);
+    CHECK(listening(address) == "TB-SIM-LISTEN");
+    CHECK(std::filesystem::exists(folder.path("end")));
+  }
+  CHECK_FALSE(std::filesystem::exists(folder.path("end")));
+  const int dead = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_un name{};
+  name.sun_family = AF_UNIX;
+  const std::string path = folder.path("end");
+  std::copy(path.begin(), path.end(), name.sun_path);
+  REQUIRE(::bind(dead, reinterpret_cast<const sockaddr*>(&name), sizeof name) == 0);
+  ::close(dead);
+  REQUIRE(std::filesystem::exists(path));
+  CHECK(listening(address) == "none");
+  std::ofstream(path) << "notes";
+  CHECK(listening(address) == "TB-SIM-LISTEN");
+  CHECK(tactbench::tests::read_file(path) == "notes");
+}
+
+TEST_CASE("stream end: unplugged it has no descriptor, plugged in again the same address, a terminal another one") {
+  const TemporaryFolder folder;
+  for (const std::string& listen : {std::string("tcp:0"), "unix:" + folder.path("end"), std::string()}) {
+    INFO("'" << listen << "'");
+    StreamEnd end(listen);
+    const std::string before = end.address();
+    std::array<std::uint8_t, 8> into{};
+    auto client = open_stream(before);
+    end.hang_up();
+    CHECK(end.descriptor() == -1);
+    CHECK(fault_id_of([&] { (void)client->read(into, kPatient); }) == "TB-SERIAL-LOST");
+    end.send(into);  // to nobody
+    client.reset();
+    end.plug_in();
+    CHECK(end.descriptor() >= 0);
+    if (!listen.empty()) CHECK(end.address() == before);
+    client = open_stream(end.address());
+    end.plug_in();  // plugged in twice: the first client is gone
+    CHECK(fault_id_of([&] { (void)client->read(into, kPatient); }) == "TB-SERIAL-LOST");
+    CHECK(opening_end(end.address()) == "none");
+  }
+}
+
+TEST_CASE("stream end: one client at a time, and a second after it has gone") {
+  StreamEnd end("tcp:0");
+  std::array<std::uint8_t, 8> into{};
+  CHECK(end.receive(into) == 0);  // nobody has come
+  auto first = open_stream(end.address());
+  next_event(end);
+  CHECK(end.receive(into) == 0);
+  CHECK(option_of(end.descriptor(), IPPROTO_TCP, TCP_NODELAY) == 1);
+  CHECK(option_of(first->descriptor(), IPPROTO_TCP, TCP_NODELAY) == 1);
+  CHECK(end.receive(into) == 0);  // it has sent nothing, and stays
+  const auto second = open_stream(end.address());
+  second->write(std::array<std::uint8_t, 2>{5, 6});
+  first->write(std::array<std::uint8_t, 1>{4});
+  next_event(end);
+  CHECK(end.receive(into) == 1);
+  CHECK(into[0] == 4);
+  first.reset();
+  next_event(end);
+  CHECK(end.receive(into) == 0);
+  next_event(end);
+  CHECK(end.receive(into) == 0);
+  next_event(end);
+  CHECK(end.receive(into) == 2);
+  end.send(std::array<std::uint8_t, 3>{7, 8, 9});
+  CHECK(second->read(into, kPatient) == 3);
+  const std::vector<std::uint8_t> many(1U << 23U);
+  end.send(many);  // more than the socket takes: the rest is lost
 }

@@ -1,5 +1,6 @@
 // Packet links and channels: what each refuses and how it is told, batches and sizes at their limits.
 #include <arpa/inet.h>
+#include <fcntl.h>
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -20,6 +21,7 @@
 #include "devices/wire/ends/end_at_work.h"
 #include "devices/wire/ends/loopback.h"
 #include "devices/wire/packet_link.h"
+#include "devices/wire/stream_link.h"
 #include "devices/wire/udp_link.h"
 #include "tests/devices/fault_of.h"
 #include "tests/devices/packet_listener.h"
@@ -29,6 +31,7 @@
 using namespace tactbench::devices;
 using namespace std::chrono_literals;
 using tactbench::tests::TemporaryFolder;
+using namespace tactbench::tests;
 
 namespace {
 
@@ -198,4 +201,155 @@ TEST_CASE("descriptor channel: packets up to 131072 bytes, the rest of a longer 
   CHECK_FALSE(one.send("text", 1'000'000));  // no descriptor of ours
   CHECK_FALSE(other.receive(0ns));
   CHECK_FALSE(other.closed());
+}
+
+TEST_CASE("a packet link whose peer goes with reports unread is lost") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("peer.sock");
+  PacketListener listener(path);
+  const auto link = open_packet_link(path);
+  const int peer = listener.accept();
+  std::array<std::uint8_t, 64> into{};
+  CHECK(link->read(into, Nanoseconds(0)) == 0);
+  const std::array<std::uint8_t, 3> report{1, 2, 3};
+  link->write(report);
+  ::close(peer);
+  listener.close();
+  for (int i = 0; i < 2; ++i) CHECK(fault_id_of([&] { (void)link->read(into, kPatient); }) == "TB-HID-LOST");
+  CHECK(fault_id_of([&] { (void)link->drain(); }) == "TB-HID-LOST");
+}
+
+namespace {
+
+struct Ends {
+  Ends() {
+    const auto [a, b] = DescriptorChannel::make_pair();
+    one = std::make_unique<DescriptorChannel>(a);
+    other = std::make_unique<DescriptorChannel>(b);
+  }
+  std::unique_ptr<DescriptorChannel> one, other;
+};
+
+}  // namespace
+
+TEST_CASE("descriptor channel: packets stay whole and in order, silence is not the end") {
+  Ends ends;
+  CHECK_FALSE(ends.other->receive(0ms));
+  CHECK_FALSE(ends.other->closed());
+  const std::string large(60'000, 'x');
+  CHECK(ends.one->send("feed"));
+  CHECK(ends.one->send(large));
+  CHECK(ends.other->receive(20s)->text == "feed");
+  CHECK(ends.other->receive(20s)->text == large);
+  ends.one.reset();
+  CHECK_FALSE(ends.other->receive(20s));
+  CHECK(ends.other->closed());
+  CHECK_FALSE(ends.other->send("feed"));
+}
+
+TEST_CASE("descriptor channel: never blocks on a reader that does not read") {
+  Ends ends;
+  int taken = 0;
+  while (taken < 1'000'000 && ends.one->send("feed")) ++taken;
+  CHECK(taken > 10);
+  CHECK(taken < 1'000'000);
+}
+
+TEST_CASE("descriptor channel: an attached descriptor is of the same line and is closed on exec") {
+  Ends ends;
+  std::array<int, 2> line{};
+  REQUIRE(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, line.data()) == 0);
+  CHECK(ends.one->send("line", line[0]));
+  auto packet = ends.other->receive(20s);
+  REQUIRE(packet);
+  CHECK(packet->text == "line");
+  REQUIRE(packet->descriptor >= 0);
+  CHECK((::fcntl(packet->descriptor, F_GETFD) & FD_CLOEXEC) != 0);
+  ::close(line[0]);
+  {
+    const auto stream = adopt_stream(packet->descriptor, "handed over");
+    const std::array<std::uint8_t, 2> bytes{1, 2};
+    stream->write(bytes);
+    std::array<std::uint8_t, 8> got{};
+    CHECK(::recv(line[1], got.data(), got.size(), 0) == 2);
+    REQUIRE(::send(line[1], "abc", 3, 0) == 3);
+    CHECK(stream->read(got, 20s) == 3);
+    CHECK(stream->description() == "handed over");
+  }
+  char byte = 0;
+  CHECK(::recv(line[1], &byte, 1, 0) == 0);  // the stream has closed it
+  ::close(line[1]);
+}
+
+namespace {
+
+using UdpBytes = std::vector<std::uint8_t>;
+
+}  // namespace
+
+TEST_CASE("UDP: addresses that are none, and one that cannot be connected to") {
+  for (const auto& [host, port] :
+       {std::pair{"localhost", 5}, std::pair{"127.0.0.1", 0}, std::pair{"127.0.0.1", 65536}}) {
+    CHECK(fault_id_of([&, host = host, port = port] { const UdpLink link(host, port, "box"); }) == "TB-UDP-OPEN");
+  }
+  CHECK(fault_id_of([] { const UdpLink link("255.255.255.255", 5, "box"); }) == "TB-UDP-OPEN");
+}
+
+TEST_CASE("UDP: nobody there, too much at once, and nothing in time") {
+  const BoundSocket peer = bind_loopback(SOCK_DGRAM, 0, "test");
+  UdpLink link("127.0.0.1", peer.port, "box");
+  CHECK(link.peer() == "127.0.0.1 port " + std::to_string(peer.port) + " (UDP)");
+  UdpBytes into(8);
+  for (const Nanoseconds timeout : {Nanoseconds(-1), Nanoseconds(0), Nanoseconds(1ms)}) {
+    CHECK(link.receive(into, timeout) == 0);
+  }
+  CHECK(fault_id_of([&] { link.send(UdpBytes(70'000)); }) == "TB-UDP-LOST");
+  const UdpBytes datagram{1, 2, 3};
+  link.send(datagram);
+  ::close(peer.socket);
+  check_fault(
+      [&] {
+        link.send(datagram);
+        (void)link.receive(into, kPatient);
+      },
+      "TB-UDP-LOST", "box");
+  // An old error is drained, and does not spoil the next exchange.
+  link.send(datagram);
+  pollfd waited{-1, 0, 0};
+  ::poll(&waited, 1, 1);
+  CHECK(link.drain() <= 1);
+  CHECK(link.drain() == 0);
+}
+
+TEST_CASE("UDP: renewed it has another port, and what was sent to the old one never arrives") {
+  const BoundSocket peer = bind_loopback(SOCK_DGRAM, 0, "test");
+  UdpLink link("127.0.0.1", peer.port, "box");
+  const auto asks = [&] {
+    const UdpBytes datagram{1};
+    link.send(datagram);
+    pollfd waited{peer.socket, POLLIN, 0};
+    REQUIRE(::poll(&waited, 1, 20000) == 1);
+    sockaddr_in from{};
+    socklen_t size = sizeof from;
+    UdpBytes some(8);
+    REQUIRE(::recvfrom(peer.socket, some.data(), some.size(), 0, reinterpret_cast<sockaddr*>(&from), &size) == 1);
+    return from;
+  };
+  const auto answer = [&](const sockaddr_in& to, std::uint8_t byte) {
+    return ::sendto(peer.socket, &byte, 1, 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
+  };
+  const sockaddr_in before = asks();
+  link.renew();
+  const sockaddr_in after = asks();
+  CHECK(before.sin_port != after.sin_port);
+  answer(before, 1);
+  REQUIRE(answer(after, 2) == 1);
+  UdpBytes into(8);
+  CHECK(link.receive(into, kPatient) == 1);
+  CHECK(into[0] == 2);
+  const std::array<std::uint8_t, 4> four{1, 2, 3, 4};
+  REQUIRE(::sendto(peer.socket, four.data(), 4, 0, reinterpret_cast<const sockaddr*>(&after), sizeof after) == 4);
+  CHECK(link.receive(std::span(into).first(3), kPatient) == 3);  // cut to the room
+  CHECK(link.receive(into, 0ns) == 0);
+  ::close(peer.socket);
 }
