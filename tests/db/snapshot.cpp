@@ -19,6 +19,21 @@ using db::RunStore;
 using db::sqlite::Access;
 using db::sqlite::Connection;
 
+namespace {
+
+// The exit code of `action` in a process of its own.
+template <class Action>
+int in_child(Action action) {
+  const pid_t child = fork();
+  REQUIRE(child >= 0);
+  if (child == 0) _exit(action());
+  int status = 0;
+  REQUIRE(waitpid(child, &status, 0) == child);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+}  // namespace
+
 TEST_CASE("a snapshot of a store with a live run holds the acknowledged frames, and neither is disturbed") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
@@ -67,20 +82,13 @@ TEST_CASE("a snapshot without free space ends with TB-STORE-FULL and leaves noth
     RunStore store = RunStore::open(folder.path("runs.db"));
     store_example(store);
   }
-  const pid_t child = fork();
-  REQUIRE(child >= 0);
-  if (child == 0) {
-    std::signal(SIGXFSZ, SIG_IGN);
-    const RunStore store = RunStore::open_read_only(folder.path("runs.db"));
-    const rlimit limit{50'000, 50'000};
-    if (setrlimit(RLIMIT_FSIZE, &limit) != 0) _exit(2);
-    const std::string id = store_error([&] { store.snapshot(folder.path("no.db")); });
-    _exit(id == "TB-STORE-FULL" ? 0 : 1);
-  }
-  int status = 0;
-  REQUIRE(waitpid(child, &status, 0) == child);
-  REQUIRE(WIFEXITED(status));
-  CHECK(WEXITSTATUS(status) == 0);
+  CHECK(in_child([&] {
+          std::signal(SIGXFSZ, SIG_IGN);
+          const RunStore store = RunStore::open_read_only(folder.path("runs.db"));
+          const rlimit limit{50'000, 50'000};
+          if (setrlimit(RLIMIT_FSIZE, &limit) != 0) return 2;
+          return store_error([&] { store.snapshot(folder.path("no.db")); }) == "TB-STORE-FULL" ? 0 : 1;
+        }) == 0);
   for (const char* ending : {"", ".partial", ".partial-journal", ".partial-wal"}) {
     CHECK_FALSE(std::filesystem::exists(folder.path("no.db") + ending));
   }
@@ -106,17 +114,6 @@ std::size_t open_descriptors() {
   std::size_t count = 0;
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) count += entry.path().empty() ? 0 : 1;
   return count;
-}
-
-// The exit code of `action` in a process of its own.
-template <class Action>
-int in_child(Action action) {
-  const pid_t child = fork();
-  REQUIRE(child >= 0);
-  if (child == 0) _exit(action());
-  int status = 0;
-  REQUIRE(waitpid(child, &status, 0) == child);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
 }  // namespace

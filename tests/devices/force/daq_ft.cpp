@@ -4,15 +4,13 @@
 
 #include "devices/force/daq_ft.h"
 #include "devices/force/daqmx_gauges.h"
+#include "tests/devices/daqmx_card.h"
 #include "tests/devices/fault_of.h"
 #include "tests/devices/force/invented_calibration.h"
-#include "tests/devices/test_chamber.h"
-#include "tests/support/fake_nidaqmx/fake_nidaqmx.h"
 #include "tests/support/paths.h"
 
 using namespace tactbench::devices;
 using namespace std::chrono_literals;
-using tactbench::tests::fake_daqmx;
 using tactbench::tests::FakeDaqmx;
 
 namespace {
@@ -170,14 +168,8 @@ class ToldGauges final : public GaugeSource {
   GaugeSamples told_;
 };
 
-AtiCalibration invented(const char* more = "") {
-  InventedCalibration calibration;
-  calibration.more = more;
-  return parse_ati_calibration(calibration.text(), "test.cal");
-}
-
 std::string read_of(int channels, GaugeSamples told, int asked = 1, DaqFtOptions options = {}) {
-  DaqFt sensor(std::make_unique<ToldGauges>(channels, std::move(told)), invented(), std::move(options));
+  DaqFt sensor(std::make_unique<ToldGauges>(channels, std::move(told)), calibration(), std::move(options));
   return fault_id_of([&] { (void)sensor.read(asked); });
 }
 
@@ -198,20 +190,20 @@ TEST_CASE("DAQ F/T: samples, channels and values have to be as many as were aske
 }
 
 TEST_CASE("DAQ F/T: six gauges are enough unless the temperature is compensated, seven always") {
-  const auto opened = [](int channels, const AtiCalibration& calibration, bool compensated) {
+  const auto opened = [](int channels, const AtiCalibration& file, bool compensated) {
     DaqFtOptions options;
     options.temperature_compensation = compensated;
-    return fault_id_of([&] { DaqFt(std::make_unique<ToldGauges>(channels, GaugeSamples{}), calibration, options); });
+    return fault_id_of([&] { DaqFt(std::make_unique<ToldGauges>(channels, GaugeSamples{}), file, options); });
   };
   for (const bool compensated : {false, true}) {
-    CHECK(opened(6, invented(), compensated) == "none");
-    CHECK(opened(7, invented(), compensated) == "none");
-    CHECK(opened(7, invented(kInventedTemperature), compensated) == "none");
-    CHECK(opened(5, invented(), compensated) == "TB-FORCE-GAUGES");
-    CHECK(opened(8, invented(), compensated) == "TB-FORCE-GAUGES");
+    CHECK(opened(6, calibration(), compensated) == "none");
+    CHECK(opened(7, calibration(), compensated) == "none");
+    CHECK(opened(7, calibration(kInventedTemperature), compensated) == "none");
+    CHECK(opened(5, calibration(), compensated) == "TB-FORCE-GAUGES");
+    CHECK(opened(8, calibration(), compensated) == "TB-FORCE-GAUGES");
   }
-  CHECK(opened(6, invented(kInventedTemperature), false) == "none");
-  CHECK(opened(6, invented(kInventedTemperature), true) == "TB-FORCE-GAUGES");
+  CHECK(opened(6, calibration(kInventedTemperature), false) == "none");
+  CHECK(opened(6, calibration(kInventedTemperature), true) == "TB-FORCE-GAUGES");
 }
 
 TEST_CASE("DAQ F/T: a gauge saturates at its share of the converter's limit, the thermistor nowhere") {
@@ -233,7 +225,7 @@ TEST_CASE("DAQ F/T: a gauge saturates at its share of the converter's limit, the
 TEST_CASE("DAQ F/T: a thermistor is reported where nothing is compensated, and the card is named") {
   const GaugeSamples told{
       2, 7, {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 1.5, 0.3, 0.2, 0.1, 0.0, -0.1, -0.2, 2.5}, Nanoseconds(9)};
-  DaqFt sensor(std::make_unique<ToldGauges>(7, told), invented(), {});
+  DaqFt sensor(std::make_unique<ToldGauges>(7, told), calibration(), {});
   const ForceReading reading = sensor.read(2);
   REQUIRE(reading.thermistor_v);
   CHECK(*reading.thermistor_v == Approx(2.0));
@@ -245,31 +237,13 @@ TEST_CASE("DAQ F/T: a thermistor is reported where nothing is compensated, and t
 
 namespace {
 
-struct GaugeRig {
+struct GaugeRig : DaqmxCard {
   GaugeRig() {
-    card = FakeDaqmx{};
     card.volts = [](const FakeDaqmx::Levels&, int channel, int sample) { return channel + 0.001 * sample; };
     options.library = tactbench::tests::fake_nidaqmx_path();
     options.sample_rate_hz = 1000;
     options.timeout = 300ms;
   }
-  ~GaugeRig() {
-    CHECK(card.tasks == 0);
-    CHECK(card.misuse.empty());
-  }
-  GaugeRig(const GaugeRig&) = delete;
-  GaugeRig& operator=(const GaugeRig&) = delete;
-  [[nodiscard]] auto called(const std::string& function) const {
-    return std::count(card.calls.begin(), card.calls.end(), function);
-  }
-  // The next call of this function and all later ones fail.
-  void fail(const std::string& function, int code) const {
-    card.fail_function = function;
-    card.fail_code = code;
-    card.fail_call = static_cast<int>(called(function));
-  }
-  FakeDaqmx& card = fake_daqmx();
-  TurnedClock clock;
   DaqmxGaugesOptions options;
 };
 

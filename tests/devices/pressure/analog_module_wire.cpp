@@ -35,9 +35,6 @@ struct ModuleRig {
     options.span.high = Psi(100.0);
     return options;
   }
-  [[nodiscard]] ModbusLink foreign(Nanoseconds timeout = kPatient) {
-    return ModbusLink({"127.0.0.1", server->port(), 1, timeout}, "foreign master", clock);
-  }
 
   TurnedClock clock;
   TestChamber chamber{clock};
@@ -45,16 +42,6 @@ struct ModuleRig {
   AnalogModule module;
   Regulator regulator;
 };
-
-void write_one(ModbusLink& link, int address, std::uint16_t value) {
-  link.write_registers(address, std::span(&value, 1));
-}
-
-std::uint16_t register_at(ModbusLink& link, int address) {
-  std::uint16_t value = 0;
-  link.read_holding_registers(address, std::span(&value, 1));
-  return value;
-}
 
 }  // namespace
 
@@ -119,20 +106,6 @@ TEST_CASE("regulator: a watchdog that still ran and fell back before the first c
   rig.clock.wait_until(6s);  // it watches again
   CHECK(rig.regulator.feedback().pressure == Psi(0.0));
   CHECK(fault_id_of([&] { rig.regulator.keep_alive(); }) == "TB-MODULE-WATCHDOG");
-}
-
-TEST_CASE("analog module: with the lock on only the first writer writes") {
-  ModuleRig rig;
-  auto first = rig.foreign();
-  auto second = rig.foreign();
-  write_one(first, 0x0800, 500);
-  CHECK(fault_id_of([&] { write_one(second, 0x0800, 600); }) == "TB-MODBUS-EXCEPTION");
-  CHECK(register_at(second, 0x0800) == 500);
-  CHECK(fault_id_of([&] { rig.module.write(0, 700); }) == "TB-MODBUS-EXCEPTION");
-  CHECK_FALSE(rig.module.zero_outputs());  // and reports it, rather than claim a vented chamber
-  first.close();
-  write_one(second, 0x0800, 600);
-  CHECK(register_at(second, 0x0800) == 600);
 }
 
 namespace {

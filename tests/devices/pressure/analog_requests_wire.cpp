@@ -324,31 +324,3 @@ TEST_CASE("read-back: an output that follows late is waited for until the deadli
   CHECK(never.write() == "TB-MODULE-READBACK");
   CHECK(never.clock.now() == 200ms);
 }
-
-TEST_CASE("outputs that are written one word at a time are zeroed one word at a time") {
-  std::array<std::atomic<std::uint16_t>, 2> stands{7, 7};
-  ScriptedServer server([&](int, int socket, const Bytes& request) {
-    const auto at = [&](std::size_t i) { return static_cast<std::uint16_t>(request[i] * 256 + request[i + 1]); };
-    if (request[7] == 6) {
-      stands.at(at(8)) = at(10);
-      return ScriptedServer::send(socket, request);
-    }
-    if (request[7] == 3) return ScriptedServer::send(socket, ScriptedServer::answer(request, {stands[0], stands[1]}));
-    ScriptedServer::send(socket, {request[0], request[1], 0, 0, 0, 3, request[6], 0x90, 1});  // not known to it
-  });
-  ModuleProfile profile = module_profile("generic");
-  profile.outputs.function = 6;
-  profile.outputs.channels = 2;
-  profile.inputs.channels = 0;
-  TurnedClock clock;
-  AnalogModule module(profile, {"127.0.0.1", server.port(), 1, 20s}, 0s, clock, Origin::kSimulated);
-  module.write(1, 1000);
-  CHECK(stands[0] == 0);
-  CHECK(stands[1] == 1000);
-  CHECK(module.zero_outputs());
-  CHECK(stands[1] == 0);
-  stands[1] = 5;
-  profile.outputs.function = 16;
-  AnalogModule all(profile, {"127.0.0.1", server.port(), 1, 20s}, 0s, clock, Origin::kSimulated);
-  CHECK_FALSE(all.zero_outputs());  // refused, and read back as it was
-}

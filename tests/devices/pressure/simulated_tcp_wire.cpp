@@ -109,6 +109,7 @@ TEST_CASE("simulated module: several registers in one request, each at its place
   REQUIRE(answers(client, {1, 16, 0x04, 0x00, 0, 1, 2, 0, 1, 0}, {1, 0x90, 3}));
   REQUIRE(answers(client, {1, 23, 0x04, 0x00, 0, 1, 0x04, 0x00, 0}, {1, 0x97, 3}));
   REQUIRE(answers(client, {1, 23, 0x04, 0x00, 0, 1, 0x04, 0x00, 0, 1, 2, 0}, {1, 0x97, 3}));
+  REQUIRE(answers(client, {1, 3, 0xFF, 0xFF, 0, 2}, {1, 0x83, 2}));  // over the end of all addresses
   for (const std::uint8_t function : TcpBytes{0, 1, 7, 8, 15, 17, 22, 24, 43}) {
     REQUIRE(answers(client, {1, function, 0, 0, 0, 1}, {1, static_cast<std::uint8_t>(function | 0x80U), 1}));
   }
@@ -235,51 +236,13 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-struct Module {
-  TurnedClock clock;
-  TestChamber chamber{clock};
-  SimulatedModule server{module_profile("beckhoff-ek9000"), 0, chamber, clock};
-};
-
 const Bytes kReadLock{0, 1, 0, 0, 0, 6, 1, 3, 0x11, 0x24, 0, 1};
 const Bytes kLockIsOne{0, 1, 0, 0, 0, 5, 1, 3, 2, 0, 1};
 
 }  // namespace
 
-TEST_CASE("simulated module: FC 6 writes and echoes") {
-  Module module;
-  const RawLine client(module.server.port());
-  const Bytes write{0, 9, 0, 0, 0, 6, 1, 6, 0x08, 0x00, 0x20, 0x00};
-  client.send(write);
-  CHECK(client.receive(12) == write);
-  CHECK(module.chamber.output().value() == Approx(2.5).margin(0.001));
-}
-
-TEST_CASE("simulated module: illegal requests get their exception at once") {
-  Module module;
-  const RawLine client(module.server.port());
-  const auto exception = [&](const Bytes& request) {
-    client.send(request);
-    const Bytes reply = client.receive(9);
-    return reply.size() == 9 && reply[7] == (request[7] | 0x80U) ? int{reply[8]} : -1;
-  };
-  CHECK(exception({0, 1, 0, 0, 0, 6, 1, 1, 0, 0, 0, 1}) == 1);            // coils: no such function
-  CHECK(exception({0, 1, 0, 0, 0, 4, 1, 0x2B, 0x0E, 1}) == 1);            // neither, and of another length
-  CHECK(exception({0, 1, 0, 0, 0, 6, 1, 3, 0x20, 0, 0, 1}) == 2);         // no such register
-  CHECK(exception({0, 1, 0, 0, 0, 6, 1, 3, 0xFF, 0xFF, 0, 2}) == 2);      // over the end of all addresses
-  CHECK(exception({0, 1, 0, 0, 0, 6, 1, 6, 0, 0, 0, 1}) == 2);            // inputs cannot be written
-  CHECK(exception({0, 1, 0, 0, 0, 6, 1, 3, 0, 0, 0, 0}) == 3);            // no registers
-  CHECK(exception({0, 1, 0, 0, 0, 6, 1, 4, 0, 0, 0, 126}) == 3);          // too many
-  CHECK(exception({0, 1, 0, 0, 0, 9, 1, 16, 8, 0, 0, 2, 2, 0, 1}) == 3);  // counts that disagree
-  CHECK(exception({0, 1, 0, 0, 0, 3, 1, 3, 0}) == 3);                     // cut short
-  CHECK(exception({0, 1, 0, 0, 0, 13, 1, 23, 0x20, 0, 0, 1, 8, 0, 0, 1, 2, 0, 9}) == 2);
-  CHECK(module.chamber.output() == Volts(0.0));  // a refused FC 23 has not written either
-  client.send(kReadLock);
-  CHECK(client.receive(11) == kLockIsOne);
-}
-
 TEST_CASE("simulated module: counts up to the protocol's limits pass, one more is refused as a value") {
-  Module module;
+  SimulatedServer module;
   const RawLine client(module.server.port());
   std::uint16_t number = 0;
   // The exception of a PDU; registers from 0x2000 on are none, so that what passes as a value is refused as an address.
@@ -343,7 +306,7 @@ TEST_CASE("simulated module: counts up to the protocol's limits pass, one more i
 }
 
 TEST_CASE("simulated module: half a request delays no other client, pieces are joined, several are answered in turn") {
-  Module module;
+  SimulatedServer module;
   const RawLine slow(module.server.port());
   slow.send(Bytes(kReadLock.begin(), kReadLock.begin() + 5));
   const RawLine quick(module.server.port());
@@ -373,7 +336,7 @@ TEST_CASE("simulated module: a failing chamber port is a failing device, and the
 }
 
 TEST_CASE("simulated module: the write lock passes on when its holder hangs up, in any order of connecting") {
-  Module module;
+  SimulatedServer module;
   for (int round = 0; round < 50; ++round) {
     ModbusLink older({"127.0.0.1", module.server.port(), 1, 20s}, "older", module.clock);
     ModbusLink holder({"127.0.0.1", module.server.port(), 1, 20s}, "holder", module.clock);

@@ -6,14 +6,12 @@
 
 #include "devices/tactile/daqmx_scanner.h"
 #include "devices/tactile/scan_report.h"
+#include "tests/devices/daqmx_card.h"
 #include "tests/devices/fault_of.h"
-#include "tests/devices/test_chamber.h"
-#include "tests/support/fake_nidaqmx/fake_nidaqmx.h"
 #include "tests/support/paths.h"
 
 using namespace tactbench::devices;
 using namespace std::chrono_literals;
-using tactbench::tests::fake_daqmx;
 using tactbench::tests::FakeDaqmx;
 using Levels = FakeDaqmx::Levels;
 
@@ -33,29 +31,14 @@ double plant(const Levels& lines, int channel, int sample) {
   return row < 0 ? 0.0 : taxel_volts(row, channel) + (sample % 2 == 0 ? 0.01 : -0.01);
 }
 
-struct DaqmxRig {
+struct DaqmxRig : DaqmxCard {
   DaqmxRig() {
-    card = FakeDaqmx{};
     card.volts = plant;
     options.library = tactbench::tests::fake_nidaqmx_path();
-  }
-  ~DaqmxRig() {
-    CHECK(card.tasks == 0);
-    CHECK(card.misuse.empty());
-  }
-  DaqmxRig(const DaqmxRig&) = delete;
-  DaqmxRig& operator=(const DaqmxRig&) = delete;
-  void fail(const std::string& function, int code, int call = 0) const {
-    card.fail_function = function;
-    card.fail_code = code;
-    card.fail_call = call + static_cast<int>(std::count(card.calls.begin(), card.calls.end(), function));
   }
   [[nodiscard]] bool all_open() const {
     return card.lines.size() == kRowsColumns && std::count(card.lines.begin(), card.lines.end(), 0) == kRowsColumns;
   }
-
-  FakeDaqmx& card = fake_daqmx();
-  TurnedClock clock;
   DaqmxScannerOptions options;
 };
 
@@ -192,9 +175,8 @@ TEST_CASE("daqmx scanner: the card's identity, its serial checked in any notatio
 namespace {
 
 // Two rows, two columns, four samples of each, 0 to 8 V.
-struct SmallCard {
+struct SmallCard : DaqmxCard {
   SmallCard() {
-    card = FakeDaqmx{};
     card.volts = [this](const FakeDaqmx::Levels& lines, int channel, int sample) {
       const auto closed = std::find(lines.begin(), lines.end(), 1);
       return closed == lines.end() ? 0.0 : volts(static_cast<int>(closed - lines.begin()), channel, sample);
@@ -209,21 +191,10 @@ struct SmallCard {
     options.timeout = 200ms;
     options.settle = 3ms;
   }
-  ~SmallCard() {
-    CHECK(card.tasks == 0);
-    CHECK(card.misuse.empty());
-  }
-  SmallCard(const SmallCard&) = delete;
-  SmallCard& operator=(const SmallCard&) = delete;
   [[nodiscard]] std::string opened() {
     return fault_id_of([&] { DaqmxScanner(options, clock); });
   }
-  [[nodiscard]] auto called(const std::string& function) const {
-    return std::count(card.calls.begin(), card.calls.end(), function);
-  }
-  FakeDaqmx& card = fake_daqmx();
   std::function<double(int row, int column, int sample)> volts = [](int, int, int) { return 1.0; };
-  TurnedClock clock;
   DaqmxScannerOptions options;
 };
 

@@ -340,10 +340,6 @@ TEST_CASE("stream: what is not taken in time is told by its number of bytes, a s
 
 namespace {
 
-std::string opening_end(const std::string& address) {
-  return fault_id_of([&] { (void)open_stream(address, kShort); });
-}
-
 std::string listening(const std::string& listen) {
   return fault_id_of([&] { const StreamEnd end(listen); });
 }
@@ -384,10 +380,10 @@ TEST_CASE("stream end: the longest path of a local socket, on both its ends") {
   const std::string longest = "unix:" + long_path(folder, 107);
   StreamEnd end(longest);
   CHECK(end.address() == longest);
-  CHECK(opening_end(longest) == "none");
+  CHECK(opening(longest) == "none");
   for (const std::string& address : {std::string("unix:"), "unix:" + long_path(folder, 108)}) {
     CHECK(listening(address) == "TB-SIM-LISTEN");
-    CHECK(opening_end(address) == "TB-SERIAL-OPEN");
+    CHECK(opening(address) == "TB-SERIAL-OPEN");
   }
 }
 
@@ -397,7 +393,7 @@ TEST_CASE("stream end: takes a dead program's socket over, and neither a living 
   {
     const StreamEnd living(address);
     CHECK(listening(address) == "TB-SIM-LISTEN");
-    CHECK(opening_end(address) == "none");
+    CHECK(opening(address) == "none");
     errno = ECONNREFUSED;  // an older call's
     CHECK(listening(address) == "TB-SIM-LISTEN");
     // Its queue is full, and it lives.
@@ -441,7 +437,7 @@ TEST_CASE("stream end: unplugged it has no descriptor, plugged in again the same
     client = open_stream(end.address());
     end.plug_in();  // plugged in twice: the first client is gone
     CHECK(fault_id_of([&] { (void)client->read(into, kPatient); }) == "TB-SERIAL-LOST");
-    CHECK(opening_end(end.address()) == "none");
+    CHECK(opening(end.address()) == "none");
   }
 }
 
