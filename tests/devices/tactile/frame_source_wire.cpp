@@ -86,49 +86,27 @@ TEST_CASE("frame source: frames taken by another client show as a jump of the co
   CHECK(second.frame_counters.front() - first.frame_counters.front() == 4);
 }
 
-TEST_CASE("frame source: a dropped frame is a timeout, then the counter shows it") {
-  const FrameSourceRig rig({.drop_scan = 1}, kShort);
-  auto source = rig.open();
-  (void)source.read(1);
-  CHECK(fault_id_of([&] { (void)source.read(1); }) == "TB-SCANNER-TIMEOUT");
-  const ScanSet late = source.read(1);
-  check_frame_scan(late, 0, 2);
-  CHECK(late.frame_counters == std::vector<std::uint32_t>{2});
-}
-
-TEST_CASE("frame source: damage ends the connection for good, a new one is whole") {
-  const FrameSourceRig rig({.corrupt_scan = 1});
-  auto source = rig.open();
-  (void)source.read(1);
-  for (int i = 0; i < 2; ++i) {
-    CHECK(fault_id_of([&] { (void)source.read(1); }) == "TB-SCANNER-CORRUPT");
+TEST_CASE("frame source: each fault of a scan by its id, whether its connection lives on, and the scan that follows") {
+  const struct {
+    SimulatedFrameSourceFaults faults;
+    std::string id;
+    bool lives;
+    int next;
+  } cases[] = {{{.double_scan = 0}, "none", true, 2},  // used once
+               {{.drop_scan = 1}, "TB-SCANNER-TIMEOUT", true, 2},
+               {{.repeat_scan = 1}, "TB-SCANNER-CORRUPT", true, 1},  // under a new tag
+               {{.corrupt_scan = 1}, "TB-SCANNER-CORRUPT", false, 2},
+               {{.cut_scan = 1}, "TB-SCANNER-LOST", false, 2}};
+  for (const auto& [faults, id, lives, next] : cases) {
+    const FrameSourceRig rig(faults, id == "TB-SCANNER-TIMEOUT" ? kShort : kPatient);
+    auto source = rig.open();
+    check_frame_scan(source.read(1), 0, 0);
+    for (int i = 0; i < (lives ? 1 : 2); ++i) CHECK(fault_id_of([&] { (void)source.read(1); }) == id);
+    auto again = rig.open();
+    const ScanSet after = (lives ? source : again).read(1);
+    check_frame_scan(after, 0, next);
+    CHECK(after.frame_counters == std::vector<std::uint32_t>{static_cast<std::uint32_t>(next)});
   }
-  auto again = rig.open();
-  check_frame_scan(again.read(1), 0, 2);
-}
-
-TEST_CASE("frame source: a frame that comes twice under a new tag is refused") {
-  const FrameSourceRig rig({.repeat_scan = 1});
-  auto source = rig.open();
-  (void)source.read(1);
-  CHECK(fault_id_of([&] { (void)source.read(1); }) == "TB-SCANNER-CORRUPT");
-  check_frame_scan(source.read(1), 0, 1);
-}
-
-TEST_CASE("frame source: an answer sent twice is used once") {
-  const FrameSourceRig rig({.double_scan = 0});
-  auto source = rig.open();
-  const auto set = source.read(3);
-  for (int i = 0; i < 3; ++i) check_frame_scan(set, i, i);
-}
-
-TEST_CASE("frame source: a connection closed in mid-frame is lost, and stays so") {
-  const FrameSourceRig rig({.cut_scan = 1});
-  auto source = rig.open();
-  (void)source.read(1);
-  for (int i = 0; i < 2; ++i) CHECK(fault_id_of([&] { (void)source.read(1); }) == "TB-SCANNER-LOST");
-  auto again = rig.open();
-  check_frame_scan(again.read(1), 0, 2);
 }
 
 TEST_CASE("frame source: a port without a listener") {
