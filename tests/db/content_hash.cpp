@@ -8,8 +8,7 @@
 
 #include "db/hash_chain.h"
 #include "db/sqlite.h"
-#include "tests/db/store_example.h"
-#include "tests/support/process.h"
+#include "tests/db/new_store.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -195,8 +194,7 @@ TEST_CASE("the bytes under a link of the chain are unambiguous, and numbers hash
 }
 
 TEST_CASE("a reading of -0.0 or not-a-number does not break verification") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const Begun begun = begin_example(store);
   db::FrameRecord frame = example_frame(begun.branch, 0);
   frame.setpoint_psi = -0.0;

@@ -3,9 +3,8 @@
 #include <filesystem>
 
 #include "db/schema.h"
-#include "tests/db/store_example.h"
+#include "tests/db/new_store.h"
 #include "tests/support/paths.h"
-#include "tests/support/process.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -104,8 +103,7 @@ TEST_CASE("a value too large for a store is refused before memory is taken") {
 }
 
 TEST_CASE("frames whose counts do not fit their shape are not returned") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   store_example(store);
   const auto read_with = [&](const std::string& change) {
     Connection(store.path(), Access::kReadWrite)

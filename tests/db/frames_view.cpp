@@ -7,8 +7,7 @@
 
 #include "db/run_store.h"
 #include "db/sqlite.h"
-#include "tests/db/store_example.h"
-#include "tests/support/process.h"
+#include "tests/db/new_store.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -41,8 +40,7 @@ FrameRow row_of(Connection& raw, std::int64_t position) {
 }  // namespace
 
 TEST_CASE("v_frames has each wrench and place as stored, bit for bit") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const Begun begun = begin_example(store);
   std::mt19937_64 random(20);  // NOLINT(bugprone-random-generator-seed): the same each time
   std::uniform_real_distribution<double> mantissa(-1.0, 1.0);
@@ -66,7 +64,7 @@ TEST_CASE("v_frames has each wrench and place as stored, bit for bit") {
   broken.wrench->wrench.at(3) = std::nan("");
   store.append_frame(begun.run, broken);
 
-  Connection raw(folder.path("runs.db"), Access::kReadOnly);
+  Connection raw(store.path(), Access::kReadOnly);
   for (std::size_t i = 0; i < stored.size(); ++i) {
     const FrameRow row = row_of(raw, static_cast<std::int64_t>(i) + 1);
     for (std::size_t k = 0; k < row.value.size(); ++k) {
@@ -81,10 +79,9 @@ TEST_CASE("v_frames has each wrench and place as stored, bit for bit") {
 }
 
 TEST_CASE("v_frames has the raw counts and the value of a count") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   store_example(store);
-  Connection raw(folder.path("runs.db"), Access::kReadOnly);
+  Connection raw(store.path(), Access::kReadOnly);
   CHECK(raw.integer("SELECT count(*) FROM v_frames v JOIN frames f ON f.frame = v.run * 1000000000 + v.position "
                     "WHERE v.counts = f.counts AND v.wrench_raw = f.wrench_raw") == 3);
   CHECK(raw.integer("SELECT length(counts) FROM v_frames WHERE position = 1") == 24);

@@ -4,8 +4,7 @@
 
 #include "bench/common/error.h"
 #include "db/utf8.h"
-#include "tests/db/store_example.h"
-#include "tests/support/process.h"
+#include "tests/db/new_store.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -22,8 +21,7 @@ std::string umlauts(std::size_t count) {
 }  // namespace
 
 TEST_CASE("names, purposes, notes and reasons have a maximum length in characters") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::string name(db::kLongestName + 1, 'n'), text(db::kLongestText + 1, 't');
   const auto refused = [](auto action) { CHECK(store_error(action) == "TB-STORE-TOO-LONG"); };
   db::SensorRecord sensor = example_sensor();
@@ -62,8 +60,7 @@ TEST_CASE("names, purposes, notes and reasons have a maximum length in character
 }
 
 TEST_CASE("names without a visible character are refused as a usage error") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   for (const char* blank : {" ", "\t\n", "\u00a0\u2003", "\u200b", "\ufeff\u3000"}) {
     db::SensorRecord sensor = example_sensor();
     sensor.serial = blank;
@@ -88,8 +85,7 @@ TEST_CASE("names without a visible character are refused as a usage error") {
 }
 
 TEST_CASE("texts from an instrument have a maximum length and are UTF-8, else none of them is stored") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   store.add_sensor(example_sensor());
   db::RunRecord record = example_run();
   record.devices.clear();
@@ -113,8 +109,7 @@ TEST_CASE("texts from an instrument have a maximum length and are UTF-8, else no
 }
 
 TEST_CASE("a run has a hundred tags at most") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t run = store_example(store);
   std::vector<std::string> tags;
   for (std::size_t i = 0; i < db::kMostTags; ++i) tags.push_back("tag" + std::to_string(i));

@@ -3,8 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "tests/db/store_example.h"
-#include "tests/support/process.h"
+#include "tests/db/new_store.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -24,8 +23,7 @@ std::int64_t seeded(RunStore& store, std::int64_t seed, std::int64_t sensor_seed
 }  // namespace
 
 TEST_CASE("each field of each night comes back, and each result beneath its own night") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t run = store_example(store);
   db::NightRecord first{
       0, "small", "small.toml", "schema = 1\n", R"({"seeds":2})", 2, 3, "begun one", "end one", "program one", {}};
@@ -54,8 +52,7 @@ TEST_CASE("each field of each night comes back, and each result beneath its own 
 }
 
 TEST_CASE("a night that is refused half way leaves nothing") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   db::NightRecord night{0, "small", "f", "t", "{}", 1, 1, kUtc, kUtc, "p", {}};
   night.results = {{0, "a", "{}", 0}, {0, "a again", "{}", 0}};
   CHECK(store_error([&] { store.add_night(night); }) == "TB-STORE-CONFLICT");
@@ -67,8 +64,7 @@ TEST_CASE("a night that is refused half way leaves nothing") {
 }
 
 TEST_CASE("a run is found by its UUID, and one that is not there is none") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   CHECK(store.run_of_uuid("") == 0);
   const std::int64_t first = store_example(store), second = store_example(store);
   CHECK(store.run_of_uuid(store.run(first).uuid) == first);
@@ -77,8 +73,7 @@ TEST_CASE("a run is found by its UUID, and one that is not there is none") {
 }
 
 TEST_CASE("the last run of a subject has both its seeds and its figures, lies before, and is not void") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t first = seeded(store, 1, 2), second = seeded(store, 1, 2), third = seeded(store, 1, 3),
                      fourth = seeded(store, 2, 2);
   CHECK(store.last_run_of("a", 1, 2, 99) == 0);
@@ -97,8 +92,7 @@ TEST_CASE("the last run of a subject has both its seeds and its figures, lies be
 }
 
 TEST_CASE("subjects are named once and in order, those of a run by themselves, and figures by run and subject") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t first = seeded(store, 1, 2), second = seeded(store, 3, 4);
   CHECK(store.subjects().empty());
   CHECK(store.subjects_of(first).empty());
@@ -118,8 +112,7 @@ TEST_CASE("subjects are named once and in order, those of a run by themselves, a
 }
 
 TEST_CASE("a baseline that is taken over comes back as it was, and the last of a subject is the one accepted last") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t first = seeded(store, 1, 2), second = seeded(store, 3, 4);
   CHECK_FALSE(store.last_baseline("rig"));
   CHECK(store.take_baseline({0, "rig", "new film", "K. Lee", "2026-02-02", {second, first}}) == 1);
@@ -144,8 +137,7 @@ TEST_CASE("a baseline that is taken over comes back as it was, and the last of a
 }
 
 TEST_CASE("figures are replaced as a whole, by run and subject, and those of void runs are not listed") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t first = store_example(store), second = store_example(store);
   store.replace_figures(first, "nightly/a", {{"x_psi", 1.0}, {"y_mv", std::nan("")}});
   store.replace_figures(first, "nightly/a", {{"x_psi", 2.0}, {"z", 0.1}});
@@ -164,8 +156,7 @@ TEST_CASE("figures are replaced as a whole, by run and subject, and those of voi
 }
 
 TEST_CASE("a baseline needs runs with figures of its subject, a reason and a name") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t first = seeded(store, 1, 0), second = seeded(store, 2, 0), third = seeded(store, 3, 0);
   for (const std::int64_t run : {first, second})
     store.replace_figures(run, "nightly/a", {{"x_psi", static_cast<double>(run)}});
@@ -192,8 +183,7 @@ TEST_CASE("a baseline needs runs with figures of its subject, a reason and a nam
 }
 
 TEST_CASE("runs that repeat one another count once, and alone they are not a baseline") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   // 1 and 2: the same content; 3: another seed and the same figures, one of them not-a-number; 4: other figures.
   std::vector<std::int64_t> runs;
   for (const std::int64_t seed : {1, 1, 3, 4}) {

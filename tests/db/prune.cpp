@@ -3,8 +3,7 @@
 
 #include "db/frames_hash.h"
 #include "db/sqlite.h"
-#include "tests/db/store_example.h"
-#include "tests/support/process.h"
+#include "tests/db/new_store.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -36,8 +35,7 @@ void judge(RunStore& store, std::int64_t fitted, std::int64_t judged) {
 }  // namespace
 
 TEST_CASE("the frames of a night's run go, and all else stays and is still checked") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t run = night_run(store), other = night_run(store);
   store.replace_figures(run, "nightly/a", {{"mean_error_psi", 0.25}});
   const std::string content = store.run(run).content_sha256, frames = db::frames_hash(store, run);
@@ -58,7 +56,7 @@ TEST_CASE("the frames of a night's run go, and all else stays and is still check
   CHECK(store_error([&] { (void)store.frames(run); }) == "TB-STORE-PRUNED");
   CHECK(store_error([&] { store.each_frame(run, [](const auto&) {}); }) == "TB-STORE-PRUNED");
   CHECK(store_error([&] { store.prune_frames(run, kRule, kUtc); }) == "TB-STORE-CONFLICT");
-  Connection raw(folder.path("runs.db"), Access::kReadOnly);
+  Connection raw(store.path(), Access::kReadOnly);
   CHECK(raw.integer("SELECT frames_pruned FROM v_runs WHERE run = 1") == 3);
 }
 
@@ -83,8 +81,7 @@ TEST_CASE("a change of what is left of a pruned run is detected") {
 }
 
 TEST_CASE("frames of hardware, of other runs than nights', void, pinned, reported or open ones stay") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   db::RunRecord hardware = example_run();
   hardware.origin = "hardware";
   const std::int64_t real = night_run(store, hardware), own = store_example(store), voided = night_run(store),
@@ -112,8 +109,7 @@ TEST_CASE("frames of hardware, of other runs than nights', void, pinned, reporte
 }
 
 TEST_CASE("a damaged run is not pruned, and a pruned one is not continued") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   night_run(store);
   const Begun begun = begin_example(store);
   store.append_frame(begun.run, example_frame(begun.branch, 0));
@@ -121,8 +117,7 @@ TEST_CASE("a damaged run is not pruned, and a pruned one is not continued") {
   store.set_tags(begun.run, {"nightly"}, {});
   store.prune_frames(begun.run, kRule, kUtc);
   CHECK(store_error([&] { store.reopen_run(begun.run, {}); }) == "TB-STORE-CONFLICT");
-  Connection(folder.path("runs.db"), Access::kReadWrite)
-      .execute("UPDATE frames SET status = 9 WHERE frame = 1000000002");
+  Connection(store.path(), Access::kReadWrite).execute("UPDATE frames SET status = 9 WHERE frame = 1000000002");
   CHECK(store_error([&] { store.prune_frames(1, kRule, kUtc); }) == "TB-STORE-CONFLICT");
   CHECK(store.frame_count(1) == 3);
 }

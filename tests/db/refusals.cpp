@@ -11,8 +11,7 @@
 
 #include "db/sqlite.h"
 #include "db/store_file.h"
-#include "tests/db/store_example.h"
-#include "tests/support/process.h"
+#include "tests/db/new_store.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -93,15 +92,10 @@ TEST_CASE("folders, devices and pipes are refused as such, unread, by both ways 
 TEST_CASE("reading never writes, and does not recover a dead writer's log") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
-  const pid_t child = fork();
-  REQUIRE(child >= 0);
-  if (child == 0) {
-    RunStore store = RunStore::open(path);
-    store_example(store);
-    _exit(0);  // without closing: the log stays
-  }
-  int status = 0;
-  REQUIRE(waitpid(child, &status, 0) == child);
+  REQUIRE(in_child([&] {
+            store_example(*new RunStore(RunStore::open(path)));  // never closed: the log stays
+            return 0;
+          }) == 0);
   const std::string file = read_file(path), log = read_file(path + "-wal");
   REQUIRE_FALSE(log.empty());
   {
@@ -128,18 +122,15 @@ TEST_CASE("a file and a folder without write permission: open reports it, readin
   const auto as_user = [&](mode_t folder_mode, bool write) {
     chmod(path.c_str(), 0444);
     chmod(folder.path().c_str(), folder_mode);
-    const pid_t child = fork();
-    if (child == 0) {
-      if (geteuid() == 0 && (setgid(65534) != 0 || setuid(65534) != 0)) _exit(3);
-      if (write) _exit(store_error([&] { RunStore::open(path); }) == "TB-STORE-OPEN" ? 0 : 1);
+    const int code = in_child([&] {
+      if (geteuid() == 0 && (setgid(65534) != 0 || setuid(65534) != 0)) return 3;
+      if (write) return store_error([&] { RunStore::open(path); }) == "TB-STORE-OPEN" ? 0 : 1;
       bool read = false;
       const std::string id = store_error([&] { read = RunStore::open_read_only(path).frame_count(1) == 3; });
-      _exit(id.empty() && read ? 0 : 2);
-    }
-    int status = 0;
-    waitpid(child, &status, 0);
+      return id.empty() && read ? 0 : 2;
+    });
     chmod(folder.path().c_str(), 0755);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    return code;
   };
   CHECK(as_user(0777, true) == 0);
   CHECK(as_user(0555, true) == 0);

@@ -2,8 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "db/sqlite.h"
-#include "tests/db/store_example.h"
-#include "tests/support/process.h"
+#include "tests/db/new_store.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -23,8 +22,7 @@ Numbers numbers_of(const std::vector<db::RunRecord>& runs) {
 }  // namespace
 
 TEST_CASE("runs are found by their sensor, their start and their content, and by all of these at once") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   db::SensorRecord other = example_sensor();
   other.serial = "S-2";
   store.add_sensor(other);
@@ -61,8 +59,7 @@ TEST_CASE("runs are found by their sensor, their start and their content, and by
 }
 
 TEST_CASE("the last check is that of one sensor, kind and verdict, of a run before") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   db::SensorRecord other = example_sensor();
   other.serial = "S-2";
   store.add_sensor(other);
@@ -97,8 +94,7 @@ TEST_CASE("the last check is that of one sensor, kind and verdict, of a run befo
 TEST_CASE(
     "of several fits the newest, and the newest that stands for the run, are found, and a missing one is named beside "
     "them") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t first = store_example(store), second = store_example(store);
   CHECK_FALSE(store.latest_fit(first));
   CHECK_FALSE(store.standing_fit(first));
@@ -115,8 +111,7 @@ TEST_CASE(
 }
 
 TEST_CASE("figures of runs that nobody has are refused, and questions without a run have their own zero") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t empty = begin_example(store).run;
   CHECK((store.frame_count(empty) == 0 && store.flagged_frame_count(empty) == 0));
   CHECK(store.scans_of_first_frame(empty) == 0);
@@ -128,8 +123,7 @@ TEST_CASE("figures of runs that nobody has are refused, and questions without a 
 }
 
 TEST_CASE("flagged frames are counted in their own run, and the first frame is that of the run") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const auto with_scans = [&](const Begun& begun, int scans, const std::string& flags) {
     db::FrameRecord frame = example_frame(begun.branch, scans);
     frame.scans = scans;
@@ -151,8 +145,7 @@ TEST_CASE("flagged frames are counted in their own run, and the first frame is t
 }
 
 TEST_CASE("frames have their times by position, and beyond the run's own there are none") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t first = store_example(store), run = store_example(store);
   CHECK(store.last_position(run) == 3);
   CHECK(store.last_position(first) == 3);
@@ -172,8 +165,7 @@ TEST_CASE("frames have their times by position, and beyond the run's own there a
 }
 
 TEST_CASE("of a run's events those are timed that change its state or begin a way back") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const Begun begun = begin_example(store);
   store.set_state(begun.run, "running", {5, "state", "", "prepared -> running"});
   store.append_event(begun.run, {6, "fault", "TB-SCANNER-SILENT", "no report"});
@@ -185,8 +177,7 @@ TEST_CASE("of a run's events those are timed that change its state or begin a wa
 }
 
 TEST_CASE("the newest completed runs of a bench are learnt from, newest first, each by its sequences") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   store_example(store);
   const std::int64_t second = store_example(store);
   db::RunRecord elsewhere = example_run();

@@ -4,8 +4,7 @@
 
 #include "db/hash_chain.h"
 #include "db/sqlite.h"
-#include "tests/db/store_example.h"
-#include "tests/support/process.h"
+#include "tests/db/new_store.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -16,8 +15,7 @@ using db::sqlite::Connection;
 using Words = std::vector<std::string>;
 
 TEST_CASE("frames of two branches and of two runs in turn each have the place of their own branch") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const Begun one = begin_example(store), other = begin_example(store);
   db::BranchRecord next = example_branch();
   next.ordinal = 1;
@@ -39,8 +37,7 @@ TEST_CASE("frames of two branches and of two runs in turn each have the place of
 }
 
 TEST_CASE("a key of a tag is the whole word before its sign, and has one value") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t run = store_example(store);
   store.set_tags(run, {"lot=A", "lots=B", "lo=C", "lot", "a=b"}, {});
   store.set_tags(run, {"lot=D"}, {});
@@ -89,8 +86,7 @@ TEST_CASE(
 }
 
 TEST_CASE("frames that came back after all were removed are told, with the day of the removal") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   store_example(store);
   store_example(store);
   store.set_tags(2, {"nightly"}, {});
@@ -105,8 +101,7 @@ TEST_CASE("frames that came back after all were removed are told, with the day o
 }
 
 TEST_CASE("texts are compared with their own hashes only where there are such") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   db::RunRecord record = example_run();
   record.bench_sha256 = std::string(63, 'a');  // no SHA-256
   record.sensor_sha256 = std::string(65, 'a');
@@ -154,8 +149,7 @@ TEST_CASE("runs copied in any order keep their verdicts beside the fits of each"
 }
 
 TEST_CASE("nights, too, are missed when they were deleted, and interrupted runs are counted") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   CHECK(store.mark_interrupted(kUtc) == 0);
   (void)store.add_night({0, "small", "f", "t", "{}", 1, 1, kUtc, kUtc, "p", {}});
   CHECK(store.check_structure().empty());

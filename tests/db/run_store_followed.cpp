@@ -3,8 +3,7 @@
 
 #include "db/frames_hash.h"
 #include "db/sqlite.h"
-#include "tests/db/store_example.h"
-#include "tests/support/process.h"
+#include "tests/db/new_store.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -23,8 +22,7 @@ std::int64_t seeded(RunStore& store, std::int64_t seed, const std::string& origi
 }  // namespace
 
 TEST_CASE("a repetition is named by the earlier run, in whatever order they are asked for") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t first = seeded(store, 1), second = seeded(store, 1), third = seeded(store, 1);
   using Repeated = std::map<std::int64_t, std::int64_t>;
   CHECK(store.repeated_runs("rig", {third, first, second}) == Repeated{{second, first}, {third, first}});
@@ -33,8 +31,7 @@ TEST_CASE("a repetition is named by the earlier run, in whatever order they are 
 }
 
 TEST_CASE("runs without figures or without an end are not repetitions of each other") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t one = seeded(store, 1), two = seeded(store, 2);
   CHECK(store.repeated_runs("rig", {one, two}).empty());
   const std::int64_t open = store.begin_run(example_run()), other = store.begin_run(example_run());
@@ -46,8 +43,7 @@ TEST_CASE("runs without figures or without an end are not repetitions of each ot
 }
 
 TEST_CASE("a baseline has a date and one origin") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t simulated = seeded(store, 1), real = seeded(store, 2, "hardware");
   for (const std::int64_t run : {simulated, real}) {
     store.replace_figures(run, "rig", {{"x_psi", static_cast<double>(run)}});
@@ -70,8 +66,7 @@ TEST_CASE("a baseline has a date and one origin") {
 }
 
 TEST_CASE("a report names the one that it replaces and why, the first names none") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t run = store_example(store);
   const auto approved = [&](const std::string& number, const std::string& replaces, const std::string& reason) {
     return store_error([&] { store.add_report({run, number, "c", "K. Lee", kUtc, replaces, reason}); });
@@ -93,8 +88,7 @@ TEST_CASE("a report names the one that it replaces and why, the first names none
 }
 
 TEST_CASE("a tag may have 64 characters, and any of the signs that tags may have") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t run = store_example(store);
   const std::vector<std::string> good = {std::string(64, 'x'), "AZaz09._:/+-"};
   store.set_tags(run, good, {});
@@ -109,8 +103,7 @@ TEST_CASE("a tag may have 64 characters, and any of the signs that tags may have
 }
 
 TEST_CASE("a run is void with a reason, a name and a date") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t run = store_example(store);
   CHECK(store_error([&] { store.void_run(run, "why", "me", ""); }) == "TB-STORE-CONFLICT");
   CHECK_FALSE(store.run(run).is_void());
@@ -120,16 +113,14 @@ TEST_CASE("a run is void with a reason, a name and a date") {
 }
 
 TEST_CASE("equal counts are no repetition, the same content is") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::vector<std::int64_t> runs = {seeded(store, 1), seeded(store, 2), seeded(store, 2)};
   for (const std::int64_t run : runs) store.replace_figures(run, "rig", {{"frames", 124.0}, {"branches_redone", 2.0}});
   CHECK(store.repeated_runs("rig", runs) == std::map<std::int64_t, std::int64_t>{{runs[2], runs[1]}});
 }
 
 TEST_CASE("the hash over the frames is that of what was measured, whatever program did") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   db::RunRecord record = example_run();
   const std::int64_t first = store_example(store, record);
   record.program_version = "9.9";
@@ -143,8 +134,7 @@ TEST_CASE("the hash over the frames is that of what was measured, whatever progr
 }
 
 TEST_CASE("tags are a sorted set of words") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t run = store_example(store), other = store_example(store);
   store.set_tags(run, {"night", "a:b", "night"}, {});
   CHECK(store.run(run).tags == Words{"a:b", "night"});
@@ -165,8 +155,7 @@ TEST_CASE("tags are a sorted set of words") {
 }
 
 TEST_CASE("notes are lines that only grow") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t run = store_example(store);
   store.add_note(run, "first");
   store.add_note(run, "second, \"quoted\"");
@@ -178,8 +167,7 @@ TEST_CASE("notes are lines that only grow") {
 }
 
 TEST_CASE("a void run is kept with reason and name, and is not a reference for later runs") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t run = store_example(store);
   REQUIRE(store.last_check("S-1", "seating", "pass", run + 1));
   CHECK(store_error([&] { store.void_run(run, " ", "me", "2026-01-01T00:00:00Z"); }) == "TB-STORE-BLANK");
@@ -193,15 +181,14 @@ TEST_CASE("a void run is kept with reason and name, and is not a reference for l
   CHECK(store_error([&] { store.void_run(run, "again", "me", "2026-01-02T00:00:00Z"); }) == "TB-STORE-CONFLICT");
   const std::int64_t open = store.begin_run(example_run());
   CHECK(store_error([&] { store.void_run(open, "why", "me", "2026-01-01T00:00:00Z"); }) == "TB-STORE-CONFLICT");
-  db::sqlite::Connection raw(folder.path("runs.db"), db::sqlite::Access::kReadWrite);
+  db::sqlite::Connection raw(store.path(), db::sqlite::Access::kReadWrite);
   CHECK(raw.integer("SELECT void FROM v_runs WHERE run = 1") == 1);
   CHECK(raw.integer("SELECT void FROM v_runs WHERE run = 2") == 0);
   CHECK(store_error([&] { raw.execute("UPDATE runs SET void_by = ''"); }) == "TB-STORE-CONFLICT");
 }
 
 TEST_CASE("time estimates do not learn from void runs") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t first = store_example(store), second = store_example(store);
   CHECK(store.timed_sequences("bench-a", 5).size() == 4);
   store.void_run(second, "gauge closed", "K. Lee", "2026-01-01T00:00:00Z");

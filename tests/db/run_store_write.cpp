@@ -4,8 +4,7 @@
 #include <functional>
 
 #include "db/sqlite.h"
-#include "tests/db/store_example.h"
-#include "tests/support/process.h"
+#include "tests/db/new_store.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -14,8 +13,7 @@ using db::sqlite::Access;
 using db::sqlite::Connection;
 
 TEST_CASE("a branch that is void takes no frame, the next attempt does") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const Begun begun = begin_example(store);
   REQUIRE(begun.run == 1);
   store.append_frame(begun.run, example_frame(begun.branch, 0));
@@ -27,8 +25,7 @@ TEST_CASE("a branch that is void takes no frame, the next attempt does") {
 }
 
 TEST_CASE("names of a run and of a sensor each have a maximum length") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::string longest(db::kLongestName, 'n'), longer = longest + 'n';
   for (std::string db::SensorRecord::*member :
        {&db::SensorRecord::serial, &db::SensorRecord::type, &db::SensorRecord::scanner_serial}) {
@@ -53,8 +50,7 @@ TEST_CASE("names of a run and of a sensor each have a maximum length") {
 }
 
 TEST_CASE("a sensor is registered once, and again only as another") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   store.add_sensor(example_sensor());
   store.add_sensor(example_sensor());
   db::SensorRecord second = example_sensor();
@@ -71,11 +67,17 @@ TEST_CASE("a sensor is registered once, and again only as another") {
   db::SensorRecord other_type = example_sensor();
   other_type.type_sha256 = "other";
   CHECK(store_error([&] { store.add_sensor(other_type); }) == "TB-STORE-CONFLICT");
+  db::SensorRecord other_scanner = example_sensor();
+  other_scanner.scanner_serial = "SC-8";
+  CHECK(store_error([&] { store.add_sensor(other_scanner); }) == "TB-STORE-CONFLICT");
+  CHECK((store.sensor("S-1")->scanner_serial == "SC-7" && store.sensor("S-1")->note == "first"));
+  db::RunRecord unknown = example_run();
+  unknown.sensor_serial = "S-9";
+  CHECK(store_error([&] { store.begin_run(unknown); }) == "TB-STORE-CONFLICT");
 }
 
 TEST_CASE("devices are replaced as a whole until the first frame") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const Begun begun = begin_example(store);
   store.set_devices(begun.run, {{"stage", "Z-1", "7", "6.0", "simulated", "{}"}});
   store.set_devices(begun.run, {{"b", "", "", "", "", ""}, {"a", "", "", "", "", ""}});
@@ -147,8 +149,7 @@ TEST_CASE("a log of exactly a thousand pages is long enough, and one that is a b
 }
 
 TEST_CASE("a missing run cannot be read, extended or annotated") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t run = store_example(store);
   db::FitRecord fit;
   fit.run = 99;
@@ -204,8 +205,7 @@ TEST_CASE("a missing run cannot be read, extended or annotated") {
 }
 
 TEST_CASE("an ended run accepts no more data, and the error states how it ended") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t run = store_example(store);
   const std::vector<std::pair<std::string, std::function<void()>>> changes = {
       {"set_devices", [&] { store.set_devices(run, {}); }},
@@ -229,8 +229,7 @@ TEST_CASE("an ended run accepts no more data, and the error states how it ended"
 }
 
 TEST_CASE("an unknown word for an outcome or a safe state is refused") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t run = store_example(store);
   Connection raw(store.path(), Access::kReadWrite);
   raw.execute("PRAGMA ignore_check_constraints = ON");
@@ -244,8 +243,7 @@ TEST_CASE("an unknown word for an outcome or a safe state is refused") {
 }
 
 TEST_CASE("a run's rest and the forces at a branch's ends are absent unless they were stored") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const Begun begun = begin_example(store);
   CHECK_FALSE(store.run(begun.run).rest_s);
   store.set_rest(begun.run, 0.0);
@@ -265,8 +263,7 @@ TEST_CASE("a run's rest and the forces at a branch's ends are absent unless they
 }
 
 TEST_CASE("the newest time of a run is that of its last frame or of its last event, whichever is later") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const Begun begun = begin_example(store);
   CHECK(store.last_time_ns(begun.run) == 0);
   store.append_event(begun.run, {7, "note", "", ""});

@@ -6,8 +6,7 @@
 
 #include "db/sqlite.h"
 #include "db/store_snapshot.h"
-#include "tests/db/store_example.h"
-#include "tests/support/process.h"
+#include "tests/db/new_store.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -28,10 +27,9 @@ TEST_CASE("a new store has the application id, the newest version, WAL and pages
 }
 
 TEST_CASE("every table is STRICT, and a text in a column of numbers is refused") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t run = store_example(store);
-  Connection raw(folder.path("runs.db"), Access::kReadWrite);
+  Connection raw(store.path(), Access::kReadWrite);
   CHECK(raw.integer("SELECT count(*) FROM pragma_table_list WHERE type = 'table' AND NOT strict "
                     "AND name NOT LIKE 'sqlite_%'") == 0);
   CHECK(raw.integer("SELECT count(*) FROM pragma_table_list WHERE type = 'table' AND strict") == 19);
@@ -51,11 +49,10 @@ TEST_CASE("every table is STRICT, and a text in a column of numbers is refused")
 }
 
 TEST_CASE("foreign keys hold") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const Begun begun = begin_example(store);
   store.append_frame(begun.run, example_frame(begun.branch, 0));
-  Connection raw(folder.path("runs.db"), Access::kReadWrite);
+  Connection raw(store.path(), Access::kReadWrite);
   CHECK(store_error([&] { raw.execute("DELETE FROM runs"); }) == "TB-STORE-CONFLICT");
   CHECK(store_error([&] { raw.execute("DELETE FROM branches"); }) == "TB-STORE-CONFLICT");
   CHECK(store_error([&] { raw.execute("DELETE FROM sensors"); }) == "TB-STORE-CONFLICT");
@@ -68,8 +65,7 @@ TEST_CASE("foreign keys hold") {
 }
 
 TEST_CASE("the views show runs, frames and verdicts with their units") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   store_example(store);
   const std::int64_t run = store_example(store);
   db::VerdictRecord verdict;
@@ -78,7 +74,7 @@ TEST_CASE("the views show runs, frames and verdicts with their units") {
   verdict.value = 1.75;
   verdict.limit = 1.5;
   store.replace_verdicts(run, 0, {verdict});
-  Connection raw(folder.path("runs.db"), Access::kReadOnly);
+  Connection raw(store.path(), Access::kReadOnly);
   CHECK(raw.integer("SELECT frames FROM v_runs WHERE run = 2 AND recipes = 'up, down' AND tags = '' AND notes = ''") ==
         3);
   CHECK(raw.integer("SELECT count(*) FROM v_frames WHERE run = 2") == 3);
@@ -172,15 +168,14 @@ TEST_CASE("a store of a migration before this program's own is migrated once, by
 }
 
 TEST_CASE("taxels of a fit are read with SQL out of its document") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t run = store_example(store);
   const char* const document = R"({"output":{"unit":"V"},"taxels":[
     {"taxel":0,"status":"fitted","noise":0.001,"figures":{"j":null,"mean_error":0.25,"max_error":0.5,"full_scale":3.5},
      "at_bound":["beta_a"]},
     {"taxel":-1,"status":"dead","noise":0.0}]})";
   store.add_fit({0, run, "elam", true, 1, document, "", "0.1.0", kUtc});
-  Connection raw(folder.path("runs.db"), Access::kReadOnly);
+  Connection raw(store.path(), Access::kReadOnly);
   raw.execute("PRAGMA trusted_schema = ON");  // as in sqlite3 and Python
   CHECK(
       raw.text("SELECT taxel || ' ' || status || ' ' || noise || ' ' || mean_error || ' ' || max_error || ' ' || "
@@ -190,8 +185,7 @@ TEST_CASE("taxels of a fit are read with SQL out of its document") {
 }
 
 TEST_CASE("the series of an imported run read back bit for bit") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   db::RunRecord imported = example_run();
   imported.origin = "imported";
   const Begun begun = begin_example(store, imported);
@@ -209,8 +203,7 @@ TEST_CASE("the series of an imported run read back bit for bit") {
 }
 
 TEST_CASE("an ended run that was not completed can be opened again, and its chain continues") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const Begun begun = begin_example(store);
   store.append_frame(begun.run, example_frame(begun.branch, 0));
   CHECK(store_error([&] { store.reopen_run(begun.run, {}); }) == "TB-STORE-CONFLICT");  // it is live

@@ -3,9 +3,8 @@
 #include <filesystem>
 
 #include "db/sqlite.h"
-#include "tests/db/store_example.h"
+#include "tests/db/new_store.h"
 #include "tests/support/paths.h"
-#include "tests/support/process.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -71,8 +70,7 @@ TEST_CASE("changes and deletions of verdicts, fits, approvals and voids are noti
 }
 
 TEST_CASE("a run that was never judged is sealed from its start") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t run = store_example(store);
   CHECK(store.check_seals(run).empty());
   Connection(store.path(), Access::kReadWrite)
@@ -84,8 +82,7 @@ TEST_CASE("a run that was never judged is sealed from its start") {
 }
 
 TEST_CASE("missing runs and baselines are noticed") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t run = store_example(store);
   store.begin_run(example_run());
   store.replace_figures(run, "rig/a", {{"x_psi", 1.0}});

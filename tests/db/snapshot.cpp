@@ -10,29 +10,13 @@
 #include <filesystem>
 
 #include "db/sqlite.h"
-#include "tests/db/store_example.h"
-#include "tests/support/process.h"
+#include "tests/db/new_store.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
 using db::RunStore;
 using db::sqlite::Access;
 using db::sqlite::Connection;
-
-namespace {
-
-// The exit code of `action` in a process of its own.
-template <class Action>
-int in_child(Action action) {
-  const pid_t child = fork();
-  REQUIRE(child >= 0);
-  if (child == 0) _exit(action());
-  int status = 0;
-  REQUIRE(waitpid(child, &status, 0) == child);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
-
-}  // namespace
 
 TEST_CASE("a snapshot of a store with a live run holds the acknowledged frames, and neither is disturbed") {
   const TemporaryFolder folder;
@@ -95,11 +79,10 @@ TEST_CASE("a snapshot without free space ends with TB-STORE-FULL and leaves noth
 }
 
 TEST_CASE("the structure check names rows that point nowhere and broken constraints") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   store_example(store);
   CHECK(store.check_structure().empty());
-  Connection raw(folder.path("runs.db"), Access::kReadWrite);
+  Connection raw(store.path(), Access::kReadWrite);
   raw.execute("PRAGMA foreign_keys = OFF; PRAGMA ignore_check_constraints = ON");
   raw.execute("UPDATE events SET run = 9 WHERE event = 2");
   REQUIRE(store.check_structure().size() == 1);

@@ -6,8 +6,7 @@
 #include <csignal>
 
 #include "db/sqlite.h"
-#include "tests/db/store_example.h"
-#include "tests/support/process.h"
+#include "tests/db/new_store.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -31,18 +30,13 @@ TEST_CASE("a frame is visible to another connection as soon as it is acknowledge
 TEST_CASE("a run whose process dies keeps every acknowledged frame and becomes interrupted") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
-  const pid_t child = fork();
-  REQUIRE(child >= 0);
-  if (child == 0) {
-    RunStore store = RunStore::open(path, Durability::kNormal);
-    const Begun begun = begin_example(store);
-    store.set_state(begun.run, "running", {1, "state", "", ""});
-    for (int i = 0; i < 40; ++i) store.append_frame(begun.run, example_frame(begun.branch, i));
-    _exit(9);
-  }
-  int status = 0;
-  REQUIRE(waitpid(child, &status, 0) == child);
-  REQUIRE((WIFEXITED(status) && WEXITSTATUS(status) == 9));
+  REQUIRE(in_child([&] {
+            auto* store = new RunStore(RunStore::open(path, Durability::kNormal));  // never closed
+            const Begun begun = begin_example(*store);
+            store->set_state(begun.run, "running", {1, "state", "", ""});
+            for (int i = 0; i < 40; ++i) store->append_frame(begun.run, example_frame(begun.branch, i));
+            return 9;
+          }) == 9);
   RunStore store = RunStore::open(path);
   store_example(store);  // a run that ended stays as it is
   CHECK(store.frame_count(1) == 40);

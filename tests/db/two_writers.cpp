@@ -12,8 +12,7 @@
 
 #include "db/schema.h"
 #include "db/sqlite.h"
-#include "tests/db/store_example.h"
-#include "tests/support/process.h"
+#include "tests/db/new_store.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -119,8 +118,7 @@ TEST_CASE("a run that another process ended takes no more rows, and stays verifi
 }
 
 TEST_CASE("a run that was changed since it ended is not resumed, since its next end would hide that") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const Begun begun = begin_example(store);
   store.append_frame(begun.run, example_frame(begun.branch, 0));
   store.append_check(begun.run, {begun.run, 4, "seating", "fail", "{}", {}});
@@ -133,8 +131,7 @@ TEST_CASE("a run that was changed since it ended is not resumed, since its next 
 }
 
 TEST_CASE("of two approvals that replace the same report the second is refused") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t run = store_example(store);
   store.add_report({run, "1-a", "a", "K. Lee", kUtc, "", ""});
   store.add_report({run, "1-b", "b", "K. Lee", kUtc, "1-a", "serial corrected"});

@@ -8,8 +8,7 @@
 #include <random>
 
 #include "db/sqlite.h"
-#include "tests/db/store_example.h"
-#include "tests/support/process.h"
+#include "tests/db/new_store.h"
 #include "tests/support/sanitized.h"
 
 using namespace tactbench;
@@ -121,8 +120,7 @@ std::string changed(RunStore& store, std::int64_t run, const std::string& sql) {
 }  // namespace
 
 TEST_CASE("an unchanged run is intact, and one that has not ended has intact links") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t run = store_example(store);
   const db::ContentCheck check = store.check_content(run);
   CHECK(check.holds());
