@@ -179,4 +179,13 @@ struct StageAlone {
   std::vector<Nanoseconds> polls;  // when x was asked for its status
 };
 
+// Armed and homed; what that took has been forgotten.
+struct ReadyStage : StageAlone {
+  explicit ReadyStage(ZaberStageOptions options = even_stage(),
+                      const std::vector<ChainDeviceOptions>& devices = even_chain())
+      : StageAlone(std::move(options), devices) {
+    ready();
+  }
+};
+
 }  // namespace tactbench::devices

@@ -155,8 +155,7 @@ TEST_CASE("zaber law: halt from another thread ends the wait of the first one") 
 }
 
 TEST_CASE("zaber law: a command is refused at once while a halt still waits for the axes") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   std::atomic<bool> halting{false}, refused{false}, refused_meanwhile{false};
   alone.chain.script = [&](const ZaberFrame& frame) -> std::optional<ScriptedChain::Frames> {
     if (frame.command == kStatus && frame.device == 1) {

@@ -22,8 +22,7 @@ TEST_CASE("a Zaber stage goes to the ends of its limits and to nothing beyond th
   ZaberStageOptions options = even_stage();
   options.axes[0].low = Millimetres(2.0);
   options.axes[0].high = Millimetres(6.0);
-  StageAlone alone(options);
-  alone.ready();
+  ReadyStage alone(options);
   for (const double target : {1.9999, 6.0001, -1.0}) {
     check_fault([&] { alone.stage.start_move_to(Axis::kX, Millimetres(target), {}); }, "TB-STAGE-LIMIT", kStageX,
                 "2 to 6 mm");
@@ -40,8 +39,7 @@ TEST_CASE("a Zaber stage goes to the ends of its limits and to nothing beyond th
 TEST_CASE("a Zaber stage goes to the end of the device's own travel where its limits are wider") {
   ZaberStageOptions options = even_stage();
   options.axes[0].low = Millimetres(-5.0);
-  StageAlone alone(options);
-  alone.ready();
+  ReadyStage alone(options);
   // Half a step rounds to the next one.
   for (const double target : {kEnd.value() + 0.00006, -0.00006}) {
     CHECK(fault_id_of([&] { alone.stage.start_move_to(Axis::kX, Millimetres(target), {}); }) == "TB-STAGE-LIMIT");
@@ -54,8 +52,7 @@ TEST_CASE("a Zaber stage goes to the end of the device's own travel where its li
 }
 
 TEST_CASE("a Zaber stage moves from its lowest speed, which is one unit, to its highest, both included") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   const double unit = 9.375 * 0.00635 / 64;
   for (const double speed : {0.0, -1.0, 0.49 * unit, 4.46484376}) {
     check_fault([&] { alone.stage.start_move_to(Axis::kX, Millimetres(1.0), MillimetresPerSecond(speed)); },
@@ -78,8 +75,7 @@ TEST_CASE("a Zaber stage moves from its lowest speed, which is one unit, to its 
 }
 
 TEST_CASE("each move of a Zaber stage asks whether it is homed, and sends its speed and its target") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   alone.stage.start_move_to(Axis::kX, kEnd, MillimetresPerSecond(2.232421875));
   CHECK(alone.sent() ==
         std::vector<ZaberFrame>{
@@ -110,8 +106,7 @@ TEST_CASE("constant speed of a Zaber stage ends at the nearer one of its limit a
       {{0.0, 60.0, -1, -1}, {0.0, 8.9296875, -1, -1}, {-1.0, 1e9, -1, -1}, {0.9921875, 7.9375, 10000, 80000}}));
   options.axes[0].low = Millimetres(low);
   options.axes[0].high = Millimetres(high);
-  StageAlone alone(options);
-  alone.ready();
+  ReadyStage alone(options);
   for (const auto& [speed, end] : {std::pair(2.232421875, up), std::pair(-2.232421875, down)}) {
     alone.stage.start_speed(Axis::kX, MillimetresPerSecond(speed));
     ScriptedChain::Frames sent = alone.sent();
@@ -125,8 +120,7 @@ TEST_CASE("constant speed of a Zaber stage ends at the nearer one of its limit a
 }
 
 TEST_CASE("a relative move of a Zaber stage starts where the device says, which may have been turned by hand") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   alone.instead[{1, kPosition}] = {{{kPosition, 80000}}};
   CHECK(fault_id_of([&] { alone.stage.start_move_by(Axis::kX, Millimetres(1.0), {}); }) == "TB-STAGE-LIMIT");
   CHECK(alone.sent() == std::vector<ZaberFrame>{{1, kPosition, 0, 0}});
@@ -140,8 +134,7 @@ TEST_CASE("a relative move of a Zaber stage starts where the device says, which 
 }
 
 TEST_CASE("a speed that a Zaber device refused is sent again with the next move") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   alone.instead[{1, kTargetSpeed}] = {{{kError, 42}}};
   check_fault([&] { alone.stage.start_move_to(Axis::kX, kEnd, MillimetresPerSecond(1.0)); }, "TB-STAGE-REFUSED",
               kStageX, "error 42");
@@ -178,8 +171,7 @@ TEST_CASE("faults of a Zaber stage that is not ready say which axis, and nothing
 }
 
 TEST_CASE("an axis of a Zaber stage that lost its home meanwhile is not moved") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   alone.take(1, kMode, kZaberMessageIds | kZaberKnobOff);
   CHECK(fault_id_of([&] { alone.stage.start_move_to(Axis::kX, kEnd, {}); }) == "TB-STAGE-NOT-HOMED");
   CHECK(alone.sent() == std::vector<ZaberFrame>{{1, kReturnSetting, 40, 0}});
@@ -196,8 +188,7 @@ TEST_CASE("a Zaber stage tells each activity of a device by its status, and its 
                                                                           {23, Activity::kStopping},
                                                                           {20, Activity::kMoving},
                                                                           {22, Activity::kMoving}}));
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   alone.clock.wait_until(1h);
   alone.instead[{1, kStatus}] = {{{kStatus, status}}};
   alone.instead[{1, kPosition}] = {{{kPosition, 45000}}};
@@ -211,8 +202,7 @@ TEST_CASE("a Zaber stage tells each activity of a device by its status, and its 
 }
 
 TEST_CASE("sending a Zaber axis home asks for no reply, disarms, and lets the reply's time pass") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   const Nanoseconds begin = alone.clock.now();
   CHECK(alone.stage.send_home(Axis::kZ));
   CHECK_FALSE(alone.stage.armed());
@@ -232,8 +222,7 @@ TEST_CASE("sending a Zaber axis home asks for no reply, disarms, and lets the re
 }
 
 TEST_CASE("an error that a Zaber device tells unasked is told once and leaves the stage armed") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   alone.chain.say({2, kError, 15, 0});
   check_fault([&] { (void)alone.stage.state(Axis::kX); }, "TB-STAGE-REFUSED", "stage y (device 2)", "error 15");
   CHECK(alone.stage.armed());
@@ -244,8 +233,7 @@ TEST_CASE("an error that a Zaber device tells unasked is told once and leaves th
 }
 
 TEST_CASE("a Zaber axis that tells its place unasked stands there, and no other frame moves it") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   const auto beyond = [&] {  // from 80000 steps 2 mm are too far; then nothing is asked
     alone.sent();
     const std::string id = fault_id_of([&] { alone.stage.start_move_by(Axis::kX, Millimetres(2.0), {}); });
@@ -269,8 +257,7 @@ TEST_CASE("a Zaber axis that tells its place unasked stands there, and no other 
 }
 
 TEST_CASE("a Zaber axis at constant speed has ended when it tells its limit unasked, and by no other frame") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   alone.instead[{1, kStatus}] = {{{kStatus, 22}}};
   alone.stage.start_speed(Axis::kX, MillimetresPerSecond(1.0));
   const std::uint8_t id = alone.chain.sent[1].id;
@@ -291,8 +278,7 @@ TEST_CASE("a Zaber axis at constant speed has ended when it tells its limit unas
 }
 
 TEST_CASE("a Zaber axis that tells a limit while it goes to a target goes on") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   alone.instead[{1, kStatus}] = {{{kStatus, 20}}};
   alone.stage.start_move_to(Axis::kX, Millimetres(8.9296875), {});
   const std::uint8_t id = alone.chain.sent[1].id;
@@ -311,8 +297,7 @@ TEST_CASE("a Zaber axis that tells a limit while it goes to a target goes on") {
 }
 
 TEST_CASE("an error under the id of a Zaber axis' motion refuses the motion") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   alone.instead[{1, kStatus}] = {{{kStatus, 22}}};
   alone.stage.start_speed(Axis::kX, MillimetresPerSecond(1.0));
   alone.chain.say({1, kError, 22, alone.chain.sent[1].id});
@@ -320,8 +305,7 @@ TEST_CASE("an error under the id of a Zaber axis' motion refuses the motion") {
 }
 
 TEST_CASE("message ids of motions that have ended are used again, and a motion under way keeps its own") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   alone.stage.start_move_to(Axis::kZ, Millimetres(40.0), MillimetresPerSecond(0.001));
   const std::uint8_t id = alone.chain.sent[2].id;
   REQUIRE(alone.chain.sent[2].command == kMoveAbsolute);
@@ -355,8 +339,7 @@ TEST_CASE("a move of another program is not ended by a frame that nobody asked f
 }
 
 TEST_CASE("a relative Zaber move may follow one that has ended and was not waited for") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   alone.stage.start_move_to(Axis::kX, Millimetres(1.0), {});
   alone.clock.wait_until(alone.clock.now() + 60s);
   alone.stage.start_move_by(Axis::kX, Millimetres(1.0), {});
@@ -364,8 +347,7 @@ TEST_CASE("a relative Zaber move may follow one that has ended and was not waite
 }
 
 TEST_CASE("a refused Zaber move is over") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   alone.instead[{1, kMoveAbsolute}] = {{{kError, 20}}};
   CHECK(fault_id_of([&] { alone.stage.start_move_to(Axis::kX, Millimetres(1.0), {}); }) == "TB-STAGE-REFUSED");
   alone.sent();
@@ -374,15 +356,13 @@ TEST_CASE("a refused Zaber move is over") {
 }
 
 TEST_CASE("homing a Zaber axis sends one instruction, waits for its answer and asks whether it is homed") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   alone.stage.home(Axis::kX);
   CHECK(alone.sent() == std::vector<ZaberFrame>{{1, kHome, 0, 0}, {1, kStatus, 0, 0}, {1, kReturnSetting, 40, 0}});
 }
 
 TEST_CASE("stopping a Zaber axis sends one stop and waits for its answer") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   CHECK(alone.stage.stop(Axis::kX).value() == 0.0);
   CHECK(alone.sent() == std::vector<ZaberFrame>{{1, kStop, 0, 0}, {1, kStatus, 0, 0}});
 }

@@ -157,8 +157,7 @@ TEST_CASE("a Zaber axis without travel goes nowhere") {
 }
 
 TEST_CASE("one lost reply of a Zaber axis is asked for again, two are a fault that disarms") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   const Nanoseconds begin = alone.clock.now();
   const auto before = alone.stage.exchanges();
   alone.instead[{1, kPosition}] = {std::nullopt, {{kPosition, 77}}};
@@ -221,8 +220,7 @@ TEST_CASE("identities of a Zaber stage are what it was told, or what is expected
 }
 
 TEST_CASE("a halt stops all Zaber axes at once and asks each whether it stands") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   const auto before = alone.stage.exchanges();
   const int discards = alone.chain.discards;
   CHECK(alone.stage.halt());
@@ -236,8 +234,7 @@ TEST_CASE("a halt stops all Zaber axes at once and asks each whether it stands")
 }
 
 TEST_CASE("a halt looks each 20 ms, repeats the stop of what does not slow down, and gives up after its timeout") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   const auto [answer, stops] = GENERATE(table<StageAlone::Answer, std::size_t>({{std::pair(kStatus, 20), 101},
                                                                                 {std::pair(kStatus, 1), 101},
                                                                                 {std::pair(kError, 255), 101},
@@ -254,8 +251,7 @@ TEST_CASE("a halt looks each 20 ms, repeats the stop of what does not slow down,
 }
 
 TEST_CASE("a halt ends as soon as each Zaber axis stands") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   alone.instead[{1, kStatus}] = {{{kStatus, 23}}, {{kStatus, 0}}};
   alone.instead[{3, kStatus}] = {{{kStatus, 23}}, {{kStatus, 23}}, {{kStatus, 23}}, {{kStatus, 0}}};
   const Nanoseconds begin = alone.clock.now();
@@ -266,8 +262,7 @@ TEST_CASE("a halt ends as soon as each Zaber axis stands") {
 }
 
 TEST_CASE("a halt asks a silent Zaber axis twice and no longer, while the others are waited for") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   alone.instead[{1, kStatus}] = {std::nullopt};
   SECTION("the others stand") {
     CHECK_FALSE(alone.stage.halt());
@@ -287,8 +282,7 @@ TEST_CASE("a halt asks a silent Zaber axis twice and no longer, while the others
 }
 
 TEST_CASE("a halt opens a lost line once more") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   SECTION("it can be opened at the second attempt") {
     alone.stage.disarm();
     alone.chain.refused_openings = 1;
@@ -310,8 +304,7 @@ TEST_CASE("a halt opens a lost line once more") {
 }
 
 TEST_CASE("a halted Zaber axis forgets its move") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   alone.stage.start_move_to(Axis::kX, Millimetres(8.9296875), {});
   alone.clock.wait_until(alone.clock.now() + 1s);
   CHECK(alone.stage.halt());

@@ -25,8 +25,7 @@ void check_within_a_look(Nanoseconds time, Nanoseconds expected) {
 }  // namespace
 
 TEST_CASE("a moving Zaber axis is asked each 100 ms up to its expected end, then each 12.5 ms until it is overdue") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   alone.instead[{1, kStatus}] = {{{kStatus, 20}}};
   const Nanoseconds begin = alone.clock.now();
   alone.polls.clear();
@@ -52,8 +51,7 @@ TEST_CASE("a moving Zaber axis is asked each 100 ms up to its expected end, then
 }
 
 TEST_CASE("the time that a Zaber move may take is that of its own speed and its own way") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   alone.instead[{1, kStatus}] = {{{kStatus, 20}}};
   const Nanoseconds begin = alone.clock.now();
   SECTION("half the speed: 4 s and a ramp of 0.5 s") {
@@ -83,8 +81,7 @@ TEST_CASE("the time that a Zaber move may take is that of its own speed and its 
 TEST_CASE("the time that a Zaber axis may take is that of its own acceleration") {
   std::vector<ChainDeviceOptions> devices = even_chain();
   devices[0].acceleration = 8;  // a ramp of 0.5 s
-  StageAlone alone(even_stage(), devices);
-  alone.ready();
+  ReadyStage alone(even_stage(), devices);
   alone.instead[{1, kStatus}] = {{{kStatus, 20}}};
   const Nanoseconds begin = alone.clock.now();
   SECTION("a move: 2.5 s and two ramps") {
@@ -108,8 +105,7 @@ TEST_CASE("the time that a Zaber axis may take is that of its own acceleration")
 TEST_CASE("homing of a Zaber axis may take its home timeout") {
   ZaberStageOptions options = even_stage();
   options.axes[0].home_timeout = 10s;
-  StageAlone alone(options);
-  alone.ready();
+  ReadyStage alone(options);
   alone.instead[{1, kStatus}] = {{{kStatus, 1}}};
   alone.polls.clear();
   const Nanoseconds begin = alone.clock.now();
@@ -121,8 +117,7 @@ TEST_CASE("homing of a Zaber axis may take its home timeout") {
 }
 
 TEST_CASE("a stop of a Zaber axis may take a quarter more than its ramp, and two seconds") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   alone.instead[{1, kStatus}] = {{{kStatus, 23}}};
   alone.polls.clear();
   const Nanoseconds begin = alone.clock.now();
@@ -134,8 +129,7 @@ TEST_CASE("a stop of a Zaber axis may take a quarter more than its ramp, and two
 }
 
 TEST_CASE("a stop that a busy Zaber device refuses is sent again until its time is over, then refused") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   alone.instead[{1, kStatus}] = {{{kStatus, 1}}};
   alone.instead[{1, kStop}] = {{{kError, kZaberBusy}}};
   const Nanoseconds begin = alone.clock.now();
@@ -159,8 +153,7 @@ TEST_CASE("a stop that a busy Zaber device refuses is sent again until its time 
 TEST_CASE("a stop that is refused just when its time is over is not sent again") {
   ZaberStageOptions options = even_stage();
   options.axes[0].maximum_speed = MillimetresPerSecond(ZaberUnits{0.00635 / 64}.acceleration_mm_per_s2(4));
-  StageAlone alone(options);
-  alone.ready();
+  ReadyStage alone(options);
   const bool over = GENERATE(false, true);
   const Nanoseconds time = alone.clock.now() + 3250ms - (over ? 0ns : 1ns);
   alone.chain.script = [&](const ZaberFrame& frame) -> std::optional<ScriptedChain::Frames> {
@@ -173,8 +166,7 @@ TEST_CASE("a stop that is refused just when its time is over is not sent again")
 }
 
 TEST_CASE("a Zaber axis whose reply to a move was lost is asked for its place once it is idle") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   alone.instead[{1, kMoveAbsolute}] = {std::nullopt};
   alone.instead[{1, kStatus}] = {{{kStatus, 20}}, {{kStatus, 20}}, {{kStatus, 0}}};
   SECTION("it has arrived") {
@@ -192,8 +184,7 @@ TEST_CASE("a Zaber axis whose reply to a move was lost is asked for its place on
 }
 
 TEST_CASE("a Zaber axis whose reply tells another place than its target is astray") {
-  StageAlone alone;
-  alone.ready();
+  ReadyStage alone;
   alone.instead[{1, kMoveAbsolute}] = {{{kMoveAbsolute, 45001}}};
   CHECK(fault_id_of([&] { alone.stage.start_move_to(Axis::kX, Millimetres(4.46484375), {}); }) == "TB-STAGE-ASTRAY");
   alone.instead[{1, kMoveAbsolute}] = {{{kMoveAbsolute, 45000}}};

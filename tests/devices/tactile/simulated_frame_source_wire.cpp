@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/devices/fault_at.h"
 #include "tests/devices/tactile/counted_array.h"
 #include "tests/devices/tactile/frame_client.h"
 
@@ -44,10 +45,6 @@ void expect_frame(FrameClient& client, std::uint16_t tag, int scan, std::uint32_
 void expect_description(FrameClient& client) {
   client.send(4242, Identify{});
   CHECK(client.expect<Description>(4242) == kSmall);
-}
-
-FaultInjector at_request(std::atomic<int>& asked, int number, InjectedFault fault) {
-  return [&asked, number, fault] { return asked++ == number ? fault : InjectedFault::kNone; };
 }
 
 // A packet with this type and payload and a CRC that fits.
@@ -188,25 +185,22 @@ TEST_CASE("simulated frame source: a fault of the second of two scans that are a
 }
 
 TEST_CASE("simulated frame source: each injected fault is that of one request") {
-  std::atomic<int> asked{0};
   {
-    FrameSim sim({.inject = at_request(asked, 1, InjectedFault::kSilent)});
+    FrameSim sim({.inject = fault_at(1, InjectedFault::kSilent)});
     FrameClient client(sim.address);
     expect_frame(client, 1, 0, 0);
     client.send(2, Scan{});
     expect_frame(client, 3, 1, 1);
   }
-  asked = 0;
   {
-    FrameSim sim({.inject = at_request(asked, 1, InjectedFault::kStale)});
+    FrameSim sim({.inject = fault_at(1, InjectedFault::kStale)});
     FrameClient client(sim.address);
     expect_frame(client, 1, 0, 0);
     expect_frame(client, 2, 0, 0);
     expect_frame(client, 3, 1, 1);
   }
-  asked = 0;
   {
-    FrameSim sim({.inject = at_request(asked, 1, InjectedFault::kCorrupt)});
+    FrameSim sim({.inject = fault_at(1, InjectedFault::kCorrupt)});
     FrameClient client(sim.address);
     expect_frame(client, 1, 0, 0);
     client.send(2, Scan{});
@@ -215,16 +209,14 @@ TEST_CASE("simulated frame source: each injected fault is that of one request") 
     CHECK(client.raw(46) == wrong);
     expect_frame(client, 3, 2, 2);
   }
-  asked = 0;
   {
-    FrameSim sim({.inject = at_request(asked, 1, InjectedFault::kTorn)});
+    FrameSim sim({.inject = fault_at(1, InjectedFault::kTorn)});
     FrameClient client(sim.address);
     expect_frame(client, 1, 0, 0);
     client.send(2, Scan{});
     CHECK(client.raw(46).size() == 23);
   }
-  asked = 0;
-  FrameSim sim({.inject = at_request(asked, 1, InjectedFault::kUnplugged)});
+  FrameSim sim({.inject = fault_at(1, InjectedFault::kUnplugged)});
   FrameClient client(sim.address), other(sim.address);
   expect_frame(client, 1, 0, 0);
   client.send(2, Scan{});

@@ -11,6 +11,7 @@
 #include "devices/tactile/hid_scanner.h"
 #include "devices/tactile/simulated_scanner.h"
 #include "devices/wire/packet_link.h"
+#include "tests/devices/fault_at.h"
 #include "tests/devices/tactile/counted_array.h"
 #include "tests/devices/test_chamber.h"
 #include "tests/devices/timeouts.h"
@@ -58,10 +59,6 @@ RowReport row_of(int scan, int row, std::uint16_t tag, int sequence, std::uint32
   for (int column = 0; column < 3; ++column)
     report.samples[static_cast<std::size_t>(column)] = static_cast<std::uint16_t>(100 * scan + 3 * row + column);
   return report;
-}
-
-FaultInjector at_command(std::atomic<int>& asked, int number, InjectedFault fault) {
-  return [&asked, number, fault] { return asked++ == number ? fault : InjectedFault::kNone; };
 }
 
 }  // namespace
@@ -153,45 +150,40 @@ TEST_CASE("simulated scanner: unplugged after so many scans, the first command i
 }
 
 TEST_CASE("simulated scanner: each injected fault is that of one command") {
-  std::atomic<int> asked{0};
   const auto scanned = [](ReportLink& link, int scan, int sequence, std::uint32_t frame) {
     send_command(link, ScanCommand::kScan, 9);
     for (int row = 0; row < 5; ++row) CHECK(decode_row(next_report(link)) == row_of(scan, row, 9, sequence, frame, 0));
   };
   {
-    ScannerSim sim({.inject = at_command(asked, 1, InjectedFault::kSilent)});
+    ScannerSim sim({.inject = fault_at(1, InjectedFault::kSilent)});
     const auto link = sim.open();
     scanned(*link, 0, 0, 0);
     send_command(*link, ScanCommand::kScan, 9);
     scanned(*link, 1, 5, 1);
     CHECK(sim.array.scans == 2);
   }
-  asked = 0;
   {
-    ScannerSim sim({.inject = at_command(asked, 1, InjectedFault::kStale)});
+    ScannerSim sim({.inject = fault_at(1, InjectedFault::kStale)});
     const auto link = sim.open();
     scanned(*link, 0, 0, 0);
     scanned(*link, 0, 5, 1);  // the same values in a new frame
     scanned(*link, 1, 10, 2);
   }
-  asked = 0;
   {
-    ScannerSim sim({.inject = at_command(asked, 0, InjectedFault::kCorrupt)});
+    ScannerSim sim({.inject = fault_at(0, InjectedFault::kCorrupt)});
     const auto link = sim.open();
     send_command(*link, ScanCommand::kScan, 9);
     for (int row = 0; row < 5; ++row) CHECK(decode_row(next_report(*link)).has_value() == (row != 2));
     scanned(*link, 1, 5, 1);
   }
-  asked = 0;
   {
-    ScannerSim sim({.inject = at_command(asked, 0, InjectedFault::kTorn)});
+    ScannerSim sim({.inject = fault_at(0, InjectedFault::kTorn)});
     const auto link = sim.open();
     send_command(*link, ScanCommand::kScan, 9);
     for (const int row : {0, 1, 3, 4}) CHECK(decode_row(next_report(*link)).value().row == row);
     scanned(*link, 1, 5, 1);
   }
-  asked = 0;
-  ScannerSim sim({.inject = at_command(asked, 1, InjectedFault::kUnplugged)});
+  ScannerSim sim({.inject = fault_at(1, InjectedFault::kUnplugged)});
   const auto link = sim.open();
   scanned(*link, 0, 0, 0);
   send_command(*link, ScanCommand::kScan, 9);
