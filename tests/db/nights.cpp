@@ -205,8 +205,7 @@ TEST_CASE("runs that repeat one another count once, and alone they are not a bas
 }
 
 TEST_CASE("a report is approved once, by name, and is copied with its run") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const std::int64_t run = store_example(store);
   const db::ReportRecord report{run, "1-0a1b2c3d", "0a1b2c3d", "K. Lee", "2026-01-01T00:00:00Z", "", ""};
   store.add_report(report);
@@ -217,7 +216,7 @@ TEST_CASE("a report is approved once, by name, and is copied with its run") {
           }) == "TB-STORE-BLANK");
   store.add_report({run, "1-ffffffff", "ff", "M. Ito", "2026-01-02T00:00:00Z", "1-0a1b2c3d", "serial corrected"});
   store.replace_figures(run, "sensor", {{"x_psi", 1.0}});
-  RunStore other = RunStore::open(folder.path("other.db"));
+  NewStore other;
   store_example(other);
   const std::int64_t copied = other.copy_runs_from(store, {run}).front();
   const std::vector<db::ReportRecord> reports = other.reports(copied);

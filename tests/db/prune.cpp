@@ -123,8 +123,7 @@ TEST_CASE("a damaged run is not pruned, and a pruned one is not continued") {
 }
 
 TEST_CASE("a pruned run is copied as such, and the space that frames leave is given back on request") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("a.db"));
+  NewStore store;
   for (int i = 0; i < 30; ++i) {
     const Begun begun = begin_example(store);
     db::FrameRecord frame = example_frame(begun.branch, 0);
@@ -134,16 +133,16 @@ TEST_CASE("a pruned run is copied as such, and the space that frames leave is gi
     store.set_tags(begun.run, {"nightly"}, {});
     store.prune_frames(begun.run, kRule, kUtc);
   }
-  const auto bytes = [&] { return read_file(folder.path("a.db")).size(); };
-  Connection(folder.path("a.db"), Access::kReadWrite).execute("PRAGMA wal_checkpoint(TRUNCATE)");
+  const auto bytes = [&] { return read_file(store.path()).size(); };
+  Connection(store.path(), Access::kReadWrite).execute("PRAGMA wal_checkpoint(TRUNCATE)");
   const std::size_t before = bytes();
   store.shrink();
   CHECK(bytes() + 100'000 < before);  // frames of one run at a time lay there
   CHECK(store.check_structure().empty());
-  RunStore copy = RunStore::open(folder.path("b.db"));
+  NewStore copy;
   CHECK(copy.copy_runs_from(store, {3}) == std::vector<std::int64_t>{1});
   REQUIRE(copy.check_content(1).pruned);
   CHECK(copy.check_content(1).holds());
   CHECK(copy.run(1).content_sha256 == store.run(3).content_sha256);
-  RunStore::open(folder.path("a.db"));  // the header of a shrunk file is one of a store
+  RunStore::open(store.path());  // the header of a shrunk file is one of a store
 }

@@ -111,8 +111,7 @@ TEST_CASE("texts are compared with their own hashes only where there are such") 
 }
 
 TEST_CASE("runs copied in any order keep their verdicts beside the fits of each") {
-  const TemporaryFolder folder;
-  RunStore source = RunStore::open(folder.path("a.db")), target = RunStore::open(folder.path("b.db"));
+  NewStore source, target;
   for (int i = 0; i < 3; ++i) store_example(source);
   const auto fit_of = [&](std::int64_t run, const std::string& model) {
     return source.add_fit({0, run, model, true, 1, std::to_string(run), "", "0.1.0", kUtc});

@@ -92,8 +92,8 @@ TEST_CASE("devices are replaced as a whole until the first frame") {
 }
 
 TEST_CASE("devices of a run that another program ended are not replaced") {
-  const TemporaryFolder folder;
-  RunStore own = RunStore::open(folder.path("runs.db")), other = RunStore::open(folder.path("runs.db"));
+  NewStore own;
+  RunStore other = RunStore::open(own.path());
   own.add_sensor(example_sensor());
   const std::int64_t run = own.begin_run(example_run());
   own.set_seen(run, kUtc);  // it is known here as open
@@ -104,8 +104,8 @@ TEST_CASE("devices of a run that another program ended are not replaced") {
 }
 
 TEST_CASE("a run that two programs wrote in turn is closed as it stands in the file") {
-  const TemporaryFolder folder;
-  RunStore one = RunStore::open(folder.path("runs.db")), two = RunStore::open(folder.path("runs.db"));
+  NewStore one;
+  RunStore two = RunStore::open(one.path());
   const Begun begun = begin_example(one);
   one.append_frame(begun.run, example_frame(begun.branch, 0));  // it knows of one frame
   two.append_frame(begun.run, example_frame(begun.branch, 1));
@@ -122,8 +122,8 @@ TEST_CASE("a run that two programs wrote in turn is closed as it stands in the f
 }
 
 TEST_CASE("a resumed run continues after its last frame, whichever process wrote it") {
-  const TemporaryFolder folder;
-  RunStore one = RunStore::open(folder.path("runs.db")), two = RunStore::open(folder.path("runs.db"));
+  NewStore one;
+  RunStore two = RunStore::open(one.path());
   const Begun begun = begin_example(one);
   one.append_frame(begun.run, example_frame(begun.branch, 0));
   two.append_frame(begun.run, example_frame(begun.branch, 1));

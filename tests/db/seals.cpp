@@ -99,15 +99,14 @@ TEST_CASE("missing runs and baselines are noticed") {
 }
 
 TEST_CASE("copied runs are sealed in the other store, and one that was tampered with is not copied") {
-  const TemporaryFolder folder;
-  RunStore store = RunStore::open(folder.path("runs.db")), other = RunStore::open(folder.path("other.db"));
+  NewStore store, other;
   const std::int64_t run = judged_example(store);
   store_example(other);
   const std::int64_t copy = other.copy_runs_from(store, {run}).front();
   CHECK(other.check_seals(copy).empty());
   Connection(other.path(), Access::kReadWrite).execute("DELETE FROM verdicts WHERE criterion = 'unfit_taxels'");
   CHECK(other.check_seals(copy).size() == 1);
-  RunStore third = RunStore::open(folder.path("third.db"));
+  NewStore third;
   CHECK(store_error([&] { (void)third.copy_runs_from(other, {copy}); }) == "TB-STORE-CONFLICT");
   CHECK(third.runs().empty());
 }

@@ -138,8 +138,7 @@ TEST_CASE("in a read-only folder a store with a log beside it is not read withou
 }
 
 TEST_CASE("all runs that are copied come with their verdicts under seal, the first as well as the last") {
-  const TemporaryFolder folder;
-  RunStore source = RunStore::open(folder.path("a.db")), target = RunStore::open(folder.path("b.db"));
+  NewStore source, target;
   db::VerdictRecord verdict;
   verdict.verdict = "pass";
   for (int i = 0; i < 3; ++i) source.replace_verdicts(store_example(source), 0, {verdict});
@@ -172,9 +171,8 @@ void store_judged(RunStore& store) {
 }  // namespace
 
 TEST_CASE("copied runs keep their content, tags, fits and verdicts, under the numbers of the other store") {
-  const TemporaryFolder folder;
-  RunStore source = RunStore::open(folder.path("a.db"));
-  RunStore target = RunStore::open(folder.path("b.db"));
+  NewStore source;
+  NewStore target;
   store_judged(source);
   store_judged(target);
   store_example(target);
@@ -196,9 +194,8 @@ TEST_CASE("copied runs keep their content, tags, fits and verdicts, under the nu
 }
 
 TEST_CASE("a run is copied once, ended and complete, or nothing is copied") {
-  const TemporaryFolder folder;
-  RunStore source = RunStore::open(folder.path("a.db"));
-  RunStore target = RunStore::open(folder.path("b.db"));
+  NewStore source;
+  NewStore target;
   store_judged(source);
   CHECK(target.copy_runs_from(source, {2}) == std::vector<std::int64_t>{1});
   CHECK(target.verdicts(1).front().fit == 0);  // the run of its models was not copied
@@ -207,14 +204,14 @@ TEST_CASE("a run is copied once, ended and complete, or nothing is copied") {
   const std::int64_t open = source.begin_run(example_run());
   CHECK(store_error([&] { target.copy_runs_from(source, {1, open}); }) == "TB-STORE-CONFLICT");
   CHECK(store_error([&] { target.copy_runs_from(source, {99}); }) == "TB-STORE-NOT-FOUND");
-  db::sqlite::Connection(folder.path("a.db"), db::sqlite::Access::kReadWrite)
+  db::sqlite::Connection(source.path(), db::sqlite::Access::kReadWrite)
       .execute("UPDATE frames SET status = 9 WHERE frame = 1000000002");
   std::string message;
   CHECK(store_error([&] { target.copy_runs_from(source, {1}); }, &message) == "TB-STORE-CONFLICT");
   CHECK_THAT(message, Catch::Contains("frame 2"));
   CHECK(target.runs().size() == 1);
   CHECK(target.check_structure().empty());
-  RunStore third = RunStore::open(folder.path("c.db"));
+  NewStore third;
   db::SensorRecord other = example_sensor();
   other.type_sha256 = db::sha256_hex("another");
   third.add_sensor(other);

@@ -89,8 +89,8 @@ TEST_CASE("of processes that resume a run at once only one continues, and the ru
 }
 
 TEST_CASE("a run that another process ended takes no more rows, and stays verified") {
-  const TemporaryFolder folder;
-  RunStore own = RunStore::open(folder.path("runs.db")), other = RunStore::open(folder.path("runs.db"));
+  NewStore own;
+  RunStore other = RunStore::open(own.path());
   const Begun begun = begin_example(own);
   own.append_frame(begun.run, example_frame(begun.branch, 0));
   REQUIRE(other.mark_interrupted(kUtc) == 1);
