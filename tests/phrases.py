@@ -12,7 +12,7 @@ import re
 import subprocess
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-LITERAL = re.compile(r'R"([a-z]*)\((?P<raw>.*?)\)\1"|"(?P<plain>(?:[^"\\\n]|\\.)*)"|//[^\n]*|\'(?:[^\'\\\n]|\\.)\'', re.S)
+LITERAL = re.compile(r'^#include[^\n]*|R"([a-z]*)\((?P<raw>.*?)\)\1"|"(?P<plain>(?:[^"\\\n]|\\.)*)"|//[^\n]*|\'(?:[^\'\\\n]|\\.)\'', re.S | re.M)
 BREAK = re.compile(r"\\n|\n|\{[^{}]*\}|<[^>]*>|[|;:]")
 WORD = re.compile(r"[A-Za-z][A-Za-z'’-]*")
 WORDS = 4
