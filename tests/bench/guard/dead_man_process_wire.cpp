@@ -131,10 +131,7 @@ TEST_CASE("dead-man process: it is fired by command, by its own word, and lost w
     CHECK(process.lost()->id == "TB-DEADMAN-ENDED");
     CHECK_FALSE(process.fired());
     // The line is then opened here.
-    const auto fault = devices::fault_of([&] { (void)process.open_line(); });
-    REQUIRE(fault);
-    CHECK(fault->id() == "TB-SERIAL-OPEN");
-    CHECK(fault->device() == script.config.stage->address.port);
+    devices::check_fault([&] { (void)process.open_line(); }, "TB-SERIAL-OPEN", script.config.stage->address.port);
   }
 }
 
@@ -148,19 +145,17 @@ TEST_CASE("dead-man process: blind and seeing again are news, one that answers n
   bench::DeadManProcess process(config);
   process.name_run(1);
   std::vector<bench::DeadManNews> news;
-  CHECK(comes_true([&] {
+  const auto news_come = [&] {
     process.feed();
     news = process.take_news();
     return !news.empty();
-  }));
+  };
+  CHECK(comes_true(news_come));
   REQUIRE(news.size() == 1);
   CHECK(news[0].id == "TB-DEADMAN-BLIND");
   CHECK_THAT(news[0].what, Catch::Contains("no answer"));
   process.name_run(2);
-  CHECK(comes_true([&] {
-    news = process.take_news();
-    return !news.empty();
-  }));
+  REQUIRE(comes_true(news_come));
   CHECK(news[0].id.empty());
   process.name_run(3);
   CHECK(comes_true([&] { return process.lost().has_value(); }));
@@ -180,9 +175,6 @@ TEST_CASE("dead-man process: the stage's line comes from it, or its reason why t
   REQUIRE(line);
   CHECK(line->descriptor() >= 0);
   CHECK(line->description().find(script.config.stage->address.port) != std::string::npos);
-  const auto fault = devices::fault_of([&] { (void)process.open_line(); });
-  REQUIRE(fault);
-  CHECK(fault->id() == "TB-SERIAL-OPEN");
-  CHECK_THAT(fault->what(), Catch::Contains("it is unplugged"));
+  devices::check_fault([&] { (void)process.open_line(); }, "TB-SERIAL-OPEN", "", "it is unplugged");
   process.goodbye();
 }

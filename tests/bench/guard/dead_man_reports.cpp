@@ -1,12 +1,9 @@
-// What the sequencer makes of its dead-man's answers, and what its guard does about it. The processes themselves:
-// dead_man_watched_realtime.cpp.
+// What the sequencer makes of its dead-man's answers. The processes themselves: dead_man_watched_realtime.cpp.
 #include "bench/guard/dead_man_reports.h"
 
 #include <catch2/catch.hpp>
 
 #include "bench/common/process_time.h"
-#include "bench/guard/guard.h"
-#include "tests/devices/fault_of.h"
 
 using namespace tactbench;
 using namespace tactbench::bench;
@@ -16,16 +13,6 @@ namespace {
 const devices::Nanoseconds kTimeout = seconds(0.4);
 
 std::string lost_id(const DeadManReports& reports) { return reports.lost() ? reports.lost()->id : ""; }
-
-// At watch until it is told otherwise.
-class TalkingWatcher final : public Watcher {
- public:
-  void feed() override {}
-  [[nodiscard]] bool fired() override { return reports.fired(); }
-  [[nodiscard]] std::optional<WatcherLost> lost() override { return reports.lost(); }
-  [[nodiscard]] bool wait_ended(devices::Nanoseconds) override { return false; }
-  DeadManReports reports{kTimeout, true};
-};
 
 }  // namespace
 
@@ -93,31 +80,4 @@ TEST_CASE("dead-man's answers: one that ends by itself is lost, one that ends af
   fired.judge(seconds(9.0));
   CHECK(fired.fired());
   CHECK(lost_id(fired) == "");
-}
-
-TEST_CASE("guard: without a working dead-man no load is allowed, and the stage may still retract") {
-  devices::TurnedClock clock;
-  GuardLimits limits;
-  limits.axes.fill({0.0, 50.0, 8.0});
-  Guard guard(limits, clock);
-  std::vector<Trip> stored;
-  guard.set_trip_sink([&](const Trip& trip) { stored.push_back(trip); });
-  TalkingWatcher watcher;
-  guard.set_watcher(&watcher);
-  guard.arm();
-  guard.source_armed();
-  guard.note_feedback(devices::Psi(0.0), clock.now());
-  guard.note_reference(devices::Psi(0.0), clock.now());
-  guard.check_pressure(devices::Psi(2.0));
-  guard.set_pressure(devices::Psi(2.0));
-  watcher.reports.ended();
-  const auto fault = devices::fault_of([&] { guard.check_pressure(devices::Psi(1.0)); });
-  REQUIRE(fault);
-  CHECK(fault->id() == "TB-DEADMAN-ENDED");
-  REQUIRE(guard.tripped());
-  CHECK(guard.tripped()->id == "TB-DEADMAN-ENDED");
-  CHECK(stored.size() == 1);
-  const Guard::ReadAxis read = [](devices::Axis) { return devices::AxisState{}; };
-  CHECK_NOTHROW(guard.check_home(devices::Axis::kZ, read));
-  CHECK(guard.line_is_ours());  // it does not work on the line: nobody waits for it
 }

@@ -40,8 +40,6 @@ TEST_CASE("array picture: no scale ends below a tenth of the converter's range, 
   CHECK(scale_top_v(view) == 0.49);
   view.volts.clear();
   CHECK(scale_top_v(view) == 1e-9);
-  CHECK(shade_of(1.8, 2.0) == 9);
-  CHECK(shade_of(1.79, 2.0) == 8);
 }
 
 TEST_CASE("array picture: a frame's means, its saturated taxels, and from which pressure dead ones are judged") {
@@ -104,8 +102,15 @@ TEST_CASE("array picture: which events show progress") {
 }
 
 TEST_CASE("array picture: ten shades from 0 V to the highest output") {
-  for (const auto& [volts, shade] :
-       {std::pair{-0.1, 0}, {0.0, 0}, {0.1999, 0}, {0.2001, 1}, {1.9, 9}, {2.0, 9}, {1e9, 9}, {std::nan(""), 0}})
+  for (const auto& [volts, shade] : {std::pair{-0.1, 0},
+                                     {0.0, 0},
+                                     {0.1999, 0},
+                                     {0.2001, 1},
+                                     {1.79, 8},
+                                     {1.8, 9},
+                                     {2.0, 9},
+                                     {1e9, 9},
+                                     {std::nan(""), 0}})
     CHECK(shade_of(volts, 2.0) == static_cast<std::size_t>(shade));
 }
 

@@ -20,7 +20,7 @@ struct StoredExample {
       store.append_event(begun.run, {time_s * 1'000'000'000, kind, id, detail});
     };
     tell(1, "warning", "TB-OLD", "too long ago");
-    tell(2, "state", "", "prepared -> running: devices open, chamber unloaded");
+    tell(2, "state", "", "prepared -> running: x");
     tell(3, "attempt", "TB-SCANNER-TIMEOUT", "frame, 1 of 2: \x1b[2J silent");
     tell(4, "command", "pressure", "quiet");
     tell(3725, "branch-broken", "TB-BRANCH-BROKEN", "branch 1 of repeat 2");
@@ -30,6 +30,7 @@ struct StoredExample {
     LiveRun run = example_live();
     run.status.run = begun.run;
     run.status.store = store.path();
+    run.status.frames_void = 3;
     return run;
   }
   TemporaryFolder folder;
@@ -62,7 +63,7 @@ TEST_CASE("view: as JSON, the same facts in the words of other verbs") {
   CHECK(json["readings"]["settled"] == true);
   CHECK(json["target_n"].is_null());
   CHECK(json["left_low_s"] == 630.0);
-  CHECK(json["frames_planned"] == 211);
+  CHECK((json["frames"] == 12 && json["frames_void"] == 3 && json["frames_planned"] == 211));
   CHECK(json["sensor"] == "S-1");
   CHECK(json["recipes"][1]["name"] == "down");
   REQUIRE(json["events"].size() == 3);

@@ -88,17 +88,6 @@ TEST_CASE("a digital gauge as reference, its certificate applied, and the enviro
   CHECK_THAT(row.devices[2].calibration_json, Catch::Contains("correction_psi"));
 }
 
-TEST_CASE("a reference that differs from the feedback trips the run, and the chamber is vented") {
-  // The transducer is taken for one of twice its span.
-  const FinishedRun run(small_request({{"reference.span_psi", "[0, 200]"}}));
-  const bench::RunResult& result = run.result;
-  REQUIRE(result.error);
-  CHECK(result.error->id() == "TB-CHAMBER-DISAGREE");
-  CHECK(result.error->code() == bench::ExitCode::kStopped);
-  CHECK(result.outcome == db::Outcome::kAborted);
-  CHECK(result.safe == db::SafeState::kVerified);
-}
-
 TEST_CASE("an impossible pressure configuration is refused by the key that makes it so") {
   const std::vector<std::pair<Overrides, std::string>> rows = {
       {{{"module.profile", "moxa-iologik-e1241"}}, "watchdog"},

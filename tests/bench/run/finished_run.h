@@ -76,10 +76,16 @@ class FinishedRun {
     CHECK(result.content_sha256 == store.content_hash(result.run));
     CHECK(store.run(result.run).safe_state == result.safe);
     CHECK((result.outcome == db::Outcome::kCompleted) == !result.error);
+    CHECK(store.run(result.run).outcome == result.outcome);
+    std::int64_t stored = 0;
     for (const bench::RunStatus& status : told) {
       CHECK(status.step <= status.steps);
-      CHECK(status.frames <= status.frames_planned + void_frames);
+      CHECK(status.frames <= status.frames_planned);  // those of void branches are counted apart
+      CHECK(status.frames_void <= void_frames);
+      CHECK(status.frames + status.frames_void >= stored);
+      stored = status.frames + status.frames_void;
     }
+    CHECK(stored <= result.frames_kept);
     if (!told.empty()) CHECK(static_cast<std::int64_t>(frames.size()) - void_frames <= told.back().frames_planned);
     std::map<std::tuple<int, int, int>, int> attempts, valid;
     for (const db::BranchRecord& branch : branches) {

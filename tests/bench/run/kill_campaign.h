@@ -6,7 +6,6 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <random>
 
@@ -37,7 +36,6 @@ struct CampaignFigures {
   double noise_v = 0.0;       // standard deviation of one unbroken run about that mean
   double bound_v = 0.0, loop_v = 0.0;
   double no_way_v = 0.0;  // what a branch that begins without its way back would be off by
-  std::map<std::string, int> moments;
   std::vector<std::string> faults;
 };
 
@@ -99,8 +97,6 @@ class KillCampaign {
         break;
       }
       if (run_ == 0 && newest_run() > before) run_ = newest_run();
-      if (run_ != 0) ++figures_.moments[moment_of(db::RunStore::open_read_only(db()), run_)];
-      if (run_ == 0) ++figures_.moments["before it had a row"];
       compare_with_known();
       const auto killed = std::chrono::steady_clock::now();
       program->signal(SIGKILL);
@@ -240,7 +236,6 @@ inline std::string to_text(const CampaignFigures& f) {
       "bound {:.3f} mV\nFIGURE noise {:.3f} mV\nFIGURE loop_width {:.1f} mV\nFIGURE without_way_back {:.1f} mV\n",
       f.kills, f.hasty, f.runs, f.frames, f.checked, f.lost, f.changed, f.doubled, f.voids, f.races, f.sectors_lost,
       f.trips, f.worst_safe_s, 1e3 * f.deviation_v, 1e3 * f.bound_v, 1e3 * f.noise_v, 1e3 * f.loop_v, 1e3 * f.no_way_v);
-  for (const auto& [moment, count] : f.moments) text += fmt::format("killed {}: {}\n", moment, count);
   for (const std::string& fault : f.faults) text += "FAULT " + fault + "\n";
   return text;
 }

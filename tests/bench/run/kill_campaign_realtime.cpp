@@ -3,6 +3,7 @@
 #include <csignal>
 
 #include "tests/bench/run/kill_campaign.h"
+#include "tests/support/endless_run.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -31,9 +32,7 @@ TEST_CASE("kill: without sync a power cut loses frames that were visible, and th
   rig.environment = disk.environment();
   const auto run = rig.start_run("long.toml");
   const auto seen = [&] { return committed_frames(rig.folder.path("runs.db"), 1).size(); };
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  while (seen() < 5 && std::chrono::steady_clock::now() < end) usleep(20000);
-  CHECK(seen() >= 5);
+  CHECK(comes_true([&] { return seen() >= 5; }));
   run->signal(SIGKILL);
   REQUIRE(run->wait() == -SIGKILL);
   std::mt19937 random(1);
@@ -47,8 +46,7 @@ TEST_CASE("kill: a resume right after a kill under pressure waits until the dead
              "schema = 1\nname = \"high\"\nunit = \"psi\"\nturning_points = [0, 60, 0]\nstep = 30\ndwell_s = 0.5\n"
              "[dwell]\ntolerance_s = 5\n");
   const auto run = rig.start_run("high.toml");
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  while (rig.psi() < 58.0 && std::chrono::steady_clock::now() < end) usleep(2000);
+  REQUIRE(comes_true([&] { return rig.psi() >= 58.0; }));
   run->signal(SIGKILL);
   REQUIRE(run->wait() == -SIGKILL);
   const auto resume = rig.start_resume(1);

@@ -1,5 +1,5 @@
 // What a kill campaign knows of a run from its store, read by a connection of the campaign's own: which frames are
-// committed, where a kill found the run, and what its final set is worth.
+// committed, and what its final set is worth.
 #pragma once
 
 #include <fmt/format.h>
@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
-#include <set>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -38,29 +37,6 @@ inline std::vector<std::string> committed_frames(const std::string& db_path, std
                                 chain, db::sha256_hex(counts), time_ns, reference, setpoint));
   }
   return lines;
-}
-
-// Where a run stood, in words; read just before it is killed.
-inline std::string moment_of(const db::RunStore& store, std::int64_t run) {
-  const db::RunRecord row = store.run(run);
-  if (row.outcome == db::Outcome::kCompleted) return "after its end";
-  if (row.state == "ended") return "before it was opened again";
-  if (row.state == "prepared") return "opening the devices";
-  if (row.state == "stopping") return "on the way out";
-  const std::vector<db::BranchRecord> branches = store.branches(run);
-  const std::vector<db::FrameRecord> frames = store.frames(run);
-  const std::vector<db::EventRecord> events = store.events(run);
-  std::int64_t opened = 0, way_back = -1;  // events have no key to the branches: compare times
-  for (const db::EventRecord& event : events) {
-    if (event.kind == "state" && event.detail.starts_with("prepared -> running")) opened = event.time_ns;
-    if (event.kind == "way-back") way_back = event.time_ns;
-  }
-  if (branches.empty()) return "conditioning";
-  const std::int64_t newest = frames.empty() ? 0 : frames.back().time_ns;
-  const bool has_frames = !frames.empty() && frames.back().branch == branches.back().branch;
-  if (!has_frames && !branches.back().is_void) return "between branch and first frame";
-  if (has_frames && newest > std::max(opened, way_back)) return "between frames";
-  return way_back > opened ? "on the way back" : "before the way back";
 }
 
 struct FinalSet {

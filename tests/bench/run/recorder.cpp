@@ -7,7 +7,7 @@
 #include "bench/common/utc.h"
 #include "bench/run/resume.h"
 #include "bench/run/run_record.h"
-#include "tests/support/process.h"
+#include "tests/bench/run/quick_store.h"
 #include "tests/support/small_run.h"
 
 using namespace tactbench;
@@ -20,13 +20,12 @@ using std::chrono::milliseconds;
 namespace {
 
 struct Records {
-  Records() : store(db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal)) {
+  Records() {
     request = small_request();
     store.add_sensor(request.sensor);
     run = store.begin_run(bench::record_of(request));
   }
-  TemporaryFolder folder;
-  db::RunStore store;
+  QuickStore store;
   bench::RunRequest request;
   std::int64_t run = 0;
   devices::TurnedClock clock;

@@ -4,7 +4,7 @@
 
 #include "bench/run/time_estimate.h"
 #include "tests/bench/run/kill_record.h"
-#include "tests/support/process.h"
+#include "tests/bench/run/quick_store.h"
 #include "tests/support/small_run.h"
 
 using namespace tactbench;
@@ -19,15 +19,24 @@ struct PowerCut : std::runtime_error {
 
 constexpr int kFrames = 15, kRepeats = 2;
 
+// Ends a run at the `at`-th step that is carried out (from 0).
+std::function<void(const sequences::Step&)> cut_at(int at) {
+  return [at, seen = 0](const sequences::Step&) mutable {
+    if (seen++ == at) throw PowerCut();
+  };
+}
+
 struct Interrupted {
-  Interrupted() : store(db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal)) {}
-  // Ends at the `at`-th step that is carried out (from 0).
+  Interrupted() {
+    const auto compiled = sequences::compile(small_recipe(), 0);
+    steps = static_cast<int>(compiled.size());
+    for (const sequences::BranchSpan& span : sequences::branches(compiled)) {
+      if (span.kind == sequences::SpanKind::kBranch) starts.push_back(static_cast<int>(span.first));
+    }
+  }
   bench::RunResult run_until(int at) {
     bench::RunRequest request = small_request();
-    int seen = 0;
-    request.on_step = [&](const sequences::Step&) {
-      if (seen++ == at) throw PowerCut();
-    };
+    request.on_step = cut_at(at);
     return run_small(request, store);
   }
   bench::RunResult resume(std::int64_t run, const std::function<void(bench::RunRequest&)>& change = {}) {
@@ -63,20 +72,10 @@ struct Interrupted {
     CHECK(set.faults == std::vector<std::string>());
     CHECK(set.doubled == 0);
   }
-  TemporaryFolder folder;
-  db::RunStore store;
+  QuickStore store;
+  int steps = 0;            // of small_recipe()
+  std::vector<int> starts;  // those at which a branch begins
 };
-
-// Indices of the steps of small_recipe() at which a branch begins, and how many there are in all.
-std::vector<int> branch_starts(int& steps) {
-  const auto compiled = sequences::compile(small_recipe(), 0);
-  steps = static_cast<int>(compiled.size());
-  std::vector<int> starts;
-  for (const sequences::BranchSpan& span : sequences::branches(compiled)) {
-    if (span.kind == sequences::SpanKind::kBranch) starts.push_back(static_cast<int>(span.first));
-  }
-  return starts;
-}
 
 template <class Work>
 std::string error_id_of(const Work& work) {
@@ -93,13 +92,11 @@ std::string error_id_of(const Work& work) {
 
 TEST_CASE("resume: interrupted at and inside every branch, complete branches stay and the incomplete one is repeated") {
   Interrupted bench;
-  int steps = 0;
-  const std::vector<int> starts = branch_starts(steps);
-  REQUIRE(starts.size() == 8);
+  REQUIRE(bench.starts.size() == 8);
   std::vector<int> moments = {0, 1};  // conditioning
-  for (const int start : starts) moments.insert(moments.end(), {start, start + 2});
+  for (const int start : bench.starts) moments.insert(moments.end(), {start, start + 2});
   for (const int moment : moments) {
-    INFO("interrupted at step " << moment << " of " << steps);
+    INFO("interrupted at step " << moment << " of " << bench.steps);
     const std::int64_t run = bench.run_until(moment).run;
     REQUIRE(bench.store.run(run).outcome == db::Outcome::kFailed);
     const std::vector<std::string> before = committed_frames(bench.store.path(), run);
@@ -126,10 +123,8 @@ TEST_CASE("resume: interrupted at and inside every branch, complete branches sta
 
 TEST_CASE("resume: after a long rest the whole repeat is done again, after a short one the branch alone") {
   Interrupted bench;
-  int steps = 0;
-  const std::vector<int> starts = branch_starts(steps);
   const auto [rest, voids] = GENERATE(table<std::string, std::size_t>({{"2 hours", 3}, {"10 minutes", 1}}));
-  const std::int64_t run = bench.run_until(starts[6] + 1).run;  // branch 2 of the second repeat
+  const std::int64_t run = bench.run_until(bench.starts[6] + 1).run;  // branch 2 of the second repeat
   bench.age(run, rest);
   const std::int64_t ended_ns = bench.store.last_time_ns(run);
   REQUIRE_FALSE(bench.resume(run).error);
@@ -157,17 +152,9 @@ TEST_CASE("resume: a run that died before it knew its devices learns them") {
 
 TEST_CASE("resume: a run interrupted repeatedly, even on its way back, still completes") {
   Interrupted bench;
-  int steps = 0;
-  const std::vector<int> starts = branch_starts(steps);
-  const std::int64_t run = bench.run_until(starts[5] + 1).run;
+  const std::int64_t run = bench.run_until(bench.starts[5] + 1).run;
   for (int at = 0; at < 9; ++at) {  // conditioning, turning points, first frames of the branch
-    int seen = 0;
-    const bench::RunResult broken = bench.resume(run, [&](bench::RunRequest& request) {
-      request.on_step = [&](const sequences::Step&) {
-        if (seen++ == at) throw PowerCut();
-      };
-    });
-    CHECK(broken.error);
+    CHECK(bench.resume(run, [&](bench::RunRequest& request) { request.on_step = cut_at(at); }).error);
   }
   REQUIRE_FALSE(bench.resume(run).error);
   bench.check_final_set(run);
@@ -175,11 +162,9 @@ TEST_CASE("resume: a run interrupted repeatedly, even on its way back, still com
 
 TEST_CASE("resume: refused for a completed run, other recipes, another compile and another scanner") {
   Interrupted bench;
-  int steps = 0;
-  const std::vector<int> starts = branch_starts(steps);
   const std::int64_t completed = bench.run_until(-1).run;
   CHECK(error_id_of([&] { (void)bench.resume(completed); }) == "TB-RUN-COMPLETED");
-  const std::int64_t run = bench.run_until(starts[2] + 1).run;
+  const std::int64_t run = bench.run_until(bench.starts[2] + 1).run;
   const std::string hash = bench.store.run(run).content_sha256;
   CHECK(error_id_of([&] {
           (void)bench.resume(run,
@@ -204,18 +189,13 @@ TEST_CASE("resume: refused for a completed run, other recipes, another compile a
 
 TEST_CASE("resume: in the second sequence of a run, whose conditioning is done again, the first one stays") {
   Interrupted bench;
-  int steps = 0;
-  const std::vector<int> starts = branch_starts(steps);
   const auto which = GENERATE(0U, 1U, 2U, 3U);
-  const int moment = steps + std::vector<int>{0, 1, starts[0] + 1, starts[3] + 1}.at(which);
+  const int moment = bench.steps + std::vector<int>{0, 1, bench.starts[0] + 1, bench.starts[3] + 1}.at(which);
   bench::RunRequest request = small_request();
   request.recipes = {small_recipe(), small_recipe("dwell_s = 1\n")};
-  int seen = 0;
-  request.on_step = [&](const sequences::Step&) {
-    if (seen++ == moment) throw PowerCut();
-  };
+  request.on_step = cut_at(moment);
   const std::int64_t run = run_small(request, bench.store).run;
-  INFO("interrupted at step " << moment << " of " << steps << ", steps carried out: " << seen);
+  INFO("interrupted at step " << moment << " of " << bench.steps);
   REQUIRE(bench.store.run(run).outcome == db::Outcome::kFailed);
   request.on_step = nullptr;
   request.resume = run;
@@ -233,18 +213,12 @@ TEST_CASE("resume: in the second sequence of a run, whose conditioning is done a
 
 TEST_CASE("resume: kept frames and the place of the end count the whole run, not only the last process") {
   Interrupted bench;
-  int steps = 0;
-  const std::vector<int> starts = branch_starts(steps);
-  const std::int64_t run = bench.run_until(starts[5] + 1).run;
+  const std::int64_t run = bench.run_until(bench.starts[5] + 1).run;
   const std::int64_t before = bench.store.frame_count(run);
   REQUIRE(before > 0);
   for (const int more : {0, 9}) {  // at once, and after some frames
-    int seen = 0;
-    const bench::RunResult broken = bench.resume(run, [&](bench::RunRequest& request) {
-      request.on_step = [&](const sequences::Step&) {
-        if (seen++ == more) throw PowerCut();
-      };
-    });
+    const bench::RunResult broken =
+        bench.resume(run, [&](bench::RunRequest& request) { request.on_step = cut_at(more); });
     const std::int64_t kept = bench.store.frame_count(run);
     CHECK((kept > before) == (more > 0));
     CHECK(broken.frames_kept == kept);
@@ -259,8 +233,6 @@ TEST_CASE("resume: kept frames and the place of the end count the whole run, not
 
 TEST_CASE("resume: time estimates use a resumed run like an uninterrupted one") {
   Interrupted bench;
-  int steps = 0;
-  const std::vector<int> starts = branch_starts(steps);
   const auto learned = [&](int runs) {
     const std::vector<sequences::Recipe> recipes = {small_recipe()};
     bench::TimeEstimate estimate(recipes, sequences::compile(recipes), sequences::TimeModel());
@@ -270,7 +242,7 @@ TEST_CASE("resume: time estimates use a resumed run like an uninterrupted one") 
   };
   (void)bench.run_until(-1);
   const bench::TimeBand unbroken = learned(1);
-  for (const int moment : {starts[1] + 1, starts[5] + 1}) {
+  for (const int moment : {bench.starts[1] + 1, bench.starts[5] + 1}) {
     const std::int64_t run = bench.run_until(moment).run;
     bench.age(run, "10 minutes");
     REQUIRE_FALSE(bench.resume(run).error);

@@ -37,18 +37,19 @@ TEST_CASE("run: a file that holds no state of the film is not taken for one, and
   CHECK(run_small(run.request, run.store).outcome == db::Outcome::kCompleted);
 }
 
-TEST_CASE("run: a recipe that presses needs a stage and a force sensor") {
-  for (const bool without_stage : {true, false}) {
-    Refused run;
-    run.request.recipes = {recipe_of(press_text(1))};
-    run.request.assume_yes = true;
-    if (without_stage) run.request.bench.stage.reset();
-    if (!without_stage) run.request.bench.force.reset();
-    const auto refused = refusal_by([&] { (void)run_small(run.request, run.store); });
-    REQUIRE(refused);
-    CHECK(refused->id() == "TB-RECIPE-DEVICES");
-    CHECK(run.store.runs().empty());
-  }
+TEST_CASE("run: what its bench lacks or does not allow is refused before a row exists") {
+  const auto [what, id] = GENERATE(table<std::string, std::string>(
+      {{"stage", "TB-RECIPE-DEVICES"}, {"force", "TB-RECIPE-DEVICES"}, {"command", "TB-RECIPE-LIMIT"}}));
+  Refused run;
+  run.request.assume_yes = true;
+  if (what != "command") run.request.recipes = {recipe_of(press_text(1))};
+  if (what == "stage") run.request.bench.stage.reset();
+  if (what == "force") run.request.bench.force.reset();
+  if (what == "command") run.request.bench.limits.command_psi = 6.0;
+  const auto refused = refusal_by([&] { (void)run_small(run.request, run.store); });
+  REQUIRE(refused);
+  CHECK(refused->id() == id);
+  CHECK(run.store.runs().empty());
 }
 
 TEST_CASE("run: forces beyond what the force sensor's calibration goes to are refused before the stage moves") {

@@ -22,6 +22,7 @@ struct Past {
   double step_s = 3.0, growth_s = 0.0;  // each step takes so much longer than the one before
   std::string overrides = "[]", bench = "b";
   db::Outcome outcome = db::Outcome::kCompleted;
+  bool idle = false;      // without frames
   int redo_after = -1;    // frames; the branch so far is done again
   double prompt_s = 0.0;  // waited for the operator before the first step
   int paused_after = -1;  // frames: a pause of 600 s, and 50 s for the way back
@@ -50,9 +51,9 @@ inline void store_run(db::RunStore& store, const std::vector<sequences::Recipe>&
   tell("state", "prepared -> running: devices open, chamber unloaded");
   if (past.prompt_s > 0.0) {
     tell("state", "running -> pausing: for the operator");
-    tell("state", "pausing -> paused: operator: is it mounted?");
+    tell("state", "pausing -> paused: x");
     now += past.prompt_s;
-    tell("state", "paused -> running: the operator has answered: is it mounted?");
+    tell("state", "paused -> running: x");
   }
   std::int64_t branch = 0;
   db::BranchRecord at;
@@ -60,7 +61,7 @@ inline void store_run(db::RunStore& store, const std::vector<sequences::Recipe>&
   int frames = 0, steps_done = 0;
   for (const sequences::Step& step : sequences::compile(recipes)) {
     now += past.step_s + past.growth_s * steps_done++;
-    if (!takes_frame(step)) continue;
+    if (!takes_frame(step) || past.idle) continue;
     if (step.sequence != at.sequence || step.repeat != at.repeat || step.branch != at.ordinal) {
       at.sequence = step.sequence;
       at.repeat = step.repeat;
@@ -80,7 +81,7 @@ inline void store_run(db::RunStore& store, const std::vector<sequences::Recipe>&
     tell("state", "pausing -> paused: asked by Ctrl-C");
     now += 600.0;
     tell("state", "paused -> running: resumed by alice (pid 7) after 600 s");
-    tell("way-back", "conditioned again, then the turning points before branch 1 of repeat 0");
+    tell("way-back", "x");
     now += 50.0;
   }
   tell("state", "running -> stopping: all steps done");

@@ -10,6 +10,7 @@
 #include "bench/run/run_record.h"
 #include "devices/fault.h"
 #include "tests/bench/run/finished_run.h"
+#include "tests/bench/run/quick_store.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -50,13 +51,10 @@ std::string day_from_now(int days) {
 
 TEST_CASE(
     "a run that presses keeps force sensor and stage with serial, calibration, range, certificate, due date and U") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
-  const bench::RunResult result = run_small(
-      ring_request({{"force.certificate", "F-1"}, {"force.calibrated", "2025-01-31"}, {"force.due", "2199-01-31"}}),
-      store);
-  if (result.error) FAIL(result.error->what());
-  const db::RunRecord run = store.run(result.run);
+  const FinishedRun pressed(
+      ring_request({{"force.certificate", "F-1"}, {"force.calibrated", "2025-01-31"}, {"force.due", "2199-01-31"}}));
+  if (pressed.result.error) FAIL(pressed.result.error->what());
+  const db::RunRecord run = pressed.store.run(1);
   const db::DeviceRecord& force = device_of(run, "force sensor");
   CHECK(force.serial == "SIM-FT-1");  // what the simulated sensor tells; the bench file names none
   CHECK(force.model == "ATI Nano17");
@@ -81,8 +79,8 @@ TEST_CASE(
     CHECK(nlohmann::json::parse(axis.calibration_json)["high_mm"].get<double>() > 50.0);
   }
   CHECK(run.devices.size() == 8);
-  CHECK(store.check_content(result.run).holds());
-  CHECK(warnings_of(store, result.run).empty());
+  CHECK(pressed.store.check_content(1).holds());
+  CHECK(warnings_of(pressed.store, 1).empty());
 }
 
 TEST_CASE("the force sensor that answers is the one that is kept: Digital F/T has another serial") {
@@ -129,8 +127,7 @@ TEST_CASE("an instrument that is overdue when the run begins is an event of the 
 }
 
 TEST_CASE("a bench that was never filled in runs simulated with a warning, and is refused on hardware with no row") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  QuickStore store;
   bench::RunRequest request = small_request({{"reference.certificate", "FILL-IN"}});
   const bench::RunResult result = run_small(request, store);
   REQUIRE_FALSE(result.error);
@@ -166,8 +163,7 @@ TEST_CASE("a resumed run that presses continues only with its original force sen
 
 TEST_CASE("calibration warnings: on the due date there is none, a day later there is") {
   const auto warned_of = [](const std::string& due) {
-    const TemporaryFolder folder;
-    db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+    QuickStore store;
     bench::RunRequest request = small_request({{"reference.due", "\"" + due + "\""}});
     request.recipes = {recipe_of("unit = \"psi\"\nturning_points = [0, 2]\nstep = 2\n")};
     REQUIRE(run_small(request, store).outcome == db::Outcome::kCompleted);

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/support/process.h"
+#include "tests/bench/run/quick_store.h"
 #include "tests/support/small_run.h"
 
 using namespace tactbench;
@@ -19,8 +19,7 @@ struct WarmedUp {
 };
 
 WarmedUp warmed_up(const std::string& rule) {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  QuickStore store;
   bench::RunRequest request = small_request();
   request.recipes = {small_recipe(rule)};
   const bench::RunResult result = run_small(request, store);
@@ -41,12 +40,6 @@ nlohmann::json detail_of(const WarmedUp& found) {
 bool about(double seconds, double expected) { return seconds >= expected && seconds < expected + 1.0; }
 
 }  // namespace
-
-TEST_CASE("warm-up: a recipe without one waits for nothing") {
-  const WarmedUp found = warmed_up("");
-  CHECK(found.checks.empty());
-  CHECK(found.first_frame_ns < 15'000'000'000);
-}
 
 TEST_CASE("warm-up: it ends with the first quarter of a minute in which the array drifts little enough") {
   const WarmedUp found = warmed_up("[warm_up]\ndrift_percent_per_min = 100.0\nat_most_s = 600\n");

@@ -59,6 +59,7 @@ TEST_CASE("whole run: warmed up, seated, conditioned, suspended, broken and comp
   CHECK(run.result.branches_redone == 2);
   CHECK(run.result.waiting_seconds == Approx(7.4).margin(1.0));
   CHECK((run.frames.size() == 12 && run.void_frames == 4));
+  CHECK((run.told.back().frames == 7 && run.told.back().frames_void == 4));  // before the last of eight
   REQUIRE(run.branches.size() == 5);
   CHECK_THAT(run.branches[0].void_reason, Catch::StartsWith("suspended") && Catch::Contains("supply_bar"));
   CHECK_THAT(run.branches[1].void_reason, Catch::StartsWith("TB-BRANCH-BROKEN"));
@@ -99,111 +100,47 @@ TEST_CASE("whole run: several frames a level lie apart as asked, and ramps witho
 }
 
 TEST_CASE("whole run: a fault that ends it has its id and code, its frames are kept, its attempts are told") {
-  struct Row {
-    std::string id;
-    ExitCode code;
-    db::SafeState safe;
-    std::size_t frames;
-    int redone, voids, attempts;
-    std::vector<sequences::Override> overrides;
-    std::string more;
-    std::vector<bench::PlannedFault> faults;
-  };
-  constexpr auto kVented = db::SafeState::kVerified;
-  const auto overshoot = [](double at_s) { return planned_fault(FaultKind::kOvershoot, at_s, 1e6, 1.5); };
-  const std::vector<Row> rows = {
-      {"TB-CHAMBER-TIMEOUT",
-       ExitCode::kDevice,
-       kVented,
-       1,
-       0,
-       0,
-       0,
-       {{"simulation.chamber.leak_psi_per_s", "40"}, {"settling.timeout_s", "3"}},
-       "",
-       {}},
-      // Twice two readings of a frame, and the third attempt of the branch.
-      {"TB-SCANNER-TIMEOUT",
-       ExitCode::kDevice,
-       kVented,
-       2,
-       2,
-       2,
-       8,
-       {{"simulation.wire_faults.scanner_silent_after_scans", "6"}, {"scanner.frame_timeout_ms", "200"}},
-       "[retry]\nframe = 1\nbranch = 2\n",
-       {}},
-      {"TB-BRANCH-BROKEN",
-       ExitCode::kDevice,
-       kVented,
-       2,
-       1,
-       2,
-       0,
-       {{"settling.trace_s", "0.1"}},
-       "[guard]\nredo = 1\n[conditioning]\ncycles = 1\npeak = 6\n",
-       {overshoot(9.0), overshoot(17.0)}},
-      {"TB-RUN-SUSPENDED",
-       ExitCode::kDevice,
-       kVented,
-       2,
-       1,
-       1,
-       0,
-       kSupplySensor,
-       kSupplyRule + "timeout_s = 3\n",
-       {planned_fault(FaultKind::kSupplyLost, 4.0, 1e6, 0.001)}},
-      {"TB-SCANNER-STALE",
-       ExitCode::kDevice,
-       kVented,
-       2,
-       0,
-       0,
-       0,
-       {},
-       "",
-       {planned_fault(FaultKind::kScannerStale, 3.0, 1e6, 0.0)}},
-      // Apart for half a second they may be.
-      {"TB-CHAMBER-DISAGREE",
-       ExitCode::kUnsafe,
-       db::SafeState::kFailed,
-       1,
-       1,
-       1,
-       0,
-       {},
-       "",
-       {planned_fault(FaultKind::kReferenceOffset, 3.0, 0.5, 5.0),
-        planned_fault(FaultKind::kReferenceOffset, 5.5, 1e6, 5.0)}},
-      {"TB-STEP-TIMEOUT", ExitCode::kDevice, kVented, 0, 0, 0, 0, {}, "dwell_s = 2.0\n[timeout]\nstep_s = 2.55\n", {}},
-      {"TB-CHAMBER-NOT-VENTED",
-       ExitCode::kUnsafe,
-       db::SafeState::kFailed,
-       0,
-       0,
-       0,
-       0,
-       {},
-       "",
-       {planned_fault(FaultKind::kReferenceOffset, 0.0, 1e6, 1.25)}}};
-  for (const Row& row : rows) {
-    INFO(row.id);
-    const FinishedRun run(two_branches(row.overrides, row.more, row.faults));
+  const auto ends = [](const std::string& id, ExitCode code, std::size_t frames, int redone, int voids,
+                       const bench::RunRequest& request) {
+    INFO(id);
+    const FinishedRun run(request);
     REQUIRE(run.result.error);
-    CHECK(run.result.error->id() == row.id);
-    CHECK(run.result.error->code() == row.code);
+    CHECK(run.result.error->id() == id);
+    CHECK(run.result.error->code() == code);
     CHECK_FALSE(run.result.error->remedy().empty());
     CHECK((run.result.outcome == db::Outcome::kFailed || run.result.outcome == db::Outcome::kAborted));
-    CHECK(run.result.safe == row.safe);
-    CHECK(run.frames.size() == row.frames);
-    CHECK(run.result.branches_redone == row.redone);
-    CHECK(run.voids() == row.voids);
+    CHECK(run.result.safe == (code == ExitCode::kUnsafe ? db::SafeState::kFailed : db::SafeState::kVerified));
+    CHECK(run.frames.size() == frames);
+    CHECK(run.result.branches_redone == redone);
+    CHECK(run.voids() == voids);
     const Strings course = run.course({"attempt", "fault"});
-    CHECK(std::ranges::count(course, "attempt " + row.id) == row.attempts);
-    CHECK(course.back() == "fault " + row.id);
-    CHECK((run.told.empty()) == (row.id == "TB-CHAMBER-NOT-VENTED"));  // no step was begun
-    CHECK_THAT(run.store.run(run.result.run).reason, Catch::StartsWith(row.id));
-  }
+    CHECK(std::ranges::count(course, "attempt " + id) == (id == "TB-SCANNER-TIMEOUT" ? 8 : 0));
+    CHECK(course.back() == "fault " + id);
+    CHECK((run.told.empty()) == (id == "TB-CHAMBER-NOT-VENTED"));  // no step was begun
+    CHECK_THAT(run.store.run(run.result.run).reason, Catch::StartsWith(id));
+  };
+  const auto fault = [](FaultKind kind, double at_s, double value, double lasts_s = 1e6) {
+    return planned_fault(kind, at_s, lasts_s, value);
+  };
+  ends("TB-CHAMBER-TIMEOUT", ExitCode::kDevice, 1, 0, 0,
+       two_branches({{"simulation.chamber.leak_psi_per_s", "40"}, {"settling.timeout_s", "3"}}, ""));
+  // Twice two readings of a frame, and the third attempt of the branch.
+  ends("TB-SCANNER-TIMEOUT", ExitCode::kDevice, 2, 2, 2,
+       two_branches({{"simulation.wire_faults.scanner_silent_after_scans", "6"}, {"scanner.frame_timeout_ms", "200"}},
+                    "[retry]\nframe = 1\nbranch = 2\n"));
+  ends("TB-BRANCH-BROKEN", ExitCode::kDevice, 2, 1, 2,
+       two_branches({{"settling.trace_s", "0.1"}}, "[guard]\nredo = 1\n[conditioning]\ncycles = 1\npeak = 6\n",
+                    {fault(FaultKind::kOvershoot, 9.0, 1.5), fault(FaultKind::kOvershoot, 17.0, 1.5)}));
+  ends("TB-RUN-SUSPENDED", ExitCode::kDevice, 2, 1, 1,
+       two_branches(kSupplySensor, kSupplyRule + "timeout_s = 3\n", {fault(FaultKind::kSupplyLost, 4.0, 0.001)}));
+  ends("TB-SCANNER-STALE", ExitCode::kDevice, 2, 0, 0,
+       two_branches({}, "", {fault(FaultKind::kScannerStale, 3.0, 0.0)}));
+  ends("TB-CHAMBER-DISAGREE", ExitCode::kUnsafe, 1, 1, 1,  // apart for half a second they may be
+       two_branches({}, "",
+                    {fault(FaultKind::kReferenceOffset, 3.0, 5.0, 0.5), fault(FaultKind::kReferenceOffset, 5.5, 5.0)}));
+  ends("TB-STEP-TIMEOUT", ExitCode::kDevice, 0, 0, 0, two_branches({}, "dwell_s = 2.0\n[timeout]\nstep_s = 2.55\n"));
+  ends("TB-CHAMBER-NOT-VENTED", ExitCode::kUnsafe, 0, 0, 0,
+       two_branches({}, "", {fault(FaultKind::kReferenceOffset, 0.0, 1.25)}));
 }
 
 TEST_CASE("whole run: a step may take just as long as its recipe allows") {

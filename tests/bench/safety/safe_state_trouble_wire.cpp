@@ -80,6 +80,7 @@ TEST_CASE(
     CHECK(some.state == SafeState::kVerified);
     CHECK(some.psi < 1.0);
     CHECK(some.took_s < 1.0);
+    CHECK(bench.prove().state == SafeState::kVerified);  // callable twice
   }
   bench.fail(FaultKind::kModuleException);
   const Proved never = bench.prove();

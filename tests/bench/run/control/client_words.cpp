@@ -10,10 +10,10 @@
 using namespace tactbench::bench;
 
 TEST_CASE("client words: what is written is read again, with whom it is for") {
-  const ClientWords pause = read_words(command_words(Command::kPause, "bob on the page, from 127.0.0.1"));
+  const ClientWords pause = read_words(command_words(Command::kPause, "bob of 127.0.0.1"));
   CHECK(pause.word == ClientWord::kCommand);
   CHECK(pause.command == Command::kPause);
-  CHECK(pause.behalf == "bob on the page, from 127.0.0.1");
+  CHECK(pause.behalf == "bob of 127.0.0.1");
   const ClientWords answer = read_words(answer_words(3, "mounted, 2 Nm", ""));
   CHECK(answer.word == ClientWord::kAnswer);
   CHECK(answer.question == 3);

@@ -8,6 +8,7 @@
 #include "bench/guard/trip.h"
 #include "bench/run/control/control_client.h"
 #include "tests/bench/run/kill_record.h"
+#include "tests/support/endless_run.h"
 #include "tests/support/live_runs.h"
 #include "tests/support/paths.h"
 #include "tests/support/served_rig.h"
@@ -32,16 +33,8 @@ struct WordRig : ServedRig {
     return start({"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "t", "-q",
                   "--no-seating", "--on-event", "echo $TACTBENCH_EVENT $TACTBENCH_RUN >> told"});
   }
-  bool wait_for(const std::function<bool()>& done) const {
-    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kPatience);
-    while (!done()) {
-      if (std::chrono::steady_clock::now() > end) return false;
-      usleep(2000);
-    }
-    return true;
-  }
   bool wait_pressure() {
-    return wait_for([&] { return !live_runs().empty() && psi() > 3.0; });
+    return comes_true([&] { return !live_runs().empty() && psi() > 3.0; });
   }
   [[nodiscard]] static bool is(bench::RunState state) {
     const auto live = live_runs();
@@ -68,7 +61,7 @@ struct WordRig : ServedRig {
     return states;
   }
   [[nodiscard]] bool told(const std::string& lines) const {
-    return wait_for(
+    return comes_true(
         [&] { return std::filesystem::exists(folder.path("told")) && read_file(folder.path("told")) == lines; });
   }
   void time_answers() {
@@ -95,9 +88,9 @@ TEST_CASE("control: pause waits vented at the end of the branch, and resume cont
   CHECK(pause.code == 0);
   CHECK_THAT(pause.out, Catch::Contains("run 1"));
   const auto asked = std::chrono::steady_clock::now();
-  REQUIRE(rig.wait_for([] { return !WordRig::is(bench::RunState::kRunning); }));
+  REQUIRE(comes_true([] { return !WordRig::is(bench::RunState::kRunning); }));
   const double acted_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - asked).count();
-  REQUIRE(rig.wait_for([] { return WordRig::is(bench::RunState::kPaused); }));
+  REQUIRE(comes_true([] { return WordRig::is(bench::RunState::kPaused); }));
   CHECK(rig.psi() < 1.0);
   CHECK(rig.say("pause").code == 2);
   CHECK_THAT(rig.run({"pause"}).err, Catch::Contains("TB-RUN-WORD"));
@@ -168,7 +161,7 @@ TEST_CASE("control: Ctrl-C once pauses, once more after a resume pauses again, a
   for (int i = 0; i < 2; ++i) {
     REQUIRE(rig.wait_pressure());
     run->signal(SIGINT);
-    REQUIRE(rig.wait_for([] { return WordRig::is(bench::RunState::kPaused); }));
+    REQUIRE(comes_true([] { return WordRig::is(bench::RunState::kPaused); }));
     CHECK(rig.psi() < 1.0);
     if (i == 0) CHECK(rig.say("resume").code == 0);
   }
@@ -185,7 +178,7 @@ TEST_CASE("control: Ctrl-C twice and a request to terminate end a run under pres
   REQUIRE(rig.wait_pressure());
   run->signal(signal);
   if (times == 2) {  // two signals at once may be one
-    REQUIRE(rig.wait_for([] { return WordRig::is(bench::RunState::kPausing); }));
+    REQUIRE(comes_true([] { return WordRig::is(bench::RunState::kPausing); }));
     run->signal(signal);
   }
   CHECK(run->wait() == code);
@@ -214,8 +207,7 @@ TEST_CASE("control: commands without a run, to one of two runs and to another be
         folder.path(), program, db);
     runs.push_back(std::make_unique<ChildProcess>(std::vector<std::string>{"/bin/sh", "-c", line}));
   }
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kPatience);
-  while (live_runs().size() < 2 && std::chrono::steady_clock::now() < end) usleep(5000);
+  REQUIRE(comes_true([] { return live_runs().size() == 2; }));
   const Finished both = say({"stop"});
   CHECK(both.code == 2);
   CHECK_THAT(both.err, Catch::Contains("TB-RUN-AMBIGUOUS") && Catch::Contains("one.db") && Catch::Contains("two.db"));

@@ -5,8 +5,8 @@
 
 #include "bench/rig/rig.h"
 #include "bench/safety/safe_state.h"
+#include "tests/bench/run/quick_store.h"
 #include "tests/support/live_runs.h"
-#include "tests/support/process.h"
 #include "tests/support/small_run.h"
 
 using namespace tactbench;
@@ -33,8 +33,7 @@ void resume_each_pause(const std::string& socket) {
 TEST_CASE("control: a run may pause at the end of every branch, whatever its load there") {
   const auto& [recipe, branches] = GENERATE(table<std::string, int>({{kLevels, 4}, {press_text(1), 2}}));
   INFO(recipe);
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  QuickStore store;
   bench::RunRequest request = small_request();
   request.recipes = {recipe_of(recipe)};
   request.assume_yes = true;

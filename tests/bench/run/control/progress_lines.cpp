@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
-#include <cstdio>
 #include <functional>
 #include <optional>
 #include <string>
@@ -14,7 +13,7 @@
 #include "bench/run/control/control.h"
 #include "bench/run/control/progress.h"
 #include "bench/run/control/status_board.h"
-#include "tests/support/process.h"
+#include "tests/bench/cli/verb_here.h"
 #include "tests/support/variable.h"
 
 using namespace tactbench;
@@ -43,14 +42,9 @@ class StandardErrorTo {
 };
 
 std::string said_by(const std::function<void()>& act) {
-  const TemporaryFolder folder;
-  const int file = ::open(folder.path("said").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
-  {
-    const StandardErrorTo elsewhere(file);
-    act();
-  }
-  ::close(file);
-  return read_file(folder.path("said"));
+  Captured said(stderr);
+  act();
+  return said.text();
 }
 
 RunStatus status_with_estimate() {

@@ -18,6 +18,7 @@ TEST_CASE("signals: each but Ctrl-C asks for the end at once, with its own exit 
                                                         {SIGVTALRM, 154},
                                                         {SIGPROF, 155},
                                                         {SIGIO, 157},
+                                                        {SIGPWR, 158},
                                                         {64, 192}}));
   const auto before = std::signal(SIGHUP, SIG_DFL);  // the tests may run under nohup
   {

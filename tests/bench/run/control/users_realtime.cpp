@@ -86,7 +86,7 @@ class Stranger {
 
 }  // namespace
 
-TEST_CASE("users: only root, the run's own user and members of the group command a run") {
+TEST_CASE("users: who may command a run") {
   const Users users;
   if (!users.can()) return;
   struct Row {

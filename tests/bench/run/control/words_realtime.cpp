@@ -1,19 +1,16 @@
-// Commands, locks and runs between processes: a stopped process, separate logins, two processes that want the same run.
+// Commands to runs in other processes, one of which is stopped.
 #include <signal.h>
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
 #include <chrono>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "bench/run/control/machine_name.h"
 #include "tests/support/endless_run.h"
-#include "tests/support/served_rig.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
-using bench::Command;
 
 namespace {
 
@@ -70,72 +67,4 @@ TEST_CASE("commands: a stopped run with a full queue is named, and commands to a
     return (code = frozen.process().ended_within(std::chrono::milliseconds(50))).has_value();
   }));
   CHECK(code == 4);
-}
-
-TEST_CASE("commands: another login finds the run of a rig, and is refused the rig") {
-  ServedRig rig(10.0);
-  write_file(rig.folder.path("long.toml"),
-             "schema = 1\nname = \"long\"\nunit = \"psi\"\nturning_points = [0, 8, 0]\nstep = 2\nrepeats = 1000\n");
-  write_file(rig.folder.path("short.toml"),
-             "schema = 1\nname = \"short\"\nunit = \"psi\"\nturning_points = [0, 8, 0]\nstep = 4\n");
-  // As sudo, cron, su and a second seat differ, on the machine's own names.
-  const auto login = [&](const std::string& name, const std::string& words) {
-    return fmt::format(
-        "cd '{0}' && mkdir -p -m 0700 {1} && exec env -u TACTBENCH_RUNTIME_DIR HOME='{0}/{1}' XDG_STATE_HOME='{0}/{1}' "
-        "XDG_RUNTIME_DIR='{0}/{1}' TMPDIR='{0}/{1}' '{2}' {3}",
-        rig.folder.path(), name, program_path(), words);
-  };
-  const std::string start = "run long.toml --bench bench.toml --sensor S-1 --operator t -q --no-seating";
-  ChildProcess first({"/bin/sh", "-c", login("a", start + " >>log 2>&1")});
-  const auto as_other = [&](const std::string& words) {
-    return run_program("/bin/sh", {"-c", login("b", words)}, rig.folder.path());
-  };
-  REQUIRE(
-      comes_true([&] { return as_other("resume --bench bench.toml").err.find("TB-RUN-WORD") != std::string::npos; }));
-  const Finished refused = as_other(start + " --db other.db");
-  CHECK(refused.code == 2);
-  CHECK_THAT(refused.err, Catch::Contains("TB-BENCH-LOCKED") && Catch::Contains("run 1 of "));
-  const Finished same_store =
-      as_other("run short.toml --bench simulated.toml --sensor S-1 --operator t -q --no-seating");
-  INFO(same_store.err);
-  CHECK(same_store.code == 0);
-  CHECK(as_other("stop --bench " + rig.bench_id).code == 0);
-  CHECK(first.wait() == 4);
-  const auto row = [&](const char* number) {
-    return nlohmann::json::parse(rig.run({"runs", "show", number, "--json"}).out)["outcome"];
-  };
-  CHECK(row("1") == "stopped");  // and not interrupted by the start of run 2
-  CHECK(row("2") == "completed");
-  CHECK(rig.run({"verify", "1"}).code == 0);
-}
-
-TEST_CASE("resume: of two at once one continues, the other is refused, and the record is intact") {
-  for (int turn = 0; turn < 3; ++turn) {
-    EndlessRun run("resumed");
-    REQUIRE(run.lives());
-    run.process().signal(SIGKILL);
-    (void)run.process().wait();
-    std::vector<std::unique_ptr<ChildProcess>> both;
-    for (int i = 0; i < 2; ++i) {
-      both.push_back(std::make_unique<ChildProcess>(std::vector<std::string>{
-          "/bin/sh", "-c",
-          fmt::format("cd '{}' && exec '{}' resume 1 -q >>resumed-{} 2>&1", run.folder.path(), program_path(), i)}));
-    }
-    std::optional<int> codes[2];
-    REQUIRE(comes_true([&] {
-      for (int i = 0; i < 2; ++i)
-        if (!codes[i]) codes[i] = both[i]->ended_within(std::chrono::milliseconds(1));
-      return codes[0] || codes[1];
-    }));
-    const int refused = codes[0] ? 0 : 1;
-    CHECK(codes[refused] == 2);
-    CHECK_THAT(read_file(run.folder.path(fmt::format("resumed-{}", refused))),
-               Catch::Contains("TB-RUN-LIVE") || Catch::Contains("TB-RUN-WORD"));
-    REQUIRE(comes_true([&] { return !run.say_to_it().answers.empty(); }));
-    CHECK(run.say_to_it(Command::kStop).answers.size() == 1);
-    CHECK(both[1 - refused]->wait() == 4);
-    const Finished verified = run_program(program_path(), {"verify", "1"}, run.folder.path());
-    INFO(verified.out << verified.err);
-    CHECK(verified.code == 0);
-  }
 }

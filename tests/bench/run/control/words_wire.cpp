@@ -42,6 +42,20 @@ struct Frozen {
   std::vector<int> waiting;
 };
 
+// Holds its name, and answers nobody yet.
+struct Unserved {
+  Unserved(const std::string& id, RunState state) : name(id) {
+    REQUIRE(name.held());
+    config.id = id;
+    RunStatus status;
+    status.state = state;
+    control.publish(status);
+  }
+  MachineName name;
+  BenchConfig config;
+  Control control;
+};
+
 double seconds_of(const std::function<void()>& work) {
   const auto begun = std::chrono::steady_clock::now();
   work();
@@ -108,38 +122,22 @@ TEST_CASE("commands: silent clients delay no command, whatever their number") {
 }
 
 TEST_CASE("commands: a client disconnected before its command was read succeeds at the next try") {
-  BenchConfig config;
-  config.id = "crowded";
-  Control control;
-  RunStatus status;
-  status.run = 5;
-  status.state = RunState::kRunning;
-  control.publish(status);
-  const MachineName name("crowded");
-  REQUIRE(name.held());
+  Unserved run("crowded", RunState::kRunning);
   std::optional<LiveRun> answer;
   std::thread client([&] { answer = send_command("crowded", Command::kPanic); });
-  pollfd waiting{name.descriptor(), POLLIN, 0};
+  pollfd waiting{run.name.descriptor(), POLLIN, 0};
   CHECK(poll(&waiting, 1, 10'000) == 1);
-  close(accept(name.descriptor(), nullptr, nullptr));
-  const ControlSocket socket(config, control, 5, &name);
+  close(accept(run.name.descriptor(), nullptr, nullptr));
+  const ControlSocket socket(run.config, run.control, 5, &run.name);
   client.join();
   REQUIRE(answer);
   CHECK(answer->taken);
   const StopRequest signals;
-  CHECK(control.asked(signals)->command == Command::kPanic);
+  CHECK(run.control.asked(signals)->command == Command::kPanic);
 }
 
 TEST_CASE("commands: a resume whose sender has hung up is ignored, a panic still ends the run") {
-  BenchConfig config;
-  config.id = "thawed";
-  Control control;
-  RunStatus status;
-  status.run = 4;
-  status.state = RunState::kPaused;
-  control.publish(status);
-  const MachineName name("thawed");
-  REQUIRE(name.held());
+  Unserved run("thawed", RunState::kPaused);
   const auto leave_behind = [&](const std::string& word) {
     const int client = connect_to_name("thawed");
     REQUIRE(client >= 0);
@@ -148,14 +146,14 @@ TEST_CASE("commands: a resume whose sender has hung up is ignored, a panic still
   };
   leave_behind("resume");
   {
-    const ControlSocket socket(config, control, 4, &name);
+    const ControlSocket socket(run.config, run.control, 4, &run.name);
     REQUIRE(send_command("thawed", Command::kStatus));  // after the one that waited
-    CHECK_FALSE(control.take_resume());
+    CHECK_FALSE(run.control.take_resume());
     leave_behind("panic");
     REQUIRE(send_command("thawed", Command::kStatus));
   }
   const StopRequest signals;
-  const auto asked = control.asked(signals);
+  const auto asked = run.control.asked(signals);
   REQUIRE(asked);
   CHECK(asked->command == Command::kPanic);
 }

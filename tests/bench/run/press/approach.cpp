@@ -11,7 +11,6 @@ using namespace tactbench;
 using namespace tactbench::tests;
 using bench::ContactPoint;
 using devices::fault_id_of;
-using devices::fault_of;
 using std::chrono::milliseconds;
 
 TEST_CASE("approach on an ideal stage: down, back off, up in steps, each number by hand") {
@@ -71,10 +70,8 @@ TEST_CASE("approach on an ideal stage: the force allowed before the search is ex
   CHECK(at(-0.09) == "none");
   // After the way to clear the same holds.
   IdealBed on_the_way([](double z_mm) { return z_mm > 9.9 ? 0.15 : 0.0; });
-  const auto fault = fault_of([&] { (void)bench::find_contact(on_the_way.axis, 10.0); });
-  REQUIRE(fault);
-  CHECK(fault->id() == "TB-PRESS-NOT-FREE");
-  CHECK_THAT(fault->what(), Catch::Contains("0.15 N") && Catch::Contains("10.000 mm") && Catch::Contains("0.1 N"));
+  check_press_fault([&] { (void)bench::find_contact(on_the_way.axis, 10.0); }, "TB-PRESS-NOT-FREE",
+                    {"0.15 N", "10.000 mm", "0.1 N"});
   IdealBed lost(spring(20.0));
   lost.stage.homed = false;
   CHECK(fault_id_of([&] { (void)bench::find_contact(lost.axis, 10.0); }) == "TB-PRESS-NOT-HOMED");
@@ -115,11 +112,9 @@ TEST_CASE(
 TEST_CASE(
     "approach on an ideal stage: without contact it ends at the deepest z, or a back-off beyond the first touch") {
   IdealBed nothing([](double) { return 0.0; });
-  const auto fault = fault_of([&] { (void)bench::find_contact(nothing.axis, 10.0); });
-  REQUIRE(fault);
-  CHECK(fault->id() == "TB-PRESS-NO-CONTACT");
+  check_press_fault([&] { (void)bench::find_contact(nothing.axis, 10.0); }, "TB-PRESS-NO-CONTACT",
+                    {"0.000", "14.000 mm", "0.1 N"});
   CHECK(nothing.stage.z_mm() == 14.0);
-  CHECK_THAT(fault->what(), Catch::Contains("0.000") && Catch::Contains("14.000 mm") && Catch::Contains("0.1 N"));
   // What was touched once is gone: looked for up to 0.1 mm beyond, in steps.
   IdealBed gone(spring(20.0));
   int looks = 0;
@@ -146,10 +141,7 @@ TEST_CASE("approach on an ideal stage: a single reading is no contact, and the s
   };
   CHECK(bench::find_contact(shock.axis, 10.0).coarse_z_mm == Approx(12.02));
   IdealBed pulls([](double z_mm) { return -20.0 * std::max(0.0, z_mm - 12.0); });
-  const auto fault = fault_of([&] { (void)bench::find_contact(pulls.axis, 10.0); });
-  REQUIRE(fault);
-  CHECK(fault->id() == "TB-PRESS-SIGN");
-  CHECK_THAT(fault->what(), Catch::Contains("0.40 N"));
+  check_press_fault([&] { (void)bench::find_contact(pulls.axis, 10.0); }, "TB-PRESS-SIGN", {"0.40 N"});
 }
 
 TEST_CASE("approach on an ideal stage: stiffness keeps within its bounds, the greatest force is that of the way") {

@@ -14,6 +14,7 @@
 #include "bench/common/process_time.h"
 #include "bench/run/press/press_axis.h"
 #include "devices/fault.h"
+#include "tests/devices/fault_of.h"
 
 namespace tactbench::tests {
 
@@ -151,6 +152,16 @@ inline bench::PressOptions ideal_options() {
 // Surface at z = 12 mm.
 inline IdealForce::Law spring(double n_per_mm) {
   return [=](double z_mm) { return n_per_mm * std::max(0.0, z_mm - 12.0); };
+}
+
+// A fault with this id that names these numbers.
+template <class Act>
+void check_press_fault(Act&& act, const std::string& id, const std::vector<std::string>& numbers) {
+  const auto fault = devices::fault_of(act);
+  REQUIRE(fault);
+  CHECK(fault->id() == id);
+  INFO(fault->what());
+  for (const std::string& number : numbers) CHECK(std::string(fault->what()).find(number) != std::string::npos);
 }
 
 // All that PressAxis needs, and what it told.

@@ -11,58 +11,8 @@ using bench::Branch;
 using bench::PressOptions;
 using devices::fault_id_of;
 
-TEST_CASE("approach: no contact, a force before the start and the wrong sign each have their own error") {
-  SECTION("nothing there") {
-    PressRig rig([](double) { return 0.0; });
-    CHECK(fault_id_of([&] { (void)rig.press->approach(); }) == "TB-PRESS-NO-CONTACT");
-    CHECK(rig.z_mm() == Approx(14.0).margin(1e-4));
-    CHECK(rig.press->retract().verified);
-    CHECK(rig.z_mm() == Approx(10.0).margin(1e-4));
-  }
-  SECTION("the tip no longer follows the stage") {
-    PressRig rig([](double z_mm) { return elastic(20.0)(std::min(z_mm, kSurfaceMm - 0.5)); });
-    CHECK(fault_id_of([&] { (void)rig.press->approach(); }) == "TB-PRESS-NO-CONTACT");
-  }
-  SECTION("a force before the start") {
-    PressRig rig(elastic(20.0));
-    rig.port.offset_n = 0.4;  // never tared
-    CHECK(fault_id_of([&] { (void)rig.press->approach(); }) == "TB-PRESS-NOT-FREE");
-    CHECK(rig.z_mm() == Approx(0.0).margin(1e-4));
-  }
-  SECTION("the wrong sign") {
-    PressRig rig(elastic(20.0), small_press(), {}, 1.0);
-    CHECK(fault_id_of([&] { (void)rig.press->approach(); }) == "TB-PRESS-SIGN");
-    CHECK(rig.z_mm() < kSurfaceMm + 0.1);
-  }
-}
-
-TEST_CASE("press: a servo without effect stops at its bounds") {
-  SECTION("the tip stays behind") {
-    PressRig rig([](double z_mm) { return elastic(20.0)(std::min(z_mm, kSurfaceMm + 0.2)); });
-    (void)rig.press->approach();
-    CHECK_FALSE(rig.go(2.0, Branch::kLoading).broken);
-    CHECK(fault_id_of([&] { (void)rig.go(10.0, Branch::kLoading); }) == "TB-PRESS-NO-FORCE");
-    CHECK(rig.z_mm() <= 14.0);
-    CHECK(rig.press->retract().verified);
-  }
-  SECTION("too few moves") {
-    PressOptions options = small_press();
-    options.most_moves = 2;
-    PressRig rig(elastic(20.0), options);
-    (void)rig.press->approach();
-    CHECK(fault_id_of([&] { (void)rig.go(10.0, Branch::kLoading); }) == "TB-PRESS-TIMEOUT");
-  }
-  SECTION("too little time") {
-    PressOptions options = small_press();
-    options.level_timeout_s = 0.5;
-    PressRig rig(elastic(20.0), options);
-    (void)rig.press->approach();
-    CHECK(fault_id_of([&] { (void)rig.go(10.0, Branch::kLoading); }) == "TB-PRESS-TIMEOUT");
-  }
-}
-
 TEST_CASE("press: the force limit halts the stage in the middle of a move") {
-  PressOptions options = small_press();
+  PressOptions options = ideal_options();
   options.force_limit_n = 12.0;
   // Soft, then a wall that no step expects.
   PressRig rig(
@@ -85,7 +35,7 @@ TEST_CASE("press: the force limit halts the stage in the middle of a move") {
 
 TEST_CASE("press: a silent sensor, an unplugged stage and a request to stop leave the axis standing") {
   SECTION("the sensor falls silent while z goes down") {
-    PressRig rig(elastic(20.0), small_press(), {.silent_after_records = 800});
+    PressRig rig(spring(20.0), ideal_options(), {.silent_after_records = 800});
     CHECK(fault_id_of([&] { (void)rig.press->approach(); }) == "TB-FORCE-TIMEOUT");
     CHECK(rig.stage.halts == 1);
     CHECK(rig.z_mm() > 10.0);
@@ -98,7 +48,7 @@ TEST_CASE("press: a silent sensor, an unplugged stage and a request to stop leav
     CHECK(*proof.z_mm == Approx(10.0).margin(1e-3));
   }
   SECTION("the stage is unplugged in contact") {
-    PressRig rig(elastic(20.0));
+    PressRig rig(spring(20.0));
     (void)rig.press->approach();
     CHECK_FALSE(rig.go(6.0, Branch::kLoading).broken);
     rig.zaber.chain.unplug();
@@ -112,7 +62,7 @@ TEST_CASE("press: a silent sensor, an unplugged stage and a request to stop leav
     CHECK(rig.press->retract().verified);
   }
   SECTION("a request to stop comes from the wait") {
-    PressRig rig(elastic(20.0));
+    PressRig rig(spring(20.0));
     int waits = 0;
     rig.on_wait = [&] {
       if (++waits >= 60) throw std::runtime_error("stop");
@@ -122,18 +72,4 @@ TEST_CASE("press: a silent sensor, an unplugged stage and a request to stop leav
     CHECK(rig.press->retract().verified);  // though each wait throws
     CHECK(rig.z_mm() == Approx(10.0).margin(1e-3));
   }
-}
-
-TEST_CASE("retract: never toward the specimen, callable twice, and a z that lost its home goes home") {
-  PressRig rig(elastic(20.0));
-  CHECK(rig.press->retract().verified);
-  CHECK(rig.z_mm() == Approx(0.0).margin(1e-4));  // further off than clear: stays
-  (void)rig.press->approach();
-  CHECK_FALSE(rig.go(6.0, Branch::kLoading).broken);
-  rig.zaber.chain.power_cycle();
-  const bench::RetractProof proof = rig.press->retract();
-  INFO(proof.text);
-  CHECK(proof.verified);
-  CHECK(rig.z_mm() == Approx(0.0).margin(1e-4));
-  CHECK(rig.press->retract().verified);
 }

@@ -12,6 +12,7 @@
 #include "bench/run/press/press.h"
 #include "devices/force/net_ft.h"
 #include "devices/force/simulated_net_ft.h"
+#include "tests/bench/run/press/ideal_press.h"
 #include "tests/devices/stage/zaber_rig.h"
 
 namespace tactbench::tests {
@@ -19,11 +20,7 @@ namespace tactbench::tests {
 // Force (N, 0 or more) for z of the tip; asked by the simulated sensor's thread alone, and may remember.
 using ContactLaw = std::function<double(double z_mm)>;
 
-inline constexpr double kSurfaceMm = 12.0;
-
-inline ContactLaw elastic(double stiffness_n_per_mm) {
-  return [=](double z_mm) { return stiffness_n_per_mm * std::max(0.0, z_mm - kSurfaceMm); };
-}
+inline constexpr double kSurfaceMm = 12.0;  // as spring() of ideal_press.h has it
 
 // F = a d + b d^2, more by `friction` of it while z goes in and less while it comes out, behind play.
 inline ContactLaw cloth(double a, double b, double friction, double play_mm) {
@@ -93,17 +90,8 @@ class RecordingStage final : public devices::Stage {
   devices::Stage& stage_;
 };
 
-inline bench::PressOptions small_press() {
-  bench::PressOptions options;
-  options.clear_z_mm = 10.0;
-  options.clear_mm = 1.0;
-  options.deepest_z_mm = 14.0;
-  options.contact_n = 0.1;
-  return options;
-}
-
 struct PressRig {
-  explicit PressRig(ContactLaw law, bench::PressOptions options = small_press(),
+  explicit PressRig(ContactLaw law, bench::PressOptions options = ideal_options(),
                     devices::SimulatedNetFtFaults faults = {}, double sign = -1.0)
       : port(zaber.chain, std::move(law), sign), server({0, 0, page(), faults}, port), stage(zaber.stage) {
     devices::NetFtOptions net;
@@ -124,7 +112,7 @@ struct PressRig {
   }
   static devices::NetFtPage page() {
     devices::NetFtPage page;
-    page.product = "simulated Net F/T";
+    page.product = "P";
     page.calibration_serial = "FT99901";
     page.range = devices::SixAxes{25.0, 25.0, 35.0, 250.0, 250.0, 250.0};
     return page;

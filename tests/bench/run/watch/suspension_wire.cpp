@@ -6,6 +6,7 @@
 #include "analysis/dataset.h"
 #include "bench/run/time_estimate.h"
 #include "tests/bench/run/finished_run.h"
+#include "tests/bench/run/quick_store.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -25,28 +26,8 @@ bench::RunRequest request_with(double lost_at_s, double lasts_s, double timeout_
 
 }  // namespace
 
-TEST_CASE("suspension: a branch is void while the supply is gone, and done again when it is back") {
-  const FinishedRun run(request_with(45.0, 8.0, 600.0));
-  const bench::RunResult& result = run.result;
-  if (result.error) FAIL(result.error->what());
-  std::string states;
-  for (const db::EventRecord& event : run.store.events(result.run)) {
-    if (event.kind == "state") states += event.detail + "\n";
-  }
-  CHECK_THAT(states, Catch::Contains("running -> suspended: supply_bar") && Catch::Contains("suspended -> running"));
-  int suspended = 0;
-  for (const db::BranchRecord& branch : run.branches) {
-    if (!branch.is_void) continue;
-    ++suspended;
-    CHECK_THAT(branch.void_reason, Catch::StartsWith("suspended: supply_bar"));
-  }
-  CHECK(suspended == 1);
-  CHECK(analysis::load_dataset(run.store, result.run).sequences.at(0).repeats.size() == 2);
-}
-
 TEST_CASE("suspension: a supply that stays away ends the run, which can be resumed") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  QuickStore store;
   const bench::RunResult ended = run_small(request_with(45.0, 1e6, 10.0), store);
   REQUIRE(ended.error);
   CHECK(ended.error->id() == "TB-RUN-SUSPENDED");
@@ -59,10 +40,9 @@ TEST_CASE("suspension: a supply that stays away ends the run, which can be resum
 }
 
 TEST_CASE("suspension: what a run waited is not learned as its recipe's time") {
-  const TemporaryFolder folder;
   std::vector<double> learned;
   for (const double lasts_s : {0.0, 30.0}) {
-    db::RunStore store = db::RunStore::open(folder.path(fmt::format("{:.0f}.db", lasts_s)), db::Durability::kNormal);
+    QuickStore store;
     const bench::RunRequest request = request_with(lasts_s > 0.0 ? 45.0 : 1e6, lasts_s, 600.0);
     const bench::RunResult result = run_small(request, store);
     if (result.error) FAIL(result.error->what());
