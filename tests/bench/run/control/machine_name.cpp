@@ -1,11 +1,8 @@
 // Names that one process at a time holds, and who is at the other end of them.
 #include "bench/run/control/machine_name.h"
 
-#include <grp.h>
-#include <signal.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,13 +10,13 @@
 #include <cerrno>
 #include <chrono>
 #include <filesystem>
-#include <functional>
 
 #include "bench/common/error.h"
 #include "bench/run/control/control_client.h"
 #include "bench/run/control/locks.h"
 #include "bench/run/control/peer.h"
 #include "bench/run/control/run_connection.h"
+#include "tests/bench/run/control/apart.h"
 #include "tests/support/process.h"
 #include "tests/support/refusal.h"
 #include "tests/support/variable.h"
@@ -30,52 +27,6 @@ using namespace tactbench::tests;
 using std::chrono::milliseconds;
 
 namespace {
-
-constexpr uid_t kNobodyHere = 65534;
-constexpr gid_t kGroupHere = 54321;
-
-// A process of its own, which lives until the object goes; `stay`, called by its work, says that all is ready.
-using Stay = std::function<void()>;
-
-class Apart {
- public:
-  explicit Apart(const std::function<void(const Stay&)>& work) {
-    REQUIRE(pipe(ends_) == 0);
-    child_ = fork();
-    if (child_ == 0) {
-      try {
-        work([this] {
-          (void)!write(ends_[1], "x", 1);
-          for (;;) pause();
-        });
-      } catch (...) {
-      }
-      _exit(1);
-    }
-    close(ends_[1]);
-    char byte = 0;
-    ready_ = read(ends_[0], &byte, 1) == 1;
-  }
-  ~Apart() {
-    kill(child_, SIGKILL);
-    waitpid(child_, nullptr, 0);
-    close(ends_[0]);
-  }
-  Apart(const Apart&) = delete;
-  Apart& operator=(const Apart&) = delete;
-  [[nodiscard]] bool ready() const { return ready_; }
-  [[nodiscard]] pid_t process() const { return child_; }
-
- private:
-  int ends_[2] = {-1, -1};
-  pid_t child_ = -1;
-  bool ready_ = false;
-};
-
-void become_nobody(gid_t group) {
-  if (setgroups(1, &group) != 0 || setgid(kNobodyHere) != 0 || setuid(kNobodyHere) != 0)
-    throw std::runtime_error("no rights");
-}
 
 template <class Work>
 std::string refusal_of(const Work& work) {

@@ -1,15 +1,14 @@
 // Who may do what, as the table of docs/safety.md says: other users of the machine against a run, on the machine's own
 // names. Other users, and a group of their own for members, take root's rights; without them the tests say that they
 // were skipped.
-#include <grp.h>
-#include <signal.h>
 #include <sys/socket.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
+#include <thread>
 
 #include "bench/run/control/machine_name.h"
+#include "tests/bench/run/control/apart.h"
 #include "tests/support/endless_run.h"
 #include "tests/support/variable.h"
 
@@ -18,7 +17,7 @@ using namespace tactbench::tests;
 
 namespace {
 
-constexpr int kOwner = 5, kOther = 65534, kGroup = 54321;
+constexpr int kOwner = 5, kOther = kNobodyHere, kGroup = kGroupHere;
 
 // Shell words before a program: another user, the group's member or not, on a machine that has such a group. `own`: a
 // folder for what the user keeps.
@@ -49,39 +48,24 @@ struct Users {
 };
 
 // Another user's process that holds a name and answers whoever asks that it is a run on `bench` and takes all.
-class Stranger {
- public:
-  Stranger(const std::string& name, const std::string& bench) {
-    int ends[2];
-    REQUIRE(pipe(ends) == 0);
-    process_ = fork();
-    if (process_ == 0) answer_for_ever(name, bench, ends[1]);
-    char byte = 0;
-    REQUIRE(read(ends[0], &byte, 1) == 1);
-    close(ends[0]);
-    close(ends[1]);
+struct Stranger : Apart {
+  Stranger(const std::string& what, const std::string& bench)
+      : Apart([&](const Stay& stay) {
+          become_nobody(kNobodyHere);
+          const bench::MachineName name(what);
+          const std::string lie = fmt::format(
+              R"({{"bench":"{}","taken":true,"run":1,"state":"running","store":"x.db","text":"run 1"}})", bench);
+          std::thread([&] {
+            for (;;) {
+              const int client = accept4(name.descriptor(), nullptr, nullptr, SOCK_CLOEXEC);
+              if (client >= 0) (void)send(client, lie.data(), lie.size(), MSG_NOSIGNAL);
+              if (client < 0) usleep(1000);
+            }
+          }).detach();
+          stay();
+        }) {
+    REQUIRE(ready());
   }
-  ~Stranger() {
-    kill(process_, SIGKILL);
-    waitpid(process_, nullptr, 0);
-  }
-  Stranger(const Stranger&) = delete;
-  Stranger& operator=(const Stranger&) = delete;
-
- private:
-  [[noreturn]] static void answer_for_ever(const std::string& what, const std::string& bench, int ready) {
-    if (setgroups(0, nullptr) != 0 || setgid(kOther) != 0 || setuid(kOther) != 0) _exit(1);
-    const bench::MachineName name(what);
-    const std::string lie = fmt::format(
-        R"({{"bench":"{}","taken":true,"run":1,"state":"running","store":"x.db","text":"run 1 ends: vented"}})", bench);
-    (void)!write(ready, "x", 1);
-    for (;;) {
-      const int client = accept4(name.descriptor(), nullptr, nullptr, SOCK_CLOEXEC);
-      if (client >= 0) (void)send(client, lie.data(), lie.size(), MSG_NOSIGNAL);
-      if (client < 0) usleep(1000);
-    }
-  }
-  pid_t process_ = -1;
 };
 
 }  // namespace
