@@ -48,7 +48,7 @@ inline void store_run(db::RunStore& store, const std::vector<sequences::Recipe>&
   const auto tell = [&](const std::string& kind, const std::string& detail) {
     store.append_event(number, {static_cast<std::int64_t>(now * 1e9), kind, "", detail});
   };
-  tell("state", "prepared -> running: devices open, chamber unloaded");
+  tell("state", "prepared -> running: x");
   if (past.prompt_s > 0.0) {
     tell("state", "running -> pausing: for the operator");
     tell("state", "pausing -> paused: x");
