@@ -123,13 +123,4 @@ TEST_CASE("ELAM by hand: a fit's figures are over all samples but each branch's 
   CHECK((turn(false, 59.41).x == 60.0 && turn(false, 59.41).y == 1.0));
   CHECK((turn(false, 59.39).x == 59.39 && turn(false, 59.39).y == 0.25));
   CHECK(turn(true, 60.0).x == 60.0);
-  // Three at one place: the mean, and what they differ by: twice 0.2 from it.
-  const std::vector<TaxelBranch> thrice = {
-      {true, {0, 30}, {0, -0.1}}, {true, {0, 30}, {0, 0.1}}, {true, {0, 30}, {0, 0.3}}, {false, {60, 30}, {1, 0}}};
-  const ElamSamples samples = collect_samples(model, thrice);
-  REQUIRE(samples.ascending.size() == 1);
-  CHECK(samples.ascending[0].y[0] == Approx(0.1));
-  CHECK(samples.ascending[0].weight[0] == 3.0);
-  CHECK(samples.ascending_constant == Approx(0.04 + 0.04));
-  CHECK(samples.descending_constant == 0.0);
 }

@@ -3,10 +3,10 @@
 
 #include <catch2/catch.hpp>
 #include <limits>
-#include <stdexcept>
 #include <string>
 
 #include "analysis/identify/sensor_model.h"
+#include "tests/analysis/identify/refusals.h"
 
 using namespace tactbench::analysis;
 
@@ -23,12 +23,7 @@ FitData up_and_down() {
 }
 
 std::string samples_refused(const FitData& data, bool one_way = false) {
-  try {
-    const FitSamples samples(data, one_way);
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return {};
+  return why_invalid([&] { return FitSamples(data, one_way); });
 }
 
 }  // namespace
@@ -105,11 +100,7 @@ TEST_CASE("samples of a fit by hand: outputs are taken of the same inputs and br
   const auto refused = [&](const auto& change) {
     FitData data = up_and_down();
     change(data);
-    try {
-      return samples.outputs(data).size() == 8 ? std::string() : std::string("another number");
-    } catch (const std::invalid_argument& error) {
-      return std::string(error.what());
-    }
+    return why_invalid([&] { REQUIRE(samples.outputs(data).size() == 8); });
   };
   CHECK(refused([](FitData& d) { d.histories[0].y[1] = 7.0; }).empty());
   CHECK_FALSE(refused([](FitData& d) { d.histories.pop_back(); }).empty());

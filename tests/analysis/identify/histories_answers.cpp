@@ -5,6 +5,7 @@
 #include "analysis/error.h"
 #include "analysis/identify/elam/repeats.h"
 #include "analysis/identify/histories.h"
+#include "tests/analysis/identify/refusals.h"
 
 using namespace tactbench::analysis;
 
@@ -78,15 +79,10 @@ TEST_CASE("the mean taxel by hand: outputs, noise and turn of those that can be 
   other.taxels[1].fit[0].x[1] = 49.0;
   finish(other);
   CHECK(other.taxels.size() == 3);
-  try {
-    (void)mean_taxel_of(other);
-    FAIL("no mean, and not refused");
-  } catch (const AnalysisError& error) {
-    CHECK(error.id() == "TB-ANALYSIS-NO-TAXEL");
-  }
+  CHECK(id_of_refusal([&] { return mean_taxel_of(other); }) == "TB-ANALYSIS-NO-TAXEL");
   Histories none = of_three();
   for (TaxelHistories& taxel : none.taxels) taxel.status = TaxelStatus::kDead;
-  CHECK_THROWS_AS(finish(none), AnalysisError);
+  CHECK(id_of_refusal([&] { finish(none); }) == "TB-ANALYSIS-NO-TAXEL");
 }
 
 TEST_CASE("the loop of a mean by hand: of each taxel's own loop, where they have the same inputs") {
@@ -117,12 +113,7 @@ TEST_CASE(
   };
   CHECK(inputs({}) == std::vector<double>{1, 2, 3});
   CHECK(inputs({"b", "a"}) == std::vector<double>{2, 1, 3});
-  try {
-    (void)named(histories, {"a", "c"});
-    FAIL_CHECK("accepted");
-  } catch (const AnalysisError& error) {
-    CHECK_THAT(error.what(), Catch::Contains("\"c\""));
-  }
+  CHECK(id_of_refusal([&] { return named(histories, {"a", "c"}); }) == "TB-MODEL-SEQUENCE");
   const Span span = span_of({{"a", {4, 7}, {}, {}, {}, {}}, {"b", {9, -1}, {}, {}, {}, {}}}, &History::x);
   CHECK((span.low == -1.0 && span.high == 9.0 && span.length() == 10.0));
 }

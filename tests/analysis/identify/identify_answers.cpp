@@ -1,5 +1,8 @@
 // What models are told of their data: validity, folds, taxels' states and stored fits, by hand.
 #include <catch2/catch.hpp>
+#include <string>
+#include <tuple>
+#include <utility>
 
 #include "analysis/identify/folds.h"
 #include "analysis/identify/sensor_model.h"
@@ -20,8 +23,11 @@ SensorModel valid_within() {
 }
 
 std::size_t outside_of(const SensorModel& model, const std::vector<double>& x, const std::vector<double>& time_s,
-                       const std::vector<double>& held_s, double celsius = 21.0) {
+                       const std::vector<double>& held_s, double celsius = 21.0,
+                       const std::pair<std::string, std::string>& serials = {}) {
   Histories used;
+  used.sensor_serial = serials.first;
+  used.scanner_serial = serials.second;
   used.temperatures_c = {celsius};
   TaxelHistories dead, own;
   dead.status = TaxelStatus::kDead;
@@ -72,6 +78,14 @@ TEST_CASE("validity bounds: inputs by 2 % of the range, holds and rates by a ten
   CHECK(at(23.01) == 1);
   // Of what is not known nothing is said.
   CHECK(outside_of(SensorModel(), {-99, 999}, {0, 1}, {0, 999}, 99) == 0);
+  SensorModel sensor = valid_within();
+  sensor.sensor_serial = "A";
+  sensor.scanner_serial = "C";
+  for (const auto& [own, other, outside] :
+       {std::tuple{"A", "C", 0U}, {"B", "C", 1U}, {"A", "D", 1U}, {"B", "D", 2U}, {"", "", 0U}}) {
+    CAPTURE(own, other);
+    CHECK(outside_of(sensor, {10, 20}, {0, 5}, {2, 2}, 21.0, {own, other}) == outside);
+  }
 }
 
 TEST_CASE("folds by hand: branches that begin more than 1 % of the range from an end are dealt in turn") {

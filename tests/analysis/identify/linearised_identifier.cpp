@@ -3,10 +3,7 @@
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
-#include <set>
 
-#include "analysis/identify/congruency.h"
-#include "analysis/identify/folds.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/models/linearised.h"
 #include "tests/analysis/support/dynamic_plant.h"
@@ -16,23 +13,6 @@ using namespace synthetic;
 namespace {
 
 const LinearisedModel& linearised_in(const ModelFit& fit) { return dynamic_cast<const LinearisedModel&>(*fit.model); }
-
-// Preisach, but one of half the output where the data are told to be linearised.
-class BadWhenLinearised final : public Identifier {
- public:
-  BadWhenLinearised(const FitData& like, double above) : inner_(prepare("preisach", like)), above_(above) {}
-  [[nodiscard]] ModelFit fit(const FitData& data) const override {
-    FitData own = data;
-    if (data.ascending.y().back() > above_)
-      for (History& history : own.histories)
-        for (double& y : history.y) y *= 0.5;
-    return inner_->fit(own);
-  }
-
- private:
-  std::unique_ptr<Identifier> inner_;
-  double above_;
-};
 
 const LinearisedModel& plant() {
   static const LinearisedModel model({0.02, 1.0 / 3.3}, std::make_unique<PreisachModel>(film_of(29, 30)));
@@ -78,15 +58,6 @@ TEST_CASE("the divider of a plant is found, and without one the model is the pla
       CHECK(predict(model, way) == predict(*plain.model, way));
     }
   }
-}
-
-TEST_CASE("a divider that makes a model worse on branches that were held out stays off", "[linearise]") {
-  const FitData data = two_sequences(plant());
-  REQUIRE(find_divider(data).divider.per_amplitude > 0.0);
-  const double above = 1.01 * data.ascending.y().back();
-  const PrepareInner bad = [&](const FitData& like) { return std::make_unique<BadWhenLinearised>(like, above); };
-  CHECK(linearised_in(prepare_linearised(data, false, true, bad)->fit(data)).divider().per_amplitude == 0.0);
-  CHECK(linearised_in(prepare_linearised(data, false, false, bad)->fit(data)).divider().per_amplitude > 0.0);
 }
 
 TEST_CASE("models on the linearised output are kept and read with their c, and others as before", "[linearise]") {

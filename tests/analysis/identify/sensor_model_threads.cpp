@@ -4,7 +4,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "analysis/identify/stored/array_stream.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/statistics/conformity/verdict.h"
 #include "tests/analysis/support/synthetic.h"
@@ -67,35 +66,4 @@ TEST_CASE("a model of any kind stored as a document judges as the one that was f
     CHECK(back.mean_taxel().full_scale() == fit.mean_taxel().full_scale());
     CHECK(evaluate(held_out, back).mean_error_psi == evaluate(held_out, fit).mean_error_psi);
   }
-}
-
-TEST_CASE("frames are streamed by any model: taxels without one are dead, lost samples are named") {
-  const Dataset data = array_run(1);
-  SensorModel fit = fit_array(data, by("gpi"));
-  fit.taxels[1].status = TaxelStatus::kStuck;
-  ArrayStream stream(fit, 1e-4, 1.0, 10);
-  REQUIRE(stream.taxels() == 2);
-  std::vector<float> pressure(2), uncertainty(2);
-  std::vector<std::uint16_t> status(2);
-  const ArrayStream::Output output{pressure, uncertainty, status};
-  double sum = 0.0, frames = 0.0;
-  for (const Repeat& repeat : data.sequences.front().repeats) {
-    for (std::size_t i = 0; i < repeat.steps.size(); ++i) {
-      const std::vector<float> volts{static_cast<float>(repeat.volts[2 * i]), 0.0F};
-      stream.frame(volts, output);
-      sum += std::abs(static_cast<double>(pressure[0]) - repeat.steps[i].reference_psi);
-      frames += 1.0;
-      CHECK(status[1] == kTaxelDead);
-    }
-  }
-  CHECK(sum / frames < 5.0);
-  CHECK((status[0] & kTaxelValid) != 0);
-  const float last = pressure[0];
-  stream.lost_frame(output);
-  CHECK(status[0] == kTaxelLost);
-  CHECK(pressure[0] == last);
-  stream.set_outside_validity(true);
-  stream.frame(std::vector<float>{1.0F, 0.0F}, output);
-  CHECK((status[0] & kTaxelOutside) != 0);
-  CHECK((status[0] & kTaxelValid) == 0);
 }

@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "analysis/error.h"
 #include "analysis/identify/histories.h"
+#include "tests/analysis/identify/refusals.h"
 
 using namespace tactbench::analysis;
 
@@ -80,12 +80,7 @@ TEST_CASE("doubts: a dead band of more than 2 % of the span, of the taxel where 
 
 TEST_CASE("tables that are too short, constant, or whose turn is as wide as the inputs are refused") {
   const auto refused = [](const std::vector<TableSeries>& series, double turn = 0.0) {
-    try {
-      (void)doubts_of(series, turn);
-    } catch (const AnalysisError& error) {
-      return error.id();
-    }
-    return std::string();
+    return id_of_refusal([&] { return doubts_of(series, turn); });
   };
   CHECK(refused({doubtful_series("a", {0, 1, 2, 0})}).empty());
   CHECK(refused({doubtful_series("a", {0, 1, 2})}) == "TB-TABLE-SHORT");
@@ -149,7 +144,7 @@ TEST_CASE("turns of a table by hand: a stated size, and 0 is one, is that of seq
   CHECK(branches_with(-1.0) == 2);  // the sequence's own noise
 }
 
-TEST_CASE("inputs that jump are told with their noise, and where turns are counted from") {
+TEST_CASE("inputs that jump are told with their noise, and their turns are the least") {
   // 0 10 0 10 ...: the first differences are 10 over sqrt 2, less than those of any other order; 73.4 are seven noises.
   TableSeries series{"a", 0, {}, {}};
   for (int i = 0; i < 60; ++i) {

@@ -102,21 +102,6 @@ TEST_CASE("branches are monotone and meet both ends, whatever the split") {
   }
 }
 
-TEST_CASE("a straight loop with the split on it stays straight") {
-  Loop loop;
-  for (int i = 0; i <= 6; ++i) {
-    loop.x.push_back(10.0 * i);
-    loop.up.push_back(0.5 * i);
-    loop.down.push_back(0.5 * i);
-  }
-  const ElamModel model = model_of(loop, {0.5, 0.5, 0.0, 0.5, 0.5});
-  const ElamCurve down(model, false, 40.0, 2.0), up(model, true, 20.0, 1.0);
-  for (double x = 20.0; x <= 40.0; x += 1.0) {
-    CHECK(down.output(x) == Approx(x / 20.0));
-    CHECK(up.output(x) == Approx(x / 20.0));
-  }
-}
-
 TEST_CASE("the split point is where Eqs (14), (15), (21), (22) put it, and on the curve") {
   const ElamModel model = model_of(paper_loop(), kPrinted);
   const ElamCurve down(model, false, 40.0, 3.2);

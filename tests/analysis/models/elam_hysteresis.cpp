@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "analysis/identify/elam/identify.h"
 #include "analysis/identify/fit_data.h"
 #include "tests/analysis/support/synthetic.h"
 
@@ -155,35 +154,6 @@ TEST_CASE("a wrong ELAM document is refused and the member named") {
   refused("/options/memory", 1, "\"memory\"");
   refused("/options/splits", 7, "\"pieces\"");
   refused("/ascending/30", 9.0, "ends");
-}
-
-TEST_CASE("identification behind the common interface is the taxels' own") {
-  const ElamHysteresis truth(model_of(paper_loop(), kPrinted));
-  std::mt19937 engine(4);
-  std::normal_distribution<double> noise(0.0, 0.02);
-  FitData data{{}, truth.elam().ascending, truth.elam().descending};
-  std::vector<TaxelBranch> branches;
-  for (const auto* turns : {&kDescendingTurns, &kAscendingTurns}) {
-    data.histories.push_back(history_through(levels_of(*turns), truth));
-    History& history = data.histories.back();
-    for (double& y : history.y) y += noise(engine);
-    for (const Branch& branch : history.branches)
-      branches.push_back({branch.ascending,
-                          {history.x.begin() + branch.first, history.x.begin() + branch.last + 1},
-                          {history.y.begin() + branch.first, history.y.begin() + branch.last + 1}});
-  }
-  for (const bool exact : {false, true}) {
-    const ElamFit own = identify_elam(data.ascending, data.descending, branches, {exact});
-    IdentifyOptions options;
-    options.exact_outer = exact;
-    const ModelFit fit = identify_elam(data, options);
-    CHECK(fit.j == Approx(own.j_v2).epsilon(1e-12));
-    CHECK(fit.mean_error == Approx(own.mean_error_v).epsilon(1e-12));
-    CHECK(fit.max_error == Approx(own.max_error_v).epsilon(1e-12));
-    CHECK(fit.samples == 660);
-    CHECK(fit.full_scale == Approx(3.49));
-    CHECK(fit.model->parameters()[0].value == own.model.parameters.alpha_d);
-  }
 }
 
 TEST_CASE("a joint free-run fit has no larger free-run error than the separate fit") {

@@ -269,17 +269,6 @@ TEST_CASE("POLY: a branch starts at its turning point and ends at the converging
   state->go(59.8);
   state->measured(3.0);  // an external branch starts at (xu, yu), whatever was measured
   CHECK(state->output_at(59.8) > 3.4);
-  // Eq. (6) read as [A1], by hand: x1 = 15, y1 = 1.7.
-  const auto fa = [](double t) {
-    return 1.6 * t - t * t + 0.5 * std::pow(t, 3) - 0.2 * std::pow(t, 4) + 0.06 * std::pow(t, 5) +
-           0.04 * std::pow(t, 6);
-  };
-  const auto again = poly.state();
-  again->go(40.0);
-  again->go(15.0);
-  again->measured(1.7);
-  const double m = 60.0 / 45.0, z = m * 30.0 + (1.0 - m) * 60.0;
-  CHECK(again->output_at(30.0) == Approx(1.7 + (3.49 - 1.7) * fa(z / 60.0)));
   // A polynomial times a constant plus a constant is the same model [A2].
   PolyParameters p, q;
   p.a = {0, 0, 0, 1e-5, -0.001, 0.1, 0};
@@ -288,23 +277,6 @@ TEST_CASE("POLY: a branch starts at its turning point and ends at the converging
   const std::vector<double> inputs{0, 30, 10, 45, 60, 5};
   const auto y = predict(PolyModel(p, 0, 60, 0, 3.49), inputs), w = predict(PolyModel(q, 0, 60, 0, 3.49), inputs);
   for (std::size_t i = 0; i < y.size(); ++i) CHECK(y[i] == Approx(w[i]).margin(1e-12));
-}
-
-TEST_CASE("models: Preisach remembers turning points and forgets those that are passed") {
-  const PreisachModel model = random_preisach();
-  const auto at = [&](const std::vector<double>& inputs) { return predict(model, inputs).back(); };
-  // Inner loops close.
-  CHECK(at({0, 50, 20, 40, 20}) == Approx(at({0, 50, 20})));
-  CHECK(at({0, 50, 20, 40, 25, 35, 25, 40, 20}) == Approx(at({0, 50, 20})));
-  // Wiping out: beyond an older extreme nothing of the inner loop is left.
-  CHECK(at({0, 50, 20, 40, 30, 45, 31}) == Approx(at({0, 50, 20, 45, 31})));
-  CHECK(at({0, 50, 20, 40, 30, 55, 31}) == Approx(at({0, 55, 31})));
-  CHECK(at({0, 50, 20, 40, 0, 33}) == Approx(at({0, 33})));
-  // The ends of the range are always the same.
-  CHECK(at({0, 50, 20, 40, 0}) == Approx(0.1));
-  CHECK(at({0, 30, 20, 60}) == Approx(at({0, 60})));
-  // The lasting difference is the loop.
-  CHECK(at({0, 60, 30}) > at({0, 30}) + 0.1);
 }
 
 TEST_CASE("models: Preisach is the sum of its cells, each a play operator") {

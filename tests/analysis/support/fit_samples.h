@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "analysis/identify/elam/identify.h"
 #include "analysis/identify/fit_data.h"
 #include "tests/analysis/support/synthetic.h"
 
@@ -45,6 +46,17 @@ inline std::vector<double> random_inputs(std::mt19937& random, int turns, double
     for (int k = 1; k <= steps; ++k) inputs.push_back(k == steps ? to : from + (to - from) * k / steps);
   }
   return inputs;
+}
+
+// As ELAM's own identification takes them.
+inline std::vector<TaxelBranch> elam_branches_of(const FitData& data) {
+  std::vector<TaxelBranch> branches;
+  for (const History& history : data.histories)
+    for (const Branch& branch : history.branches)
+      branches.push_back({branch.ascending,
+                          {history.x.begin() + branch.first, history.x.begin() + branch.last + 1},
+                          {history.y.begin() + branch.first, history.y.begin() + branch.last + 1}});
+  return branches;
 }
 
 }  // namespace synthetic

@@ -3,11 +3,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "analysis/identify/dynamic_setup_of.h"
-#include "analysis/identify/stored/array_stream.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/models/linearised.h"
-#include "analysis/models/preisach.h"
 #include "analysis/statistics/figures/evaluation.h"
 #include "analysis/statistics/scoring/model_score.h"
 #include "analysis/statistics/sensor/drift.h"
@@ -15,7 +12,7 @@
 
 using namespace synthetic;
 
-TEST_CASE("the dynamic model of an array finds its plants, is kept whole, and reads what was not fitted", "[dynamic]") {
+TEST_CASE("the dynamic model of an array finds its plants, is kept whole, and reads a way of its own", "[dynamic]") {
   const DynamicArray array = dynamic_array(kTaxels, 0.0005);
   const Runs runs = runs_of(array);
   const SensorModel model = fit_dynamic(runs.fitted, runs.rate, runs.creep);
@@ -79,58 +76,6 @@ TEST_CASE("a falling sensor and an adjusted model stream like the one that they 
   for (double& volts : scaled.sequences.front().repeats.front().volts) volts = 0.05 + 1.3 * volts;
   for (ModelTaxel& taxel : moved.taxels) taxel.noise *= 1.3;
   CHECK(evaluate(scaled, moved).mean_error_psi == Approx(error).epsilon(1e-6));
-}
-
-TEST_CASE("frames of a dynamic model stream through the frame compensator, which is told the time", "[dynamic]") {
-  const DynamicArray array = dynamic_array(kTaxels, 0.0005);
-  const Runs runs = runs_of(array);
-  const SensorModel model = fit_dynamic(runs.fitted, runs.rate, runs.creep);
-  const Repeat& repeat = runs.other.sequences.front().repeats.front();
-  const auto mean_error = [&](double pace) {
-    ArrayStream stream(model, 5.0 / 65536.0, 1.0, 10);
-    std::vector<float> volts(kTaxels), pressure(kTaxels), uncertainty(kTaxels);
-    std::vector<std::uint16_t> status(kTaxels);
-    double sum = 0.0, count = 0.0;
-    for (std::size_t i = 0; i < repeat.steps.size(); ++i) {
-      if (i > 0) stream.set_interval(pace * (repeat.steps[i].time_s - repeat.steps[i - 1].time_s));
-      for (std::size_t t = 0; t < kTaxels; ++t) volts[t] = static_cast<float>(repeat.volts[i * kTaxels + t]);
-      stream.frame(volts, {pressure, uncertainty, status});
-      for (std::size_t t = 0; t < kTaxels; ++t) {
-        if ((status[t] & kTaxelUnknown) != 0) continue;  // the start is
-        sum += std::abs(static_cast<double>(pressure[t]) - repeat.steps[i].reference_psi);
-        count += 1.0;
-      }
-    }
-    CHECK(count > 0.5 * static_cast<double>(kTaxels * repeat.steps.size()));
-    return sum / count;
-  };
-  const double told = mean_error(1.0), deaf = mean_error(0.0);
-  INFO(told << " psi, without the time " << deaf);
-  CHECK(told < 0.3);
-  CHECK(deaf > 1.5 * told);
-}
-
-TEST_CASE("any film's weights make a table that the frame compensator takes, whatever its sums round to", "[dynamic]") {
-  SensorModel model;
-  model.rows = 1;
-  model.columns = 200;
-  model.source = "films";
-  model.dynamics = SensorDynamics{};
-  model.pressure_psi = {0.0, 60.0};
-  for (int t = 0; t < model.columns; ++t) {
-    std::mt19937 random(static_cast<unsigned>(t) + 500);
-    std::uniform_real_distribution<double> uniform;
-    std::vector<double> weights;
-    for (std::size_t cell = 0; cell < 210; ++cell) weights.push_back(uniform(random) < 0.5 ? 0.0 : uniform(random));
-    ModelTaxel& taxel = model.taxels.emplace_back();
-    taxel.taxel = t;
-    taxel.status = TaxelStatus::kFitted;
-    taxel.noise = 0.001;
-    taxel.gain = 0.9 + 0.001 * t;
-    taxel.fit.model = std::make_shared<LinearisedModel>(
-        Divider{0.02, 0.0}, std::make_shared<PreisachModel>(0.0, 60.0, 0.0, std::move(weights)));
-  }
-  CHECK_NOTHROW(ArrayStream(model, 5.0 / 65536.0, 1.0, 10));
 }
 
 TEST_CASE("a dynamic model is scored, checked and adjusted with creep and lag undone", "[dynamic]") {

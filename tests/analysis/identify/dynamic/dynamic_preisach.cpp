@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/identify/congruency.h"
-#include "analysis/identify/dynamic/dynamics_search.h"
 #include "analysis/models/linearised.h"
 #include "tests/analysis/support/dynamic_plant.h"
 
@@ -125,52 +124,4 @@ TEST_CASE("after an unknown start the pressures converge to those of a known sta
   }
   CHECK(was_unknown);
   CHECK_FALSE(is_unknown);
-}
-
-TEST_CASE("creep and lag of an array are found again on the recipes that vary time", "[dynamic]") {
-  constexpr std::size_t kTaxels = 4;
-  const DynamicArray array = dynamic_array(kTaxels, 0.0);
-  const auto run = [&](const std::vector<std::vector<double>>& levels, const std::vector<double>& seconds, int frames) {
-    std::vector<DynamicPlant> plants;
-    for (std::size_t t = 0; t < kTaxels; ++t)
-      plants.emplace_back(array.films[t], array.setup.dynamics, array.setup.taxels[t], 50);
-    Dataset data;
-    data.rows = 1;
-    data.columns = kTaxels;
-    data.sequences.push_back({"recipe", {}});
-    double now = 0.0;
-    for (std::size_t r = 0; r < levels.size(); ++r) {
-      Repeat repeat;
-      for (const double psi : levels[r])
-        for (int f = 1; f <= frames; ++f) {
-          now += seconds[r];
-          repeat.steps.push_back({psi, psi, now, f * seconds[r]});
-          for (DynamicPlant& plant : plants) repeat.volts.push_back(plant.step(psi, seconds[r]));
-        }
-      data.sequences.front().repeats.push_back(repeat);
-    }
-    return data;
-  };
-  std::vector<double> loop;
-  for (double psi = 0.0; psi <= 60.0; psi += 4.0) loop.push_back(psi);
-  for (double psi = 56.0; psi >= 0.0; psi -= 4.0) loop.push_back(psi);
-  const Dataset creep = run({{0, 20, 40, 60, 40, 20, 0}}, {2.0}, 151);
-  const Dataset rate = run({loop, loop, loop}, {0.8, 2.6, 20.0}, 1);
-  const std::vector<double> zeros(kTaxels, 0.02);
-  const ArrayDynamics found = find_dynamics(&rate, &creep, zeros, std::vector<bool>(kTaxels, true));
-  const Dynamics &own = found.shared, &truth = array.setup.dynamics;
-  CHECK(found.holds == 5);
-  double mean_scale = 0.0;
-  for (const DynamicTaxel& taxel : array.setup.taxels) mean_scale += taxel.creep_scale / kTaxels;
-  for (std::size_t j = 0; j < kCreepElements; ++j)
-    CHECK(own.creep_share[j] == Approx(mean_scale * truth.creep_share[j]).epsilon(0.15));
-  CHECK(own.creep_half == Approx(truth.creep_half).epsilon(0.25));
-  CHECK(own.lag_s == Approx(truth.lag_s).epsilon(0.4));
-  for (std::size_t t = 0; t < kTaxels; ++t) {
-    CHECK(found.creep_scale[t] == Approx(array.setup.taxels[t].creep_scale / mean_scale).epsilon(0.05));
-    CHECK(found.lag_share[t] == Approx(array.setup.taxels[t].lag_share).epsilon(0.35));
-  }
-  const ArrayDynamics none = find_dynamics(nullptr, nullptr, zeros, std::vector<bool>(kTaxels, true));
-  CHECK(none.shared.creep_share == std::array<double, kCreepElements>{});
-  CHECK(none.lag_share == std::vector<double>(kTaxels, 0.0));
 }

@@ -100,18 +100,4 @@ TEST_CASE("of one run: no more intervals than levels tell apart, zeros that are 
     CHECK(model.taxels[2].fit.full_scale == Approx(1.8));
     CHECK(model.taxels[0].loop_low == Approx(0.101));
   }
-  SensorDynamics even;
-  even.shared.creep_share = {0.02, 0.02, 0.02};
-  CHECK(creep_of_fitted_run(even));
-  CHECK(undoes_creep(even));
-  CHECK_FALSE(undoes_lag(even));
-  CHECK(in_time(even));
-  even.shared.creep_share = {0.0, 0.02, 0.02};
-  CHECK_FALSE(creep_of_fitted_run(even));
-  CHECK(undoes_creep(even));
-  even.shared.creep_share = {};
-  CHECK_FALSE(in_time(even));
-  even.shared.lag_share = 0.1;
-  CHECK(undoes_lag(even));
-  CHECK(in_time(even));
 }

@@ -1,5 +1,6 @@
 // The lag of an array from repeats at two rates, on films that are straight lines: its time and the taxels' shares come
 // out as they were put in, and doubt draws a taxel toward the array by what it is worth.
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <vector>
@@ -161,6 +162,9 @@ TEST_CASE("lag: outputs that are the same at both rates have none", "[dynamic]")
   CHECK(found.rate_samples == 4);
   CHECK(found.shared.lag_share == Approx(0.0).margin(1e-9));
   for (const double share : found.lag_share) CHECK(share == Approx(0.0).margin(1e-9));
+  const ArrayDynamics none = find_dynamics(nullptr, nullptr, {0.0, 0.0}, {true, true});
+  CHECK(none.shared.creep_share == std::array<double, kCreepElements>{});
+  CHECK(none.lag_share == std::vector<double>{0.0, 0.0});
 }
 
 TEST_CASE("lag: a taxel's share is drawn toward the array's by its doubt, one left out has the array's", "[dynamic]") {

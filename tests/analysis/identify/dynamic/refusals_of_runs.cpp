@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "analysis/error.h"
 #include "analysis/identify/dynamic/dynamic_alone.h"
+#include "tests/analysis/identify/refusals.h"
 #include "tests/analysis/support/dynamic_walk.h"
 
 using namespace synthetic;
@@ -35,22 +35,12 @@ template <class Change>
 std::string refused_run(const Change& change) {
   ThreeRuns runs;
   change(runs);
-  try {
-    (void)fit_dynamic(runs.fitted, runs.rate, runs.creep, {.cells = 3, .threads = 1});
-  } catch (const AnalysisError& error) {
-    return error.id();
-  }
-  return {};
+  return id_of_refusal([&] { return fit_dynamic(runs.fitted, runs.rate, runs.creep, {.cells = 3, .threads = 1}); });
 }
 
 std::string refused_fit(const std::string& model, const Histories& histories,
                         const std::vector<std::string>& sequences = {}) {
-  try {
-    (void)fit_models(model, histories, sequences, {.starts = 1, .cells = 3}, 1);
-  } catch (const AnalysisError& error) {
-    return error.id();
-  }
-  return {};
+  return id_of_refusal([&] { return fit_models(model, histories, sequences, {.starts = 1, .cells = 3}, 1); });
 }
 
 Histories of_table(const std::vector<TableSeries>& series) {
@@ -109,5 +99,5 @@ TEST_CASE("data that carry no model are refused: one direction, no rise, sequenc
   const SensorModel fit = fit_models("poly", one, {}, {}, 1);
   CHECK((fit.taxels[0].status == TaxelStatus::kUnfit && fit.taxels[0].reason.empty()));
   CHECK(fit.taxels[1].fitted());
-  CHECK_THROWS_AS(of_table({{"a", 0, {0, 1, 2, 1, 0}, {3, 3, 3, 3, 3}}}), AnalysisError);
+  CHECK(id_of_refusal([] { return of_table({{"a", 0, {0, 1, 2, 1, 0}, {3, 3, 3, 3, 3}}}); }) == "TB-ANALYSIS-NO-TAXEL");
 }

@@ -51,14 +51,8 @@ TEST_CASE("determined: inner branches determine all parameters, and settling cha
   const FitData data = paper_both(0.032, 0.0205);
   CHECK(identify("elam", data).undetermined.empty());
   CHECK(identify("preisach", data).undetermined.empty());
-  std::vector<TaxelBranch> branches;
-  for (const History& history : data.histories)
-    for (const Branch& branch : history.branches)
-      branches.push_back({branch.ascending,
-                          {history.x.begin() + branch.first, history.x.begin() + branch.last + 1},
-                          {history.y.begin() + branch.first, history.y.begin() + branch.last + 1}});
   ElamModel model{data.ascending, data.descending, {}, {}};
-  const ElamSamples samples = searched_samples(model, branches);
+  const ElamSamples samples = searched_samples(model, elam_branches_of(data));
   fit_descending(model, samples.descending);
   fit_ascending(model, samples.ascending);
   const ElamParameters found = model.parameters;
@@ -73,16 +67,13 @@ TEST_CASE("determined: inner branches determine all parameters, and settling cha
 
 TEST_CASE("determined: Preisach on external loops alone spreads its weights, wherever the recording begins") {
   const PreisachModel truth = random_preisach();
-  const auto made = [&](const std::vector<double>& turns) {
-    const std::vector<double> inputs = levels_of(turns), outputs = predict(truth, inputs);
-    return History{"made", inputs, outputs, branches_along(inputs), {}, {}};
-  };
-  const History loops = made(kLoops);
+  FitData data = paper_data(kLoops);
+  History& loops = data.histories.front();
+  loops.y = predict(truth, loops.x);
   const std::vector<double> grid(loops.x.begin(), loops.x.begin() + 31), up(loops.y.begin(), loops.y.begin() + 31);
-  std::vector<double> down(loops.y.begin() + 30, loops.y.begin() + 61);
-  std::ranges::reverse(down);
-  const FitData data{
-      {loops}, PatternCurve(grid, up, up.front(), up.back()), PatternCurve(grid, down, up.front(), up.back())};
+  const std::vector<double> down(loops.y.rend() - 61, loops.y.rend() - 30);
+  data.ascending = PatternCurve(grid, up, up.front(), up.back());
+  data.descending = PatternCurve(grid, down, up.front(), up.back());
   for (const bool by_input : {false, true}) {
     CAPTURE(by_input);
     const ModelFit fit = identify("preisach", data, {.by_input = by_input});

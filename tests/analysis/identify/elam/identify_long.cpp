@@ -5,7 +5,6 @@ using namespace exhaustive_comparison;
 
 // Grid sizes were chosen on the seeds above and others; never on these.
 TEST_CASE("identification finds the best on seeds that nothing was chosen on") {
-  Tally tally;
   for (unsigned seed = 30001; seed <= 30005; ++seed)
     for (const double noise : {0.0015, 0.004, 0.012, 0.030, 0.060})
       for (const double clip : {0.0, 0.5 + 0.09 * (seed % 5)})
@@ -15,12 +14,9 @@ TEST_CASE("identification finds the best on seeds that nothing was chosen on") {
                  seed % 3 == 0   ? 1
                  : seed % 3 == 1 ? 5
                                  : 2},
-                1, tally);
-  WARN(tally.fits << " fits, the worst above the exhaustive search by " << tally.worst << " of J");
+                1);
 }
 
 TEST_CASE("identification finds the best of an exhaustive search of the whole box, on larger arrays") {
-  Tally tally;
-  for (const Kind& kind : kKinds) compare(kind, 4, tally);
-  WARN(tally.fits << " fits, the worst above the exhaustive search by " << tally.worst << " of J");
+  for (const Kind& kind : kKinds) compare(kind, 4);
 }

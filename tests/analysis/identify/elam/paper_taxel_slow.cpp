@@ -38,13 +38,7 @@ struct Figures {
 };
 
 Figures elam_of(const FitData& data) {
-  std::vector<TaxelBranch> branches;
-  for (const History& history : data.histories)
-    for (const Branch& branch : history.branches)
-      branches.push_back({branch.ascending,
-                          {history.x.begin() + branch.first, history.x.begin() + branch.last + 1},
-                          {history.y.begin() + branch.first, history.y.begin() + branch.last + 1}});
-  const ElamFit fit = identify_elam(data.ascending, data.descending, branches);
+  const ElamFit fit = identify_elam(data.ascending, data.descending, elam_branches_of(data));
   return {fit.j_v2, 100.0 * fit.mean_error_v / fit.full_scale_v, 100.0 * fit.max_error_v / fit.full_scale_v};
 }
 
@@ -73,9 +67,6 @@ std::map<std::string, Figures> mean_of_seeds(const Set& set) {
   }
   // The mean of the seeds: the noise alone scatters J by a tenth from seed to seed.
   for (const auto& [name, j] : set.printed_j) CHECK(means.at(name).j <= 1.15 * j);
-  for (const auto& [name, mean] : means)
-    WARN(set.name << ", " << name << ": J " << mean.j << ", mean " << mean.mean << " % FS, max " << mean.max
-                  << " % FS");
   return means;
 }
 
@@ -117,7 +108,6 @@ TEST_CASE("paper taxel: Preisach fits both sets together to 0.7 % of full scale"
     const ModelFit fit = identify("preisach", paper_both(0.032, 0.0205, seed));
     mean += 100.0 * fit.mean_error / fit.full_scale / kSeeds;
   }
-  WARN("Preisach on both sets, % FS: " << mean);
   CHECK(mean < 0.7);
 }
 

@@ -4,24 +4,13 @@
 
 #include "analysis/identify/identifier.h"
 #include "analysis/identify/rivals/gpi_search.h"
+#include "tests/analysis/identify/rivals/gpi_walked.h"
 #include "tests/analysis/support/gpi_reference.h"
 #include "tests/analysis/support/specimen_taxels.h"
 
 using namespace synthetic;
 
 namespace {
-
-double walked_j(const GpiParameters& parameters, const FitData& data) {
-  const GpiModel model(parameters, data.ascending.x().front(), data.ascending.x().back(), data.ascending.y().front());
-  double j = 0.0;
-  for (const History& history : data.histories) {
-    const std::vector<double> y = predict_history(model, history, true);
-    for (const Branch& branch : history.branches)
-      for (auto i = static_cast<std::size_t>(branch.first) + 1; i <= static_cast<std::size_t>(branch.last); ++i)
-        j += (y[i] - history.y[i]) * (y[i] - history.y[i]);
-  }
-  return j;
-}
 
 // The right envelope e times as bent, its ends where they were.
 GpiParameters more_bent(GpiParameters p, double x_span) {

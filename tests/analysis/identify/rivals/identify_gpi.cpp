@@ -6,6 +6,7 @@
 #include "analysis/identify/elam/lanes.h"
 #include "analysis/identify/identifier.h"
 #include "analysis/identify/rivals/gpi_search.h"
+#include "tests/analysis/identify/rivals/gpi_walked.h"
 #include "tests/analysis/support/fit_samples.h"
 
 using namespace synthetic;
@@ -16,19 +17,7 @@ struct Unforced {
   ~Unforced() { unforce_lane_dispatch(); }
 };
 
-double walked_j(const GpiParameters& parameters, const FitData& data) {
-  const GpiModel model(parameters, data.ascending.x().front(), data.ascending.x().back(), data.ascending.y().front());
-  double j = 0.0;
-  for (const History& history : data.histories) {
-    const std::vector<double> y = predict_history(model, history, true);
-    for (const Branch& branch : history.branches)
-      for (auto i = static_cast<std::size_t>(branch.first) + 1; i <= static_cast<std::size_t>(branch.last); ++i)
-        j += (y[i] - history.y[i]) * (y[i] - history.y[i]);
-  }
-  return j;
-}
-
-double walked_j(const GpiPoint& point, const FitData& data) {
+double walked_share_of(const GpiPoint& point, const FitData& data) {
   const double x_span = data.ascending.x().back() - data.ascending.x().front();
   const double y_span = data.ascending.y().back() - data.ascending.y().front();
   return walked_j(gpi_parameters(point, x_span, y_span), data) / (y_span * y_span);
@@ -65,7 +54,7 @@ TEST_CASE("GPI: J along the tree of states is that of the model walked along the
     }
     lanes.evaluate(target, true);
     for (std::size_t lane = 0; lane < GpiLanes::kMost; ++lane)
-      CHECK(lanes.j[lane] == Approx(walked_j(lanes.at[lane], data)).epsilon(1e-9));
+      CHECK(lanes.j[lane] == Approx(walked_share_of(lanes.at[lane], data)).epsilon(1e-9));
     // Half of J's gradient, but for the kinks.
     const GpiPoint point = lanes.at[0];
     GpiPoint slope{};

@@ -7,6 +7,7 @@
 #include "analysis/error.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/models/monotone.h"
+#include "tests/analysis/identify/refusals.h"
 #include "tests/analysis/support/straight_array.h"
 #include "tests/support/process.h"
 
@@ -74,9 +75,9 @@ std::string refused_document(const DocumentJson& json) {
     (void)document_from_text(json.dump(), "m.json");
   } catch (const AnalysisError& error) {
     CHECK(error.id() == "TB-MODEL-DOCUMENT");
-    const std::string what = error.what(), begin = "m.json is no model: ";
-    CHECK_THAT(what, Catch::StartsWith(begin));
-    return what.substr(begin.size());
+    const std::string what = error.what();
+    CHECK_THAT(what, Catch::StartsWith("m.json"));
+    return what.substr(what.find(": "));
   }
   return {};
 }
@@ -121,41 +122,52 @@ TEST_CASE("a document goes to text and back, each member of it") {
 
 TEST_CASE("a document's members that are not what they have to be are refused by their names") {
   CHECK(refused_document(written()).empty());
-  CHECK(refused_with_member("/schema", "x") == "\"schema\" is not \"tactbench.model\"");
-  CHECK_THAT(refused_with_member("/schema", 7), Catch::Contains("\"schema\""));
-  CHECK_THAT(refused_with_member("/version", 2), Catch::Contains("version"));
-  CHECK_THAT(refused_with_member("/version", 1.5), Catch::Contains("\"version\""));
-  CHECK_THAT(refused_with_member("/options/memory", 1), Catch::Contains("\"memory\""));
-  CHECK_THAT(refused_with_member("/options/exact_outer", "no"), Catch::Contains("\"exact_outer\""));
-  CHECK_THAT(refused_with_member("/options/linearise", 1), Catch::Contains("\"linearise\""));
-  CHECK_THAT(refused_with_member("/options/splits", 1.1e9), Catch::Contains("\"splits\""));
   CHECK(refused_with_member("/options/splits", -1e9).empty());
-  CHECK_THAT(refused_with_member("/output/falling", 0), Catch::Contains("\"falling\""));
-  CHECK_THAT(refused_with_member("/sensor/serial", 5), Catch::Contains("\"serial\""));
-  CHECK_THAT(refused_with_member("/loop_inputs", "x"), Catch::Contains("\"loop_inputs\""));
-  CHECK_THAT(refused_with_member("/loop_inputs", DocumentJson{0, "x"}), Catch::Contains("\"loop_inputs\""));
-  CHECK(refused_with_member("/taxels", DocumentJson::array()) == "\"taxels\" is empty");
-  CHECK(refused_with_member("/taxels/0/noise", -0.1) == "\"noise\" is negative");
   CHECK(refused_with_member("/taxels/0/noise", 0.0).empty());
-  CHECK(refused_with_member("/taxels/0/gain", -1.0) == "\"gain\" is not positive");
-  CHECK(refused_with_member("/taxels/0/residual_psi", -0.1) == "\"residual_psi\" is negative");
-  CHECK_THAT(refused_with_member("/taxels/0/taxel", 0.5), Catch::Contains("\"taxel\""));
-  const std::string loop = "\"loop\" has not as many outputs as \"loop_inputs\" has inputs";
-  CHECK(refused_with_member("/taxels/0/loop/ascending", DocumentJson{1, 7}) == loop);
-  CHECK(refused_with_member("/taxels/0/loop/descending", DocumentJson{1, 3, 5, 7}) == loop);
-  CHECK_THAT(refused_with_member("/taxels/0/loop/ascending", DocumentJson{1, "x", 7}),
-             Catch::Contains("\"ascending\""));
-  CHECK_THAT(refused_with_member("/loop_inputs", DocumentJson{1}), Catch::Contains("loop"));
-  CHECK_THAT(refused_with_member("/taxels/0/status", "too short"), Catch::Contains("too short"));
-  CHECK_THAT(refused_with_member("/taxels/1/status", "fitted"), Catch::Contains("model"));  // it has none
-  for (const char* member : {"loop", "noise", "figures"}) {
-    DocumentJson json = written();
-    json["taxels"][0].erase(member);
-    CHECK_THAT(refused_document(json), Catch::Contains(member));
+  struct Row {
+    const char* pointer;
+    DocumentJson value;
+    const char* named;
+  };
+  for (const Row& row : std::vector<Row>{{"/schema", "x", "\"schema\""},
+                                         {"/schema", 7, "\"schema\""},
+                                         {"/version", 2, "version"},
+                                         {"/version", 1.5, "\"version\""},
+                                         {"/options/memory", 1, "\"memory\""},
+                                         {"/options/exact_outer", "no", "\"exact_outer\""},
+                                         {"/options/linearise", 1, "\"linearise\""},
+                                         {"/options/splits", 1.1e9, "\"splits\""},
+                                         {"/output/falling", 0, "\"falling\""},
+                                         {"/sensor/serial", 5, "\"serial\""},
+                                         {"/loop_inputs", "x", "\"loop_inputs\""},
+                                         {"/loop_inputs", DocumentJson{0, "x"}, "\"loop_inputs\""},
+                                         {"/loop_inputs", DocumentJson{1}, "loop"},
+                                         {"/taxels", DocumentJson::array(), "\"taxels\""},
+                                         {"/taxels/0/noise", -0.1, "\"noise\""},
+                                         {"/taxels/0/gain", -1.0, "\"gain\""},
+                                         {"/taxels/0/gain", 0.0, "\"gain\""},
+                                         {"/taxels/0/residual_psi", -0.1, "\"residual_psi\""},
+                                         {"/taxels/0/taxel", 0.5, "\"taxel\""},
+                                         {"/taxels/0/model/x", "none", "\"x\""},
+                                         {"/taxels/0/loop/ascending", DocumentJson{1, 7}, "\"loop\""},
+                                         {"/taxels/0/loop/descending", DocumentJson{1, 3, 5, 7}, "\"loop\""},
+                                         {"/taxels/0/loop/ascending", DocumentJson{1, "x", 7}, "\"ascending\""},
+                                         {"/taxels/0/status", "too short", "too short"},
+                                         {"/taxels/1/status", "fitted", "model"}}) {  // it has none
+    CAPTURE(row.pointer);
+    CHECK_THAT(refused_with_member(row.pointer, row.value), Catch::Contains(row.named));
   }
-  DocumentJson bare = written();
-  bare.erase("loop_inputs");
-  CHECK_THAT(refused_document(bare), Catch::Contains("loop"));
+  for (const char* pointer :
+       {"/schema", "/version", "/model", "/options", "/output", "/source", "/validity", "/taxels", "/loop_inputs",
+        "/taxels/0/loop", "/taxels/0/noise", "/taxels/0/figures"}) {
+    CAPTURE(pointer);
+    DocumentJson json = written();
+    const DocumentJson::json_pointer at(pointer);
+    json[at.parent_pointer()].erase(at.back());
+    CHECK_THAT(refused_document(json), Catch::Contains(pointer == std::string("/loop_inputs") ? "loop" : at.back()));
+  }
+  CHECK_FALSE(refused_document(DocumentJson::array()).empty());
+  CHECK(id_of_refusal([] { return document_from_text("{", "m.json"); }) == "TB-MODEL-DOCUMENT");
 }
 
 TEST_CASE("what streaming takes of a model: its grid, patterns, noise and sign, of a whole array of ELAM alone") {
@@ -173,13 +185,8 @@ TEST_CASE("what streaming takes of a model: its grid, patterns, noise and sign, 
   CHECK(setup.taxels[0].ascending_v == std::vector<double>{0.0, 3.0});
   CHECK(setup.taxels[1].descending_v == std::vector<double>{0.0, 6.0});
   CHECK(setup.taxels[0].residual_psi.empty());
-  const auto refused = [](SensorModel model) {
-    try {
-      (void)frame_setup_of(model, 1.0);
-    } catch (const AnalysisError& error) {
-      return error.id();
-    }
-    return std::string();
+  const auto refused = [](const SensorModel& model) {
+    return id_of_refusal([&] { return frame_setup_of(model, 1.0); });
   };
   SensorModel other = fit;
   other.columns = 4;
@@ -203,7 +210,6 @@ TEST_CASE("models by their labels, and MODEL of the command line: a file's path,
   const tests::TemporaryFolder folder;
   tests::write_file(folder.path("m.json"), to_text(whole_document()));
   CHECK(load_model(folder.path("m.json"), nullptr).source == "run 3");
-  CHECK_THROWS_AS(load_model("17", nullptr), AnalysisError);
-  CHECK_THROWS_AS(load_model("17x", nullptr), AnalysisError);
-  CHECK_THROWS_WITH(load_model(folder.path("none.json"), nullptr), Catch::Contains("none.json"));
+  for (const std::string& model : {std::string("17"), std::string("17x"), folder.path("none.json")})
+    CHECK(id_of_refusal([&] { return load_model(model, nullptr); }) == "TB-MODEL-OPEN");
 }

@@ -4,11 +4,12 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 #include <string>
 #include <tuple>
+#include <vector>
 
 #include "analysis/identify/sensor_model.h"
+#include "tests/analysis/identify/refusals.h"
 
 using namespace tactbench::analysis;
 
@@ -31,12 +32,7 @@ SensorDynamics stored_dynamics() {
 std::string refused_dynamics(const std::string& member, const nlohmann::ordered_json& value) {
   nlohmann::ordered_json json = dynamics_json(stored_dynamics());
   json[nlohmann::ordered_json::json_pointer("/" + member)] = value;
-  try {
-    (void)dynamics_from(json);
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return {};
+  return why_invalid([&] { return dynamics_from(json); });
 }
 
 bool taxel_taken(const std::string& member, double value) {
@@ -44,12 +40,7 @@ bool taxel_taken(const std::string& member, double value) {
   nlohmann::ordered_json json;
   add_taxel_dynamics(taxel, json);
   json[member] = value;
-  try {
-    read_taxel_dynamics(json, taxel);
-  } catch (const std::invalid_argument&) {
-    return false;
-  }
-  return true;
+  return why_invalid([&] { read_taxel_dynamics(json, taxel); }).empty();
 }
 
 }  // namespace
@@ -81,25 +72,31 @@ TEST_CASE("a document's lag and creep are refused beyond their bounds, by name")
   }
   CHECK(refused_dynamics("lag_share", 0.0).empty());
   CHECK(refused_dynamics("lag_share", 0.9).empty());
-  CHECK_THAT(refused_dynamics("lag_share", -0.01), Catch::Contains("lag_share"));
-  CHECK_THAT(refused_dynamics("lag_share", 0.91), Catch::Contains("\"lag_share\""));
   CHECK(refused_dynamics("creep_share", {0.0, 0.0, 0.0}).empty());
-  CHECK_THAT(refused_dynamics("creep_share", {0.0, 0.0}), Catch::Contains("creep_share"));
-  CHECK_THAT(refused_dynamics("creep_share", {0.0, 0.0, 0.0, 0.0}), Catch::Contains("creep_share"));
-  const std::string no_three = " is not a list of three numbers from 0 on";
-  CHECK(refused_dynamics("creep_share", {0.1, -0.01, 0.0}) == "\"creep_share\"" + no_three);
-  CHECK(refused_dynamics("creep_s", {1.0, 2.0}) == "\"creep_s\"" + no_three);
-  CHECK(refused_dynamics("creep_s", {1.0, 2.0, 3.0, 4.0}) == "\"creep_s\"" + no_three);
-  CHECK(refused_dynamics("creep_s", {1.0, 0.0, 3.0}) == "a \"creep_s\" is 0");
   CHECK(refused_dynamics("residual_shape", {0.0, 1.0}).empty());
-  CHECK_THAT(refused_dynamics("residual_shape", {1.0, -0.01}), Catch::Contains("\"residual_shape\""));
-  CHECK(refused_dynamics("rate/run", 1e15).empty());
+  struct Row {
+    const char* member;
+    nlohmann::ordered_json value;
+  };
+  for (const Row& row : std::vector<Row>{{"lag_share", -0.01},
+                                         {"lag_share", 0.91},
+                                         {"creep_share", {0.0, 0.0}},
+                                         {"creep_share", {0.0, 0.0, 0.0, 0.0}},
+                                         {"creep_share", {0.1, -0.01, 0.0}},
+                                         {"creep_s", {1.0, 2.0}},
+                                         {"creep_s", {1.0, 2.0, 3.0, 4.0}},
+                                         {"creep_s", {1.0, 0.0, 3.0}},
+                                         {"residual_shape", {1.0, -0.01}}}) {
+    CAPTURE(row.member, row.value.dump());
+    CHECK_THAT(refused_dynamics(row.member, row.value), Catch::Contains("\"" + std::string(row.member) + "\""));
+  }
   CHECK(refused_dynamics("rate/run", -1e15).empty());
   for (const std::string run : {"rate", "creep"}) {
     CHECK(refused_dynamics(run + "/run", 1e15).empty());
-    CHECK(refused_dynamics(run + "/run", 1.1e15) == "\"" + run + "\" names no run");
-    CHECK(refused_dynamics(run + "/run", 1.5) == "\"" + run + "\" names no run");
-    CHECK(refused_dynamics(run + "/content_sha256", 7) == "\"" + run + "\" names no run");
+    const auto named = Catch::Contains("\"" + run + "\"");
+    CHECK_THAT(refused_dynamics(run + "/run", 1.1e15), named);
+    CHECK_THAT(refused_dynamics(run + "/run", 1.5), named);
+    CHECK_THAT(refused_dynamics(run + "/content_sha256", 7), named);
   }
   for (const auto& [member, low, high] : {std::tuple{"creep_scale", 0.0, 10.0}, {"lag_share", 0.0, 0.9}}) {
     CAPTURE(member);

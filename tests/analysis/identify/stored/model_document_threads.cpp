@@ -3,7 +3,6 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "analysis/compensate/inverse_stream.h"
 #include "analysis/statistics/scoring/model_score.h"
 #include "analysis/statistics/sensor/drift.h"
 #include "tests/analysis/support/synthetic.h"
@@ -27,16 +26,6 @@ Dataset run_of_two(unsigned seed = 1, double gain = 1.0, double zero = 0.0) {
   return dataset;
 }
 
-std::string refusal(const std::string& text) {
-  try {
-    (void)document_from_text(text, "m.json");
-  } catch (const AnalysisError& error) {
-    CHECK(error.id() == "TB-MODEL-DOCUMENT");
-    return error.what();
-  }
-  return "accepted";
-}
-
 }  // namespace
 
 TEST_CASE("a model of every kind goes to text and back bit for bit, and predicts the same bits") {
@@ -58,41 +47,6 @@ TEST_CASE("a model of every kind goes to text and back bit for bit, and predicts
 TEST_CASE("the result does not depend on the number of threads") {
   const Histories histories = histories_of(run_of_two());
   CHECK(to_text(fit_models("poly", histories, {}, {}, 1)) == to_text(fit_models("poly", histories, {}, {}, 3)));
-}
-
-TEST_CASE("an incomplete document is refused, naming the missing or wrong member") {
-  const std::string text = to_text(fit_models("monotone", histories_of(run_of_two()), {}, {}));
-  auto json = nlohmann::ordered_json::parse(text);
-  CHECK_THAT(refusal("{"), Catch::Contains("m.json is no model"));
-  CHECK_THAT(refusal("[]"), Catch::Contains("\"schema\""));
-  for (const char* member : {"schema", "version", "model", "options", "output", "source", "validity", "taxels"}) {
-    auto lacking = json;
-    lacking.erase(member);
-    CHECK_THAT(refusal(lacking.dump()), Catch::Contains(member));
-  }
-  auto newer = json;
-  newer["version"] = 2;
-  CHECK_THAT(refusal(newer.dump()), Catch::Contains("version 2"));
-  auto wrong = json;
-  wrong["taxels"][0]["gain"] = 0.0;
-  CHECK_THAT(refusal(wrong.dump()), Catch::Contains("gain"));
-  wrong = json;
-  wrong["taxels"][0]["model"]["x"] = "none";
-  CHECK_THAT(refusal(wrong.dump()), Catch::Contains("\"x\""));
-}
-
-TEST_CASE("without noise the inverse stream gives the inputs back, with a dead band it ignores small wiggles") {
-  const Histories histories = histories_of(run_of_two());
-  const SensorModel document = fit_models("elam", histories, {}, {});
-  const HysteresisModel& model = *document.taxels[0].fit.model;
-  const std::vector<double> inputs = levels_of({0, 60, 10, 50, 20, 40, 0});
-  const std::vector<double> outputs = predict(model, inputs);
-  InverseStream exact(model, 0.0), banded(model, 0.01);
-  for (std::size_t i = 0; i < inputs.size(); ++i) REQUIRE(exact.step(outputs[i]) == Approx(inputs[i]).margin(1e-6));
-  const double held = model.state()->output_at(30.0);
-  const double before = banded.step(held);
-  for (int i = 0; i < 50; ++i) banded.step(held + (i % 2 == 0 ? -0.005 : 0.0));
-  CHECK(banded.step(held) == Approx(before).margin(1e-9));
 }
 
 TEST_CASE("a score counts every sample but turning points, by hold time and rate where times are known") {
@@ -128,11 +82,11 @@ TEST_CASE("a later run shows whether zero, gain or a new fit is needed, and an a
   const Histories first = histories_of(run_of_two());
   const SensorModel document = fit_models("elam", first, {}, {});
   const auto verdict = [&](double gain, double zero) {
-    return to_string(drift_of(document, histories_of(run_of_two(2, gain, zero))).verdict);
+    return drift_of(document, histories_of(run_of_two(2, gain, zero))).verdict;
   };
-  CHECK(std::string("good") == verdict(1.0, 0.0));
-  CHECK(std::string("re-zero enough") == verdict(1.0, 0.1));
-  CHECK(std::string("gain adjustment enough") == verdict(0.9, 0.05));
+  CHECK(verdict(1.0, 0.0) == DriftVerdict::kGood);
+  CHECK(verdict(1.0, 0.1) == DriftVerdict::kZero);
+  CHECK(verdict(0.9, 0.05) == DriftVerdict::kGain);
 
   Histories later = histories_of(run_of_two(2, 0.9, 0.05));
   later.content_sha256 = "fedcba9876543210";
@@ -143,8 +97,8 @@ TEST_CASE("a later run shows whether zero, gain or a new fit is needed, and an a
   const std::string parent = sha256_of(document);
   const SensorModel child = adjusted(fit_models("elam", first, {}, {}), drift, later, true);
   CHECK(child.parent_sha256 == parent);
-  CHECK_THAT(child.adjustment, Catch::Contains("zero and gain by run 2 (fedcba987654)"));
-  CHECK(to_string(drift_of(child, later).verdict) == std::string("good"));
+  CHECK_THAT(child.adjustment, Catch::Contains("run 2") && Catch::Contains("fedcba987654"));
+  CHECK(drift_of(child, later).verdict == DriftVerdict::kGood);
   CHECK(document_from_text(to_text(child), "c.json").taxels[0].gain == child.taxels[0].gain);
   const ModelScore before = score_model(document, later, {}), after = score_model(child, later, {});
   CHECK(after.taxels.compensated.mean() < 0.5 * before.taxels.compensated.mean());
@@ -153,5 +107,5 @@ TEST_CASE("a later run shows whether zero, gain or a new fit is needed, and an a
   for (TaxelHistories& taxel : warped.taxels)
     for (History& history : taxel.score)
       for (std::size_t i = 0; i < history.y.size(); ++i) history.y[i] += 0.4 * std::sin(history.x[i] / 5.0);
-  CHECK(to_string(drift_of(document, warped).verdict) == std::string("recalibrate"));
+  CHECK(drift_of(document, warped).verdict == DriftVerdict::kRecalibrate);
 }

@@ -1,0 +1,33 @@
+// How a piece of identification's work is refused.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+#include "analysis/error.h"
+
+namespace tactbench::analysis {
+
+// The id of the error that ends `work`; empty where it comes to its end. Other exceptions pass.
+template <class Work>
+std::string id_of_refusal(const Work& work) {
+  try {
+    (void)work();
+  } catch (const AnalysisError& error) {
+    return error.id();
+  }
+  return {};
+}
+
+// What is said of a wrong argument; empty where `work` comes to its end.
+template <class Work>
+std::string why_invalid(const Work& work) {
+  try {
+    (void)work();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return {};
+}
+
+}  // namespace tactbench::analysis
