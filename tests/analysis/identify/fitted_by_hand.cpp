@@ -8,6 +8,7 @@
 
 #include "analysis/identify/fit_data.h"
 #include "analysis/identify/rivals/nnls.h"
+#include "tests/analysis/support/alike.h"
 
 using namespace tactbench::analysis;
 
@@ -24,11 +25,6 @@ std::vector<double> least_squares(const std::vector<std::vector<double>>& gram, 
   }
   const Eigen::VectorXd x = non_negative_least_squares(a, b);
   return {x.begin(), x.end()};
-}
-
-void check_solution(const std::vector<double>& found, const std::vector<double>& expected) {
-  REQUIRE(found.size() == expected.size());
-  for (std::size_t i = 0; i < found.size(); ++i) CHECK(found[i] == Approx(expected[i]).margin(1e-12));
 }
 
 FitData single_way(const std::vector<double>& x, const std::vector<double>& y) {
@@ -48,15 +44,15 @@ double curve_at(const ModelFit& fit, double x) {
 }  // namespace
 
 TEST_CASE("least squares without negative values by hand: what would be negative is 0, the others are fitted anew") {
-  check_solution(least_squares({{2, 0}, {0, 4}}, {3, 8}), {1.5, 2});
-  check_solution(least_squares({{1, 0}, {0, 1}}, {1, -2}), {1, 0});
-  check_solution(least_squares({{2, 1}, {1, 2}}, {1, -1}), {0.5, 0});  // without bounds 1 and -1
-  check_solution(least_squares({{2, 1}, {1, 2}}, {3, 3}), {1, 1});
-  check_solution(least_squares({{4, 2}, {2, 2}}, {4, 1}), {1, 0});  // without bounds 1.5 and -1
-  check_solution(least_squares({{1, 0}, {0, 1}}, {-1, -2}), {0, 0});
-  check_solution(least_squares({{1, 0}, {0, 1}}, {0, 0}), {0, 0});
+  check_alike(least_squares({{2, 0}, {0, 4}}, {3, 8}), {1.5, 2}, 1e-12);
+  check_alike(least_squares({{1, 0}, {0, 1}}, {1, -2}), {1, 0}, 1e-12);
+  check_alike(least_squares({{2, 1}, {1, 2}}, {1, -1}), {0.5, 0}, 1e-12);  // without bounds 1 and -1
+  check_alike(least_squares({{2, 1}, {1, 2}}, {3, 3}), {1, 1}, 1e-12);
+  check_alike(least_squares({{4, 2}, {2, 2}}, {4, 1}), {1, 0}, 1e-12);  // without bounds 1.5 and -1
+  check_alike(least_squares({{1, 0}, {0, 1}}, {-1, -2}), {0, 0}, 1e-12);
+  check_alike(least_squares({{1, 0}, {0, 1}}, {0, 0}), {0, 0}, 1e-12);
   // The first taken (along 5) has to leave again: columns (1, 1), (1, 0), (0, 1) of the right side (2, 3).
-  check_solution(least_squares({{2, 1, 1}, {1, 1, 0}, {1, 0, 1}}, {5, 2, 3}), {2, 0, 1});
+  check_alike(least_squares({{2, 1, 1}, {1, 1, 0}, {1, 0, 1}}, {5, 2, 3}), {2, 0, 1}, 1e-12);
   // Two equal columns: one of them has it all.
   const std::vector<double> twins = least_squares({{1, 1}, {1, 1}}, {2, 2});
   CHECK(twins[0] + twins[1] == Approx(2.0));

@@ -64,7 +64,7 @@ TEST_CASE("models on the linearised output are kept and read with their c, and o
   const FitData data = two_sequences(plant());
   IdentifyOptions options;
   options.linearise = true;
-  for (const char* const name : {"elam", "poly", "preisach"}) {
+  for (const char* const name : model_names()) {
     const SensorModel sensor = sensor_of(name, identify(name, data, options), data);
     CHECK(label_of(sensor) == std::string(name) + ", linearised");
     const std::string text = to_text(sensor);

@@ -7,18 +7,11 @@
 #include "analysis/identify/sensor_model.h"
 #include "analysis/models/poly.h"
 #include "analysis/models/preisach.h"
+#include "tests/analysis/support/alike.h"
 
 using namespace tactbench::analysis;
 
 namespace {
-
-void check_outputs(const std::vector<double>& own, const std::vector<double>& by_hand) {
-  REQUIRE(own.size() == by_hand.size());
-  for (std::size_t i = 0; i < own.size(); ++i) {
-    CAPTURE(i);
-    CHECK(own[i] == Approx(by_hand[i]).margin(1e-12));
-  }
-}
 
 // Up 0, 1, 3 at 0, 30, 60; down 3, 2, 0 at 60, 30, 0.
 const PreisachModel& small_film() {
@@ -42,16 +35,16 @@ std::shared_ptr<const PolyModel> bent_poly() {
 }  // namespace
 
 TEST_CASE("histories are predicted branch by branch, and sample by sample where there is no branch") {
-  check_outputs(walked({0, 30, 60, 45, 30, 15}, {{0, 2, true}, {2, 5, false}}), {0, 1, 3, 2.5, 2, 1});
+  check_alike(walked({0, 30, 60, 45, 30, 15}, {{0, 2, true}, {2, 5, false}}), {0, 1, 3, 2.5, 2, 1}, 1e-12);
   // A step back within a branch is no turn: from 45 to 30 it would be 1.5.
-  check_outputs(walked({0, 45, 30, 60, 30}, {{0, 3, true}, {3, 4, false}}), {0, 2, 1, 3, 2});
+  check_alike(walked({0, 45, 30, 60, 30}, {{0, 3, true}, {3, 4, false}}), {0, 2, 1, 3, 2}, 1e-12);
   // Before the only branch, and after it, it is one.
-  check_outputs(walked({0, 45, 30, 15, 30, 60}, {{3, 5, true}}), {0, 2, 1.5, 1, 1.5, 3});
-  check_outputs(walked({0, 45, 30, 15}, {{0, 1, true}}), {0, 2, 1.5, 1});
-  check_outputs(walked({0, 45, 30, 15}, {}), {0, 2, 1.5, 1});
+  check_alike(walked({0, 45, 30, 15, 30, 60}, {{3, 5, true}}), {0, 2, 1.5, 1, 1.5, 3}, 1e-12);
+  check_alike(walked({0, 45, 30, 15}, {{0, 1, true}}), {0, 2, 1.5, 1}, 1e-12);
+  check_alike(walked({0, 45, 30, 15}, {}), {0, 2, 1.5, 1}, 1e-12);
   // A recording that begins to fall came from the top; one that falls later did not.
-  check_outputs(walked({30, 15}, {{0, 1, false}}), {2, 1});
-  check_outputs(walked({30, 45, 15}, {{1, 2, false}}), {1, 2, 1});
+  check_alike(walked({30, 15}, {{0, 1, false}}), {2, 1}, 1e-12);
+  check_alike(walked({30, 45, 15}, {{1, 2, false}}), {1, 2, 1}, 1e-12);
   CHECK(begins_falling({"h", {30, 15}, {}, {{0, 1, false}}}));
   CHECK_FALSE(begins_falling({"h", {30, 15}, {}, {{0, 1, true}}}));
   CHECK_FALSE(begins_falling({"h", {30, 45, 15}, {}, {{1, 2, false}}}));
@@ -61,16 +54,16 @@ TEST_CASE("histories are predicted branch by branch, and sample by sample where 
 TEST_CASE("a measured turn is where the next branch begins, but of a free run, in the taxel's own outputs") {
   // Up to 30 the model has 1, where 2 was measured: down to 15, half of the way, three quarters of that.
   const History history{"h", {0, 30, 15}, {0, 2, 0}, {{0, 1, true}, {1, 2, false}}};
-  check_outputs(predict_history(*bent_poly(), history, false), {0, 1, 1.5});
-  check_outputs(predict_history(*bent_poly(), history, true), {0, 1, 0.75});
+  check_alike(predict_history(*bent_poly(), history, false), {0, 1, 1.5}, 1e-12);
+  check_alike(predict_history(*bent_poly(), history, true), {0, 1, 0.75}, 1e-12);
   ModelTaxel taxel;
   taxel.fit.model = bent_poly();
   taxel.zero = 0.5;
   taxel.gain = 2.0;
   History adjusted = history;
   for (double& y : adjusted.y) y = 0.5 + 2.0 * y;
-  check_outputs(taxel.predicted(adjusted, false), {0.5, 2.5, 3.5});
-  check_outputs(taxel.predicted(adjusted, true), {0.5, 2.5, 2.0});
+  check_alike(taxel.predicted(adjusted, false), {0.5, 2.5, 3.5}, 1e-12);
+  check_alike(taxel.predicted(adjusted, true), {0.5, 2.5, 2.0}, 1e-12);
 }
 
 TEST_CASE("a sensor's taxels by hand: the mean apart, those that are fitted, falling outputs, the external loop") {

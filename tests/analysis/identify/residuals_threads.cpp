@@ -81,34 +81,6 @@ TEST_CASE("residuals do not depend on threads, and are kept in documents") {
   CHECK(residual_by_level(document_from_text(to_text(without), "m.json").taxels[0]).empty());
 }
 
-TEST_CASE("an unknown start: a recording that begins in mid-branch is flagged, and its uncertainty holds the truth") {
-  const DynamicArray array = dynamic_array(kTaxels, 0.0005);
-  const Runs runs = runs_of(array);
-  const Repeat& whole = runs.other.sequences.front().repeats.front();
-  // The second fall on, from 46 psi down: 30 up, 30 down, 23 up.
-  constexpr std::size_t kFrom = 83 + 6;
-  for (const char* const name : {"elam", "gpi", "preisach", "monotone"}) {
-    INFO(name);
-    const SensorModel model = fit_of(runs.fitted, name);
-    RecordingStream stream(model, model.taxels[0]);
-    CHECK(stream.at_rest(whole.volts[0]));
-    CHECK_FALSE(stream.at_rest(whole.volts[kFrom * kTaxels]));
-    stream.reset_unknown();
-    int held = 0, all = 0, unknown = 0;
-    for (std::size_t i = kFrom; i < whole.steps.size(); ++i) {
-      const Compensated now = stream.step(whole.volts[i * kTaxels]);
-      const bool within = std::abs(now.pressure_psi - whole.steps[i].reference_psi) <= 2.0 * now.uncertainty_psi;
-      unknown += now.unknown ? 1 : 0;
-      held += within ? 1 : 0;
-      ++all;
-      if (i == kFrom) CHECK(within);
-    }
-    CHECK(held > 0.85 * all);
-    // A single curve has no history.
-    CHECK((unknown > 0) == (std::string(name) != "monotone"));
-  }
-}
-
 TEST_CASE("an array's frames of any model start from anywhere, and again after many lost ones") {
   const DynamicArray array = dynamic_array(kTaxels, 0.0005);
   const Runs runs = runs_of(array);

@@ -4,15 +4,12 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "analysis/identify/stored/model_document.h"
 #include "analysis/statistics/conformity/verdict.h"
 #include "tests/analysis/support/synthetic.h"
 
 using namespace synthetic;
 
 namespace {
-
-constexpr const char* kInverted[] = {"elam", "gpi", "mpi", "poly", "preisach", "monotone"};
 
 Dataset array_run(unsigned seed) {
   ArrayOptions options;
@@ -53,17 +50,5 @@ TEST_CASE("every model has figures on a held-out run and is judged by limits") {
     CHECK(verdicts[0].criterion == "mean_compensation_error");
     CHECK(verdicts[0].value == e.mean_error_psi);
     CHECK(verdicts[0].verdict == "pass");
-  }
-}
-
-TEST_CASE("a model of any kind stored as a document judges as the one that was fitted") {
-  const Dataset fitted = array_run(1), held_out = array_run(2);
-  for (const std::string model : kInverted) {
-    INFO(model);
-    const SensorModel fit = fit_array(fitted, by(model));
-    const SensorModel back = document_from_text(to_text(fit), "m.json");
-    CHECK(back.pressure_psi == fit.pressure_psi);
-    CHECK(back.mean_taxel().full_scale() == fit.mean_taxel().full_scale());
-    CHECK(evaluate(held_out, back).mean_error_psi == evaluate(held_out, fit).mean_error_psi);
   }
 }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "analysis/models/mpi.h"
+#include "tests/analysis/support/alike.h"
 
 using namespace tactbench::analysis;
 
@@ -13,11 +14,6 @@ namespace {
 // their sum is 1 below 0.1, 2 up to 0.2, and so on to 10; coming down from 1 it is 1 above 0.9, 2 down to 0.8, and so
 // on.
 MpiModel even_mpi(double a1, double a2, double a3) { return {{a1, a2, a3, 10.0, 0.0}, 0.0, 1.0, 0.0}; }
-
-void check_pieces(const std::vector<double>& pieces, const std::vector<double>& by_hand) {
-  REQUIRE(pieces.size() == by_hand.size());
-  for (std::size_t i = 0; i < pieces.size(); ++i) CHECK(pieces[i] == Approx(by_hand[i]).margin(1e-12));
-}
 
 // The output going up from rest to u: the cubic and each operator's way beyond its threshold.
 double up_by_hand(double a1, double a2, double a3, double u) {
@@ -31,33 +27,34 @@ double up_by_hand(double a1, double a2, double a3, double u) {
 TEST_CASE("MPI by hand: each threshold begins a piece, going up and coming down, from rest and from between") {
   const MpiModel model = even_mpi(1.0, 0.0, 0.0);
   const MpiModel::Operators rest{};
-  check_pieces(model.monotone_pieces(rest, 0.0, 1.0), {0, .1, .2, .3, .4, .5, .6, .7, .8, .9, 1});
+  check_alike(model.monotone_pieces(rest, 0.0, 1.0), {0, .1, .2, .3, .4, .5, .6, .7, .8, .9, 1}, 1e-12);
   const MpiModel::Operators top = MpiModel::moved(rest, 1.0);
-  check_pieces(model.monotone_pieces(top, 1.0, 0.0), {1, .9, .8, .7, .6, .5, .4, .3, .2, .1, 0});
+  check_alike(model.monotone_pieces(top, 1.0, 0.0), {1, .9, .8, .7, .6, .5, .4, .3, .2, .1, 0}, 1e-12);
   // Down to 0.45: the operators above stand there, those below where the top left them; each rises from there by its
   // threshold. Of 0.45, 0.45, 0.45, 0.45, 0.45, 0.45, 0.4, 0.3, 0.2, 0.1 and 0 to 0.9 that is 0.55 to 0.95 and 1 four
   // times.
   const MpiModel::Operators between = MpiModel::moved(top, 0.45);
-  check_pieces(model.monotone_pieces(between, 0.45, 1.0), {.45, .55, .65, .75, .85, .95, 1});
-  check_pieces(model.monotone_pieces(between, 0.45, 0.0), {.45, .4, .3, .2, .1, 0});
+  check_alike(model.monotone_pieces(between, 0.45, 1.0), {.45, .55, .65, .75, .85, .95, 1}, 1e-12);
+  check_alike(model.monotone_pieces(between, 0.45, 0.0), {.45, .4, .3, .2, .1, 0}, 1e-12);
 }
 
 TEST_CASE("MPI by hand: where the cubic falls as fast as the operators rise the output turns, a piece ends") {
   const MpiModel::Operators rest{}, top = MpiModel::moved(rest, 1.0);
   // Between 0.4 and 0.5 the operators' slope is 5, with a1 = 1 it is 6: as much as 3 a u^2 at u = 0.45 when a = 2 /
   // 0.45^2. Nowhere else: sqrt((k + 2) / 3a) lies in no other (k / 10, (k + 1) / 10).
-  check_pieces(even_mpi(1.0, 0.0, -2.0 / (0.45 * 0.45)).monotone_pieces(rest, 0.0, 1.0),
-               {0, .1, .2, .3, .4, .45, .5, .6, .7, .8, .9, 1});
+  check_alike(even_mpi(1.0, 0.0, -2.0 / (0.45 * 0.45)).monotone_pieces(rest, 0.0, 1.0),
+              {0, .1, .2, .3, .4, .45, .5, .6, .7, .8, .9, 1}, 1e-12);
   // Coming down the slope is 6 between 0.6 and 0.5.
-  check_pieces(even_mpi(1.0, 0.0, -2.0 / (0.55 * 0.55)).monotone_pieces(top, 1.0, 0.0),
-               {1, .9, .8, .7, .6, .55, .5, .4, .3, .2, .1, 0});
+  check_alike(even_mpi(1.0, 0.0, -2.0 / (0.55 * 0.55)).monotone_pieces(top, 1.0, 0.0),
+              {1, .9, .8, .7, .6, .55, .5, .4, .3, .2, .1, 0}, 1e-12);
   // Two turns in one piece: 3 a (u - 0.42) (u - 0.48) = 3 a u^2 - 2.7 a u + 6 with a = 2 / (0.42 x 0.48). With slopes
   // of 3 and 2 the roots are (0.9 -+ sqrt(0.81 - 0.4032)) / 2 and (0.9 -+ sqrt(0.81 - 0.2688)) / 2, the lower ones of
   // which lie in their pieces.
   const double a = 2.0 / (0.42 * 0.48);
-  check_pieces(even_mpi(1.0, -1.35 * a, a).monotone_pieces(rest, 0.0, 1.0),
-               {0, (0.9 - std::sqrt(0.5412)) / 2, .1, (0.9 - std::sqrt(0.4068)) / 2, .2, .3, .4, .42, .48, .5, .6, .7,
-                .8, .9, 1});
+  check_alike(even_mpi(1.0, -1.35 * a, a).monotone_pieces(rest, 0.0, 1.0),
+              {0, (0.9 - std::sqrt(0.5412)) / 2, .1, (0.9 - std::sqrt(0.4068)) / 2, .2, .3, .4, .42, .48, .5, .6, .7,
+               .8, .9, 1},
+              1e-12);
 }
 
 TEST_CASE("MPI by hand: the inverse stops at the first input that gives the output, before a fall and after it") {

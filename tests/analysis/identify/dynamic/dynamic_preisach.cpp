@@ -43,26 +43,6 @@ TEST_CASE("Everett's table and staircase give the inputs that the Preisach model
   }
 }
 
-TEST_CASE("every model can be fitted on the linearised output, and Preisach is exact on its own plant then",
-          "[dynamic]") {
-  const LinearisedModel plant({0.02, 1.0 / 3.9}, std::make_unique<PreisachModel>(film_of(4, 30)));
-  const FitData data = two_sequences(plant);
-  IdentifyOptions options;
-  for (const char* name : model_names()) {
-    options.linearise = false;
-    const ModelFit plain = identify(name, data, options);
-    options.linearise = true;
-    const ModelFit fit = identify(name, data, options);
-    INFO(name << ": " << plain.mean_error << " V, linearised " << fit.mean_error << " V");
-    const auto* const model = dynamic_cast<const LinearisedModel*>(fit.model.get());
-    REQUIRE(model != nullptr);
-    CHECK(fit.samples == plain.samples);
-    if (std::string(name) != "preisach") continue;
-    CHECK(1.0 / model->divider().per_amplitude == Approx(3.9).epsilon(0.01));
-    CHECK(fit.mean_error < 0.1 * plain.mean_error);
-  }
-}
-
 TEST_CASE("the plain dynamic compensator gives a plant's pressures back", "[dynamic]") {
   const DynamicArray array = dynamic_array(4, 0.0);
   for (std::size_t t = 0; t < array.films.size(); ++t) {

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
-#include "analysis/compensate/inverse_stream.h"
 #include "analysis/identify/elam/elam_determined.h"
 #include "analysis/identify/identifier.h"
 #include "analysis/statistics/scoring/score.h"
@@ -112,42 +111,4 @@ TEST_CASE("scores: every model is scored from measured turns and free running, w
       CHECK((found.direct.mean() == found.free_running.mean()) == by_inputs);
     }
   }
-}
-
-TEST_CASE("scores: a recording that begins in mid-branch is not read as a virgin one") {
-  const PreisachModel model = random_preisach();
-  // The plant comes down from 60 psi; recorded from 40 psi on.
-  const std::vector<double> all = levels_of({0, 60, 10, 50, 0, 60, 0});
-  const std::vector<double> outputs = predict(model, all);
-  const auto skipped = static_cast<std::ptrdiff_t>(40);  // 30 up, 10 down
-  const std::vector<double> x(all.begin() + skipped, all.end());
-  const History late{"late", x, {outputs.begin() + skipped, outputs.end()}, branches_along(x), {}, {}};
-  REQUIRE(late.x.front() == 40.0);
-  REQUIRE(begins_falling(late));
-  const std::vector<double> predicted = predict_history(model, late, true);
-  for (std::size_t i = 0; i < x.size(); ++i) CHECK(predicted[i] == Approx(late.y[i]).margin(1e-9));
-  const ScoreOptions options{.dead_band = 0.0,
-                             .x_low = 0.0,
-                             .y_low = outputs.front(),
-                             .x_high = 60.0,
-                             .y_high = *std::ranges::max_element(outputs)};
-  const Score both = score(model, std::vector<History>{late, late}, options);
-  const Score one = score(model, std::vector<History>{late}, options);
-  CHECK(both.compensated.mean() == Approx(one.compensated.mean()));  // the one before leaves nothing behind
-  CHECK(one.free_running.max < 1e-9);
-  // From the first end of the range on the history is known; until then the estimate lies between its extremes.
-  double before = 0.0;
-  InverseStream virgin(model, 0.0), unknown(model, 0.0);
-  unknown.reset_unknown();
-  double after_unknown = 0.0, at_start = 0.0;
-  bool reached = false;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const double off = std::abs(unknown.step(late.y[i]) - x[i]), off_virgin = std::abs(virgin.step(late.y[i]) - x[i]);
-    if (i == 0) before = off_virgin;
-    if (i == 0) at_start = off;
-    reached = reached || x[i] == 0.0;
-    if (reached) after_unknown = std::max(after_unknown, off);
-  }
-  CHECK(at_start < before);
-  CHECK(after_unknown < 1e-6);
 }

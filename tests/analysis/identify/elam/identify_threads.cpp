@@ -3,21 +3,16 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "analysis/statistics/figures/evaluation.h"
+#include "analysis/identify/sensor_model.h"
 #include "tests/analysis/support/synthetic.h"
 
 using namespace synthetic;
 
 namespace {
 
-enum class Outer { kPattern, kFormula };
-
-// The branches of one of the paper's two sequences as the model gives them: inner ones by its formulas from the
-// pattern, external ones from the patterns or by the formulas.
-std::vector<TaxelBranch> branches_from(const ElamModel& formula, const std::vector<double>& turns, Outer outer) {
+// The branches along turning points as the model's formulas give them.
+std::vector<TaxelBranch> branches_from(const ElamModel& model, const std::vector<double>& turns) {
   std::vector<TaxelBranch> branches;
-  ElamModel model = formula;
-  model.options.exact_outer = outer == Outer::kPattern;
   Plant plant(model);
   for (std::size_t t = 1; t < turns.size(); ++t) {
     TaxelBranch branch;
@@ -29,18 +24,6 @@ std::vector<TaxelBranch> branches_from(const ElamModel& formula, const std::vect
     branches.push_back(std::move(branch));
   }
   return branches;
-}
-
-// White noise; the turning sample is one measurement for both branches that share it.
-void add_noise(std::vector<TaxelBranch>& branches, double volts, unsigned seed) {
-  std::mt19937 random(seed);
-  std::normal_distribution<double> normal(0.0, volts);
-  for (std::size_t b = 0; b < branches.size(); ++b)
-    for (std::size_t i = 0; i < branches[b].volts.size(); ++i)
-      if (b > 0 && i == 0)
-        branches[b].volts[0] = branches[b - 1].volts.back();
-      else
-        branches[b].volts[i] += normal(random);
 }
 
 std::vector<TaxelBranch> both(std::vector<TaxelBranch> a, const std::vector<TaxelBranch>& b) {
@@ -64,8 +47,7 @@ Array small_array() {
 
 TEST_CASE("a noiseless refit of the paper's taxel recovers the printed parameters") {
   const ElamModel truth = model_of(paper_loop(), kPrinted);
-  const auto branches = both(branches_from(truth, kDescendingTurns, Outer::kFormula),
-                             branches_from(truth, kAscendingTurns, Outer::kFormula));
+  const auto branches = both(branches_from(truth, kDescendingTurns), branches_from(truth, kAscendingTurns));
   const ElamFit fit = identify_elam(truth.ascending, truth.descending, branches);
   INFO("J " << fit.j_v2);
   CHECK(fit.j_v2 < 1e-9);
@@ -76,25 +58,6 @@ TEST_CASE("a noiseless refit of the paper's taxel recovers the printed parameter
   CHECK(fit.model.parameters.beta_a == Approx(kPrinted.beta_a).epsilon(1e-3));
   CHECK(fit.at_bound == 0);
   CHECK(fit.full_scale_v == 3.49);
-}
-
-TEST_CASE("refits of the rebuilt taxel with noise stay within the paper's errors") {
-  struct Set {
-    const std::vector<double>& turns;
-    double noise_v, limit_fs;
-    std::size_t samples;
-  };
-  for (const Set& set : {Set{kDescendingTurns, 0.032, 0.0095, 211}, Set{kAscendingTurns, 0.0205, 0.0070, 451}}) {
-    const ElamModel truth = model_of(paper_loop(), kPrinted);
-    REQUIRE(levels_of(set.turns).size() == set.samples);
-    for (unsigned seed = 1; seed <= 6; ++seed) {
-      std::vector<TaxelBranch> branches = branches_from(truth, set.turns, Outer::kPattern);
-      add_noise(branches, set.noise_v, seed);
-      const ElamFit fit = identify_elam(truth.ascending, truth.descending, branches);
-      CHECK(fit.mean_error_v / fit.full_scale_v <= set.limit_fs);
-      CHECK(fit.mean_error_v > 0.6 * set.noise_v);  // the noise itself cannot be fitted away
-    }
-  }
 }
 
 TEST_CASE("an array's fit does not depend on the number of threads") {
@@ -149,48 +112,18 @@ TEST_CASE("dead, stuck, saturated and unfit taxels are named and left out of the
   CHECK(fit.mean_taxel().ascending(30.0) == Approx(mean).epsilon(1e-9));
 }
 
-TEST_CASE("a sensor whose output falls is fitted with its output negated") {
-  Dataset data = run(small_array(), {});
-  const SensorModel rising = fit_array(data);
-  CHECK_FALSE(rising.falling);
-  for (SequenceData& sequence : data.sequences)
-    for (Repeat& repeat : sequence.repeats)
-      for (double& volts : repeat.volts) volts = 5.0 - volts;
-  const SensorModel fit = fit_array(data);
-  CHECK(fit.falling);
-  CHECK(fit.full_scale_v() == Approx(5.0).epsilon(0.1));
-  for (std::size_t i = 0; i < fit.array().size(); ++i) {
-    REQUIRE(fit.taxels[i].status == TaxelStatus::kFitted);
-    CHECK(fit.taxels[i].fit.j == Approx(rising.taxels[i].fit.j).epsilon(1e-6));
-    CHECK(fit.taxels[i].ascending(30.0) == Approx(rising.taxels[i].ascending(30.0) - 5.0));
-  }
-  CHECK(as_modelled(data, fit).sequences[0].repeats[0].volts[5] == -data.sequences[0].repeats[0].volts[5]);
-  CHECK(as_modelled(data, rising).sequences[0].repeats[0].volts[5] == data.sequences[0].repeats[0].volts[5]);
-  const Evaluation a = evaluate(data, fit);
-  CHECK(a.mean_error_psi < 1.0);
-  CHECK(a.full_scale_v == Approx(5.0).epsilon(0.1));
-}
-
 TEST_CASE("a first repeat that differs from the others is reported, and can be left out") {
   Dataset data = run(small_array(), {});
-  for (const RepeatDrift& drift : fit_array(data).repeats) {
-    INFO(drift.sequence << ": " << drift.shift_v << " V of " << drift.uncertainty_v << " V");
-    CHECK_FALSE(drift.differs);
-  }
   for (double& volts : data.sequences[0].repeats[0].volts) volts -= 0.02;  // never loaded before
   const SensorModel fit = fit_array(data);
   REQUIRE(fit.repeats.size() == 2);
   CHECK(fit.repeats[0].sequence == "descending");
   CHECK(fit.repeats[0].differs);
   CHECK(fit.repeats[0].shift_v == Approx(-0.02).margin(0.002));
-  CHECK(fit.repeats[0].uncertainty_v < 0.003);
   CHECK_FALSE(fit.repeats[1].differs);
   FitOptions options;
   options.common.first_repeat = 1;
   CHECK(fit_array(data, options).mean_taxel().y0() > fit.mean_taxel().y0());
-  RunOptions two;
-  two.repeats = 2;
-  CHECK(fit_array(run(small_array(), two)).repeats.empty());
 }
 
 TEST_CASE("duplicated pressures, missing branches, branches that stop short and another origin are fitted") {
@@ -202,9 +135,8 @@ TEST_CASE("duplicated pressures, missing branches, branches that stop short and 
   ElamParameters p = kPrinted;
   p.beta_d = 0.97;
   const ElamModel truth = model_of(loop, p);
-  std::vector<TaxelBranch> branches =
-      both(branches_from(truth, {12, 72, 12, 52, 31, 45, 12}, Outer::kFormula),
-           branches_from(truth, {12, 72, 22, 72, 12, 42, 30, 66, 33, 72, 12}, Outer::kFormula));
+  std::vector<TaxelBranch> branches = both(branches_from(truth, {12, 72, 12, 52, 31, 45, 12}),
+                                           branches_from(truth, {12, 72, 22, 72, 12, 42, 30, 66, 33, 72, 12}));
   for (TaxelBranch& branch : branches) {
     const std::size_t middle = branch.volts.size() / 2;
     for (int k = 0; k < 3; ++k) {

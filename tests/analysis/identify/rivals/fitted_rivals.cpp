@@ -2,10 +2,12 @@
 #include <Eigen/LU>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "analysis/identify/fit_samples.h"
 #include "analysis/identify/identifier.h"
+#include "analysis/identify/rivals/gpi_evolution.h"
 #include "analysis/identify/rivals/gpi_normal.h"
 #include "analysis/identify/rivals/gpi_search.h"
 #include "analysis/identify/rivals/nnls.h"
@@ -31,6 +33,29 @@ double one_weight(const FitData& data, bool by_input, const std::vector<std::str
   REQUIRE(fit.model->parameters().size() == 1);
   return fit.model->parameters()[0].value;
 }
+
+// GPI's normalised data, and a place in its unknowns.
+struct GpiProblem {
+  FitData data;
+  FitSamples samples{data};
+  GpiTree tree{samples};
+  GpiTree::Target target = tree.target(shares());
+  GpiLanes lanes{tree};
+  GpiFound start;
+  explicit GpiProblem(FitData fitted = paper_both(0.03, 0.02)) : data(std::move(fitted)) {
+    start.at = {0.8, 0.1, -0.5, 0.3, -0.1, -0.2, -2.0, 0.3};
+    lanes.at.fill(start.at);
+    lanes.evaluate(target, true);
+    start.j = lanes.j[0];
+  }
+
+ private:
+  [[nodiscard]] std::vector<double> shares() const {
+    std::vector<double> y = samples.outputs(data);
+    for (double& value : y) value /= data.ascending.y().back();
+    return y;
+  }
+};
 
 constexpr double kOneRidge = 1.0001;  // external branches alone: the one diagonal is larger by this
 
@@ -123,22 +148,25 @@ TEST_CASE("GPI: the errors of its unknowns are those of the normal equations, by
   FitData data = paper_both(0.03, 0.02);
   const std::vector<double> inputs = random_inputs(random, 40, 0.0, 60.0, 3);
   data.histories.push_back(drive("random", inputs, Plant(model_of(paper_loop(), kPrinted, true)), 0.02));
-  const FitSamples samples(data);
-  const GpiTree tree(samples);
-  std::vector<double> share = samples.outputs(data);
-  for (double& y : share) y /= 3.49;
-  const GpiTree::Target target = tree.target(share);
-  GpiFound at;
-  at.at = {0.8, 0.1, -0.5, 0.3, -0.1, -0.2, -2.0, 0.3};
-  GpiLanes lanes(tree);
-  lanes.at.fill(at.at);
-  lanes.evaluate(target, true);
-  const GpiMatrix inverse = GpiNormal(lanes, 0).matrix.inverse();
+  const GpiProblem problem(data);
+  const GpiMatrix inverse = GpiNormal(problem.lanes, 0).matrix.inverse();
   for (const double variance : {1.0, 1e-4}) {
-    const GpiPoint errors = GpiSearch(tree, target).errors(at, variance);
+    const GpiPoint errors = GpiSearch(problem.tree, problem.target).errors(problem.start, variance);
     for (int k = 0; k < kGpiUnknowns; ++k) {
       CAPTURE(k);
       CHECK(errors[static_cast<std::size_t>(k)] == Approx(std::sqrt(variance * inverse(k, k))).epsilon(1e-5));
     }
   }
+}
+
+TEST_CASE("GPI: its evolution strategy ends at its last generation, or when steps no longer matter") {
+  GpiProblem problem;
+  GpiEvolution small(problem.lanes, problem.target, problem.start, 1e-5);
+  small.go(problem.lanes, problem.target, 100);
+  CHECK(small.best().at == problem.start.at);
+  GpiEvolution once(problem.lanes, problem.target, problem.start, 0.05), twice = once;
+  once.go(problem.lanes, problem.target, 6);
+  for (const int last : {3, 3, 6}) twice.go(problem.lanes, problem.target, last);
+  CHECK(twice.best().at == once.best().at);
+  CHECK(once.best().j < problem.start.j);
 }

@@ -157,9 +157,8 @@ TEST_CASE("a document's members that are not what they have to be are refused by
     CAPTURE(row.pointer);
     CHECK_THAT(refused_with_member(row.pointer, row.value), Catch::Contains(row.named));
   }
-  for (const char* pointer :
-       {"/schema", "/version", "/model", "/options", "/output", "/source", "/validity", "/taxels", "/loop_inputs",
-        "/taxels/0/loop", "/taxels/0/noise", "/taxels/0/figures"}) {
+  for (const char* pointer : {"/schema", "/version", "/model", "/options", "/output", "/source", "/validity", "/taxels",
+                              "/loop_inputs", "/taxels/0/loop", "/taxels/0/noise", "/taxels/0/figures"}) {
     CAPTURE(pointer);
     DocumentJson json = written();
     const DocumentJson::json_pointer at(pointer);
@@ -210,6 +209,6 @@ TEST_CASE("models by their labels, and MODEL of the command line: a file's path,
   const tests::TemporaryFolder folder;
   tests::write_file(folder.path("m.json"), to_text(whole_document()));
   CHECK(load_model(folder.path("m.json"), nullptr).source == "run 3");
-  for (const std::string& model : {std::string("17"), std::string("17x"), folder.path("none.json")})
-    CHECK(id_of_refusal([&] { return load_model(model, nullptr); }) == "TB-MODEL-OPEN");
+  for (const std::string& named : {std::string("17"), std::string("17x"), folder.path("none.json")})
+    CHECK(id_of_refusal([&] { return load_model(named, nullptr); }) == "TB-MODEL-OPEN");
 }
