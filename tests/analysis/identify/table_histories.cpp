@@ -88,9 +88,6 @@ TEST_CASE("turns are distinguished from the noise of the inputs, or by a stated 
   CHECK(branches_of(wavers) == 4);
   CHECK(branches_of(wavers, 0.4) == 4);
   CHECK(branches_of(wavers, 0.6) == 2);
-  HistoriesOptions options;
-  options.turn = 10.0;
-  CHECK_THROWS_AS(histories_of({wavers}, "t.csv", options), AnalysisError);
 }
 
 TEST_CASE("measured sweeps that miss the extremes make the external loop, commanded ones do not") {

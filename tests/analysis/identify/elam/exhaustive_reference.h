@@ -32,7 +32,7 @@ inline double curve_error(const ElamModel& model, const CurveSamples& samples, b
 // J at the best beta_d for alpha_d.
 inline double descending_error(ElamModel& model, std::span<const CurveSamples> curves, double alpha) {
   model.parameters.alpha_d = alpha;
-  double rr = 0.0, rg = 0.0, gg = 0.0;
+  double rg = 0.0, gg = 0.0;
   for (const CurveSamples& samples : curves) {
     model.parameters.beta_d = 0.0;
     const ElamCurve at_0(model, false, samples.x_turn, samples.y_turn);
@@ -41,7 +41,6 @@ inline double descending_error(ElamModel& model, std::span<const CurveSamples> c
     for (std::size_t i = 0; i < samples.x.size(); ++i) {
       const double slope = at_1.output(samples.x[i]) - at_0.output(samples.x[i]);
       const double off = samples.y[i] - at_1.output(samples.x[i]), w = samples.weight[i];
-      rr += w * off * off;
       rg += w * off * slope;
       gg += w * slope * slope;
     }
