@@ -18,11 +18,7 @@ using namespace tactbench::tests;
 namespace {
 
 Suite suite_of_seeds(int seeds) {
-  return with_seeds(parse_suite("schema = 1\nname = \"s\"\n[[scenario]]\nname = \"one\"\nabout = \"first\"\n"
-                                "[[scenario]]\nname = \"two\"\nabout = \"second\"\n"
-                                "[[scenario]]\nname = \"three\"\nabout = \"third\"\n",
-                                "s.toml"),
-                    seeds);
+  return with_seeds(parse_suite(kPartSuite, "s.toml"), seeds);
 }
 
 struct NightRun {
@@ -82,12 +78,16 @@ ScenarioResult night_of_one(KeptNights& nights, const std::vector<NightRun>& run
   return results[0];
 }
 
-bool is_first(const ScenarioResult& result) { return result.compared.starts_with("first run"); }
-bool same_as(const ScenarioResult& result, int run) {
-  return result.compared == fmt::format("same frames as run {}", run);
+// The run that the scenario was compared with, 0: none. Other frames are told with the commit that measured the earlier.
+std::int64_t compared_with(const ScenarioResult& result) {
+  const std::size_t digits = result.compared.find_first_of("0123456789");
+  return digits == std::string::npos ? 0 : std::stoll(result.compared.substr(digits));
 }
+bool other_frames(const ScenarioResult& result) { return result.compared.find("0123456789ab") != std::string::npos; }
+bool is_first(const ScenarioResult& result) { return !result.compared.empty() && compared_with(result) == 0; }
+bool same_as(const ScenarioResult& result, int run) { return compared_with(result) == run && !other_frames(result); }
 bool changed_since(const ScenarioResult& result, int run) {
-  return result.compared.starts_with(fmt::format("frames changed since run {} ", run));
+  return compared_with(result) == run && other_frames(result);
 }
 
 using TextLines = std::vector<std::string>;
@@ -130,7 +130,7 @@ TEST_CASE("a night's runs are taken once, with its tag, its figures and its resu
   CHECK(nights.store().nights().size() == 2);
 }
 
-TEST_CASE("fixed seeds: the first night, one of the same frames with other figures, one of other frames") {
+TEST_CASE("fixed seeds: the first night, one that repeats its frames with other figures, one of other frames") {
   KeptNights nights;
   const std::map<std::string, double> figures = {{"a", 2.0}, {"b", 5.0}, {"c", 1.0}, {"d", 0.0}};
   const ScenarioResult first = night_of_one(nights, {{}}, figures, "2026-01-02T00:00:00Z");

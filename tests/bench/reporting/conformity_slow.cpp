@@ -34,12 +34,6 @@ void write_limits(const TemporaryFolder& folder, const std::string& rule, double
                  "\nworst_taxel_error_psi = 60\ndistance_of_mean_percent_fs = 100\nunfit_taxels = 256\n");
 }
 
-json report_data(const std::string& page) {
-  const std::string open = "id=\"report-data\">";
-  const std::size_t from = page.find(open) + open.size();
-  return json::parse(page.substr(from, page.find("</script>", from) - from));
-}
-
 // The runs, the models and the figures of the held-out one, read from the store.
 struct FromStore {
   db::RunStore store;
@@ -107,8 +101,8 @@ TEST_CASE("the report's uncertainty is the one recomputed from the store") {
   carry_out_run(folder);
   // 8 psi is no level of this run.
   REQUIRE(call(folder, {"fit", "1", "--held-out", "2", "--limits", "limits.toml", "-q"}).code == 6);
-  REQUIRE(call(folder, {"report", "1", "-q"}).code == 6);
-  const json data = report_data(read_file(folder.path("reports/run-1.html")))["sections"]["uncertainty"];
+  REQUIRE(call(folder, {"report", "1", "-q", "--format", "json", "-o", "r.json"}).code == 6);
+  const json data = json::parse(read_file(folder.path("r.json")))["sections"]["uncertainty"];
   const FromStore stored(folder);
   const analysis::Uncertainty uncertainty =
       analysis::assess_uncertainty(stored.dataset, stored.fit, stored.store.run(1));

@@ -22,6 +22,10 @@ inline double film_volts(double psi, bool up) {
   return 0.2 + 0.03 * psi + 0.0003 * psi * psi + (up ? 0.0 : 0.0004 * psi * (60.0 - psi));
 }
 
+// With an inner loop from 20 to 60 psi.
+inline const std::vector<double> kFilmInnerLoop = {0.0,  10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 50.0, 40.0, 30.0, 20.0,
+                                                   30.0, 40.0, 50.0, 60.0, 50.0, 40.0, 30.0, 20.0, 10.0, 0.0};
+
 struct FilmRun {
   std::string sensor = "S-1", origin = "simulated", started_utc = "2026-03-01T00:00:00Z", purpose = {};
   std::vector<double> levels = {0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 50.0, 40.0, 30.0, 20.0, 10.0, 0.0};

@@ -66,17 +66,17 @@ TEST_CASE(
   CHECK(film_mean_words(both.verdicts) ==
         "3 mean_compensation_error 2 of 1: fail; 2 mean_compensation_error 0.5 of 1: pass; ");
   CHECK(both.verdicts.size() == 8);
-  CHECK(film_note_words(both).empty());
+  CHECK(film_notes(both).empty());
   CHECK(both.void_runs.empty());
   CHECK(both.notes.trajectories.size() == 2);
   const bench::Judgement own = made.judged({film_evaluation(1, 0.25)}, film_limits(1.0));
   CHECK(film_mean_words(own.verdicts) == "1 mean_compensation_error 0.25 of 1: inconclusive; ");
   CHECK(own.verdicts.size() == 4);
-  CHECK(film_note_words(own) == kNoIndependentFilm);
+  CHECK(film_notes(own) == "not judged");
   CHECK(own.notes.trajectories.empty());
   const bench::Judgement listed = made.judged({film_evaluation(1, 0.25)}, film_limits(1.0, "report-only"));
   CHECK(film_mean_words(listed.verdicts) == "1 mean_compensation_error 0.25 of 1: report only; ");
-  CHECK(film_note_words(listed).empty());
+  CHECK(film_notes(listed).empty());
 }
 
 TEST_CASE("judged runs: a void run is left out with its reason, or counted on request and named") {
@@ -86,18 +86,18 @@ TEST_CASE("judged runs: a void run is left out with its reason, or counted on re
                                                    film_evaluation(2, 0.5)};
   const bench::Judgement without = made.judged(all, film_limits(1.0));
   CHECK(film_mean_words(without.verdicts) == "2 mean_compensation_error 0.5 of 1: pass; ");
-  CHECK(film_note_words(without) == " | run 3 is not judged: " + JudgedStore::void_words(3));
+  CHECK(film_notes(without) == " 3");
   CHECK(without.void_runs.empty());
   const bench::Judgement with = made.judged(all, film_limits(1.0), true);
   CHECK(film_mean_words(with.verdicts) ==
         "3 mean_compensation_error 2 of 1: fail; 2 mean_compensation_error 0.5 of 1: pass; ");
-  CHECK(film_note_words(with) == " | " + JudgedStore::void_words(3) + "; --void-too includes it");
+  CHECK(film_notes(with) == " 3");
+  CHECK_THAT(with.notes.remarks[0], Catch::Contains("gauge closed") && Catch::Contains("--void-too"));
   REQUIRE(with.void_runs.size() == 1);
   CHECK(with.void_runs[0].run == 3);
   bench::StoredJudgement stored;
-  stored.lost = {"lost before"};
-  CHECK(film_note_words(made.judged(all, film_limits(1.0), false, stored)) ==
-        " | lost before | run 3 is not judged: " + JudgedStore::void_words(3));
+  stored.lost = {"lost before, of 7"};
+  CHECK(film_notes(made.judged(all, film_limits(1.0), false, stored)) == " 7 3");
 }
 
 TEST_CASE("judged runs: nothing is judged by models of a void run, unless it is asked for") {
@@ -106,10 +106,10 @@ TEST_CASE("judged runs: nothing is judged by models of a void run, unless it is 
   const std::vector<bench::NamedEvaluation> both = {film_evaluation(1, 0.25), film_evaluation(2, 0.5)};
   const bench::Judgement none = made.judged(both, film_limits(1.0));
   CHECK(film_mean_words(none.verdicts) == "1 mean_compensation_error 0.25 of 1: inconclusive; ");
-  CHECK(film_note_words(none) == JudgedStore::void_words(1) + ", and the models were made from it");
+  CHECK(film_notes(none) == "not judged");
   CHECK(none.notes.stored_worse.empty());
   const bench::Judgement with = made.judged(both, film_limits(1.0), true);
   CHECK(film_mean_words(with.verdicts) == "2 mean_compensation_error 0.5 of 1: pass; ");
-  CHECK(film_note_words(with) == " | " + JudgedStore::void_words(1) + "; --void-too includes it");
+  CHECK(film_notes(with) == " 1");
   CHECK(with.void_runs.size() == 1);
 }

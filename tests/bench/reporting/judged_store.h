@@ -15,9 +15,6 @@
 
 namespace tactbench::tests {
 
-inline const std::string kNoIndependentFilm =
-    "no independent data: the figures are of the run that the models were made from";
-
 inline std::string film_limits_text(double mean_psi, const std::string& rule = "simple",
                                     const std::string& name = "a") {
   return fmt::format(
@@ -84,9 +81,11 @@ inline std::string film_mean_words(const std::vector<db::VerdictRecord>& rows) {
   return film_row_words(mean);
 }
 
-inline std::string film_note_words(const bench::Judgement& judgement) {
-  std::string text = judgement.notes.not_judged;
-  for (const std::string& remark : judgement.notes.remarks) text += " | " + remark;
+// Of a judgement: "not judged" where it is none, and the run that each remark names.
+inline std::string film_notes(const bench::Judgement& judgement) {
+  std::string text = judgement.notes.not_judged.empty() ? "" : "not judged";
+  for (const std::string& remark : judgement.notes.remarks)
+    text += fmt::format(" {}", std::stoi(remark.substr(remark.find_first_of("0123456789"))));
   return text;
 }
 
@@ -96,9 +95,6 @@ class JudgedStore : public FilmStore {
     for (int i = 0; i < runs; ++i) (void)add();
   }
   void declare_void(std::int64_t run) { store.void_run(run, "gauge closed", "me", "2026-03-02T00:00:00Z"); }
-  static std::string void_words(std::int64_t run) {
-    return fmt::format("run {} was declared void by me on 2026-03-02T00:00:00Z: gauge closed", run);
-  }
   std::int64_t keep(const analysis::SensorModel& model) {
     return analysis::store_fit(store, model, "1", "2026-03-01T02:00:00Z");
   }
@@ -123,14 +119,14 @@ class JudgedStore : public FilmStore {
     analysis::Runs runs(store);
     return bench::judge_runs(runs, film_line_model(), evaluations, limits, void_too, stored);
   }
-  // Rows, numbers, limits, what was lost.
+  // Rows, numbers, limits, and each of those that were lost.
   [[nodiscard]] std::string kept(const analysis::SensorModel& model, bool void_too = false) const {
     analysis::Runs runs(store);
     const bench::StoredJudgement stored = bench::stored_judgement(runs, model, void_too);
     std::string text = film_row_words(stored.verdicts) + "|";
     for (const std::int64_t run : stored.runs) text += fmt::format(" {}", run);
     text += "|" + (stored.limits_toml.empty() ? "" : bench::parse_limits(stored.limits_toml, "x").name);
-    for (const std::string& why : stored.lost) text += "|" + why;
+    for (std::size_t i = 0; i < stored.lost.size(); ++i) text += "|lost";
     return text;
   }
 };

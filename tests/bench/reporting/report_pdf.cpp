@@ -1,12 +1,16 @@
-// PDF by programs that a test provides: which one is chosen, its arguments, and the error when it fails.
+// PDF by programs that a test provides: which one is chosen, the words that it is started with, dates digit by digit,
+// the error when it fails, and processes that it leaves behind.
+#include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <sstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "bench/common/error.h"
@@ -19,104 +23,191 @@ using namespace tactbench::tests;
 
 namespace {
 
-// Writes its date and words to `said` and a PDF to where its last word, or --print-to-pdf, says.
-constexpr const char* kPrints =
-    "#!/bin/sh\nprintf '%s\\n' \"$SOURCE_DATE_EPOCH\" \"$@\" >\"$SAID\"\nfor word in \"$@\"; do\n"
-    "  case $word in --print-to-pdf=*) pdf=${word#*=} ;; esac\n  last=$word\ndone\n"
-    "printf '%s' '%PDF-1.7 /CreationDate (D:19700101000000+00) /ModDate(D:19700101000000Z) /ModDate  x(D:1970' "
-    ">\"${pdf:-$last}\"\n";
-
-struct Programs {
+// Programs in the folder bin, which print the file `pdf` of the folder.
+struct PdfByScript {
   TemporaryFolder folder;
   Variable path{"PATH", "::" + folder.path("empty") + ":" + folder.path("bin")};
-  Variable said{"SAID", folder.path("said")};
+  Variable here{"HERE", folder.path()};
   PdfRequest request;
 
-  Programs() {
+  PdfByScript() {
     std::filesystem::create_directory(folder.path("bin"));
+    write_file(folder.path("pdf"), "%PDF-");
     request.html = "<p>page</p>";
-    request.json = "{}";
+    request.json = "{\"a\":1}";
     request.path = folder.path("out.pdf");
     request.date_utc = "2026-03-01T12:34:56Z";
   }
-  void add(const std::string& name, const std::string& text) const {
+  void write(const std::string& name, const std::string& text) const {
     write_file(folder.path("bin/" + name), text);
-    REQUIRE(chmod(folder.path("bin/" + name).c_str(), 0700) == 0);
+    REQUIRE(::chmod(folder.path("bin/" + name).c_str(), 0700) == 0);
   }
-  [[nodiscard]] std::vector<std::string> words() const {
+  void add(const std::string& name, const std::string& more = {}) const {
+    write(name,
+          "#!/bin/sh\nPATH=/usr/bin:/bin\nprintf '%s\\n' \"$SOURCE_DATE_EPOCH\" \"$@\" >\"$HERE/said\"\n"
+          "for word in \"$@\"; do\n  case $word in --print-to-pdf=*) pdf=${word#*=} ;; esac\n  last=$word\ndone\n" +
+              more + "cp \"$HERE/pdf\" \"${pdf:-$last}\"\n");
+  }
+  void remove(const std::string& name) const { std::filesystem::remove(folder.path("bin/" + name)); }
+  // The name of the program that made it; "" where the PDF is refused.
+  [[nodiscard]] std::string made_by() const {
+    try {
+      return std::filesystem::path(write_pdf(request)).filename();
+    } catch (const Error& error) {
+      CHECK(error.id() == "TB-REPORT-PDF");
+      CHECK(error.code() == ExitCode::kUsage);
+      return {};
+    }
+  }
+  // What becomes of that text.
+  [[nodiscard]] std::string dated(const std::string& text) const {
+    write_file(folder.path("pdf"), "%PDF-" + text);
+    (void)write_pdf(request);
+    return read_file(request.path).substr(5);
+  }
+  [[nodiscard]] std::vector<std::string> said() const {
     std::istringstream lines(read_file(folder.path("said")));
     std::vector<std::string> found;
     for (std::string line; std::getline(lines, line);) found.push_back(line);
     return found;
   }
-  // True where the PDF is refused.
-  [[nodiscard]] bool refused() const {
-    try {
-      (void)write_pdf(request);
-    } catch (const Error& error) {
-      CHECK(error.id() == "TB-REPORT-PDF");
-      CHECK(error.code() == ExitCode::kUsage);
-      return true;
-    }
-    return false;
-  }
 };
+
+// No such process, or one whose end nobody has asked for yet.
+bool has_process_ended(long process) {
+  std::string line;
+  std::getline(std::ifstream("/proc/" + std::to_string(process) + "/stat"), line);
+  const std::size_t at = line.rfind(')');
+  return at == std::string::npos || line.at(at + 2) == 'Z';
+}
 
 }  // namespace
 
 TEST_CASE("PDF by weasyprint: PDF/A with the data attached, dated as the report") {
-  Programs programs;
-  programs.add("weasyprint", kPrints);
-  CHECK(write_pdf(programs.request) == programs.folder.path("bin/weasyprint"));
-  const std::vector<std::string> words = programs.words();
+  PdfByScript made;
+  made.add("weasyprint");
+  CHECK(write_pdf(made.request) == made.folder.path("bin/weasyprint"));
+  const std::vector<std::string> words = made.said();
   REQUIRE(words.size() == 7);
-  CHECK(words[0] == "1772368496");  // 2026-03-01T12:34:56Z
-  CHECK(words[1] == "--pdf-variant");
-  CHECK(words[2] == "pdf/a-3b");
-  CHECK(words[3] == "--attachment");
-  CHECK(words[4].ends_with("/data.json"));
-  CHECK(words[5].ends_with("/report.html"));
-  CHECK(words[6].ends_with("/report.pdf"));
-  CHECK_FALSE(std::filesystem::exists(words[6]));
-  CHECK(read_file(programs.request.path) ==
-        "%PDF-1.7 /CreationDate (D:20260301123456+00) /ModDate(D:20260301123456Z) /ModDate  x(D:1970");
-  programs.request.date_utc = "2026-03-01";  // no time: a date that says nothing
-  (void)write_pdf(programs.request);
-  CHECK(programs.words()[0] == "946684800");  // 2000-01-01T00:00:00Z
+  const std::string folder = std::filesystem::path(words[6]).parent_path();
+  CHECK(words == std::vector<std::string>{"1772368496", "--pdf-variant", "pdf/a-3b", "--attachment",
+                                          folder + "/data.json", folder + "/report.html", folder + "/report.pdf"});
+  CHECK_FALSE(std::filesystem::exists(folder));
 }
 
-TEST_CASE("PDF by a browser: preferred where both programs are installed, weasyprint on request") {
-  Programs programs;
-  programs.add("weasyprint", kPrints);
-  programs.add("google-chrome", kPrints);
-  CHECK(write_pdf(programs.request) == programs.folder.path("bin/google-chrome"));
-  const std::vector<std::string> words = programs.words();
-  REQUIRE(words.size() >= 9);
-  CHECK(words[1] == "--headless");
-  CHECK(words[7].starts_with("--print-to-pdf=/"));
-  CHECK(words.back().starts_with("file:///"));
-  CHECK(words.back().ends_with("/report.html"));
-  CHECK(std::ranges::count(words, "--no-sandbox") == (geteuid() == 0 ? 1 : 0));
-  programs.request.program = "weasyprint";
-  CHECK(write_pdf(programs.request) == programs.folder.path("bin/weasyprint"));
-  programs.request.program = "chromium";
-  std::filesystem::remove(programs.folder.path("bin/google-chrome"));
-  CHECK(programs.refused());
-  programs.request.program.clear();
-  std::filesystem::remove(programs.folder.path("bin/weasyprint"));
-  CHECK(programs.refused());
+TEST_CASE("PDF dates: each one of the two fields, at most two characters behind its name, and with all its digits") {
+  PdfByScript made;
+  made.add("weasyprint");
+  const std::string old = "(D:19700101000000", now = "(D:20260301123456";
+  CHECK(made.dated("/ModDate" + old) == "/ModDate" + now);
+  CHECK(made.dated("/ModDate  " + old) == "/ModDate  " + now);
+  CHECK(made.dated("/ModDate   " + old) == "/ModDate   " + old);
+  CHECK(made.dated("/CreationDate  " + old + ")") == "/CreationDate  " + now + ")");
+  CHECK(made.dated("/CreationDate   " + old + ")") == "/CreationDate   " + old + ")");
+  CHECK(made.dated("/ModDate(D:1970010100000") == "/ModDate(D:1970010100000");
+  CHECK(made.dated("/ModDate x/ModDate" + old + "/ModDate" + old) == "/ModDate x/ModDate" + now + "/ModDate" + now);
+  CHECK(made.dated("/OtherDate" + old + " none") == "/OtherDate" + old + " none");
 }
 
-TEST_CASE("PDF: a program that fails, writes nothing or no PDF is refused") {
-  Programs programs;
-  programs.add("weasyprint",
-               "#!/bin/sh\nfor last in \"$@\"; do :; done\nprintf '%s' '%PDF-1.7' >\"$last\"\necho bad\nexit 3\n");
-  CHECK(programs.refused());
-  programs.add("weasyprint", "#!/bin/sh\nexit 0\n");
-  CHECK(programs.refused());
-  programs.add("weasyprint", "#!/bin/sh\nfor last in \"$@\"; do :; done\nprintf '%s' 'PDF-1.7' >\"$last\"\n");
-  CHECK(programs.refused());
-  programs.add("weasyprint", "#!/no/such/shell\n");
-  CHECK(programs.refused());
-  CHECK_FALSE(std::filesystem::exists(programs.request.path));
+TEST_CASE("PDF dates: the document's date in seconds and digits, and one that says nothing where it is cut off") {
+  PdfByScript made;
+  made.add("weasyprint");
+  const std::string old = "/ModDate(D:19700101000000)";
+  const auto both = [&](const char* utc) {
+    made.request.date_utc = utc;
+    const std::string text = made.dated(old);
+    return made.said().at(0) + " " + text.substr(11, 14);
+  };
+  CHECK(both("2009-09-09T09:09:09Z") == "1252487349 20090909090909");
+  CHECK(both("2000-01-02T03:04:05Z") == "946782245 20000102030405");
+  CHECK(both("1999-12-31T23:59:59") == "946684799 19991231235959");  // the shortest
+  CHECK(both("1999-12-31T23:59:5") == "946684800 20000101000000");
+  CHECK(both("") == "946684800 20000101000000");
+  // More digits and fewer: the document keeps its length.
+  CHECK(both("1999-12-31T23:59:59.125Z") == "946684799 19991231235959");
+  CHECK(read_file(made.request.path).size() == 5 + old.size());
+  CHECK(both("1999-12-31 about noon") == "946598400 19991231000000");
+}
+
+TEST_CASE("PDF by a browser: every word, with a profile and files of the page's own folder, which is gone afterwards") {
+  PdfByScript made;
+  made.add("chromium-browser",
+           "folder=${last#file://}\ncp \"$folder\" \"$HERE/page\"\ncp \"${folder%report.html}data.json\" "
+           "\"$HERE/json\"\n");
+  CHECK(write_pdf(made.request) == made.folder.path("bin/chromium-browser"));
+  const std::vector<std::string> words = made.said();
+  const std::string& last = words.back();
+  REQUIRE(last.starts_with("file:///"));
+  const std::string folder = last.substr(7, last.size() - 7 - std::string("/report.html").size());
+  std::vector<std::string> expected = {"1772368496",
+                                       "--headless",
+                                       "--disable-gpu",
+                                       "--no-first-run",
+                                       "--disable-dev-shm-usage",
+                                       "--no-pdf-header-footer",
+                                       "--user-data-dir=" + folder + "/profile",
+                                       "--print-to-pdf=" + folder + "/report.pdf"};
+  if (::geteuid() == 0) expected.emplace_back("--no-sandbox");
+  expected.push_back("file://" + folder + "/report.html");
+  CHECK(words == expected);
+  CHECK(read_file(made.folder.path("page")) == "<p>page</p>");
+  CHECK(read_file(made.folder.path("json")) == "{\"a\":1}");
+  CHECK_FALSE(std::filesystem::exists(folder));
+}
+
+TEST_CASE("PDF: a browser before weasyprint, of several the first name, one on request, and none that is not there") {
+  PdfByScript made;
+  for (const char* name : {"weasyprint", "google-chrome-stable", "google-chrome", "chromium-browser"}) made.add(name);
+  CHECK(made.made_by() == "chromium-browser");
+  made.add("chromium");
+  CHECK(made.made_by() == "chromium");
+  made.request.program = "weasyprint";
+  CHECK(made.made_by() == "weasyprint");
+  made.request.program.clear();
+  for (const char* name : {"chromium", "chromium-browser", "google-chrome"}) made.remove(name);
+  CHECK(made.made_by() == "google-chrome-stable");
+  made.remove("google-chrome-stable");
+  CHECK(made.made_by() == "weasyprint");
+  made.request.program = "chromium";
+  CHECK(made.made_by().empty());
+  made.request.program.clear();
+  made.remove("weasyprint");
+  CHECK(made.made_by().empty());
+}
+
+TEST_CASE("PDF: a program that fails, is ended by a signal, writes nothing or no PDF is refused") {
+  PdfByScript made;
+  const std::string to_last = "#!/bin/sh\nfor last in \"$@\"; do :; done\nprintf '%s' ";
+  for (const std::string& script : {to_last + "'%PDF-1.7' >\"$last\"\nexit 3\n", std::string("#!/bin/sh\nexit 0\n"),
+                                    to_last + "'PDF-1.7' >\"$last\"\n", std::string("#!/no/such/shell\n"),
+                                    to_last + "'%PDF-1.7' >\"$last\"\nkill -9 $$\n"}) {
+    INFO(script);
+    made.write("weasyprint", script);
+    CHECK(made.made_by().empty());
+    CHECK_FALSE(std::filesystem::exists(made.request.path));
+  }
+}
+
+TEST_CASE("PDF: a file of another kind is written over on request alone") {
+  PdfByScript made;
+  made.add("weasyprint");
+  write_file(made.request.path, "diary");
+  CHECK_THROWS_AS(write_pdf(made.request), Error);
+  made.request.replace = true;
+  (void)write_pdf(made.request);
+  CHECK(read_file(made.request.path) == "%PDF-");
+}
+
+TEST_CASE("PDF: what a program leaves running ends with it") {
+  PdfByScript made;
+  made.add("weasyprint", "sleep 600 &\necho $! >\"$HERE/left\"\n");
+  (void)made.dated("x");
+  const long left = std::stol(read_file(made.folder.path("left")));
+  bool ended = false;
+  for (int i = 0; i < 2000 && !ended; ++i) {
+    ended = has_process_ended(left);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  CHECK(ended);
+  if (!ended) ::kill(static_cast<pid_t>(left), SIGKILL);
 }

@@ -218,7 +218,7 @@ TEST_CASE("models, compensation, studies and objects of a report are what the st
   CHECK(shows(report, analysis::html::pressure(studies["rate_hold"][0]["mean_psi"], analysis::PressureUnit(), 3)));
 }
 
-TEST_CASE("earlier models as a document and as a fit of the store find the same") {
+TEST_CASE("earlier models as a document and as a stored fit find the same") {
   const TemporaryFolder folder;
   REQUIRE(call(folder, {"init"}).code == 0);
   REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);

@@ -59,11 +59,11 @@ class StandingByHand {
       text += fmt::format("{} on {}: {}; ", row.run, row.model_run, row.verdict);
     return text;
   }
-  // The judgement on that run: its rows, worse ones, and why it is none.
+  // The judgement on that run: its rows, worse ones, and whether it is none.
   [[nodiscard]] std::string judgement(std::int64_t run) const {
     const bench::Judgement found = bench::judgement_on(store, run);
     return fmt::format("{}| {}| {}", in_words(found.verdicts), in_words(found.notes.stored_worse),
-                       found.notes.not_judged);
+                       found.notes.not_judged.empty() ? "" : "not judged");
   }
 
  private:
@@ -102,10 +102,7 @@ TEST_CASE(
   made.judge(1, fit, "a", {"pass", "fail"});
   CHECK(made.standing(1) == "1 on 1: inconclusive; 1 on 1: inconclusive; ");
   CHECK(made.decided(1) == "inconclusive");
-  CHECK(
-      made.judgement(1) ==
-      "1 on 1: inconclusive; 1 on 1: inconclusive; | | no independent data: the figures are of the run that the models "
-      "were made from");
+  CHECK(made.judgement(1) == "1 on 1: inconclusive; 1 on 1: inconclusive; | | not judged");
   made.judge(2, fit, "a", {"pass"});
   CHECK(made.standing(1) == "2 on 1: pass; ");
   CHECK(made.standing(2) == "2 on 1: pass; ");
@@ -126,14 +123,14 @@ TEST_CASE("standing verdicts: none on a void run, nor by a void run's models") {
   made.declare_void(3);
   CHECK(made.standing(1) == "2 on 1: pass; ");
   CHECK(made.standing(3).empty());
-  CHECK(made.judgement(3) == "| | the run, or the one that the models were made from, was declared void");
+  CHECK(made.judgement(3) == "| | not judged");
   made.declare_void(4);
   CHECK(made.standing(2) == "2 on 1: pass; ");
   CHECK(made.standing(4).empty());
   made.declare_void(1);
   CHECK(made.standing(1).empty());
   CHECK(made.standing(2).empty());
-  CHECK(made.judgement(2) == "| | the run, or the one that the models were made from, was declared void");
+  CHECK(made.judgement(2) == "| | not judged");
 }
 
 TEST_CASE("standing verdicts: of several limits the newest decide, and a fail by any") {

@@ -1,12 +1,10 @@
 // Which runs a verdict rests on, as a person meets it: held-out runs in any order, the models' own, void ones, what is
 // stored, what is signed. On runs of the simulated rig, one store for each story.
-#include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "db/run_store.h"
-#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::tests;
@@ -29,24 +27,13 @@ class VerdictBench {
       REQUIRE(call({"sensors", "add", sensor, "--type", "sensor.toml"}).code == 0);
   }
 
-  Finished call(const Words& words) const { return run_program(program_path(), words, folder_.path()); }
+  Finished call(const Words& words) const { return tactbench::tests::call(folder_, words); }
   [[nodiscard]] std::string path(const std::string& name) const { return folder_.path(name); }
   [[nodiscard]] std::string text(const std::string& name) const { return read_file(folder_.path(name)); }
 
   void measure(const std::string& sensor, const std::string& seed, const Words& more = {}) const {
-    Words words = {"run",
-                   "loop.toml",
-                   "--bench",
-                   "bench.toml",
-                   "--sensor",
-                   sensor,
-                   "--operator",
-                   "tester",
-                   "-q",
-                   "--seed",
-                   seed,
-                   "--sensor-seed",
-                   sensor == "S-1" ? "1" : "2"};
+    Words words = {"run", "loop.toml", "--bench", "bench.toml", "--operator", "tester", "-q"};
+    words.insert(words.end(), {"--sensor", sensor, "--seed", seed, "--sensor-seed", sensor == "S-1" ? "1" : "2"});
     words.insert(words.end(), more.begin(), more.end());
     const Finished run = call(words);
     INFO(run.err);
@@ -90,16 +77,6 @@ class VerdictBench {
   TemporaryFolder folder_;
 };
 
-// Each order of the numbers.
-std::vector<Words> orders_of(Words numbers) {
-  std::vector<Words> orders;
-  std::ranges::sort(numbers);
-  do {
-    orders.push_back(numbers);
-  } while (std::ranges::next_permutation(numbers).found);
-  return orders;
-}
-
 Words joined(Words a, const Words& b) {
   a.insert(a.end(), b.begin(), b.end());
   return a;
@@ -126,28 +103,25 @@ TEST_CASE("every held-out run is judged, the worst one decides, and it stays wit
   // The training run alone is no evidence.
   const json own = bench.answer({"fit", "1", "--limits", "limits-a.toml"}, 6);
   CHECK(own["judgement"]["overall"] == "inconclusive");
-  CHECK_THAT(own["judgement"]["not_judged"].get<std::string>(), Catch::StartsWith("no independent data"));
+  CHECK_FALSE(own["judgement"]["not_judged"].get<std::string>().empty());
   for (const json& verdict : own["verdicts"]) CHECK(verdict["verdict"] == "inconclusive");
   CHECK(bench.listed(1) == "simulated inconclusive");
   CHECK(bench.call({"verify", "1"}).code == 0);
 
-  // Each order of arguments, judged anew and stored.
-  for (const Words& order : orders_of({"2", "3", "4"})) {
+  // Whatever the order of arguments, judged anew and stored.
+  for (const Words& order : {Words{"2", "3", "4"}, Words{"4", "2", "3"}}) {
     INFO(order[0] << " " << order[1] << " " << order[2]);
     const json report = bench.answer(joined({"report", "1", "--limits", "limits-a.toml", "--held-out"}, order), 1);
     CHECK(report["judgement"]["overall"] == "fail");
     CHECK(report["judgement"]["decided_by"] == json::array({4}));
     CHECK(report["judgement"]["runs"].size() == 3);
     CHECK(report["verdicts"].size() == 12);
-  }
-  for (const Words& order : {Words{"2", "3", "4"}, Words{"4", "2", "3"}}) {
     const json fit = bench.answer(joined({"fit", "1", "--limits", "limits-a.toml", "--held-out"}, order), 1);
     CHECK(fit["judgement"]["decided_by"] == json::array({4}));
   }
 
   // A plain report takes the runs that the fit was judged on; so do the lists.
-  const Finished plain = bench.call({"report", "1"});
-  CHECK(plain.code == 1);
+  CHECK(bench.call({"report", "1"}).code == 1);
   CHECK(bench.listed(1) == "simulated fail");
   CHECK(bench.listed(2) == "simulated pass");
   CHECK(bench.listed(4) == "simulated fail");
@@ -165,8 +139,7 @@ TEST_CASE("every held-out run is judged, the worst one decides, and it stays wit
   CHECK(bench.call({"verify", "4"}).code == 0);
 
   // A signature under a fail says so; no signed file is written over, whatever it is called.
-  const Finished chief = bench.call({"report", "1", "--approve-by", "C. Chief", "--reason", "judged by other limits"});
-  CHECK(chief.code == 1);
+  CHECK(bench.call({"report", "1", "--approve-by", "C. Chief", "--reason", "judged by other limits"}).code == 1);
   CHECK(bench.text(bare_path) == bare_page);
   bench.refused({"report", "1", "-o", bare_path}, "TB-REPORT-SIGNED");
   std::filesystem::copy_file(bench.path(bare_path), bench.path("renamed.txt"));
@@ -187,12 +160,15 @@ TEST_CASE("void runs, a run's own models and a run named twice are refused where
   bench.measure("S-1", "3");
   bench.measure("S-2", "5");
   bench.measure("S-2", "6");
+  // Held-out runs that do not match the models: nothing is stored.
+  bench.refused({"fit", "1", "--held-out", "1"}, "TB-RUN-OWN");
+  bench.refused({"fit", "1", "--held-out", "2", "2"}, "TB-RUN-TWICE");
+  CHECK(bench.call({"fit", "1", "--held-out", "5"}).code == 6);  // another sensor
+  CHECK(tactbench::db::RunStore::open_read_only(bench.path("runs.db")).fits(1).empty());
   REQUIRE(bench.call({"fit", "1", "--held-out", "2", "--limits", "limits-a.toml"}).code == 0);
   REQUIRE(bench.call({"fit", "3"}).code == 0);
   REQUIRE(bench.call({"fit", "4", "--held-out", "5", "--limits", "limits-a.toml"}).code == 0);
 
-  bench.refused({"fit", "1", "--held-out", "1"}, "TB-RUN-OWN");
-  bench.refused({"fit", "1", "--held-out", "2", "2"}, "TB-RUN-TWICE");
   bench.refused({"fit", "1", "--model", "monotone", "--score", "1"}, "TB-RUN-OWN");
   bench.refused({"fit", "1", "--model", "monotone", "--score", "2,02"}, "TB-RUN-TWICE");
   bench.refused({"report", "1", "--held-out", "1"}, "TB-RUN-OWN");
@@ -201,13 +177,11 @@ TEST_CASE("void runs, a run's own models and a run named twice are refused where
   bench.refused({"report", "2", "--model", "1", "--held-out", "2"}, "TB-RUN-TWICE");
   bench.refused({"report", "2", "--model", "1", "--studies", "1:mount"}, "TB-RUN-OWN");
   bench.refused({"report", "1", "--studies", "3:mount", "3:90"}, "TB-RUN-TWICE");
-  CHECK(bench.call({"fit", "1", "--held-out", "5"}).code == 6);  // another sensor
   CHECK(bench.call({"report", "1", "--held-out", "5"}).code == 6);
 
   // Judged and void afterwards: the evidence is gone, and a report made anew says why.
   REQUIRE(bench.call({"runs", "void", "2", "--reason", "gauge closed", "--by", "me"}).code == 0);
-  const Finished lost = bench.call({"report", "1"});
-  CHECK(lost.code == 6);
+  CHECK(bench.call({"report", "1"}).code == 6);
   CHECK(bench.listed(1) == "-");
   CHECK(bench.listed(2) == "-");
 
@@ -224,9 +198,6 @@ TEST_CASE("void runs, a run's own models and a run named twice are refused where
     bench.refused(words, "TB-RUN-VOID");
 
   // By one's own word they count, and page, JSON and text say so beside the verdict.
-  const Finished too =
-      bench.call({"report", "1", "--held-out", "2", "--limits", "limits-a.toml", "--void-too", "-o", "too.html"});
-  CHECK(too.code == 0);
   const json counted =
       bench.answer({"report", "1", "--held-out", "2", "--limits", "limits-a.toml", "--void-too", "-o", "x.html"}, 0);
   CHECK(counted["judgement"]["void_runs"][0]["run"] == 2);
@@ -247,17 +218,3 @@ TEST_CASE("void runs, a run's own models and a run named twice are refused where
   REQUIRE(bench.call({"report", "--batch", "4", "5", "7", "8", "-o", "batch.html"}).code == 1);
 }
 
-TEST_CASE("fit stores nothing when a held-out run does not match its models") {
-  const VerdictBench bench;
-  bench.measure("S-1", "1");
-  bench.measure("S-1", "2");
-  bench.measure("S-2", "3");
-  REQUIRE(bench.call({"runs", "void", "2", "--reason", "gauge closed", "--by", "me"}).code == 0);
-  bench.refused({"fit", "1", "--held-out", "1"}, "TB-RUN-OWN");
-  bench.refused({"fit", "1", "--held-out", "2"}, "TB-RUN-VOID");
-  bench.refused({"fit", "1", "--held-out", "3", "3"}, "TB-RUN-TWICE");
-  const Finished other = bench.call({"fit", "1", "--held-out", "3"});
-  CHECK(other.code == 6);
-  CHECK_THAT(other.err, Catch::Contains("[TB-ANALYSIS-OTHER-SENSOR]"));
-  CHECK(tactbench::db::RunStore::open_read_only(bench.path("runs.db")).fits(1).empty());
-}

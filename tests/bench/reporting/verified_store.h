@@ -1,8 +1,9 @@
-// A store whose fits and verdicts are verified, each result in one line.
+// A store whose fits and verdicts are verified.
 #pragma once
 
 #include <fmt/format.h>
 
+#include <catch2/catch.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,8 +19,7 @@ namespace tactbench::tests {
 
 inline FilmRun film_inner_loops(std::vector<std::string> sequences = {"a"}) {
   FilmRun made;
-  made.levels = {0.0,  10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 50.0, 40.0, 30.0, 20.0,
-                 30.0, 40.0, 50.0, 60.0, 50.0, 40.0, 30.0, 20.0, 10.0, 0.0};
+  made.levels = kFilmInnerLoop;
   made.sequences = std::move(sequences);
   made.columns = 2;
   made.tags = {"nightly"};  // whose frames may be removed
@@ -29,14 +29,6 @@ inline FilmRun film_inner_loops(std::vector<std::string> sequences = {"a"}) {
 inline const std::string kVerifiedLimits =
     "schema = 1\nname = \"a\"\nrule = \"simple\"\nmean_compensation_error_psi = 30\nworst_taxel_error_psi = 60\n"
     "distance_of_mean_percent_fs = 100\nunfit_taxels = 1\n";
-
-inline bool is_film_build() { return bench::this_build().find("modified") == std::string::npos; }
-
-// What is said of a fit of this build.
-inline std::string by_film_build() {
-  return is_film_build() ? "bit for bit: same build and class of processor"
-                         : fmt::format("1e-12 relative: the fit is of {0}, this is {0}", bench::this_build());
-}
 
 class VerifiedStore : public FilmStore {
  public:
@@ -52,16 +44,27 @@ class VerifiedStore : public FilmStore {
     (void)bench::judge_and_store(store, runs, models, bench::evaluate_runs(runs, models, held_out), path("limits.toml"),
                                  false, notes);
   }
-  // "fit of run, what, rows, recomputed: compared | difference"
-  static std::string in_words(const bench::VerifiedResult& result) {
-    return fmt::format("{} of {}, {}, {}{}: {} | {}", result.fit, result.fit_run, result.what, result.rows,
-                       result.recomputed ? ", recomputed" : "", result.compared, result.difference);
+  // "fit of run, what, rows: holds", "differs", or "left" where it cannot be worked out again.
+  static std::string outcome(const bench::VerifiedResult& result) {
+    return fmt::format("{} of {}, {}, {}: {}", result.fit, result.fit_run, result.what, result.rows,
+                       !result.difference.empty() ? "differs"
+                       : result.recomputed        ? "holds"
+                                                  : "left");
   }
+  [[nodiscard]] std::vector<bench::VerifiedResult> results(std::int64_t run) const {
+    return bench::verify_run(store, run).results;
+  }
+  // Of a run whose content holds: the outcomes, of which the first difference is told.
   [[nodiscard]] std::vector<std::string> verified(std::int64_t run) const {
     std::vector<std::string> lines;
     const bench::RunVerification verified = bench::verify_run(store, run);
-    for (const bench::VerifiedResult& result : verified.results) lines.push_back(in_words(result));
-    lines.push_back(verified.first_difference);
+    std::string first;
+    for (const bench::VerifiedResult& result : verified.results) {
+      lines.push_back(outcome(result));
+      if (first.empty()) first = result.difference;
+    }
+    CHECK(verified.first_difference.empty() == first.empty());
+    CHECK(verified.first_difference.ends_with(first));
     return lines;
   }
   void change(const std::string& sql) const {

@@ -49,7 +49,7 @@ TEST_CASE(
   REQUIRE(input.more.previous);
   CHECK(input.more.previous->model == extras.previous);
   CHECK(film_mean_words(input.more.previous->verdicts).ends_with(": fail; "));
-  CHECK_THAT(input.more.previous->doubt, Catch::StartsWith("As found, the sensor does not conform"));
+  CHECK_FALSE(input.more.previous->doubt.empty());
   // Of a run that the models were not made from, no uncertainty is stated.
   const analysis::ReportInput other =
       bench::report_input(made.runs, 2, made.models, made.evaluations, made.judged(film_limits(10.0)));

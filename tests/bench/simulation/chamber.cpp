@@ -146,49 +146,4 @@ TEST_CASE("chamber: the dump valve empties it in a quarter of a second whatever 
   CHECK(chamber.pressure().value() == Approx(60.0).margin(0.25));
 }
 
-TEST_CASE("chamber: a shut valve holds, takes no command, and follows once it is free") {
-  Chamber chamber({});
-  respond(chamber, 30.0);
-  const double held = chamber.pressure().value();
-  ChamberTrouble trouble;
-  trouble.valve_shut = true;
-  chamber.set_trouble(trouble);
-  CHECK(respond(chamber, 0.0).end_psi == held);
-  trouble.leak_psi_per_s = 2.0;
-  chamber.set_trouble(trouble);
-  chamber.advance(5.0);
-  CHECK(chamber.pressure().value() == Approx(held - 10.0).margin(0.2));
-  chamber.dump(true);  // beside the regulator
-  chamber.advance(0.3);
-  CHECK(chamber.pressure().value() == 0.0);
-  chamber.dump(false);
-  chamber.set_trouble({});
-  CHECK(respond(chamber, 20.0).end_psi == Approx(20.0).margin(0.25));
-}
-
-TEST_CASE("chamber: without supply the pressure cannot rise, falls slowly, and can be let out") {
-  Chamber chamber({});
-  respond(chamber, 30.0);
-  ChamberTrouble trouble;
-  trouble.no_supply_fall_psi_per_s = 0.5;
-  chamber.set_trouble(trouble);
-  const double before = chamber.pressure().value();
-  CHECK(respond(chamber, 40.0, 4.0).end_psi == Approx(before - 2.0).margin(0.3));
-  CHECK(respond(chamber, 0.0).end_psi == 0.0);
-}
-
-TEST_CASE("chamber: an overshoot goes beyond the level by its size, once, on either side") {
-  ChamberOptions options;
-  options.hysteresis_share = 0.0;
-  Chamber chamber(options);
-  respond(chamber, 20.0);
-  chamber.overshoot(3.0);
-  const Response up = respond(chamber, 22.0);
-  CHECK(up.overshoot_psi == Approx(3.0).epsilon(0.2));
-  CHECK(up.end_psi == Approx(22.0).margin(0.05));
-  CHECK(respond(chamber, 24.0).overshoot_psi < 0.3);
-  chamber.overshoot(-3.0);
-  CHECK(respond(chamber, 22.0).overshoot_psi == Approx(3.0).epsilon(0.2));
-}
-
 }  // namespace tactbench::bench

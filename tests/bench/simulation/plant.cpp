@@ -182,30 +182,6 @@ TEST_CASE("plant: a relay that is not given its time mixes in the row before") {
   }
 }
 
-TEST_CASE("plant: counts end at the converter's limits and the row says so") {
-  PlantOptions options;
-  options.specimen.defects = {{TaxelDefect::Kind::kSaturated, 3, 4}, {TaxelDefect::Kind::kNoisy, 9, 9}};
-  options.scanner.volts_per_count = 4.9 / 65535.0;  // below the film's 5 V
-  PlantRig rig(options);
-  rig.hold(20.0, 3s);
-  const Scan scanned = scan(rig.plant);
-  CHECK(scanned.counts[3 * 16 + 4] == 65535);
-  CHECK((scanned.status[3] & devices::kStatusAtLimit) != 0);
-  CHECK((scanned.status[5] & devices::kStatusAtLimit) == 0);
-  CHECK(scanned.status[12] == 0);
-
-  PlantOptions dead;
-  dead.scanner.noise_v = 0.0;
-  for (int row : {6, 7}) {
-    for (int c = 0; c < 16; ++c) dead.specimen.defects.push_back({TaxelDefect::Kind::kDead, row, c});
-  }
-  PlantRig second(dead);
-  second.hold(20.0, 3s);
-  const Scan low = scan(second.plant);
-  CHECK(low.counts[112] == 0);
-  CHECK((low.status[7] & devices::kStatusAtLimit) != 0);
-}
-
 TEST_CASE("plant: no healthy taxel is at a limit, unloaded or at 60 psi") {
   PlantRig rig;
   for (const double level : {0.0, 60.0, 0.0}) {

@@ -1,7 +1,6 @@
 // Each switchable effect against its known truth, and each defect.
 #include <catch2/catch.hpp>
 #include <functional>
-#include <stdexcept>
 
 #include "tests/bench/simulation/specimen_runs.h"
 
@@ -236,20 +235,6 @@ TEST_CASE("specimen: defects") {
   CHECK(high[9 * 16 + 10] == expected[7 * 16 + 8]);
   CHECK(expected[7 * 16 + 8] != expected[9 * 16 + 10]);
   CHECK(high[8 * 16 + 8] == expected[8 * 16 + 8]);
-}
-
-TEST_CASE("specimen: a defect outside the array and an impossible shape are refused") {
-  CHECK_THROWS_AS(Specimen(changed([](SpecimenOptions& o) {
-                    o.defects = {{TaxelDefect::Kind::kDead, 16, 0}};
-                  })),
-                  std::invalid_argument);
-  CHECK_THROWS_AS(Specimen(changed([](SpecimenOptions& o) {
-                    o.defects = {{TaxelDefect::Kind::kSwapped, 0, 0, 0, -1}};
-                  })),
-                  std::invalid_argument);
-  CHECK_THROWS_AS(Specimen(changed([](SpecimenOptions& o) { o.rows = 0; })), std::invalid_argument);
-  Specimen specimen({});
-  CHECK_THROWS_AS(specimen.advance(1.0, 0.0), std::invalid_argument);
 }
 
 }  // namespace tactbench::bench::testing

@@ -89,17 +89,6 @@ TEST_CASE("specimen: the same sensor seed always gives the same array") {
   CHECK(std::abs(correlation(one, loaded(2))) < 0.5);
 }
 
-TEST_CASE("specimen: looking ahead leaves the memory alone and agrees with going there") {
-  Specimen specimen({});
-  Walker(specimen).walk({40, 20});
-  const std::string before = specimen.state();
-  Frame ahead(256);
-  specimen.output_after(24.0, 1.5, ahead);
-  CHECK(specimen.state() == before);
-  specimen.advance(24.0, 1.5);
-  CHECK(Walker(specimen).frame() == ahead);
-}
-
 TEST_CASE("specimen: other shapes of array work") {
   for (const auto& [rows, columns] : {std::pair{1, 1}, {1, 6}, {6, 1}, {3, 5}, {32, 16}}) {
     SpecimenOptions options;

@@ -87,22 +87,6 @@ TEST_CASE("specimen: minor loops over one range are not congruent") {
   }
 }
 
-TEST_CASE("specimen: the same small range has different heights on the two outer branches") {
-  const auto rise = [](const std::vector<double>& history) {
-    Specimen specimen({});
-    Walker walker(specimen);
-    walker.walk(kConditioning);
-    walker.walk(history);
-    walker.walk({34, 30});
-    const double bottom = mean(walker.frame());
-    walker.walk({34});
-    return mean(walker.frame()) - bottom;
-  };
-  const double ascending = rise({30});
-  const double descending = rise({60, 30});
-  CHECK(std::abs(ascending - descending) > 0.2 * std::max(ascending, descending));
-}
-
 TEST_CASE("specimen: first cycles differ and the difference fades") {
   Specimen specimen({});
   Walker walker(specimen);

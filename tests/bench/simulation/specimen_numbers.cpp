@@ -143,14 +143,13 @@ TEST_CASE("specimen numbers: which taxel of the film each lead reads, for each w
   CHECK(wired(MountTurn::kColumnsMirrored) == Wiring{2, 1, 0, 5, 4, 3, 8, 7, 6});
   CHECK(wired(MountTurn::kTransposed) == Wiring{0, 3, 6, 1, 4, 7, 2, 5, 8});
   CHECK(wired(MountTurn::kAntiTransposed) == Wiring{8, 5, 2, 7, 4, 1, 6, 3, 0});
-  options.columns = 4;
-  for (const MountTurn quarter :
-       {MountTurn::kBy90, MountTurn::kBy270, MountTurn::kTransposed, MountTurn::kAntiTransposed})
-    CHECK_THROWS_AS(wired(quarter), std::invalid_argument);
-  std::swap(options.rows, options.columns);
-  for (const MountTurn quarter :
-       {MountTurn::kBy90, MountTurn::kBy270, MountTurn::kTransposed, MountTurn::kAntiTransposed})
-    CHECK_THROWS_AS(wired(quarter), std::invalid_argument);
+  for (const auto& [rows, columns] : {std::pair{3, 4}, std::pair{4, 3}}) {
+    options.rows = rows;
+    options.columns = columns;
+    for (const MountTurn quarter :
+         {MountTurn::kBy90, MountTurn::kBy270, MountTurn::kTransposed, MountTurn::kAntiTransposed})
+      CHECK_THROWS_AS(wired(quarter), std::invalid_argument);
+  }
   CHECK(wired(MountTurn::kBy180).front() == 11);
   CHECK(mount_turn_words(true).size() == 8);
   CHECK(mount_turn_words(false).size() == 4);
@@ -194,6 +193,8 @@ TEST_CASE("specimen numbers: noise goes with a swapped taxel and a turned film, 
   CHECK(noisy() == std::vector<int>{0});
   for (const auto& [row, column] : {std::pair{-1, 0}, std::pair{2, 0}, std::pair{0, -1}, std::pair{0, 3}}) {
     options.defects = {{Kind::kDead, row, column, 0, 0}};
+    CHECK_THROWS_AS(Specimen(options), std::invalid_argument);
+    options.defects = {{Kind::kSwapped, 0, 0, row, column}};
     CHECK_THROWS_AS(Specimen(options), std::invalid_argument);
   }
   options.defects.clear();
