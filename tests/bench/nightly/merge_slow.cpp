@@ -115,29 +115,6 @@ TEST_CASE("a night in three parts, merged, is the night in one: runs, figures, m
   CHECK(db::RunStore::open_read_only(folder.path("three.db")).nights().size() == 2);
 }
 
-TEST_CASE("a night with a part missing is not merged, and nothing is taken") {
-  const TemporaryFolder folder;
-  write_file(folder.path("parts.toml"), kParts);
-  const auto part = [&](const std::string& shard, const std::string& db) {
-    return call(folder,
-                {"nightly", "./parts.toml", "--only", "rest", "--seeds", "3", "-q", "--shard", shard, "--db", db});
-  };
-  CHECK(part("1/3", "a.db").code == 1);
-  CHECK(part("3/3", "c.db").code == 1);
-  const Finished missing = call(folder, {"runs", "merge", "a.db", "c.db", "--db", "all.db"});
-  CHECK(missing.code == 2);
-  CHECK_THAT(missing.err, Catch::Contains("TB-MERGE-SHARD"));
-  CHECK(db::RunStore::open_read_only(folder.path("all.db")).runs().empty());
-  for (const auto& words : std::vector<std::vector<std::string>>{{"--shard", "2/3"},
-                                                                 {"--shard", "4/3", "--db", "x.db"},
-                                                                 {"--shard", "2/3", "--db", "x.db", "--html", "x.html"},
-                                                                 {"--shard", "2/3", "--db", "a.db"}}) {
-    std::vector<std::string> all = {"nightly", "./parts.toml"};
-    all.insert(all.end(), words.begin(), words.end());
-    CHECK(call(folder, all).code == 2);
-  }
-}
-
 TEST_CASE("stores of several benches are merged: runs once each, and fits that were made since") {
   const TemporaryFolder folder;
   REQUIRE(call(folder, {"init"}).code == 0);
@@ -163,32 +140,4 @@ TEST_CASE("stores of several benches are merged: runs once each, and fits that w
   CHECK(call(folder, {"verify", "1", "--db", "all.db"}).code == 0);
   CHECK(call(folder, {"db", "check", "--db", "all.db"}).code == 0);
   CHECK(call(folder, {"runs", "merge", "a.db", "--db", "new.db", "--html", "x.html"}).code == 2);  // no night
-}
-
-TEST_CASE("several runs are fitted in copies of a store, and merging brings the fits back") {
-  const TemporaryFolder folder;
-  REQUIRE(call(folder, {"init"}).code == 0);
-  REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
-  for (const char* seed : {"1", "2", "3"})
-    REQUIRE(call(folder, {"run", "production", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "me", "--yes",
-                          "-q", "--seed", seed})
-                .code == 0);
-  std::filesystem::copy_file(folder.path("runs.db"), folder.path("whole.db"));
-  REQUIRE(call(folder, {"fit", "1-3", "--model", "elam", "--db", "whole.db"}).code == 0);
-  for (const auto& [part, runs] : {std::pair("p1.db", "1,3"), std::pair("p2.db", "2-2")}) {
-    std::filesystem::copy_file(folder.path("runs.db"), folder.path(part));
-    REQUIRE(call(folder, {"fit", runs, "--model", "elam", "--db", part}).code == 0);
-  }
-  CHECK(db::RunStore::open_read_only(folder.path("runs.db")).fits(1).empty());
-  CHECK(json_of(call(folder, {"runs", "merge", "p1.db", "p2.db", "--db", "runs.db", "--json"})).at("fits") == 3);
-  const db::RunStore whole = db::RunStore::open_read_only(folder.path("whole.db"));
-  const db::RunStore merged = db::RunStore::open_read_only(folder.path("runs.db"));
-  for (const std::int64_t run : {1, 2, 3}) {
-    REQUIRE((whole.fits(run).size() == 1 && merged.fits(run).size() == 1));
-    CHECK(merged.fits(run).front().document == whole.fits(run).front().document);
-    for (const std::string& subject : whole.subjects_of(run))
-      CHECK(merged.figures_of(run, subject) == whole.figures_of(run, subject));
-  }
-  CHECK(call(folder, {"fit", "7-9"}).code == 2);
-  CHECK(call(folder, {"fit", "1-3", "--held-out", "2"}).code == 2);
 }

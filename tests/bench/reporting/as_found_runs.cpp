@@ -110,7 +110,7 @@ TEST_CASE("as found: an overdue reference withholds, and then nothing is in doub
   CHECK(input.more.previous->doubt.empty());
 }
 
-TEST_CASE("as found: since the last earlier run of the sensor on which a passing verdict stands") {
+TEST_CASE("as found: since the last earlier run of that sensor with a passing verdict that stands") {
   AsFoundStore made;
   CHECK(made.doubt() == "all");
   (void)made.add_judged("2026-01-15T12:00:00Z", "fail");

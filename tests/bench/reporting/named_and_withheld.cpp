@@ -13,6 +13,7 @@
 #include "bench/reporting/source_runs.h"
 #include "db/run_store.h"
 #include "tests/bench/cli/verb_here.h"
+#include "tests/bench/reporting/film_runs.h"
 #include "tests/support/process.h"
 
 using namespace tactbench;
@@ -21,23 +22,12 @@ namespace {
 
 using RunNumbers = std::vector<std::int64_t>;
 
-class NamedByHand {
+class NamedByHand : public tests::FilmStore {
  public:
-  NamedByHand() { store.add_sensor({"S-1", "synthetic", "", db::sha256_hex(""), "SC-1", "", ""}); }
-  std::int64_t add(const std::string& due = "") {
-    db::RunRecord run;
-    run.uuid = db::new_uuid();
-    run.origin = "simulated";
-    run.state = "prepared";
-    run.sensor_serial = "S-1";
-    run.purpose = "run " + std::to_string(++made_);  // its content differs from the others'
-    run.started_utc = "2026-03-01T00:00:00Z";
-    run.sequences = {{0, "a", "", "", 1, 5}};
-    run.devices = {{"pressure reference", "synthetic", "R-1", "", "simulated",
-                    fmt::format(R"({{"calibrated":"2019-01-01","due":"{}"}})", due)}};
-    const std::int64_t number = store.begin_run(run);
-    store.end_run(number, db::Outcome::kCompleted, "", db::SafeState::kVerified, "2026-03-01T01:00:00Z");
-    return number;
+  std::int64_t add_due(const std::string& due) {
+    tests::FilmRun run;
+    run.calibration = fmt::format(R"({{"calibrated":"2019-01-01","due":"{}"}})", due);
+    return add(run);
   }
   // The numbers of those taken, and what is warned of; or the error.
   [[nodiscard]] std::string named(const RunNumbers& numbers, const bench::RunsNamed& named, bool void_too) const {
@@ -52,14 +42,6 @@ class NamedByHand {
     }
     return text + warned.text();
   }
-  [[nodiscard]] std::string path(const std::string& name) const { return folder_.path(name); }
-
- private:
-  tests::TemporaryFolder folder_;
-  int made_ = 0;
-
- public:
-  db::RunStore store = db::RunStore::open(folder_.path("named.db"), db::Durability::kNormal);
 };
 
 db::VerdictRecord verdict_of(std::int64_t run, const std::string& criterion, const std::string& verdict) {
@@ -151,8 +133,8 @@ TEST_CASE("signed reports: found in pages, data and by a title in a PDF, and nev
 
 TEST_CASE("an overdue reference withholds the verdicts that rest on it, run by run") {
   NamedByHand made;
-  made.add("2027-01-01");
-  made.add("2026-01-01");  // two months before the run
+  made.add_due("2027-01-01");
+  made.add_due("2026-01-01");  // two months before the run
   analysis::Runs runs(made.store);
   std::vector<db::VerdictRecord> verdicts = {verdict_of(2, "mpe", "pass"), verdict_of(1, "mpe", "pass"),
                                              verdict_of(2, "unfit_taxels", "pass"),

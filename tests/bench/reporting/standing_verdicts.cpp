@@ -6,27 +6,16 @@
 #include <vector>
 
 #include "bench/reporting/judgement.h"
-#include "db/run_store.h"
-#include "tests/support/process.h"
+#include "tests/bench/reporting/film_runs.h"
 
 using namespace tactbench;
 
 namespace {
 
-class StandingByHand {
+class StandingByHand : public tests::FilmStore {
  public:
-  StandingByHand() { store.add_sensor({"S-1", "synthetic", "", db::sha256_hex(""), "SC-1", "", ""}); }
   void add_runs(int count) {
-    for (int i = 0; i < count; ++i) {
-      db::RunRecord run;
-      run.uuid = db::new_uuid();
-      run.origin = "simulated";
-      run.state = "prepared";
-      run.sensor_serial = "S-1";
-      run.sequences = {{0, "a", "", "", 1, 5}};
-      const std::int64_t number = store.begin_run(run);
-      store.end_run(number, db::Outcome::kCompleted, "", db::SafeState::kVerified, "2026-03-01T01:00:00Z");
-    }
+    for (int i = 0; i < count; ++i) (void)add();
   }
   std::int64_t add_fit(std::int64_t run, const std::string& model = "elam") {
     db::FitRecord fit;
@@ -65,12 +54,6 @@ class StandingByHand {
     return fmt::format("{}| {}| {}", in_words(found.verdicts), in_words(found.notes.stored_worse),
                        found.notes.not_judged.empty() ? "" : "not judged");
   }
-
- private:
-  tests::TemporaryFolder folder_;
-
- public:
-  db::RunStore store = db::RunStore::open(folder_.path("standing.db"), db::Durability::kNormal);
 };
 
 }  // namespace
