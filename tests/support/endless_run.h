@@ -6,6 +6,7 @@
 
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <fstream>
 #include <functional>
 #include <memory>
 #include <string>
@@ -25,6 +26,16 @@ inline bool comes_true(const std::function<bool()>& so, std::chrono::seconds lon
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   return true;
+}
+
+// Within a minute there is no such process, or one whose end nobody has asked for yet.
+inline bool process_ends(const std::string& number) {
+  return comes_true([&] {
+    std::string line;
+    std::getline(std::ifstream("/proc/" + number + "/stat"), line);
+    const std::size_t at = line.rfind(')');
+    return at == std::string::npos || line.at(at + 2) == 'Z';
+  });
 }
 
 class EndlessRun {

@@ -17,9 +17,7 @@ using namespace tactbench::tests;
 
 namespace {
 
-Suite suite_of_seeds(int seeds) {
-  return with_seeds(parse_suite(kPartSuite, "s.toml"), seeds);
-}
+Suite suite_of_seeds(int seeds) { return with_seeds(parse_suite(kPartSuite, "s.toml"), seeds); }
 
 struct NightRun {
   std::string purpose = "nightly: one";
@@ -48,15 +46,8 @@ class KeptNights {
   KeptNights() : store_(db::RunStore::open(folder_.path("main.db"), db::Durability::kNormal)) {}
   // Whether anything of the night was not there yet.
   bool take(const Suite& suite, std::vector<ScenarioResult>& results, const std::string& begun_utc) {
-    db::NightRecord night;
-    night.suite = "s";
-    night.suite_file = "s.toml";
-    night.suite_toml = suite.text;
-    night.selection_json = to_json(Selection{});
-    night.begun_utc = begun_utc;
-    night.ended_utc = "2026-01-03T00:00:00Z";
-    night.program = "p";
-    return take_night(night, suite, results, in_stores_of(folder_.path()), store_);
+    return take_night(part_night(begun_utc, "2026-01-03T00:00:00Z"), suite, results, in_stores_of(folder_.path()),
+                      store_);
   }
   ScenarioResult made(const std::string& label, const std::vector<NightRun>& runs,
                       const std::map<std::string, double>& figures) const {
@@ -78,7 +69,8 @@ ScenarioResult night_of_one(KeptNights& nights, const std::vector<NightRun>& run
   return results[0];
 }
 
-// The run that the scenario was compared with, 0: none. Other frames are told with the commit that measured the earlier.
+// The run that the scenario was compared with, 0: none. Other frames are told with the commit that measured the
+// earlier.
 std::int64_t compared_with(const ScenarioResult& result) {
   const std::size_t digits = result.compared.find_first_of("0123456789");
   return digits == std::string::npos ? 0 : std::stoll(result.compared.substr(digits));

@@ -159,13 +159,7 @@ TEST_CASE("merged by hand: results that another hand has changed are refused by 
   MergedByHand made;
   const auto damaged = [&](const std::string& name, const std::string& label, const std::string& stored) {
     PartStore part = made.part(name);
-    db::NightRecord night;
-    night.suite = "parts";
-    night.suite_file = "parts.toml";
-    night.program = "p";
-    night.suite_toml = kPartSuite;
-    night.selection_json = to_json(Selection{});
-    night.begun_utc = night.ended_utc = "2026-01-02T00:00:00Z";
+    db::NightRecord night = part_night("2026-01-02T00:00:00Z", "2026-01-02T00:00:00Z");
     night.results.push_back({0, label, stored, 0});
     (void)part.store.add_night(night);
     return made.refusal({name});

@@ -5,16 +5,15 @@
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "bench/common/error.h"
 #include "bench/common/stop_request.h"
 #include "bench/nightly/night.h"
 #include "db/run_store.h"
+#include "tests/support/endless_run.h"
 #include "tests/support/process.h"
 #include "tests/support/refusal.h"
 #include "tests/support/variable.h"
@@ -86,17 +85,6 @@ class ScriptedNight {
     for (const std::string& line : lines_of("counts")) most = std::max(most, std::stoi(line));
     return most;
   }
-  [[nodiscard]] bool has_gone(const std::string& file) const {
-    const std::string stat = "/proc/" + lines_of(file).at(0) + "/stat";
-    for (int i = 0; i < 2000; ++i) {
-      std::string line;
-      std::getline(std::ifstream(stat), line);
-      const std::size_t at = line.rfind(')');
-      if (at == std::string::npos || line.at(at + 2) == 'Z') return true;
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
-    return false;
-  }
   TemporaryFolder folder;
   Suite suite;
   NightOptions options;
@@ -165,7 +153,7 @@ TEST_CASE("night by script: one that does not end in its time is killed with all
   CHECK_THAT(results[0].wrong[0], Catch::Contains(" 1 s"));
   CHECK(results[0].seconds >= 1.4);
   CHECK(results[1].wrong.empty());
-  CHECK(night.has_gone("sleeper"));
+  CHECK(process_ends(night.lines_of("sleeper").at(0)));
 }
 
 TEST_CASE("night by script: a signal ends all scenarios, and the night tells after how many") {

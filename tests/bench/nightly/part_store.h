@@ -18,6 +18,20 @@ inline const std::string kPartSuite =
     "schema = 1\nname = \"parts\"\n[[scenario]]\nname = \"one\"\nabout = \"first\"\n[[scenario]]\nname = "
     "\"two\"\nabout = \"second\"\n[[scenario]]\nname = \"three\"\nabout = \"third\"\n";
 
+// Of that suite, without results.
+inline db::NightRecord part_night(const std::string& begun_utc, const std::string& ended_utc,
+                                  const std::string& program = "p") {
+  db::NightRecord night;
+  night.suite = "parts";
+  night.suite_file = "parts.toml";
+  night.suite_toml = kPartSuite;
+  night.selection_json = bench::to_json(bench::Selection{});
+  night.begun_utc = begun_utc;
+  night.ended_utc = ended_utc;
+  night.program = program;
+  return night;
+}
+
 class PartStore {
  public:
   explicit PartStore(const std::string& path) : store(db::RunStore::open(path, db::Durability::kNormal)) {
@@ -62,16 +76,9 @@ class PartStore {
   }
   void add_night(int shard, int shards, const std::string& begun_utc, const std::string& ended_utc,
                  const std::string& program, const std::vector<std::pair<int, bench::ScenarioResult>>& results) {
-    db::NightRecord night;
-    night.suite = "parts";
-    night.suite_file = "parts.toml";
-    night.suite_toml = kPartSuite;
-    night.selection_json = bench::to_json(bench::Selection{});
+    db::NightRecord night = part_night(begun_utc, ended_utc, program);
     night.shard = shard;
     night.shards = shards;
-    night.begun_utc = begun_utc;
-    night.ended_utc = ended_utc;
-    night.program = program;
     for (const auto& [position, result] : results)
       night.results.push_back(
           {position, result.name, bench::to_json(result), result.runs.empty() ? 0 : result.runs.front().run});

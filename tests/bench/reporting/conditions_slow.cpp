@@ -1,5 +1,5 @@
-// Under which conditions a verdict holds, and what follows from a sensor that does not conform as found: on runs of the
-// simulated rig whose mount, age, temperature and certificate are known.
+// Under which conditions a verdict holds: on runs of the simulated rig whose mount, age, temperature and certificate
+// are known.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -117,40 +117,4 @@ TEST_CASE("U of an error in one mount is no U of the sensor mounted anew or a mo
   for (const char* source : {"re-mounting", "temperature", "time"})
     CHECK(std::ranges::find(still, source) == still.end());
   CHECK_FALSE(still.empty());  // no run tells the age of the reference's calibration
-}
-
-TEST_CASE("an overdue reference makes the statement inconclusive by name, a limit on readings included") {
-  const TemporaryFolder folder;
-  prepare_runs(folder);
-  for (const char* seed : {"1", "2"}) measure(folder, "loop.toml", seed, {"reference.due=2020-01-31"});
-  CHECK(call(folder, {"fit", "1", "--held-out", "2", "--limits", "limits.toml"}).code == 6);
-  const json report = answer(folder, {"report", "1"}, 6);
-  CHECK(report["judgement"]["overall"] == "inconclusive");
-  CHECK_THAT(report["judgement"]["overdue"].get<std::string>(), Catch::EndsWith("2020-01-31"));
-  for (const json& row : report["verdicts"])
-    if (row["criterion"] == "mpe") CHECK(row["verdict"] == "inconclusive");
-}
-
-TEST_CASE(
-    "as found and as left each have a verdict, and as found that fails says since when measurements are in doubt") {
-  const TemporaryFolder folder;
-  prepare_runs(folder);
-  measure(folder, "loop.toml", "1");
-  measure(folder, "loop.toml", "2");
-  REQUIRE(call(folder, {"fit", "1", "--held-out", "2", "--limits", "limits.toml"}).code == 0);
-  const std::string day = answer(folder, {"runs", "show", "1"}, 0)["started_utc"].get<std::string>().substr(0, 10);
-  // Gains that moved by a half, and then the same sensor without a change.
-  const Words moved = {"simulation.age_months=1", "simulation.effects.gain_drift_per_month=0.5"};
-  for (const auto& [run, set] : {std::pair(3, moved), std::pair(5, Words())}) {
-    const std::string fitted = std::to_string(run), judged = std::to_string(run + 1);
-    measure(folder, "loop.toml", fitted, set);
-    measure(folder, "loop.toml", judged, set);
-    REQUIRE(call(folder, {"fit", fitted, "--held-out", judged, "--limits", "limits.toml"}).code == 0);
-    REQUIRE(call(folder, {"report", fitted, "--previous", "1", "--format", "json", "-o", "r.json"}).code == 0);
-    const json found = json::parse(read_file(folder.path("r.json")))["sections"]["compensation"]["as_found"];
-    CHECK(found["overall"] == (run == 3 ? "fail" : "pass"));
-    const std::string doubt = found["doubt"];
-    CHECK(doubt.empty() == (run == 5));
-    if (run == 3) CHECK_THAT(doubt, Catch::Contains(day));
-  }
 }

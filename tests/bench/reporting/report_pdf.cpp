@@ -5,16 +5,14 @@
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
-#include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "bench/common/error.h"
 #include "bench/reporting/report_pdf.h"
+#include "tests/support/endless_run.h"
 #include "tests/support/process.h"
 #include "tests/support/variable.h"
 
@@ -72,14 +70,6 @@ struct PdfByScript {
     return found;
   }
 };
-
-// No such process, or one whose end nobody has asked for yet.
-bool has_process_ended(long process) {
-  std::string line;
-  std::getline(std::ifstream("/proc/" + std::to_string(process) + "/stat"), line);
-  const std::size_t at = line.rfind(')');
-  return at == std::string::npos || line.at(at + 2) == 'Z';
-}
 
 }  // namespace
 
@@ -200,14 +190,10 @@ TEST_CASE("PDF: a file of another kind is written over on request alone") {
 
 TEST_CASE("PDF: what a program leaves running ends with it") {
   PdfByScript made;
-  made.add("weasyprint", "sleep 600 &\necho $! >\"$HERE/left\"\n");
+  made.add("weasyprint", "sleep 600 &\nprintf %s $! >\"$HERE/left\"\n");
   (void)made.dated("x");
-  const long left = std::stol(read_file(made.folder.path("left")));
-  bool ended = false;
-  for (int i = 0; i < 2000 && !ended; ++i) {
-    ended = has_process_ended(left);
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
+  const std::string left = read_file(made.folder.path("left"));
+  const bool ended = process_ends(left);
   CHECK(ended);
-  if (!ended) ::kill(static_cast<pid_t>(left), SIGKILL);
+  if (!ended) ::kill(static_cast<pid_t>(std::stol(left)), SIGKILL);
 }

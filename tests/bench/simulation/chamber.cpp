@@ -106,19 +106,6 @@ TEST_CASE("chamber: the result does not depend on how time is divided into inner
   CHECK(whole.pressure().value() == Approx(pieces.pressure().value()).margin(1e-9));
 }
 
-TEST_CASE("chamber: a leak leaves an offset, a great one empties the chamber") {
-  ChamberOptions options;
-  options.hysteresis_share = 0.0;
-  options.resolution_v = 0.0;
-  options.leak_psi_per_s = 2.0;
-  Chamber leaking(options);
-  CHECK(respond(leaking, 30.0).end_psi ==
-        Approx(30.0 - 2 * options.damping * options.time_constant_s * 2.0).margin(0.01));
-  options.leak_psi_per_s = 70.0;
-  Chamber burst(options);
-  CHECK(respond(burst, 30.0).end_psi == 0.0);
-}
-
 TEST_CASE("chamber: no vacuum and no more than the command's range") {
   Chamber chamber({});
   chamber.command(devices::Volts(25.0));

@@ -8,7 +8,6 @@
 #include <set>
 
 #include "bench/simulation/plant.h"
-#include "tests/bench/simulation/lone_stage.h"
 
 namespace tactbench::bench {
 namespace {
@@ -298,54 +297,6 @@ TEST_CASE("fault row_stuck: that row's counts stay bit for bit, the others keep 
   CHECK(second[16 * 6] > first[16 * 6] + 1000);
   bench.plant.clear(FaultKind::kRowStuck);
   CHECK(row(scan(), 5) != row(second, 5));
-}
-
-TEST_CASE("a stuck axis does not move but reports that it did, and homing corrects its position") {
-  devices::ChainDevice device(devices::ChainDeviceOptions{});
-  std::vector<devices::ZaberFrame> replies;
-  Nanoseconds now{0};
-  const auto go = [&](devices::ZaberCommand command, std::int32_t data) {
-    replies.clear();
-    device.receive({1, command, data, 0}, now, 1, replies);
-    const auto end = device.due();
-    if (end) now = *end;
-    device.run(now, replies);
-    return !replies.empty();
-  };
-  using enum devices::ZaberCommand;
-  REQUIRE(go(kHome, 0));
-  REQUIRE(go(kMoveAbsolute, 20000));
-  const double stood = device.position(now).value();
-  device.stick(now);
-  CHECK(go(kMoveAbsolute, 60000));  // it says that it has arrived
-  CHECK(replies.back().data == 60000);
-  CHECK(device.position(now).value() == stood);
-  CHECK_FALSE(go(kHome, 0));  // and seeks its home sensor in vain
-  now += 10s;
-  device.free(now);
-  CHECK(device.position(now).value() == Approx(stood));
-  now = device.due().value();
-  device.run(now, replies);
-  CHECK(device.position(now).value() == Approx(0.0).margin(1e-9));
-  REQUIRE(go(kMoveAbsolute, 20000));
-  CHECK(device.position(now).value() == Approx(stood).margin(1e-9));
-  CHECK(device.position(now - 1h).value() >= 0.0);  // long ago: the oldest that is known
-}
-
-TEST_CASE("an axis reports its position at an earlier time") {
-  devices::TurnedClock clock;
-  LoneStage stage(clock);
-  const Nanoseconds there = stage.go(devices::Axis::kX, 10.0);
-  CHECK_FALSE(stage.at_rest_since(Nanoseconds(0)));
-  clock.wait_until(there);
-  const Nanoseconds back = stage.go(devices::Axis::kX, 2.0);
-  clock.wait_until(back + 1s);
-  CHECK(stage.places(Nanoseconds(0))[0].value() == 0.0);
-  CHECK(stage.places(there)[0].value() == Approx(10.0).margin(1e-3));
-  CHECK(stage.places(there / 2)[0].value() == Approx(5.0).margin(0.01));
-  CHECK(stage.places(back)[0].value() == Approx(2.0).margin(1e-3));
-  CHECK(stage.at_rest_since(back));
-  CHECK_FALSE(stage.at_rest_since(back - 1ms));
 }
 
 }  // namespace tactbench::bench

@@ -168,13 +168,3 @@ TEST_CASE("fault on the stage's wire: lost and corrupted replies, and an unplugg
   stage.arm();
   CHECK(fault_id_of([&] { (void)stage.state(Axis::kZ); }) == "none");
 }
-
-TEST_CASE("a bench file plans faults, and the error for an unknown one names the nearest") {
-  const BenchConfig config =
-      quick({{"simulation.faults", "[{kind = \"leak\", at_s = 30, value = 5}, {kind = \"overshoot\", at_psi = 20}]"}});
-  REQUIRE(config.simulation->plant.faults.size() == 2);
-  CHECK(config.simulation->plant.faults[0].at_s == 30.0);
-  CHECK(config.simulation->plant.faults[0].value == 5.0);
-  CHECK(config.simulation->plant.faults[1].kind == FaultKind::kOvershoot);
-  CHECK_THROWS_AS(quick({{"simulation.faults", "[{kind = \"leek\"}]"}}), sequences::FileError);
-}
