@@ -13,16 +13,16 @@ using namespace tactbench::tests;
 
 namespace {
 
-struct Served {
+struct ServedEnds {
   std::size_t ends = 0, passing = 0;  // passing: at an address that is another the next time
 };
 
-Served served_by(const std::vector<sequences::Override>& changes, bool free_running) {
+ServedEnds served_by(const std::vector<sequences::Override>& changes, bool free_running) {
   bench::BenchConfig config = small_request(changes).bench;
   devices::TurnedClock turned;
   devices::SteadyClock steady;
   bench::SimulatedRig rig(config, free_running ? static_cast<devices::Clock&>(steady) : turned, free_running);
-  Served served;
+  ServedEnds served;
   std::set<std::string> places;
   for (const auto& end : rig.served()) {
     ++served.ends;
@@ -37,7 +37,7 @@ Served served_by(const std::vector<sequences::Override>& changes, bool free_runn
 
 TEST_CASE("simulated rig: each instrument of the bench is served at a place of its own, for others all that could be") {
   // Module, scanner, stage, force sensor and its page.
-  const Served shipped = served_by({}, false);
+  const ServedEnds shipped = served_by({}, false);
   CHECK((shipped.ends == 5 && shipped.passing >= 4));
   CHECK(served_by({{"scanner.kind", "frame-source"}, {"force.kind", "digital"}}, false).ends == 4);
   // A second line of modules, the other scanner and the other force sensor beside them.
