@@ -52,20 +52,6 @@ TEST_CASE("a night: green is reported, red states the reason, a broken scenario 
   CHECK(std::filesystem::exists(folder.path("kept/whole.db")));
 }
 
-TEST_CASE("a scenario repeated with the same seed has the same content, with another seed different content") {
-  const TemporaryFolder folder;
-  write_file(folder.path("small.toml"), kSuite);
-  const auto hash = [&](const std::string& seed) {
-    const Finished night = call(folder, {"nightly", "./small.toml", "--only", "whole", "--seed", seed, "--json"});
-    REQUIRE(night.code == 0);
-    return night_json(night).at("scenarios").at(0).at("runs").at(0).at("content_sha256").get<std::string>();
-  };
-  const std::string first = hash("7");
-  CHECK(first.size() == 64);
-  CHECK(hash("7") == first);
-  CHECK(hash("8") != first);
-}
-
 TEST_CASE("nights are kept in one store, compared with a baseline, and changes are named") {
   const TemporaryFolder folder;
   const std::string head =

@@ -168,30 +168,3 @@ TEST_CASE("a report of a defective sensor names the planted defects and no other
   CHECK(well.data["sections"]["health"]["swaps_assessed"] == false);
   check_page(well.report.html);
 }
-
-TEST_CASE("swapped lines are found where dead taxels lie in one of them, and none without a swap") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
-  run_with(store, 1, [](auto&) {});
-  const auto health_after = [&](std::uint64_t seed, const std::function<void(std::vector<TaxelDefect>&)>& plant) {
-    return json(judged_report(store, run_with(store, seed, plant)).data["sections"]["health"]);
-  };
-  const json straight = health_after(2, plant_taxels);
-  CHECK(findings_of(straight) == planted());
-  CHECK(straight["swaps_assessed"] == true);
-  CHECK(straight["swaps"].empty());
-  // Column 5, with the dead taxel and two more, against column 14.
-  const json exchanged = health_after(3, [](std::vector<TaxelDefect>& defects) {
-    for (int row = 0; row < 16; ++row) defects.push_back({TaxelDefect::Kind::kSwapped, row, 5, row, 14});
-    for (const int row : {6, 11}) defects.push_back({TaxelDefect::Kind::kDead, row, 5});
-    plant_taxels(defects);
-  });
-  Findings moved = planted();
-  moved.erase({kDeadTaxel, "dead"});
-  for (const int row : {2, 6, 11}) moved.emplace(row * 16 + 14, "dead");
-  CHECK(findings_of(exchanged) == moved);
-  REQUIRE(exchanged["swaps"].size() == 1);
-  CHECK(exchanged["swaps"][0]["lines"] == "columns");
-  CHECK(exchanged["swaps"][0]["first"] == 5);
-  CHECK(exchanged["swaps"][0]["second"] == 14);
-}
