@@ -1,4 +1,4 @@
-// Each switchable effect against its known truth, and each defect.
+// Each switchable effect against its known truth.
 #include <catch2/catch.hpp>
 #include <functional>
 
@@ -198,43 +198,6 @@ TEST_CASE("specimen: a new mount changes each taxel's local pressure, the first 
   CHECK(deviation(change) > 0.015);
   CHECK(deviation(change) < 0.05);
   CHECK(std::abs(correlation(change, other)) < 0.25);
-}
-
-TEST_CASE("specimen: defects") {
-  using Kind = TaxelDefect::Kind;
-  const auto options = changed([](SpecimenOptions& o) {
-    o.defects = {{Kind::kDead, 0, 0},
-                 {Kind::kStuck, 1, 2},
-                 {Kind::kSaturated, 3, 4},
-                 {Kind::kNoisy, 5, 6},
-                 {Kind::kSwapped, 7, 8, 9, 10}};
-    o.effects.row_crosstalk = 0.01;
-  });
-  Specimen specimen(options);
-  Walker walker(specimen);
-  const Frame low = walker.frame();
-  walker.walk({40});
-  const Frame high = walker.frame();
-  CHECK(low[0] == 0.0);
-  CHECK(high[0] == 0.0);
-  CHECK(low[1 * 16 + 2] == high[1 * 16 + 2]);
-  CHECK(low[1 * 16 + 2] > 0.4);
-  CHECK(low[1 * 16 + 2] < 2.6);
-  CHECK(low[3 * 16 + 4] == 5.0);
-  CHECK(high[3 * 16 + 4] == 5.0);
-  CHECK(specimen.noise_v(5 * 16 + 6) == Approx(0.05));
-  CHECK(specimen.noise_v(5 * 16 + 7) == 0.0);
-
-  auto healthy = options;
-  healthy.defects.pop_back();
-  Specimen straight(healthy);
-  Walker beside(straight);
-  beside.walk({40});
-  const Frame expected = beside.frame();
-  CHECK(high[7 * 16 + 8] == expected[9 * 16 + 10]);
-  CHECK(high[9 * 16 + 10] == expected[7 * 16 + 8]);
-  CHECK(expected[7 * 16 + 8] != expected[9 * 16 + 10]);
-  CHECK(high[8 * 16 + 8] == expected[8 * 16 + 8]);
 }
 
 }  // namespace tactbench::bench::testing
