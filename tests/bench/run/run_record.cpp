@@ -33,7 +33,7 @@ db::DeviceRecord device(const std::string& role, const std::string& model, const
   return {role, model, serial, "1", "simulated", "{}"};
 }
 
-std::string id_of(const std::function<void()>& act) {
+std::string kept_fault_id(const std::function<void()>& act) {
   const auto fault = devices::fault_of(act);
   if (!fault) return "";
   CHECK_FALSE(as_error(std::make_exception_ptr(*fault)).remedy().empty());
@@ -144,10 +144,12 @@ TEST_CASE("run record: devices are kept once, and a continued run must find each
   keep_devices(row.store, number, begun);
   REQUIRE(row.store.run(number).devices.size() == 2);
   CHECK(row.store.run(number).devices[1].serial == "2");
-  CHECK(id_of([&] { keep_devices(row.store, number, {begun[1], begun[0], device("stage", "Z", "3")}); }).empty());
+  CHECK(kept_fault_id([&] {
+          keep_devices(row.store, number, {begun[1], begun[0], device("stage", "Z", "3")});
+        }).empty());
   CHECK(row.store.run(number).devices.size() == 2);
   const auto missing = [&](const db::DeviceRecord& in_place) {
-    return id_of([&] { keep_devices(row.store, number, {begun[0], in_place}); });
+    return kept_fault_id([&] { keep_devices(row.store, number, {begun[0], in_place}); });
   };
   CHECK(missing(device("scanner", "S", "3")) == "TB-RESUME-DEVICES");
   CHECK(missing(device("scanner", "T", "2")) == "TB-RESUME-DEVICES");
@@ -162,7 +164,7 @@ TEST_CASE("run record: a device that answers nonsense is named") {
   run.devices.clear();
   const std::int64_t number = row.store.begin_run(run);
   const auto kept = [&](const std::string& model) {
-    return id_of([&] { keep_devices(row.store, number, {device("scanner", model, "1")}); });
+    return kept_fault_id([&] { keep_devices(row.store, number, {device("scanner", model, "1")}); });
   };
   CHECK(kept(std::string(100'000, 'x')) == "TB-DEVICE-NAME");
   CHECK(kept("a\xff") == "TB-DEVICE-NAME");
