@@ -14,12 +14,10 @@ namespace {
 constexpr std::size_t kArrayTaxels = 8;
 
 struct Streams {
-  std::vector<float> pressure;
+  std::vector<float> pressure, uncertainty;
   std::vector<std::uint16_t> status;
   std::size_t refused = 0;
-  bool operator==(const Streams& other) const {
-    return pressure == other.pressure && status == other.status && refused == other.refused;
-  }
+  bool operator==(const Streams&) const = default;
 };
 
 // Half of the frames, `lost` lost ones, a third of the rest, a tare to the lowest outputs and 3000 counts more, the
@@ -42,34 +40,22 @@ Streams streamed(const Frames& frames, int lost, const Frame& frame, const Lost&
 }
 
 Streams of_c(const Frames& frames, int lost, const tb_compensator_setup& options, std::uint32_t flags) {
-  tb_compensator_setup setup = options;
-  setup.struct_size = sizeof setup;
-  setup.flags = flags;
-  setup.taxels = kArrayTaxels;
-  setup.knots = frames.setup.pressure_psi.size();
-  setup.pressure = frames.setup.pressure_psi.data();
-  setup.volts_per_count = frames.setup.volts_per_count;
+  tb_compensator_setup setup = c_setup_of(frames.setup, flags);
+  setup.longest_gap = options.longest_gap;
+  setup.flat_pressure = options.flat_pressure;
+  setup.known_pressure = options.known_pressure;
+  setup.tare_share = options.tare_share;
   std::vector<tb_compensator_taxel> taxels;
-  for (const TaxelSetup& own : frames.setup.taxels) {
-    const ElamParameters& p = own.parameters;
-    tb_compensator_taxel taxel{};
-    taxel.struct_size = sizeof taxel;
-    taxel.flags = TB_TAXEL_USABLE;
-    taxel.ascending = own.ascending_v.data();
-    taxel.descending = own.descending_v.data();
-    taxel.alpha_d = p.alpha_d, taxel.beta_d = p.beta_d, taxel.beta_a = p.beta_a;
-    taxel.alpha_a1 = p.alpha_a1, taxel.alpha_a0 = p.alpha_a0;
-    taxel.noise_volts = own.noise_v;
-    taxels.push_back(taxel);
-  }
+  for (const TaxelSetup& own : frames.setup.taxels) taxels.push_back(c_taxel_of(own));
   tb_compensator* handle = nullptr;
   char message[80];
   REQUIRE(tb_compensator_create(&setup, taxels.data(), &handle, message, sizeof message) == TB_COMPENSATOR_OK);
   const auto frame = [&](std::span<const std::uint16_t> counts, Streams& streams) {
     const std::size_t at = streams.pressure.size();
     streams.pressure.resize(at + kArrayTaxels);
+    streams.uncertainty.resize(at + kArrayTaxels);
     streams.status.resize(at + kArrayTaxels);
-    CHECK(tb_compensator_counts(handle, counts.data(), kArrayTaxels, &streams.pressure[at], nullptr,
+    CHECK(tb_compensator_counts(handle, counts.data(), kArrayTaxels, &streams.pressure[at], &streams.uncertainty[at],
                                 &streams.status[at]) == 0);
   };
   const Streams streams = streamed(
@@ -91,6 +77,7 @@ Streams of_cpp(const Frames& frames, int lost, const FrameSetup& setup) {
       [&](std::span<const std::uint16_t> counts, Streams& streams) {
         compensator.frame(counts, results.output());
         streams.pressure.insert(streams.pressure.end(), results.pressure.begin(), results.pressure.end());
+        streams.uncertainty.insert(streams.uncertainty.end(), results.uncertainty.begin(), results.uncertainty.end());
         streams.status.insert(streams.status.end(), results.status.begin(), results.status.end());
       },
       [&] { compensator.lost_frame(results.output()); },
@@ -113,21 +100,20 @@ TEST_CASE("C API: each number of the setup is the compensator's own, and 0 its d
     CHECK(of_c(frames, kLost, given, flags) == expected);
     CHECK_FALSE(expected == plain);
   };
+  const auto number = [&](const char* what, auto change) {
+    FrameSetup own = by_default;
+    tb_compensator_setup given{};
+    change(given, own);
+    same(what, given, own);
+  };
+  number("longest_gap", [](auto& given, auto& own) {
+    given.longest_gap = 2;
+    own.longest_gap = 2;
+  });
+  number("flat_pressure", [](auto& given, auto& own) { given.flat_pressure = own.options.flat_psi = 0.5; });
+  number("known_pressure", [](auto& given, auto& own) { given.known_pressure = own.options.known_psi = 6.0; });
+  number("tare_share", [](auto& given, auto& own) { given.tare_share = own.tare_share = 0.01; });
   FrameSetup own = by_default;
-  tb_compensator_setup given{};
-  given.longest_gap = 2;
-  own.longest_gap = 2;
-  same("longest_gap", given, own);
-  given = {}, own = by_default;
-  given.flat_pressure = own.options.flat_psi = 0.5;
-  same("flat_pressure", given, own);
-  given = {}, own = by_default;
-  given.known_pressure = own.options.known_psi = 6.0;
-  same("known_pressure", given, own);
-  given = {}, own = by_default;
-  given.tare_share = own.tare_share = 0.01;
-  same("tare_share", given, own);
-  own = by_default;
   own.start_unknown = false;
   same("start at rest", {}, own, TB_COMPENSATOR_START_AT_REST);
   own = by_default;

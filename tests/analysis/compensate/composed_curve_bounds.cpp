@@ -35,24 +35,21 @@ void check_reads(const TaxelPattern& p, double y, double x) {
 
 }  // namespace
 
-TEST_CASE("fast curves: the upper piece of a fall is straight when its pattern rises by no more than is saturated") {
-  // The split lies at 25 psi and 1.5, on the pattern at 1.25: it rises by 1.75. At 2, a third of the way up, the
-  // pattern reads 1.25 + 1.75 / 3, 36.67 psi; a straight line a third of 75 psi more than 25.
-  TaxelPattern p = bent_pattern(0.25);
-  p.saturated = std::nextafter(1.75, 0.0);
-  check_reads(p, 2.0, 25.0 + 35.0 / 3.0);
-  p.saturated = 1.75;
-  check_reads(p, 2.0, 50.0);
-}
-
-TEST_CASE("fast curves: the lower piece of a fall is straight when its pattern rises by no more than is saturated") {
-  // The split lies at 75 psi and 1.5, on the pattern at 2.75. At 0.75 the pattern reads 1.375, 27.5 psi; a straight
-  // line half of 75 psi.
-  TaxelPattern p = bent_pattern(0.75);
-  p.saturated = std::nextafter(2.75, 0.0);
-  check_reads(p, 0.75, 27.5);
-  p.saturated = 2.75;
-  check_reads(p, 0.75, 37.5);
+TEST_CASE("fast curves: a piece of a fall is straight when its pattern rises by no more than is saturated") {
+  // Above the split: it lies at 25 psi and 1.5, on the pattern at 1.25, which rises by 1.75. At 2, a third of the way
+  // up, the pattern reads 1.25 + 1.75 / 3, 36.67 psi; a straight line a third of 75 psi more than 25.
+  TaxelPattern upper = bent_pattern(0.25);
+  upper.saturated = std::nextafter(1.75, 0.0);
+  check_reads(upper, 2.0, 25.0 + 35.0 / 3.0);
+  upper.saturated = 1.75;
+  check_reads(upper, 2.0, 50.0);
+  // Below it: at 75 psi and 1.5, on the pattern at 2.75. At 0.75 the pattern reads 1.375, 27.5 psi; a straight line
+  // half of 75 psi.
+  TaxelPattern lower = bent_pattern(0.75);
+  lower.saturated = std::nextafter(2.75, 0.0);
+  check_reads(lower, 0.75, 27.5);
+  lower.saturated = 2.75;
+  check_reads(lower, 0.75, 37.5);
 }
 
 TEST_CASE("fast curves: a turn at exactly a hundredth of the range from its end is an external branch's") {
@@ -101,23 +98,17 @@ TEST_CASE("fast curves: at a turn, a split and the top the piece holds the outpu
 TEST_CASE("exact ends: a fall or rise whose split has the output of an end reads that end at this output") {
   const double little = 1e-12;
   const TaxelPattern low = pattern_split_at(0.0), high = pattern_split_at(1.0);
-  const ComposedCurve falls_low = curve_from(low, false, 100.0, 3.0, 100.0);
-  CHECK(falls_low.xs == Approx(25.0));
-  CHECK(input_at(low, falls_low, 0.0) == 0.0);
-  CHECK(input_at(low, falls_low, -1.0) == 0.0);
-  CHECK(input_at(low, falls_low, little) == Approx(25.0));
-  CHECK(input_at(low, falls_low, 3.0) == 100.0);
-  const ComposedCurve falls_high = curve_from(high, false, 100.0, 3.0, 100.0);
-  CHECK(input_at(high, falls_high, 3.0) == 100.0);
-  CHECK(input_at(high, falls_high, 3.0 - little) == Approx(25.0));
-  CHECK(input_at(high, falls_high, 0.0) == 0.0);
-  const ComposedCurve rises_low = curve_from(low, true, 0.0, 0.0, 0.0);
-  CHECK(rises_low.xs == Approx(25.0));
-  CHECK(input_at(low, rises_low, 0.0) == 0.0);
-  CHECK(input_at(low, rises_low, little) == Approx(25.0));
-  CHECK(input_at(low, rises_low, 3.0) == 100.0);
-  const ComposedCurve rises_high = curve_from(high, true, 0.0, 0.0, 0.0);
-  CHECK(input_at(high, rises_high, 3.0) == 100.0);
-  CHECK(input_at(high, rises_high, 4.0) == 100.0);
-  CHECK(input_at(high, rises_high, 3.0 - little) == Approx(25.0));
+  for (const bool rises : {false, true}) {
+    const double from = rises ? 0.0 : 100.0, output = rises ? 0.0 : 3.0;
+    const ComposedCurve at_low = curve_from(low, rises, from, output, from),
+                        at_high = curve_from(high, rises, from, output, from);
+    CAPTURE(rises);
+    CHECK(at_low.xs == Approx(25.0));
+    for (const double bottom : {0.0, -1.0}) CHECK(input_at(low, at_low, bottom) == 0.0);
+    CHECK(input_at(low, at_low, little) == Approx(25.0));
+    CHECK(input_at(low, at_low, 3.0) == 100.0);
+    for (const double top : {3.0, 4.0}) CHECK(input_at(high, at_high, top) == 100.0);
+    CHECK(input_at(high, at_high, 3.0 - little) == Approx(25.0));
+    CHECK(input_at(high, at_high, 0.0) == 0.0);
+  }
 }

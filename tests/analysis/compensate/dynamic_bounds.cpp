@@ -48,6 +48,8 @@ void check_number(const std::string& word, const std::function<double&(DynamicSe
 
 TEST_CASE("dynamic setup: what the array shares lies within its bounds", "[dynamic]") {
   CHECK(refusal([](DynamicSetup&) {}).empty());
+  for (const std::size_t n : {0U, 101U})
+    CHECK_THAT(refusal([n](DynamicSetup& s) { s.intervals = n; }), Catch::Contains("100"));
   const double least = std::numeric_limits<double>::denorm_min();
   for (std::size_t j = 0; j < kCreepElements; ++j) {
     check_number("creep time", [j](DynamicSetup& s) -> double& { return s.dynamics.creep_s[j]; }, {least, 1e9},
@@ -78,35 +80,6 @@ TEST_CASE("dynamic setup: what the array shares lies within its bounds", "[dynam
                  return s.residual_psi[7];
                },
                {0.0, 5.0}, {-least, kInf, kNotANumber});
-}
-
-TEST_CASE("dynamic setup: creep takes at most nine tenths of an output, the array's shares and a taxel's",
-          "[dynamic]") {
-  const auto shares = [](double sum, double scale) {
-    return refusal([&](DynamicSetup& s) {
-      s.dynamics.creep_share = {0.25, 0.5, sum - 0.75};
-      s.taxels.front().creep_scale = scale;
-    });
-  };
-  CHECK(shares(0.875, 1.0).empty());
-  CHECK_THAT(shares(0.9375, 0.5), Catch::Contains("0.9"));
-  CHECK(shares(0.75, 1.1875).empty());
-  CHECK_THAT(shares(0.75, 1.25), Catch::Contains("0.9"));
-}
-
-TEST_CASE("dynamic setup: one to a hundred intervals", "[dynamic]") {
-  const auto intervals = [](std::size_t n) {
-    DynamicSetup setup = synthetic::dynamic_array(1, 0.004, 4).setup;
-    setup.intervals = n;
-    try {
-      check_setup(setup);
-    } catch (const std::invalid_argument& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
-  for (const std::size_t n : {1U, 100U}) CHECK(intervals(n).empty());
-  for (const std::size_t n : {0U, 101U}) CHECK_THAT(intervals(n), Catch::Contains("within 1 and 100"));
 }
 
 TEST_CASE("dynamic setup: a taxel's own numbers and its table", "[dynamic]") {

@@ -109,6 +109,16 @@ TEST_CASE("C API: each number of a dynamic setup has the default that the header
     CHECK(with([j](DynamicNumbers& n) { n.setup.creep_share[j] *= 1.125; }) != plain);
   }
   CHECK(with([](DynamicNumbers& n) { n.setup.worked_seconds = 100.0; }) != plain);
+  const double left[] = {0.5, 0.6, 0.7, 0.8};  // by interval, rising and falling
+  const auto with_left = [&](double scale) {
+    return with([&](DynamicNumbers& n) {
+      n.setup.residual = left;
+      n.taxel.residual_scale = scale;
+    });
+  };
+  CHECK(with_left(0.0) != plain);
+  CHECK(with_left(0.0) == with_left(1.0));
+  CHECK(with_left(0.0) != with_left(2.0));
   // A struct that ends before the last member has none of it.
   CHECK(with([](DynamicNumbers& n) {
           n.setup.worked_seconds = 100.0;

@@ -2,6 +2,8 @@
 #include <catch2/catch.hpp>
 
 #include "analysis/compensate/dynamic_frame_compensator.h"
+#include "tests/analysis/compensate/frames.h"
+#include "tests/analysis/compensate/straight_setup.h"
 #include "tests/analysis/support/dynamic_plant.h"
 
 using namespace synthetic;
@@ -38,21 +40,6 @@ DynamicFrames frames_of(std::size_t taxels, std::size_t count, double noise_v, d
   return frames;
 }
 
-// With the noise that a frame compensator takes: rounding to counts is noise, too.
-DynamicSetup with_rounding(DynamicSetup setup) {
-  for (DynamicTaxel& taxel : setup.taxels)
-    taxel.noise_v = std::hypot(taxel.noise_v, setup.volts_per_count / std::sqrt(12.0));
-  return setup;
-}
-
-template <class Real>
-struct Outputs {
-  std::vector<Real> pressure, uncertainty;
-  std::vector<std::uint16_t> status;
-  explicit Outputs(std::size_t n) : pressure(n), uncertainty(n), status(n) {}
-  typename DynamicFrameCompensator<Real>::Output output() { return {pressure, uncertainty, status}; }
-};
-
 constexpr double kSeconds = 0.5;
 
 }  // namespace
@@ -76,7 +63,7 @@ TEST_CASE("dynamic frames in double are those of the plain form, known or unknow
         plain.emplace_back(plain_setup, t);
         if (unknown) plain.back().reset_unknown();
       }
-      Outputs<double> out(kTaxels);
+      Results<double> out(kTaxels);
       double most = 0.0;
       int turns_seen = 0, unknowns = 0;
       for (std::size_t f = unknown ? 10 : 0; f < frames.pressure.size(); ++f) {
@@ -118,7 +105,7 @@ TEST_CASE("dynamic frames have the residual of the level, direction and gain tha
     fast.set_dispatch(level);
     std::vector<DynamicTaxelCompensator> plain;
     for (std::size_t t = 0; t < kTaxels; ++t) plain.emplace_back(plain_setup, t);
-    Outputs<double> out(kTaxels);
+    Results<double> out(kTaxels);
     int compared = 0, apart = 0, corrected = 0;
     for (std::size_t f = 0; f < frames.pressure.size(); ++f) {
       fast.frame(frames.at(f), out.output());
@@ -144,8 +131,8 @@ TEST_CASE("dynamic frames in float are no further from the truth", "[dynamic]") 
   whole.set_interval(kSeconds);
   single.set_interval(kSeconds);
   CHECK(single.bytes_per_taxel() <= 2048);
-  Outputs<double> a(kTaxels);
-  Outputs<float> b(kTaxels);
+  Results<double> a(kTaxels);
+  Results<float> b(kTaxels);
   double whole_error = 0.0, single_error = 0.0, apart = 0.0;
   for (std::size_t f = 0; f < frames.pressure.size(); ++f) {
     whole.frame(frames.at(f), a.output());
@@ -160,49 +147,4 @@ TEST_CASE("dynamic frames in float are no further from the truth", "[dynamic]") 
   INFO("double " << whole_error / count << " psi, float " << single_error / count << ", apart " << apart / count);
   CHECK(single_error < 1.01 * whole_error);
   CHECK(apart / count < 0.01);
-}
-
-TEST_CASE("dynamic frames: dead taxels, lost samples and frames, tare, validity, wrong sizes", "[dynamic]") {
-  constexpr std::size_t kTaxels = 17;
-  DynamicFrames frames = frames_of(kTaxels, 300, 0.002, kSeconds);
-  DynamicSetup setup = frames.array.setup;
-  setup.taxels[3] = {};
-  setup.longest_gap = 2;
-  DynamicFrameCompensator<float> c(setup);
-  c.set_interval(kSeconds);
-  Outputs<float> out(kTaxels);
-  std::vector<float> volts(kTaxels);
-  for (std::size_t f = 0; f < 60; ++f) c.frame(frames.at(f), out.output());
-  CHECK(out.status[3] == kTaxelDead);
-  CHECK(out.pressure[3] == 0.0F);
-  CHECK(out.uncertainty[3] == 60.0F);
-  CHECK((out.status[0] & kTaxelValid) != 0);
-  const float before = out.pressure[5], other = out.pressure[6];
-  for (std::size_t t = 0; t < kTaxels; ++t) volts[t] = static_cast<float>(frames.at(59)[t] * setup.volts_per_count);
-  volts[5] = std::nanf("");
-  c.frame(std::span<const float>(volts), out.output());
-  CHECK(out.status[5] == kTaxelLost);
-  CHECK(out.pressure[5] == before);
-  CHECK(out.pressure[6] == Approx(other).margin(0.5));
-  c.lost_frame(out.output());
-  for (std::size_t t = 0; t < kTaxels; ++t) CHECK(out.status[t] == (t == 3 ? kTaxelDead : kTaxelLost));
-  c.lost_frame(out.output());
-  c.lost_frame(out.output());
-  CHECK(out.status[0] == (kTaxelLost | kTaxelUnknown));
-  // Unloaded and 5 mV higher than it was: the zero moves, and all are at rest.
-  std::vector<std::uint16_t> unloaded(kTaxels, static_cast<std::uint16_t>(std::lround(0.025 * 65536.0 / 5.0)));
-  CHECK(c.tare(unloaded) == 0);
-  c.frame(unloaded, out.output());
-  for (std::size_t t = 0; t < kTaxels; ++t) CHECK(out.pressure[t] == Approx(0.0).margin(0.05));
-  unloaded[7] = 20000;
-  CHECK(c.tare(unloaded) == 1);
-  c.set_outside_validity(true);
-  c.frame(unloaded, out.output());
-  CHECK(out.status[0] == kTaxelOutside);
-  CHECK((out.status[7] & (kTaxelOutside | kTaxelUnknown)) == (kTaxelOutside | kTaxelUnknown));
-  unloaded.pop_back();
-  CHECK_THROWS_WITH(c.frame(unloaded, out.output()), Catch::Contains("number of samples"));
-  CHECK_THROWS_WITH(c.set_interval(-1.0), Catch::Contains("interval"));
-  setup.taxels[2].everett[4] = -1.0;
-  CHECK_THROWS_WITH(DynamicFrameCompensator<float>(setup), Catch::Contains("taxel 2: "));
 }

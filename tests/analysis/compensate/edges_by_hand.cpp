@@ -1,9 +1,6 @@
 // What compensators refuse, one wrong value at a time, and what their curves and streams do exactly at an edge.
-#include <fmt/format.h>
-
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <memory>
 #include <stdexcept>
@@ -11,7 +8,6 @@
 #include <vector>
 
 #include "analysis/compensate/compensator_c.h"
-#include "analysis/compensate/dispatch.h"
 #include "analysis/compensate/dynamic_frame_compensator.h"
 #include "analysis/compensate/inverse_stream.h"
 #include "analysis/models/elam_pieces.h"
@@ -110,20 +106,6 @@ TEST_CASE("edges: the C API takes 1 to 100 intervals and some taxels, else the s
   CHECK(code(0, 1) == TB_COMPENSATOR_SIZE);
 }
 
-#if defined(__x86_64__) && defined(__linux__)
-TEST_CASE("edges: what the processor's flags say is what frames may use") {
-  std::ifstream cpuinfo("/proc/cpuinfo");
-  std::string line;
-  while (std::getline(cpuinfo, line) && !line.starts_with("flags")) {
-  }
-  if (line.empty()) return;  // not told
-  const auto has = [&](const char* flag) { return (line + " ").find(fmt::format(" {} ", flag)) != std::string::npos; };
-  const bool wide = has("avx512f") && has("avx512dq") && has("avx512bw") && has("avx512vl");
-  CAPTURE(line);
-  CHECK(dispatches().size() == (has("avx2") ? wide ? 3 : 2 : 1));
-}
-#endif
-
 TEST_CASE("edges: creep that takes exactly nine tenths, and an output exactly at its divider's end, are taken") {
   const auto taken = [](double share, double scale) {
     DynamicSetup setup = straight_setup();
@@ -187,13 +169,12 @@ TEST_CASE("edges: a stream that is reset knows its history, whatever it was befo
 
 TEST_CASE("edges: a still output that turns slowly, and at once turns again, is read by frames as by the plain form") {
   const DynamicSetup setup = straight_setup(0.01);
-  DynamicSetup with_rounding = setup;  // as frames take it
-  with_rounding.taxels.front().noise_v = std::hypot(0.01, setup.volts_per_count / std::sqrt(12.0));
+  const DynamicSetup rounded = with_rounding(setup);
   DynamicSetup at_rest = setup;
   at_rest.start_unknown = false;
   for (int step_mv = 2; step_mv <= 16; ++step_mv) {
     DynamicFrameCompensator<double> frames(at_rest);
-    DynamicTaxelCompensator plain(with_rounding, 0);
+    DynamicTaxelCompensator plain(rounded, 0);
     const auto both_read = [&](double volts) {
       double psi = 0.0, doubt = 0.0;
       std::uint16_t status = 0;

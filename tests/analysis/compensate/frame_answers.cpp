@@ -1,10 +1,7 @@
 // The frame compensator's uncertainty by hand: that of a piece is of the end that is observed less well.
 #include <catch2/catch.hpp>
-#include <cmath>
-#include <limits>
 #include <vector>
 
-#include "analysis/compensate/compensator.h"
 #include "tests/analysis/compensate/frames.h"
 
 using namespace synthetic;
@@ -59,34 +56,4 @@ TEMPLATE_TEST_CASE("frames by hand: noise times the flatter end's psi a volt, go
   CHECK(falling(steeper, 1.22, 34.0) == Approx(0.02).epsilon(1e-4));
   CHECK(falling(flatter, 2.62, 32.0) == Approx(0.04).epsilon(1e-4));
   CHECK(falling(flatter, 1.02, 10.0) == Approx(0.02).epsilon(1e-4));
-}
-
-TEST_CASE(
-    "frames have the uncertainty of the plain form or a little more, in each place of a loop of straight pieces") {
-  const std::vector<double> x{0, 20, 40, 60}, up{0.0, 0.3, 1.2, 3.5}, down{0.0, 1.6, 2.9, 3.5};
-  for (const double noise : {0.002, 0.02}) {
-    const FrameSetup setup = one_taxel(up, down, noise);
-    const ElamModel model{PatternCurve(x, up, 0.0, 3.5), PatternCurve(x, down, 0.0, 3.5), {}, {true}};
-    CompensatorOptions options = setup.options;
-    options.noise_v = std::hypot(noise, setup.volts_per_count / std::sqrt(12.0));
-    TaxelCompensator plain(model, options);
-    FrameCompensator<double> frames(setup);
-    Results<double> results(1);
-    Plant plant(model);
-    double worst = 0.0, mean = 0.0, count = 0.0;
-    for (const double psi : levels_of({0, 60, 0, 52, 0, 60, 10, 60, 0}, 0.5))
-      for (int n = 0; n < 3; ++n) {  // held, so that it is averaged
-        const double volts[] = {plant(psi)};
-        frames.frame(std::span<const double>(volts), results.output());
-        const Compensated one = plain.step(volts[0]);
-        worst = std::max(worst, 1.0 - results.uncertainty[0] / one.uncertainty_psi);
-        mean += results.uncertainty[0] / one.uncertainty_psi;
-        count += 1.0;
-        REQUIRE(results.pressure[0] == Approx(one.pressure_psi).margin(1e-9));
-      }
-    CAPTURE(noise, worst, mean / count);
-    CHECK(worst < 0.25);
-    CHECK(mean / count > 1.0);
-    CHECK(mean / count < 1.6);
-  }
 }

@@ -35,29 +35,14 @@ struct Caller {
 
   Caller(const FrameSetup& own, std::size_t setup_size, std::size_t taxel_size, std::size_t levels = kLevels,
          std::uint32_t flags = TB_COMPENSATOR_START_AT_REST | TB_COMPENSATOR_DOUBLE) {
-    tb_compensator_setup whole{};
+    tb_compensator_setup whole = c_setup_of(own, flags);
     whole.struct_size = setup_size;
-    whole.flags = flags;
-    whole.taxels = own.taxels.size();
-    whole.knots = own.pressure_psi.size();
-    whole.pressure = own.pressure_psi.data();
-    whole.volts_per_count = own.volts_per_count;
     whole.residual_levels = levels;
     setup.assign(reinterpret_cast<const char*>(&whole), reinterpret_cast<const char*>(&whole) + setup_size);
     for (std::size_t t = 0; t < own.taxels.size(); ++t) residuals.push_back(residual_of(t));
     for (std::size_t t = 0; t < own.taxels.size(); ++t) {
-      const TaxelSetup& from = own.taxels[t];
-      tb_compensator_taxel taxel{};
+      tb_compensator_taxel taxel = c_taxel_of(own.taxels[t]);
       taxel.struct_size = taxel_size;
-      taxel.flags = TB_TAXEL_USABLE;
-      taxel.ascending = from.ascending_v.data();
-      taxel.descending = from.descending_v.data();
-      taxel.alpha_d = from.parameters.alpha_d;
-      taxel.beta_d = from.parameters.beta_d;
-      taxel.alpha_a1 = from.parameters.alpha_a1;
-      taxel.alpha_a0 = from.parameters.alpha_a0;
-      taxel.beta_a = from.parameters.beta_a;
-      taxel.noise_volts = from.noise_v;
       taxel.residual = residuals[t].data();
       const char* const bytes = reinterpret_cast<const char*>(&taxel);
       taxels.insert(taxels.end(), bytes, bytes + taxel_size);
@@ -158,13 +143,13 @@ TEST_CASE("residual in frames: the same bits on each level, in counts and volts,
 
 TEST_CASE("residual in frames: wrong sizes and values are refused by taxel") {
   const Frames frames = random_reversals(4, 10, 0.001, 1.0);
-  const auto refused = [&](const auto& spoil) {
+  const auto refused = [&](const auto& spoil, const char* taxel = "taxel 2") {
     FrameSetup setup = with_residuals(frames.setup);
     spoil(setup.taxels[2].residual_psi);
-    CHECK_THROWS_WITH(FrameCompensator<float>(setup), Catch::Contains("taxel"));
+    CHECK_THROWS_WITH(FrameCompensator<float>(setup), Catch::Contains(taxel));
   };
   refused([](std::vector<double>& psi) { psi.resize(38); });
-  refused([](std::vector<double>& psi) { psi.push_back(0.1); });
+  refused([](std::vector<double>& psi) { psi.push_back(0.1); }, "taxel 0");  // the others are of fewer than the most
   refused([](std::vector<double>& psi) { psi[7] = -0.1; });
   refused([](std::vector<double>& psi) { psi[39] = std::nan(""); });
   refused([](std::vector<double>& psi) { psi[0] = std::numeric_limits<double>::infinity(); });

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "analysis/compensate/compensator.h"
+#include "analysis/compensate/compensator_c.h"
 #include "analysis/compensate/frame_compensator.h"
 #include "tests/analysis/support/synthetic.h"
 
@@ -69,6 +70,33 @@ inline std::vector<TaxelCompensator> plain_of(const Frames& frames, bool unknown
     if (unknown) plain.back().reset_unknown();
   }
   return plain;
+}
+
+// The C API's structs; they point into `own`.
+inline tb_compensator_setup c_setup_of(const FrameSetup& own, std::uint32_t flags) {
+  tb_compensator_setup setup{};
+  setup.struct_size = sizeof setup;
+  setup.flags = flags;
+  setup.taxels = own.taxels.size();
+  setup.knots = own.pressure_psi.size();
+  setup.pressure = own.pressure_psi.data();
+  setup.volts_per_count = own.volts_per_count;
+  return setup;
+}
+
+inline tb_compensator_taxel c_taxel_of(const TaxelSetup& own) {
+  tb_compensator_taxel taxel{};
+  taxel.struct_size = sizeof taxel;
+  taxel.flags = TB_TAXEL_USABLE;
+  taxel.ascending = own.ascending_v.data();
+  taxel.descending = own.descending_v.data();
+  taxel.alpha_d = own.parameters.alpha_d;
+  taxel.beta_d = own.parameters.beta_d;
+  taxel.alpha_a1 = own.parameters.alpha_a1;
+  taxel.alpha_a0 = own.parameters.alpha_a0;
+  taxel.beta_a = own.parameters.beta_a;
+  taxel.noise_volts = own.noise_v;
+  return taxel;
 }
 
 template <class Real>

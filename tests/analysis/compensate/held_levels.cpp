@@ -87,6 +87,25 @@ struct Ratios {
   }
 };
 
+// Films of one line: each figure is that of the plain form; `zero` is the output without load, and some outputs are
+// flat and some averaged to less than `averaged_psi`.
+template <class Fast, class PlainStep>
+void check_every_figure(Fast& fast, const PlainStep& plain_step, bool unknown, double zero, double averaged_psi) {
+  int flat = 0, averaged = 0;
+  for (const double above : held_volts(unknown ? 1.2 : 0.3)) {
+    const FastReading now = fast_reading(fast, zero + above);
+    const Compensated one = plain_step(zero + above);
+    CHECK(now.pressure == Approx(one.pressure_psi).margin(1e-9));
+    CHECK(now.uncertainty == Approx(one.uncertainty_psi).epsilon(1e-6));
+    CHECK(((now.status & kTaxelFlat) != 0) == one.flat);
+    check_marks(now, one);
+    flat += one.flat ? 1 : 0;
+    averaged += one.uncertainty_psi < averaged_psi ? 1 : 0;
+  }
+  CHECK(flat > 100);
+  CHECK(averaged > 50);
+}
+
 }  // namespace
 
 TEST_CASE("held outputs of ELAM on one line: pressure, uncertainty and marks are those of the plain form") {
@@ -100,19 +119,8 @@ TEST_CASE("held outputs of ELAM on one line: pressure, uncertainty and marks are
     FrameCompensator<double> fast(setup);
     TaxelCompensator plain(model, options);
     if (unknown) plain.reset_unknown();
-    int flat = 0, averaged = 0;
-    for (const double volts : held_volts(unknown ? 1.2 : 0.3)) {
-      const FastReading now = fast_reading(fast, volts);
-      const Compensated one = plain.step(volts);
-      CHECK(now.pressure == Approx(one.pressure_psi).margin(1e-9));
-      CHECK(now.uncertainty == Approx(one.uncertainty_psi).epsilon(1e-6));
-      CHECK(((now.status & kTaxelFlat) != 0) == one.flat);
-      check_marks(now, one);
-      flat += one.flat ? 1 : 0;
-      averaged += one.uncertainty_psi < 0.5 * 20.0 * kNoiseV ? 1 : 0;
-    }
-    CHECK(flat > 100);
-    CHECK(averaged > 100);
+    check_every_figure(
+        fast, [&](double volts) { return plain.step(volts); }, unknown, 0.0, 0.5 * 20.0 * kNoiseV);
   }
 }
 
@@ -150,12 +158,6 @@ DynamicSetup line_film(bool unknown) {
   return setup;
 }
 
-DynamicSetup with_whole_noise(DynamicSetup setup) {
-  for (DynamicTaxel& taxel : setup.taxels)
-    taxel.noise_v = std::hypot(taxel.noise_v, setup.volts_per_count / std::sqrt(12.0));
-  return setup;
-}
-
 }  // namespace
 
 TEST_CASE("held outputs of a dynamic film of one line: every figure is that of the plain form", "[dynamic]") {
@@ -164,23 +166,12 @@ TEST_CASE("held outputs of a dynamic film of one line: every figure is that of t
     setup.residual_psi = {0.03, 0.05};
     setup.taxels[0].residual_scale = 2.0;
     setup.options.flat_psi = 0.25;
-    const DynamicSetup plain_setup = with_whole_noise(setup);
+    const DynamicSetup plain_setup = with_rounding(setup);
     DynamicFrameCompensator<double> fast(setup);
     DynamicTaxelCompensator plain(plain_setup, 0);
     if (unknown) plain.reset_unknown();
-    int flat = 0, averaged = 0;
-    for (const double above : held_volts(unknown ? 1.2 : 0.3)) {
-      const FastReading now = fast_reading(fast, 0.5 + above);
-      const Compensated one = plain.step(0.5 + above, 0.0);
-      CHECK(now.pressure == Approx(one.pressure_psi).margin(1e-9));
-      CHECK(now.uncertainty == Approx(one.uncertainty_psi).epsilon(1e-6));
-      CHECK(((now.status & kTaxelFlat) != 0) == one.flat);
-      check_marks(now, one);
-      flat += one.flat ? 1 : 0;
-      averaged += one.uncertainty_psi < 0.09 ? 1 : 0;
-    }
-    CHECK(flat > 100);
-    CHECK(averaged > 50);
+    check_every_figure(
+        fast, [&](double volts) { return plain.step(volts, 0.0); }, unknown, 0.5, 0.09);
   }
 }
 
@@ -193,7 +184,7 @@ TEST_CASE("held outputs of dynamic films with hysteresis: the plain form's press
     setup.dynamics.creep_share = {};
     setup.taxels[0].lag_share = 0.0;
     setup.volts_per_count = kVoltsACount;
-    const DynamicSetup plain_setup = with_whole_noise(setup);
+    const DynamicSetup plain_setup = with_rounding(setup);
     DynamicFrameCompensator<double> fast(setup);
     DynamicTaxelCompensator plain(plain_setup, 0);
     if (unknown) plain.reset_unknown();

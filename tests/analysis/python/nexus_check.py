@@ -4,40 +4,13 @@ the program exports of the same runs."""
 import json
 import os
 import shutil
-import subprocess
 import sys
-import tempfile
 
-program, library = sys.argv[1:]
-folder = tempfile.mkdtemp()
-os.environ.update(TACTBENCH_RUNTIME_DIR=folder, TACTBENCH_COMPENSATOR=library)
-for name in ("TACTBENCH_BENCH", "TACTBENCH_DB"):
-    os.environ.pop(name, None)  # the developer's
-
-import h5py  # noqa: E402
-import numpy  # noqa: E402
-import tactbench  # noqa: E402
-import xarray  # noqa: E402
-
-
-def call(*words, codes=(0,)):
-    done = subprocess.run([program, *words], cwd=folder, capture_output=True, text=True)
-    assert done.returncode in codes, f"{words}: {done.returncode}\n{done.stdout}\n{done.stderr}"
-
-
-def exported(run):
-    call("runs", "export", str(run), "--format", "json", "-o", f"{run}.json")
-    with open(f"{run}.json") as file:
-        return json.load(file)
-
-
-def refused(word, act, kind=tactbench.TactbenchError):
-    try:
-        act()
-    except kind as error:
-        assert word in str(error), f"'{error}' does not say '{word}'"
-        return
-    raise AssertionError(f"not refused: {word}")
+import h5py
+import numpy
+from made_runs import call, exported, folder, refused
+import tactbench
+import xarray
 
 
 def same(stored, values):

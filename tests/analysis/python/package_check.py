@@ -5,48 +5,24 @@ import json
 import math
 import os
 import shutil
-import subprocess
 import sys
-import tempfile
 
-program, library = sys.argv[1:]
-folder = tempfile.mkdtemp()
-os.environ.update(TACTBENCH_RUNTIME_DIR=folder, TACTBENCH_COMPENSATOR=library)
-for name in ("TACTBENCH_BENCH", "TACTBENCH_DB"):
-    os.environ.pop(name, None)  # the developer's
-
-import numpy  # noqa: E402
-import tactbench  # noqa: E402
-from tactbench import Compensator, Store, TactbenchError  # noqa: E402
+import numpy
+from made_runs import call, exported, folder, refused
+import tactbench
+from tactbench import Compensator, Store
 
 
-def call(*words):
-    done = subprocess.run([program, *words], cwd=folder, capture_output=True, text=True)
-    assert done.returncode == 0, f"{words}: {done.returncode}\n{done.stdout}\n{done.stderr}"
-    return done.stdout
-
-
-def refused(word, act, kind=TactbenchError):
-    try:
-        act()
-    except kind as error:
-        assert word in str(error), f"'{error}' does not say '{word}'"
-        return
-    raise AssertionError(f"not refused: {word}")
-
-
-def exported(run):
-    """A run as the program writes it: frames of branches that count, and volts a count."""
-    call("runs", "export", str(run), "--format", "json", "-o", f"{run}.json")
-    with open(f"{run}.json") as file:
-        document = json.load(file)
+def counted(run):
+    """Frames of a run's branches that count, and volts a count."""
+    document = exported(run)
     scale = [device["calibration"]["volts_per_count"] for device in document["devices"] if device["role"] == "tactile scanner"]
     return [frame for frame in document["frames"] if not frame["void"]], scale[0]
 
 
 def check_frames(store):
     """Numbers and units of each kind, against the program's own export."""
-    frames, scale = exported(2)
+    frames, scale = counted(2)
     data = store.frames(2)
     for i, frame in enumerate(frames):
         counts = numpy.array(frame["counts"], float).reshape(frame["scans"], frame["rows"], frame["columns"])
@@ -66,7 +42,7 @@ def check_frames(store):
     plain = store.frames(2, "numpy")
     assert numpy.array_equal(plain["volts"], data.volts) and plain["units"]["reference_psi"] == "psi"
     assert "fz_n" not in plain
-    frames, _ = exported(5)
+    frames, _ = counted(5)
     plain = store.frames(5, "numpy")
     for i, name in enumerate(("fx_n", "fy_n", "fz_n", "tx_nmm", "ty_nmm", "tz_nmm")):
         assert list(plain[name]) == [frame["wrench_n_nmm"][i] for frame in frames], name
@@ -150,7 +126,7 @@ def check_refusals(store):
     refused("no run 77", lambda: store.frames(77))
     refused("not one of", lambda: store.frames(1, "polars"))
     refused("one row a frame", lambda: store.frames(1, "pandas", scans=True))
-    refused("there is no store", lambda: Store("other.db"))
+    refused("other.db", lambda: Store("other.db"))
     with open("text.db", "w") as file:
         file.write("no store" * 1000)
     refused("text.db", lambda: Store("text.db"))
@@ -161,7 +137,7 @@ def check_refusals(store):
     refused("volts_per_count=5 / 65536", lambda: Compensator.load("model.json").counts([0] * 256))
     refused("no model", lambda: Compensator.load("1.toml"))
     refused("cannot read", lambda: Compensator.load("none.json"))
-    refused("an option is negative", lambda: Compensator.load("model.json", flat_pressure=-1.0), tactbench.CompensatorError)
+    refused("option", lambda: Compensator.load("model.json", flat_pressure=-1.0), tactbench.CompensatorError)
     with open("model.json") as file:
         document = json.load(file)
     del document["taxels"][3]["model"]["parameters"]

@@ -123,6 +123,7 @@ TEST_CASE("gathered by hand: swapped lines are told from two seatings of as many
   CHECK_FALSE(assessed({1, 2, 3, 4}, {1, 2, 3, 4}, "pass"));
   Gathered gathered;
   (void)store_pressure_run(gathered.store, example_run(), kSeating);
+  (void)store_pressure_run(gathered.store, example_run(), kSeating, "fail");  // an ill one in between
   const ReportInput input = gathered.of(store_pressure_run(gathered.store, example_run(), kSeating));
   CHECK(input.history.seating_v == std::vector<double>{5, 10, 15, 20, 25, 30});
   CHECK(input.history.earlier_seating_v == input.history.seating_v);

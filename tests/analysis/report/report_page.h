@@ -1,4 +1,4 @@
-// A report's page taken apart, for tests: tags, attributes, data, xmllint.
+// A report's page taken apart, for tests: tags, attributes, xmllint; and its data.
 #pragma once
 
 #include <unistd.h>
@@ -7,7 +7,10 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,14 +25,9 @@ inline std::size_t count(const std::string& text, const std::string& part) {
   return n;
 }
 
-// The data that the page carries.
-inline std::string data_text(const std::string& page) {
-  const std::string open = "id=\"report-data\">";
-  const std::size_t from = page.find(open) + open.size();
-  return page.substr(from, page.find("</script>", from) - from);
-}
-
 inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+inline nlohmann::json report_json(const ReportInput& input) { return nlohmann::json::parse(render_report(input).json); }
 
 // 0 when xmllint finds the page well-formed; -1 when there is no xmllint.
 inline int xmllint(const std::string& page) {
@@ -75,44 +73,29 @@ inline std::vector<std::pair<std::string, std::string>> attributes_of(const std:
   return out;
 }
 
+inline std::set<std::string> words_of(const std::string& words) {
+  std::istringstream stream(words);
+  return {std::istream_iterator<std::string>(stream), {}};
+}
+
+// Every figure and table has its title.
+inline void require_titled(const std::string& page) {
+  CHECK(count(page, "<svg ") == count(page, "<svg role=\"img\""));
+  CHECK(count(page, "<svg ") == count(page, "</title>") - 1);
+  CHECK(count(page, "<table") == count(page, "<caption>"));
+}
+
 // Nothing that loads or runs: only elements and attributes that the report is known to need.
 inline void require_inert(const std::string& page) {
   CHECK(count(page, "<script") == 1);
   CHECK(count(page, "<script type=\"application/json\" id=\"report-data\">") == 1);
   CHECK(count(page, "</script") == 1);
-  static const std::set<std::string> elements = {
-      "!DOCTYPE",   "aside",  "html", "head", "meta",  "title", "style",  "body",   "header", "main",
-      "footer",     "nav",    "ul",   "li",   "a",     "h1",    "h2",     "h3",     "h4",     "p",
-      "div",        "span",   "code", "br",   "table", "tr",    "thead",  "tbody",  "th",     "td",
-      "figcaption", "figure", "svg",  "g",    "path",  "text",  "script", "caption"};
-  static const std::set<std::string> attributes = {"lang",
-                                                   "charset",
-                                                   "http-equiv",
-                                                   "content",
-                                                   "name",
-                                                   "id",
-                                                   "class",
-                                                   "role",
-                                                   "scope",
-                                                   "colspan",
-                                                   "rowspan",
-                                                   "href",
-                                                   "aria-label",
-                                                   "tabindex",
-                                                   "viewBox",
-                                                   "width",
-                                                   "height",
-                                                   "fill",
-                                                   "stroke",
-                                                   "stroke-width",
-                                                   "stroke-linecap",
-                                                   "stroke-dasharray",
-                                                   "d",
-                                                   "transform",
-                                                   "x",
-                                                   "y",
-                                                   "text-anchor",
-                                                   "type"};
+  static const std::set<std::string> elements = words_of(
+      "!DOCTYPE aside html head meta title style body header main footer nav ul li a h1 h2 h3 h4 p div span code br "
+      "table tr thead tbody th td figcaption figure svg g path text script caption");
+  static const std::set<std::string> attributes = words_of(
+      "lang charset http-equiv content name id class role scope colspan rowspan href aria-label tabindex viewBox width "
+      "height fill stroke stroke-width stroke-linecap stroke-dasharray d transform x y text-anchor type");
   for (const std::string& tag : tags_of(page)) {
     const std::size_t start = tag.front() == '/' ? 1 : 0;
     const std::string name = tag.substr(start, tag.find_first_of(" /", start) - start);

@@ -83,6 +83,10 @@ TEST_CASE("traceability by hand: a pressure is traceable by an instrument with a
   CHECK_FALSE(traceable(R"({"certificate":"C-1","due":"2024-05-05"})"));
   CHECK(traceable(R"({"certificate":"C-1"})"));
   CHECK_FALSE(traceable("{}"));
+  // Neither is it by the regulator entered twice, or alone.
+  REQUIRE(traceable(R"({"certificate":"C-1"})"));
+  input.run.devices[0] = instrument("regulator", "PT", "P-1", "{}");
+  CHECK_FALSE(traceability_of(input)[0].traceable);
   input.run.devices.pop_back();
   CHECK_FALSE(traceability_of(input)[0].traceable);
 }
@@ -100,10 +104,14 @@ TEST_CASE("traceability by hand: a run that presses states force and place, and 
   CHECK(quantities() == "force place ");
   input.evaluation.levels.resize(1);
   CHECK(quantities() == "pressure force place ");
-  input.run.devices = {instrument("stage x", "", "", R"({"certificate":"S-1"})")};
-  const std::vector<Traceability> all = traceability_of(input);
-  CHECK((!all[1].traceable && all[2].traceable));
-  CHECK(nlohmann::json::parse(traceability_json(input))[2]["traceable"] == true);
+  input.run.devices = {instrument("stage x", "", "", R"({"certificate":"S-1"})"),
+                       instrument("force sensor", "ATI", "FT-1", R"({"certificate":""})")};
+  const auto traceable = [&](std::size_t at) {
+    return nlohmann::json::parse(traceability_json(input))[at]["traceable"] == true;
+  };
+  CHECK((!traceable(1) && traceable(2)));
+  input.laboratory.instruments = {{"FT-1", "F-7", "ATI", "2024-01-31", "2025-01-31", ""}};
+  CHECK(traceable(1));
 }
 
 TEST_CASE("an inconclusive verdict has a reason where a run that was judged had an overdue reference") {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "analysis/report/overview/overview_figures.h"
 #include "tests/analysis/report/report_example.h"
@@ -84,20 +84,17 @@ double figure_of(const char* key, const ReportInput& input) { return overview_fi
 
 TEST_CASE("figures of a run by hand, and none where the run has no such figure") {
   ReportInput input = seen_run(3, "S");
-  CHECK(figure_of("excluded_taxels", input) == 1.0);
-  CHECK(figure_of("median_noise_v", input) == 0.0012344);
-  CHECK(figure_of("full_scale_v", input) == 3.45644);
-  CHECK(figure_of("hysteresis_max_fs", input) == 0.25554);
-  CHECK(figure_of("hysteresis_mean_fs", input) == 0.10554);
-  CHECK(figure_of("gain_std", input) == Approx(std::sqrt(0.01 + 0.04)));
-  CHECK(figure_of("mean_error_psi", input) == 0.51244);
-  CHECK(figure_of("worst_taxel_mean_error_psi", input) == 1.23444);
-  CHECK(figure_of("raw_distance_fs", input) == 0.11124);
-  CHECK(figure_of("comp_distance_of_mean_fs", input) == 0.01224);
-  CHECK(figure_of("comp_distance_fs", input) == 0.01334);
-  CHECK(figure_of("retries", input) == 3.0);
+  const std::map<std::string, double> expected = {
+      {"excluded_taxels", 1.0},        {"median_noise_v", 0.0012344},
+      {"full_scale_v", 3.45644},       {"hysteresis_max_fs", 0.25554},
+      {"hysteresis_mean_fs", 0.10554}, {"gain_std", std::sqrt(0.01 + 0.04)},
+      {"mean_error_psi", 0.51244},     {"worst_taxel_mean_error_psi", 1.23444},
+      {"raw_distance_fs", 0.11124},    {"comp_distance_of_mean_fs", 0.01224},
+      {"comp_distance_fs", 0.01334},   {"retries", 3.0}};
+  CHECK(overview_figures().size() == expected.size());
   for (const OverviewFigure& figure : overview_figures()) {
     INFO(figure.key);
+    CHECK(figure.value(input) == Approx(expected.at(figure.key)));
     CHECK(std::isnan(figure.value(ReportInput{})));
   }
   input.behaviour.gain = {std::nan(""), 0.9, 1.2, std::nan(""), 1.0};
@@ -127,7 +124,7 @@ TEST_CASE("modified z-scores: known values, no scores of few or equal ones") {
   CHECK(std::isnan(modified_z_scores({1, 2, 3, 4, 5, std::nan("")})[5]));
 }
 
-TEST_CASE("a comparison of two runs is one inert page with the differences of its figures") {
+TEST_CASE("two runs compared are one inert page with the differences of their figures") {
   ReportInput first = numbered(3, "S-1", 0.5), second = numbered(4, "S-1", 0.75);
   const Report report = render_comparison(first, second);
   CHECK(report.html == render_comparison(first, second).html);
@@ -154,19 +151,18 @@ TEST_CASE("the ratio of two runs' outputs, taxel by taxel, at a level within hal
     return json.empty() ? 0.0 : json[1].get<double>();
   };
   CHECK(ratio() == Approx(0.75));  // 3 V over 2 V, half of the gain
-  second.behaviour.pressure_psi[1] = second.behaviour.equilibration_psi = 40.49;
-  CHECK(ratio() == Approx(0.75));
-  second.behaviour.pressure_psi[1] = second.behaviour.equilibration_psi = 40.5;
-  CHECK(ratio() == 0.0);
-  second.behaviour.pressure_psi[1] = second.behaviour.equilibration_psi = 39.5;
-  CHECK(ratio() == 0.0);
-  second.behaviour.pressure_psi[1] = second.behaviour.equilibration_psi = 40.0;
+  for (const auto& [level, of] : {std::pair{40.49, 0.75}, {40.5, 0.0}, {39.5, 0.0}, {40.0, 0.75}}) {
+    CAPTURE(level);
+    second.behaviour.pressure_psi[1] = second.behaviour.equilibration_psi = level;
+    CHECK(ratio() == Approx(of));
+  }
+  const ReportInput good = second;
   second.health.columns = 1;
   CHECK(ratio() == 0.0);
-  second.health.columns = 2;
+  second = good;
   second.behaviour.gain.push_back(1.0);
   CHECK(ratio() == 0.0);
-  second.behaviour.gain = {0.9, 1.2};
+  second = good;
   second.behaviour.loops.clear();
   CHECK(ratio() == 0.0);
 }

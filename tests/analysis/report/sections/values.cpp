@@ -138,13 +138,14 @@ TEST_CASE("sections of further studies show what they are given") {
   CHECK(has_cell(models_section(input), "2.05"));  // of 2.5 V
 
   UsableRange& range = input.more.usable;
+  range.taxels = 2;
   range.pressure_psi = {0.0, 60.0};
   range.loading = {{0.5, 1.0}, {0.4, 0.9}, {3.0, 1.0}, {5.0, 1.5}, 30.0, 30.0, 2.04, 58.04};
   range.unloading = range.loading;
   CHECK(contains(usable_part(input).value, in_psi(2.04, 1) + " to " + in_psi(58.04, 1)));
 }
 
-TEST_CASE("the section on objects shows U of the force sensor, twice the root of the sum of squares") {
+TEST_CASE("objects: U of a budget in newton is twice the root of the sum of squares") {
   ReportInput input;
   ContactResult contact;
   contact.sequence = "ring";
