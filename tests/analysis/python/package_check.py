@@ -123,20 +123,16 @@ def check_models(store):
 
 
 def check_refusals(store):
-    refused("no run 77", lambda: store.frames(77))
-    refused("not one of", lambda: store.frames(1, "polars"))
-    refused("one row a frame", lambda: store.frames(1, "pandas", scans=True))
-    refused("other.db", lambda: Store("other.db"))
     with open("text.db", "w") as file:
         file.write("no store" * 1000)
-    refused("text.db", lambda: Store("text.db"))
-    refused("no fit 9", lambda: Compensator.load("runs.db", 1, fit=9))
-    refused("has no fit: ", lambda: Compensator.load("runs.db", 2))
-    refused("name a run", lambda: Compensator.load("runs.db"))
-    refused("monotone", lambda: Compensator.load("monotone.json"))
-    refused("volts_per_count=5 / 65536", lambda: Compensator.load("model.json").counts([0] * 256))
-    refused("no model", lambda: Compensator.load("1.toml"))
-    refused("cannot read", lambda: Compensator.load("none.json"))
+    for named, act in (("77", lambda: store.frames(77)), ("polars", lambda: store.frames(1, "polars")),
+                       ("scans=False", lambda: store.frames(1, "pandas", scans=True)), ("other.db", lambda: Store("other.db")),
+                       ("text.db", lambda: Store("text.db")), ("fit 9", lambda: Compensator.load("runs.db", 1, fit=9)),
+                       ("run 2", lambda: Compensator.load("runs.db", 2)), ("runs.db", lambda: Compensator.load("runs.db")),
+                       ("monotone", lambda: Compensator.load("monotone.json")),
+                       ("volts_per_count=5 / 65536", lambda: Compensator.load("model.json").counts([0] * 256)),
+                       ("1.toml", lambda: Compensator.load("1.toml")), ("none.json", lambda: Compensator.load("none.json"))):
+        refused(named, act)
     refused("option", lambda: Compensator.load("model.json", flat_pressure=-1.0), tactbench.CompensatorError)
     with open("model.json") as file:
         document = json.load(file)

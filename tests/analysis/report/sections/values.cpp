@@ -1,6 +1,7 @@
 // Each section of the report shows the figures that it is given: one value a section, by hand.
 #include <catch2/catch.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "analysis/report/parts.h"
@@ -184,4 +185,41 @@ TEST_CASE("the section on uncertainty shows errors with U") {
   input.uncertainty->levels = {level};
   CHECK(has_cell(uncertainty_section(input), "0.12 ± 0.10"));
   CHECK(has_cell(uncertainty_section(input), "−0.23 ± 0.20"));
+}
+
+TEST_CASE("page 1 shows error and U at four levels and at the worst one, and the largest error of all runs") {
+  ReportInput input = shown_input();
+  input.evaluation.max_error_taxel = 1;
+  input.evaluation.max_error_psi = 3.456;
+  Uncertainty& uncertainty = input.uncertainty.emplace();
+  for (int i = 0; i < 7; ++i) {
+    LevelUncertainty& level = uncertainty.levels.emplace_back();
+    level.pressure_psi = 10.0 * i;
+    level.up = true;
+    level.expanded_psi = {0.25, i < 5 ? 1.0 : 1.5};  // 2 % of 60 psi are 1.2 psi
+    level.median.error_psi = 0.1 * i;
+    level.median.expanded_psi = 0.25;
+    level.worst.error_psi = -0.1 * i;
+    level.worst.expanded_psi = i == 3 ? 0.75 : 0.5;
+  }
+  for (const bool judged : {false, true}) {
+    CAPTURE(judged);
+    if (judged) input.verdicts = {{12, 1, "mpe", "array", 0.5, 1.0, "psi", "simple", "pass", "", "aa", 0}};
+    const html::Markup page = verdict_section(input);
+    for (const auto& [error, is_shown] : {std::pair{"0.00", true},
+                                          {"0.10", false},
+                                          {"0.20", true},
+                                          {"0.30", true},
+                                          {"0.40", true},
+                                          {"0.50", false},
+                                          {"0.60", true}})
+      CHECK(has_cell(page, std::string(error) + " ± 0.25") == is_shown);
+    CHECK(contains(page.value, "−0.30 ± 0.75"));
+    CHECK(contains(page.value, in_psi(0.0, 1) + " to " + in_psi(40.0, 1)));
+    CHECK(contains(page.value, in_psi(3.456, 2)));
+  }
+  input.held_out = {{"a later day", input.run, input.evaluation}};
+  input.held_out[0].evaluation.max_error_psi = 5.678;
+  CHECK(contains(verdict_section(input).value, in_psi(5.678, 2)));
+  CHECK_FALSE(contains(verdict_section(input).value, in_psi(3.456, 2)));
 }
