@@ -87,28 +87,3 @@ TEST_CASE("values that are not finite are refused and leave the state alone") {
   CHECK(compensator.step(0.5).pressure_psi == untouched.step(0.5).pressure_psi);
   CHECK_THROWS_AS(TaxelCompensator(model, {.noise_v = -1.0}), std::invalid_argument);
 }
-
-TEST_CASE("an unknown start lies midway between the histories, with half their distance as its uncertainty, by hand") {
-  // Up 20 psi a volt throughout. Down 30 psi stand at 2 V: below it falls by 15 psi a volt, on the curve from the top
-  // whose split lies there (half of the range, two thirds of the output).
-  const std::vector<double> pressure{0.0, 30.0, 60.0}, up{0.0, 1.5, 3.0}, down{0.0, 2.0, 3.0};
-  const ElamModel model{PatternCurve(pressure, up, 0.0, 3.0),
-                        PatternCurve(pressure, down, 0.0, 3.0),
-                        {0.5, 2.0 / 3.0, 0.0, 0.5, 0.5},
-                        {}};
-  TaxelCompensator quiet(model, {});
-  quiet.reset_unknown();
-  const Compensated start = quiet.step(1.5);  // 30 psi if it rose, 22.5 psi if it fell from the top
-  CHECK(start.unknown);
-  CHECK(start.pressure_psi == Approx(26.25));
-  CHECK(start.uncertainty_psi == Approx(3.75));
-  // 10 mV of noise are 0.2 psi on the steeper of the two.
-  TaxelCompensator noisy(model, {.noise_v = 0.01});
-  noisy.reset_unknown();
-  CHECK(noisy.step(1.5).uncertainty_psi == Approx(std::sqrt(3.75 * 3.75 + 0.2 * 0.2)));
-  // Known from within half a psi on: at 90 mV 1.8 and 1.35 psi.
-  quiet.reset_unknown();
-  const Compensated known = quiet.step(0.09);
-  CHECK_FALSE(known.unknown);
-  CHECK(known.pressure_psi == Approx(1.8));
-}

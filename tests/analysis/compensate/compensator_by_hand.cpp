@@ -173,6 +173,25 @@ TEST_CASE("compensator by hand: an unknown start goes up or down once its output
   CHECK(decided(-0.0549) == 1);  // as at the start
 }
 
+TEST_CASE("an unknown start lies midway between the histories, with half their distance as its uncertainty, by hand") {
+  const ElamModel model = bent_taxel();
+  TaxelCompensator quiet(model, {});
+  quiet.reset_unknown();
+  const Compensated start = quiet.step(1.5);  // 30 psi if it rose, 22.5 psi if it fell from the top
+  CHECK(start.unknown);
+  CHECK(start.pressure_psi == Approx(26.25));
+  CHECK(start.uncertainty_psi == Approx(3.75));
+  // 10 mV of noise are 0.2 psi on the steeper of the two.
+  TaxelCompensator noisy(model, {.noise_v = 0.01});
+  noisy.reset_unknown();
+  CHECK(noisy.step(1.5).uncertainty_psi == Approx(std::sqrt(3.75 * 3.75 + 0.2 * 0.2)));
+  // Known from within half a psi on: at 90 mV 1.8 and 1.35 psi.
+  quiet.reset_unknown();
+  const Compensated known = quiet.step(0.09);
+  CHECK_FALSE(known.unknown);
+  CHECK(known.pressure_psi == Approx(1.8));
+}
+
 TEST_CASE("compensator's options by hand: zero is taken, less is refused, and a mean is of one sample at least") {
   const double least = std::numeric_limits<double>::denorm_min();
   for (double CompensatorOptions::*option :

@@ -126,3 +126,23 @@ TEST_CASE("C API: each number of a dynamic setup has the default that the header
         }) == plain);
   CHECK(with([](DynamicNumbers& n) { n.setup.flags |= TB_COMPENSATOR_START_AT_REST; }) != plain);
 }
+
+TEST_CASE("C API: a dynamic setup has 1 to 100 intervals and some taxels, else the size is wrong") {
+  const auto code = [](std::size_t taxels, std::size_t intervals) {
+    std::vector<double> table;
+    for (std::size_t i = 0; i <= intervals; ++i)
+      for (std::size_t j = 0; j <= i; ++j) table.push_back(static_cast<double>(i - j));
+    DynamicNumbers numbers;
+    numbers.setup.taxels = taxels;
+    numbers.setup.intervals = intervals;
+    numbers.taxel.everett = table.data();
+    tb_compensator* handle = nullptr;
+    const int told = tb_compensator_create_dynamic(&numbers.setup, &numbers.taxel, &handle, nullptr, 0);
+    CHECK((told == TB_COMPENSATOR_OK) == (handle != nullptr));
+    tb_compensator_destroy(handle);
+    return told;
+  };
+  for (const std::size_t intervals : {1U, 100U}) CHECK(code(1, intervals) == TB_COMPENSATOR_OK);
+  for (const std::size_t intervals : {0U, 101U}) CHECK(code(1, intervals) == TB_COMPENSATOR_SIZE);
+  CHECK(code(0, 1) == TB_COMPENSATOR_SIZE);
+}

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "analysis/compensate/compensator_c.h"
 #include "analysis/compensate/dynamic_frame_compensator.h"
 #include "analysis/compensate/inverse_stream.h"
 #include "analysis/models/elam_pieces.h"
@@ -75,35 +74,6 @@ TEST_CASE("edges: frames of ELAM and dynamic ones refuse each wrong length alone
     setup.tare_share = 0.0;
     setup.longest_gap = 0;
   }));
-}
-
-TEST_CASE("edges: the C API takes 1 to 100 intervals and some taxels, else the size is wrong") {
-  const auto code = [](std::size_t taxels, std::size_t intervals) {
-    std::vector<double> table;
-    for (std::size_t i = 0; i <= intervals; ++i)
-      for (std::size_t j = 0; j <= i; ++j) table.push_back(static_cast<double>(i - j));
-    tb_dynamic_setup setup{};
-    setup.struct_size = sizeof setup;
-    setup.taxels = taxels;
-    setup.intervals = intervals;
-    setup.pressure_high = 60.0;
-    setup.volts_per_count = 1e-3;
-    tb_dynamic_taxel taxel{};
-    taxel.struct_size = sizeof taxel;
-    taxel.flags = TB_TAXEL_USABLE;
-    taxel.everett = table.data();
-    tb_compensator* handle = nullptr;
-    char message[80] = "";
-    const int told = tb_compensator_create_dynamic(&setup, &taxel, &handle, message, sizeof message);
-    CHECK((told == TB_COMPENSATOR_OK) == (handle != nullptr));
-    tb_compensator_destroy(handle);
-    return told;
-  };
-  CHECK(code(1, 1) == TB_COMPENSATOR_OK);
-  CHECK(code(1, 100) == TB_COMPENSATOR_OK);
-  CHECK(code(1, 0) == TB_COMPENSATOR_SIZE);
-  CHECK(code(1, 101) == TB_COMPENSATOR_SIZE);
-  CHECK(code(0, 1) == TB_COMPENSATOR_SIZE);
 }
 
 TEST_CASE("edges: creep that takes exactly nine tenths, and an output exactly at its divider's end, are taken") {

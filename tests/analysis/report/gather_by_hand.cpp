@@ -3,8 +3,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "tests/db/store_example.h"
-#include "tests/support/process.h"
+#include "tests/db/new_store.h"
 
 namespace tactbench::tests::gather {
 
@@ -39,8 +38,7 @@ std::int64_t store_pressure_run(db::RunStore& store, const db::RunRecord& record
 const std::vector<double> kSeating{0, 0, 0, 0, 0, 0, 10, 20, 30, 40, 50, 60};
 
 struct Gathered {
-  TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"));
+  NewStore store;
   [[nodiscard]] ReportInput of(std::int64_t run, const std::vector<std::int64_t>& further = {}) const {
     Runs runs(store);
     ReportInput input;

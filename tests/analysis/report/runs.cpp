@@ -3,8 +3,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "tests/db/store_example.h"
-#include "tests/support/process.h"
+#include "tests/db/new_store.h"
 
 using namespace tactbench;
 using namespace tactbench::analysis;
@@ -33,8 +32,7 @@ std::string analysis_error(Action action) {
 }  // namespace
 
 TEST_CASE("a run is read on first use, and the result does not change") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"));
+  NewStore store;
   const Begun begun = begin_pressed(store);
   analysis::Runs runs(store);
   const db::RunRecord& record = runs.record(begun.run);
@@ -62,8 +60,7 @@ TEST_CASE("a run is read on first use, and the result does not change") {
 }
 
 TEST_CASE("a run without a dataset throws the reason each time, and still has its row and history") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"));
+  NewStore store;
   db::RunRecord record = example_run();
   record.devices.pop_back();  // the scanner, whose calibration scales the counts
   const Begun begun = begin_pressed(store, record);
