@@ -45,13 +45,11 @@ StoredRun record_of_four() {
   return run;
 }
 
-constexpr const char* kUnfit = "TB-ANALYSIS-FRAME";
-
 std::string refusal_of(const StoredRun& run) {
   try {
     (void)load_dataset(run);
   } catch (const AnalysisError& error) {
-    return error.id() + " " + error.what();
+    return error.id();
   }
   return {};
 }
@@ -98,10 +96,10 @@ TEST_CASE("a dataset: repeats that are not complete are left out, without one th
   CHECK(load_dataset(run).sequences[0].repeats[0].volts[0] == Approx(0.15));
   run.frames.pop_back();
   run.record.sequences.push_back({1, "t", "", "", 1, 5});
-  CHECK_THAT(refusal_of(run), Catch::StartsWith("TB-ANALYSIS-EMPTY"));
+  CHECK(refusal_of(run) == "TB-ANALYSIS-EMPTY");
   run.record.sequences.clear();
   run.frames.clear();
-  CHECK_THAT(refusal_of(run), Catch::StartsWith("TB-ANALYSIS-EMPTY"));
+  CHECK(refusal_of(run) == "TB-ANALYSIS-EMPTY");
 }
 
 TEST_CASE("a dataset: frames that do not fit the run are refused, each of them") {
@@ -128,7 +126,7 @@ TEST_CASE("a dataset: frames that do not fit the run are refused, each of them")
       [](StoredRun& run) { run.record.sequences[0].frames_per_repeat = -1; }};
   for (std::size_t i = 0; i < changes.size(); ++i) {
     CAPTURE(i);
-    CHECK_THAT(with(changes[i]), Catch::StartsWith(kUnfit));
+    CHECK(with(changes[i]) == "TB-ANALYSIS-FRAME");
   }
   // A void branch of unknown frames is not looked at.
   CHECK(with([](StoredRun& run) {
@@ -140,20 +138,25 @@ TEST_CASE("a dataset: frames that do not fit the run are refused, each of them")
 TEST_CASE("the scanner's scale: of the first scanner, a positive number, else it is refused") {
   const auto scale = [](const std::string& role, const std::string& json) {
     db::RunRecord run;
-    run.run = 6;
     run.devices = {{"tactile array", "", "", "", "", R"({"volts_per_count":9})"}, {role, "", "", "", "", json}};
+    return volts_per_count(run);
+  };
+  CHECK(scale("tactile scanner", R"({"volts_per_count":0.25})") == 0.25);
+  const std::string good = R"({"volts_per_count":1})";
+  for (const auto& [role, json] :
+       {std::pair("tactile scanner", std::string(R"({"volts_per_count":0})")),
+        std::pair("tactile scanner", std::string(R"({"volts_per_count":-1})")),
+        std::pair("tactile scanner", std::string(R"({"volts_per_count":"1"})")),
+        std::pair("tactile scanner", std::string("{}")), std::pair("tactile scanner", std::string("[]")),
+        std::pair("tactile scanner", std::string("no json")), std::pair("scanner", good)}) {
+    CAPTURE(role, json);
     try {
-      return std::to_string(volts_per_count(run));
+      (void)scale(role, json);
+      FAIL_CHECK("accepted");
     } catch (const AnalysisError& error) {
       CHECK(error.id() == "TB-ANALYSIS-NO-CALIBRATION");
-      return std::string(error.what());
     }
-  };
-  CHECK(scale("tactile scanner", R"({"volts_per_count":0.25})") == "0.250000");
-  for (const char* odd :
-       {R"({"volts_per_count":0})", R"({"volts_per_count":-1})", R"({"volts_per_count":"1"})", "{}", "[]"})
-    CHECK_THAT(scale("tactile scanner", odd), Catch::Contains("volts_per_count"));
-  CHECK_THAT(scale("scanner", "{}"), Catch::Contains("\"tactile scanner\""));
+  }
 }
 
 TEST_CASE("temperatures of a run: of its own events alone, each a finite number and nothing else") {
@@ -170,7 +173,7 @@ TEST_CASE("temperatures of a run: of its own events alone, each a finite number 
   CHECK(load_dataset(run).temperatures_c == std::vector<double>{23.5, -10.0});
   for (const char* odd : {"", "warm", "inf", "nan"}) {
     run.events = {event("environment", "temperature_c", odd)};
-    CHECK_THAT(refusal_of(run), Catch::StartsWith("TB-ANALYSIS-FRAME"));
+    CHECK(refusal_of(run) == "TB-ANALYSIS-FRAME");
   }
 }
 

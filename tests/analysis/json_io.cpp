@@ -19,7 +19,7 @@ TEST_CASE("JSON nested deeper than the program writes is refused by every reader
   CHECK(parse_json(nested(kDeepestJson)).is_array());
   for (const std::string& deep : {nested(kDeepestJson + 1), nested(10'000'000), std::string(10'000'000, '['),
                                   "{\"a\":" + nested(kDeepestJson) + "}"}) {
-    CHECK_THROWS_WITH(parse_json(deep), Catch::Contains("deeper than 100"));
+    CHECK_THROWS_WITH(parse_json(deep), Catch::Contains("100"));
     CHECK_THROWS_AS(parse_ordered_json(deep), nlohmann::json::exception);
     CHECK(try_json(deep).is_discarded());
     CHECK(try_ordered_json(deep).is_discarded());

@@ -9,6 +9,6 @@ using namespace tactbench::analysis;
 TEST_CASE("JSON longer than any model is refused before it is parsed") {
   const std::string blanks(kLongestJson - 1, ' ');
   CHECK(parse_json(blanks + "7") == 7);
-  CHECK_THROWS_WITH(parse_json(blanks + "77"), Catch::Contains("longer than 64000000 bytes"));
+  CHECK_THROWS_WITH(parse_json(blanks + "77"), Catch::Contains("64000000"));
   CHECK(try_ordered_json(blanks + "77").is_discarded());
 }

@@ -1,8 +1,8 @@
 // Branches, local slopes and full sweeps at their limits, by hand.
+#include "analysis/loop.h"
+
 #include <catch2/catch.hpp>
 #include <vector>
-
-#include "analysis/loop.h"
 
 using namespace tactbench::analysis;
 
@@ -50,6 +50,23 @@ double left_out_of(std::size_t outliers, double turn) {
 
 }  // namespace
 
+TEST_CASE("set-points split into branches that share their turning points") {
+  const auto branches = branches_along(std::vector<double>{0, 2, 4, 2, 0, 2});
+  REQUIRE(branches.size() == 3);
+  CHECK((branches[0].first == 0 && branches[0].last == 2 && branches[0].ascending));
+  CHECK((branches[1].first == 2 && branches[1].last == 4 && !branches[1].ascending));
+  CHECK((branches[2].first == 4 && branches[2].last == 5 && branches[2].ascending));
+}
+
+TEST_CASE("[A8] held samples keep the last direction") {
+  const auto branches = branches_along(std::vector<double>{0, 0, 2, 4, 4, 4, 2, 2, 0});
+  REQUIRE(branches.size() == 2);
+  CHECK((branches[0].first == 0 && branches[0].last == 5));
+  CHECK((branches[1].first == 5 && branches[1].last == 8 && !branches[1].ascending));
+  CHECK(branches_along(std::vector<double>{3, 3, 3}).empty());
+  CHECK(branches_along(std::vector<double>{3}).empty());
+}
+
 TEST_CASE("branches by hand: a turn goes back by more than the tolerance, a direction begins with more than it") {
   const auto count = [](const std::vector<double>& x) { return branches_along(x, 0.5).size(); };
   CHECK(count({0, 1, 0.5, 1.5}) == 1);
@@ -64,6 +81,29 @@ TEST_CASE("branches by hand: a turn goes back by more than the tolerance, a dire
   REQUIRE(branches.size() == 2);
   CHECK((branches[0].first == 0 && branches[0].last == 2 && !branches[0].ascending));
   CHECK((branches[1].first == 2 && branches[1].last == 4 && branches[1].ascending));
+}
+
+TEST_CASE("outputs move to the set-point by the slope of their own branch") {
+  // Up along v = p, down along v = 2 p - 4; the reference is off by 0.1 up and -0.2 down.
+  SequenceData sequence{"s", {}};
+  Repeat repeat;
+  for (const double level : {0.0, 2.0, 4.0}) {
+    repeat.steps.push_back({level, level + 0.1});
+    repeat.volts.push_back(level + 0.1);
+  }
+  for (const double level : {2.0, 0.0}) {
+    repeat.steps.push_back({level, level - 0.2});
+    repeat.volts.push_back(2.0 * (level - 0.2) - 4.0);
+  }
+  sequence.repeats = {repeat, repeat};
+  const TaxelTable moved = bring_to_common(sequence, 1);
+  CHECK(moved.values[1] == Approx(2.0));
+  CHECK(moved.values[2] == Approx(4.0));  // the turning sample belongs to the rise that reached it
+  CHECK(moved.values[4] == Approx(-4.0));
+  CHECK(moved.pressure_psi == std::vector<double>{0, 2, 4, 2, 0});
+  const TaxelTable left = bring_to_common(sequence, 1, {.move_to_setpoint = false});
+  CHECK(left.values[1] == Approx(2.1));
+  CHECK(left.pressure_psi[3] == Approx(1.8));
 }
 
 TEST_CASE("slope by hand: the commanded step stands for a reference that moved by a tenth of it or less") {
@@ -142,4 +182,18 @@ TEST_CASE("sweeps by hand: measured inputs may leave out up to a fiftieth at eit
   CHECK_THROWS_AS(left_out_of(1, 0.0), AnalysisError);
   // With a turn of 5 the ends may be as far away.
   CHECK(left_out_of(1, 5.0) == 0.0);
+}
+
+TEST_CASE("a missing full sweep is an error") {
+  TaxelTable common;
+  common.pressure_psi = {0, 10, 20, 10};
+  common.branches = branches_along(common.pressure_psi);
+  common.values = {0, 1, 2, 1};
+  try {
+    external_loop(std::vector{common}, 1);
+    FAIL("accepted");
+  } catch (const AnalysisError& error) {
+    CHECK(error.id() == "TB-ANALYSIS-NO-LOOP");
+  }
+  CHECK_THROWS_AS(external_loop({}, 1), AnalysisError);
 }

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <string>
+#include <tuple>
 #include <utility>
 
 using namespace tactbench::analysis;
@@ -36,6 +37,11 @@ TEST_CASE("pressures convert by definition and round as finely as they did in ps
   CHECK(kKpa.short_text(40.0) == "275.8 kPa");
   CHECK(kBar.short_text(40.0) == "2.758 bar");
   CHECK(kPsi.short_text(40.0) == "40 psi");
+  // A kPa resolves a psi to one digit less, a bar to one more; tenths stay.
+  for (const auto& [in_psi, in_kpa, in_bar] :
+       {std::tuple{0, 0, 1}, std::tuple{1, 1, 2}, std::tuple{2, 1, 3}, std::tuple{3, 2, 4}}) {
+    CHECK((kKpa.digits(in_psi) == in_kpa && kBar.digits(in_psi) == in_bar && kPsi.digits(in_psi) == in_psi));
+  }
   CHECK(kKpa.beside() == kPsi);
   CHECK(kPsi.beside() == kKpa);
 }
@@ -44,20 +50,21 @@ TEST_CASE("sentences in psi are rewritten, with what is no pressure as it is") {
   const std::pair<const char*, const char*> sentences[] = {
       {"40 psi up", "275.8 kPa up"},
       {"8-60 psi 95 %", "55.16-413.7 kPa 95 %"},
-      {"allowed is 0 to 60 psi", "allowed is 0 to 413.7 kPa"},
-      {"vented; feedback 0.0 psi, reference -0.1 psi", "vented; feedback 0.0 kPa, reference -0.7 kPa"},
-      {"went back by 0.31 psi within 3 s", "went back by 2.1 kPa within 3 s"},
-      {"ramp 2.50 psi/s", "ramp 17.2 kPa/s"},
-      {"correction +0.031 psi, U 0.050 psi (k = 2)", "correction +0.21 kPa, U 0.34 kPa (k = 2)"},
+      {"0 to 60 psi", "0 to 413.7 kPa"},
+      {"0.0 psi, -0.1 psi", "0.0 kPa, -0.7 kPa"},
+      {"by 0.31 psi within 3 s", "by 2.1 kPa within 3 s"},
+      {"2.50 psi/s", "17.2 kPa/s"},
+      {"+0.031 psi, U 0.050 psi (k = 2)", "+0.21 kPa, U 0.34 kPa (k = 2)"},
+      {"0.10 psi and 0.010 psi", "0.69 kPa and 0.069 kPa"},
+      {"0.000 psi, -0.05 psi, +3 psi", "0.00 kPa, -0.34 kPa, +20.68 kPa"},
       {"'trip_psi' is 66, psi alone, A4 psi, 4 psig", "'trip_psi' is 66, psi alone, A4 psi, 4 psig"},
       {"array", "array"}};
   for (const auto& [psi, kpa] : sentences) {
     CHECK(kKpa.in_text(psi) == kpa);
     CHECK(kPsi.in_text(psi) == psi);
   }
-  CHECK(kKpa.in_text("U 0.05 psi (k = 2)") == "U 0.34 kPa (k = 2)");
-  CHECK(kKpa.in_text("feedback 0.00 psi") == "feedback 0.0 kPa");
-  CHECK(kBar.in_text("trip above 66 psi") == "trip above 4.551 bar");
+  CHECK(kBar.in_text("above 66 psi") == "above 4.551 bar");
+  CHECK(kBar.in_text("1.5 to 2.5 psi, 0.05 psi") == "0.10 to 0.17 bar, 0.0034 bar");
   CHECK(kKpa.both_in_text("40 psi up") == "275.8 kPa (40 psi) up");
   CHECK(kPsi.both_in_text("0 to 60 psi") == "0 to 60 psi (0 to 413.7 kPa)");
   CHECK(kKpa.both_in_text("no pressure") == "no pressure");

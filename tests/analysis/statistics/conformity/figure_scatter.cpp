@@ -1,4 +1,4 @@
-// What judged figures scatter by where sweeps and repeats are few or unequal, and the words of each U: by hand.
+// What judged figures scatter by where sweeps and repeats are few or unequal: by hand.
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -78,7 +78,6 @@ TEST_CASE("scatter of one sweep judged is that of the models' run, whole, withou
   const JudgedUncertainty distance = found_in(all, "distance_of_mean", "array");
   // The mean of both taxels 1 and 2 psi: a variance of 1/2 at one of four levels upward, pooled 1/8, in common 1/32.
   CHECK(distance.combined == Approx(std::sqrt(1.0 / 8.0) / 60.0));
-  const JudgedUncertainty error = found_in(all, "mean_compensation_error", "array");
   const auto nothing = judged_of(one, one);
   CHECK(std::isnan(found_in(nothing, "mismatch", "40 psi up").expanded));
   CHECK_FALSE(found_in(nothing, "mismatch", "40 psi up").missing.empty());
@@ -95,11 +94,9 @@ TEST_CASE("of taxels that err alike the first is the worst one") {
                straight_fit(), 1);
   REQUIRE(e.taxel_mean_error_psi[0] == e.taxel_mean_error_psi[1]);
   CHECK(e.worst_taxel == 0);
-}
-
-TEST_CASE("the largest error of a run: whose it is, and at which pressure") {
-  const Evaluation e = evaluate(known_loop(), straight_fit(), 1);
-  CHECK(e.max_error_taxel == 0);
-  CHECK(e.max_error_at_psi == 20.0);
-  CHECK((e.run == 2 && e.model_run == 1));
+  // The largest error of a run: whose it is, and at which pressure.
+  const Evaluation known = evaluate(known_loop(), straight_fit(), 1);
+  CHECK(known.max_error_taxel == 0);
+  CHECK(known.max_error_at_psi == 20.0);
+  CHECK((known.run == 2 && known.model_run == 1));
 }

@@ -39,7 +39,7 @@ TEST_CASE("each verdict has one word, and stores keep all but report only") {
   CHECK(verdict_in(of_run(1, "a word of another program")) == Verdict::kInconclusive);
 }
 
-TEST_CASE("the worst verdict counts in whatever order the runs come") {
+TEST_CASE("of several runs the worst decides, in whatever order they come") {
   std::vector<db::VerdictRecord> rows;
   for (const Verdict verdict :
        {Verdict::kPass, Verdict::kConditionalPass, Verdict::kInconclusive, Verdict::kFail, Verdict::kConditionalFail})

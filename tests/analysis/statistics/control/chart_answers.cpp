@@ -1,8 +1,6 @@
-// The table that charts rest on, entry by entry, and what a figure's chart takes of its runs: by hand.
-#include <array>
+// Between the entries of the table that charts rest on, and what a figure's chart takes of its runs: by hand.
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "analysis/statistics/control/control_band.h"
@@ -18,35 +16,12 @@ namespace {
 // Mean 10, deviation 1.
 const std::vector<double> kEightRuns{9.0, 11.0, 9.0, 11.0, 10.0 - std::sqrt(1.5), 10.0 + std::sqrt(1.5), 10.0, 10.0};
 
-// As simulated (ewma_table_slow.cpp draws it again): rows by runs of the baseline, columns by half decades of the
-// probability of one run. A wrong digit alarms too often or too seldom by a few percent, which no draw would show.
-constexpr int kVeryMany = std::numeric_limits<int>::max();
-constexpr std::array<int, 8> kBaselines = {8, 10, 12, 15, 20, 30, 60, kVeryMany};
-constexpr std::array<std::array<double, 13>, 8> kSimulated = {{
-    {1, 3.069, 6.149, 8.650, 10.49, 11.82, 12.78, 13.47, 13.96, 14.32, 14.57, 14.75, 14.89},
-    {1, 3.112, 6.747, 10.01, 12.57, 14.54, 16.03, 17.17, 18.05, 18.71, 19.22, 19.61, 19.92},
-    {1, 3.132, 7.185, 11.10, 14.29, 16.80, 18.77, 20.32, 21.54, 22.51, 23.27, 23.88, 24.37},
-    {1, 3.147, 7.661, 12.40, 16.38, 19.59, 22.16, 24.22, 25.89, 27.23, 28.33, 29.22, 29.95},
-    {1, 3.156, 8.166, 13.96, 18.96, 23.02, 26.29, 28.94, 31.12, 32.92, 34.43, 35.71, 36.79},
-    {1, 3.160, 8.678, 15.83, 22.15, 27.22, 31.25, 34.45, 36.99, 39.02, 40.63, 41.89, 42.84},
-    {1, 3.162, 9.167, 18.09, 26.14, 32.31, 36.89, 40.40, 43.18, 45.39, 47.16, 48.60, 49.83},
-    {1, 3.162, 9.575, 20.62, 30.89, 37.87, 42.87, 46.02, 48.76, 50.14, 52.11, 53.52, 54.45},
-}};
-
+// The table is drawn again in ewma_table_slow.cpp.
 double in_sixty(double one_run, int runs) {
   return chart_probability(student_quantile(1.0 - one_run / 2.0, runs - 1.0), runs);
 }
 
 }  // namespace
-
-TEST_CASE("charts: what sixty runs are worth, at each half decade and number of runs of the table") {
-  for (std::size_t row = 0; row < kBaselines.size(); ++row)
-    for (std::size_t column = 0; column < 13; ++column) {
-      INFO(kBaselines[row] << " runs, half decade " << column);
-      const double one_run = column == 0 ? 1.0 - 1e-12 : std::pow(10.0, -0.5 * static_cast<double>(column));
-      CHECK(in_sixty(one_run, kBaselines[row]) / one_run == Approx(kSimulated[row][column]).epsilon(1e-5));
-    }
-}
 
 TEST_CASE("charts: between the table's entries, linear in half decades and in one over the runs, constant beyond") {
   // A quarter of a decade below 1 of 8 runs: half way from 6.149 to 8.650 at 10^-1.25.

@@ -6,6 +6,7 @@
 #include "analysis/report/results.h"
 #include "analysis/statistics/figures/evaluation.h"
 #include "analysis/statistics/figures/sweep_errors.h"
+#include "tests/analysis/support/alike.h"
 #include "tests/analysis/support/straight_array.h"
 
 using namespace straight_array;
@@ -13,11 +14,7 @@ using namespace straight_array;
 namespace {
 
 void check_values(const std::vector<double>& found, const std::vector<double>& wanted) {
-  REQUIRE(found.size() == wanted.size());
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
-    INFO("value " << i);
-    CHECK(found[i] == Approx(wanted[i]).margin(1e-9));
-  }
+  check_alike(found, wanted, 1e-9);
 }
 
 // The same with 60 mV of noise at the second taxel: four times that is 0.24 V, 2.4 psi, so that all it says is weak.

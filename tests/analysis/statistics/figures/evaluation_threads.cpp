@@ -47,22 +47,6 @@ TEST_CASE("the regulator's own hysteresis is not counted as the sensor's") {
   CHECK(std::abs(lagging.comp_distance_of_mean - straight.comp_distance_of_mean) < 0.003);
 }
 
-TEST_CASE("taxels that are not fitted are left out and counted") {
-  const Array array(small());
-  Dataset data = run(array, {});
-  for (SequenceData& sequence : data.sequences)
-    for (Repeat& repeat : sequence.repeats)
-      for (std::size_t i = 0; i < repeat.steps.size(); ++i) repeat.volts[i * 12 + 5] = 0.0;
-  const SensorModel fit = fit_array(data);
-  const Evaluation e = evaluate(data, fit);
-  CHECK(e.excluded_taxels == 1);
-  CHECK(std::isnan(e.taxel_mean_error_psi[5]));
-  CHECK(std::isnan(level(e, 30.0).comp_up_psi[5]));
-  CHECK(level(e, 30.0).raw_up_v[5] == 0.0);
-  CHECK(level(e, 30.0).raw_std_up < 0.3);  // the dead one would widen it
-  CHECK(std::isfinite(e.comp_distance));
-}
-
 TEST_CASE("other sensors, scanners, geometries and origins are refused") {
   const Dataset data = run(Array(small()), {});
   const SensorModel fit = fit_array(data);

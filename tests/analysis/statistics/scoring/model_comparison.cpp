@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "analysis/models/monotone.h"
+#include "tests/analysis/support/alike.h"
 #include "tests/analysis/support/straight_array.h"
 
 using namespace straight_array;
@@ -13,11 +14,7 @@ using namespace straight_array;
 namespace {
 
 void check_values(const std::vector<double>& found, const std::vector<double>& wanted) {
-  REQUIRE(found.size() == wanted.size());
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
-    INFO("value " << i);
-    CHECK(found[i] == Approx(wanted[i]).margin(1e-9));
-  }
+  check_alike(found, wanted, 1e-9);
 }
 
 constexpr ChosenTaxels kChosen{1, 1, 0};  // best, median, worst
@@ -138,7 +135,7 @@ TEST_CASE("models side by side: what cannot be identified says why, a fit of ano
   const Dataset up = dataset_of({{"up", {repeat_of(steps, {{0, 20, 40, 60}, {0, 20, 40, 60}})}}});
   const ModelComparison found = compare_models(up, straight_fit(), kChosen, 1);
   const std::vector<ComparedModel>& models = found.taxels.at(0).sequences.at(0).models;
-  CHECK_THAT(models[2].failed, Catch::Contains("falls"));
+  CHECK_FALSE(models[2].failed.empty());
   CHECK(models[2].samples == 0);
   CHECK(models[3].samples == 3);
   CHECK(models[3].max_error_v == Approx(0.0).margin(1e-12));

@@ -52,7 +52,7 @@ std::string refused(const SensorModel& document, const Histories& histories) {
   try {
     check_same_source(document, histories);
   } catch (const AnalysisError& error) {
-    return error.id() + " " + error.what();
+    return error.id();
   }
   return {};
 }
@@ -121,31 +121,21 @@ TEST_CASE("a score by hand: samples without time between them have no rate, hist
   CHECK((untimed.by_hold.empty() && untimed.by_rate.empty() && untimed.direct.samples == 2));
 }
 
-TEST_CASE("a model is not scored on data of another origin, sensor, scanner, unit or sign, each in words") {
+TEST_CASE("a model is not scored on data of another origin, sensor, scanner, unit or sign") {
   const SensorModel document = line_of("model");
-  const Histories same = measured_as(document);
-  CHECK(refused(document, same).empty());
-  Histories other = same;
-  other.origin = "hardware";
-  CHECK_THAT(refused(document, other), Catch::StartsWith("TB-ANALYSIS-ORIGIN"));
-  other = same;
-  other.sensor_serial = "T";
-  CHECK_THAT(refused(document, other), Catch::StartsWith("TB-ANALYSIS-OTHER-SENSOR"));
-  other = same;
-  other.scanner_serial.clear();
-  CHECK_THAT(refused(document, other), Catch::StartsWith("TB-ANALYSIS-OTHER-SENSOR"));
-  other = same;
-  other.input_unit = "kPa";
-  CHECK_THAT(refused(document, other), Catch::StartsWith("TB-MODEL-UNITS"));
-  other.input_unit.clear();
-  other.output_unit.clear();
-  CHECK_FALSE(refused(document, other).empty());
-  other = same;
-  other.output_unit = "mV";
-  CHECK_THAT(refused(document, other), Catch::StartsWith("TB-MODEL-UNITS"));
-  other = same;
-  other.falling = true;
-  CHECK_THAT(refused(document, other), Catch::StartsWith("TB-ANALYSIS-FALLING"));
+  const auto id_with = [&](auto change) {
+    Histories other = measured_as(document);
+    change(other);
+    return refused(document, other);
+  };
+  CHECK(id_with([](Histories&) {}).empty());
+  CHECK(id_with([](Histories& other) { other.origin = "hardware"; }) == "TB-ANALYSIS-ORIGIN");
+  CHECK(id_with([](Histories& other) { other.sensor_serial = "T"; }) == "TB-ANALYSIS-OTHER-SENSOR");
+  CHECK(id_with([](Histories& other) { other.scanner_serial.clear(); }) == "TB-ANALYSIS-OTHER-SENSOR");
+  CHECK(id_with([](Histories& other) { other.input_unit = "kPa"; }) == "TB-MODEL-UNITS");
+  CHECK(id_with([](Histories& other) { other.output_unit = "mV"; }) == "TB-MODEL-UNITS");
+  CHECK(id_with([](Histories& other) { other.input_unit = other.output_unit = ""; }) == "TB-MODEL-UNITS");
+  CHECK(id_with([](Histories& other) { other.falling = true; }) == "TB-ANALYSIS-FALLING");
 }
 
 TEST_CASE("a stored model's score by hand: the array's taxels are summed, their mean stands beside them") {

@@ -1,6 +1,7 @@
 // The error of a stored model on data, against answers worked out on paper. Drift: two taxels of output = input, later
 // data of four points at inputs 0, 0, 4, 4.
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <memory>
 
 #include "analysis/identify/elam/repeats.h"
@@ -20,6 +21,7 @@ ModelTaxel unit_line(int number) {
   taxel.fit.model = std::make_unique<MonotoneModel>(PatternCurve(ends, ends, 0.0, 10.0));
   taxel.fit.full_scale = 10.0;
   taxel.fit.mean_error = 0.15;
+  taxel.ascending = taxel.descending = PatternCurve(ends, ends, 0.0, 10.0);
   return taxel;
 }
 
@@ -49,6 +51,7 @@ TaxelHistories later(int number, std::vector<double> x, std::vector<double> y) {
 Histories later_data() {
   Histories histories;
   histories.columns = 2;
+  histories.content_sha256 = "0123456789abcdef";
   histories.taxels.push_back(later(0, {0, 0, 4, 4}, {1.1, 0.9, 9.1, 8.9}));
   histories.taxels.push_back(later(1, {0, 0, 4, 4}, {0.5, 0.5, 4.5, 4.5}));
   return histories;
@@ -100,6 +103,15 @@ TEST_CASE("a gain is fitted only where the inputs cover a tenth of the model's r
   CHECK(drift.zero == Approx(1.45));  // of means 1.9 and 0.45
   // Residuals -0.45 and +0.45: variance 4 x 0.2025 / 2, of the mean of four.
   CHECK(drift.zero_u == Approx(std::sqrt(0.405 / 4.0)));
+  // Two samples leave no degree of freedom, and one counts: residuals of -0.5 and 0.5; 0.5 over one, of two.
+  Histories two;
+  two.taxels.push_back(later(0, {3, 3.5}, {7, 8.5}));
+  const TaxelDrift of_two = drift_of(two_taxels(), two).taxels.front();
+  CHECK(of_two.gain == 1.0);
+  CHECK(of_two.zero == Approx(4.5));
+  CHECK(of_two.zero_u == Approx(std::sqrt(0.5 / 2)));
+  CHECK(of_two.as_is == Approx((4.0 + 5.0) / 2 / 10));
+  CHECK(of_two.zeroed == Approx(0.05));
 }
 
 TEST_CASE("adjusting takes each taxel's own zero and gain, and the mean of them for the mean taxel") {
@@ -117,4 +129,14 @@ TEST_CASE("adjusting takes each taxel's own zero and gain, and the mean of them 
   CHECK(zero.taxel(kMeanTaxel).zero == Approx(1.75));
   CHECK(zero.taxel(kMeanTaxel).gain == 1.0);
   CHECK(drift_of(both, data).as_is == Approx(0.005));
+  // Its loop moves with it; adjusted once more from there, by the same data, it is the model as it was fitted, moved.
+  CHECK(both.taxel(0).y0() == Approx(1.0));
+  CHECK(both.taxel(0).yu() == Approx(21.0));
+  CHECK(zero.taxel(0).y0() == Approx(3.0));
+  CHECK(zero.taxel(0).yu() == Approx(13.0));
+  const SensorModel again = adjusted(zero, drift_of(zero, data), data, true);
+  CHECK(again.taxel(0).y0() == Approx(1.0));
+  CHECK(again.taxel(0).yu() == Approx(21.0));
+  CHECK(both.parent_sha256 == sha256_of(two_taxels()));
+  for (const SensorModel* made : {&both, &zero}) CHECK_THAT(made->adjustment, Catch::Contains("0123456789ab"));
 }

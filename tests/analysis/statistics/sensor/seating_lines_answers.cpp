@@ -29,7 +29,7 @@ SeatingTaxels lines_answering(const std::vector<double>& volts, bool along_rows,
 }
 
 struct LineVerdict {
-  std::string kinds, texts;
+  std::string kinds;
   std::vector<int> lines;  // of all findings
   int lost = 0;
 };
@@ -39,7 +39,6 @@ LineVerdict judged(const SeatingTaxels& taxels, bool along_rows) {
   LineVerdict out;
   for (const SeatingFinding& finding : check_lines(taxels, along_rows, {}, lost)) {
     out.kinds += (out.kinds.empty() ? "" : " ") + finding.kind;
-    out.texts += finding.text + "\n";
     const std::vector<int>& own = along_rows ? finding.rows : finding.columns;
     CHECK((along_rows ? finding.columns : finding.rows).empty());
     CHECK(finding.verdict == "fail");

@@ -89,6 +89,9 @@ TEST_CASE("forces of an array under an object by hand: sums, errors of level and
   CHECK(result.raw_max_error_n == Approx(8.0));
   CHECK(result.compensated_mean_error_n == Approx(15.5 / 6));
   CHECK(result.compensated_max_error_n == Approx(4.0));
+  PressRun other = press_run();
+  other.sensor_serial = "another";
+  CHECK_THROWS_AS(contact_result(other, press_fit(), kOneNewtonAPsi), AnalysisError);
 }
 
 TEST_CASE("the centre of pressure under an object by hand: place, moment, wander, distance from the axis") {
@@ -115,7 +118,9 @@ TEST_CASE("the centre of pressure under an object by hand: place, moment, wander
   // The object's axis stands at 2 and 3 mm of the stage, 0 and 1 mm from the array's centre.
   CHECK(ten.raw_place_error_mm == Approx((0.5 + 2.5) / 2));
   CHECK(ten.compensated_place_error_mm == Approx((0.8 + 12.0 / 7 + 1.0) / 2));
-  CHECK(contact_result(press_run(), press_fit(), kOneNewtonAPsi).mount_run == 0);
+  const ContactResult unknown = contact_result(press_run(), press_fit(), kOneNewtonAPsi);
+  CHECK(unknown.mount_run == 0);
+  CHECK(std::isnan(unknown.levels[0].raw_place_error_mm));
 }
 
 TEST_CASE("an array that stands upright gives the same places along y, and moments about x") {

@@ -34,15 +34,6 @@ TEST_CASE("effect of rate on the output by hand: each faster repeat against the 
   // Alike in pace: nothing is told.
   const Dataset alike = dataset_of({{"rate", {paced(60, {1, 2, 3}), paced(52, {1, 4, 4})}}});
   CHECK(rate_hold_of(alike, straight_fit())[0].output_max_share == 0.0);
-  // Another pace from a factor of 1.2 on, and one sample is enough: repeats of one step take no time.
-  const auto shares_of = [](const Repeat& other, const Repeat& slow) {
-    const RateHoldRun run = rate_hold_of(dataset_of({{"rate", {other, slow}}}), straight_fit()).front();
-    return std::pair(run.output_max_share, run.output_mean_share);
-  };
-  CHECK(shares_of(paced(50, {1, 2.09, 3}), paced(60, {1, 2, 3})).first == Approx(0.02));
-  CHECK(shares_of(paced(50.1, {1, 2.09, 3}), paced(60, {1, 2, 3})).first == 0.0);
-  CHECK(shares_of(paced(0, {1.09}), paced(0, {1})).first == Approx(0.02));
-  CHECK(shares_of(paced(0, {1.09}), paced(0, {1})).second == Approx(0.02));
 }
 
 TEST_CASE("compensation errors by rate and hold by hand") {

@@ -163,7 +163,6 @@ TEST_CASE("uniformity: levels count within 0.05 psi of one another and above 0.5
   const Uniformity other = uniformity_of(half_turn({0, 10.06, 20, 60}), 2, 2);
   CHECK_FALSE(other.assessed());
   CHECK(other.pressure_psi == std::vector<double>{20});
-  CHECK_THAT(other.not_assessed, Catch::Contains("fewer than two levels"));
   CHECK(other.u_psi.empty());
   const auto lowest = [](double level) {
     return std::vector<TurnedRun>{{1, 0, turned_estimates({level, 10, 20, 60}, {0, 0.1, 0.4, 0}, kTwoRuns[0])},

@@ -243,7 +243,6 @@ TEST_CASE("runs made alike that leave U open by more than 6 % make it invalid fo
     const std::string of_four = made.maker().not_valid(UseCondition::kAnyHistory);
     CHECK(of_two.empty() == (ratio < 1.13));   // 5.7, 6.6, 9.5, 11.2 %
     CHECK(of_four.empty() == (ratio < 1.23));  // 3.3, 3.8, 5.5, 6.4 %
-    if (ratio == 1.14) CHECK_FALSE(of_two.empty());
   }
 }
 
@@ -258,13 +257,13 @@ TEST_CASE("runs that differ under one condition count there above all") {
   // ln(1.3) = 0.262: a square of 0.0344 with one degree of freedom, pooled with two of none 0.0115. Of the pair that
   // differs sqrt((4 0.0115 + 0.0344) / 5) = 12.7 %, of the others sqrt(4 0.0115 / 5) = 9.6 %; over sqrt(2) 9.0, 6.8 %.
   const BudgetMaker maker = made.maker();
-  CHECK_THAT(maker.not_valid(UseCondition::kLater), Catch::Contains("of 13 %") && Catch::Contains("open by 9.0 %"));
-  CHECK_THAT(maker.not_valid(UseCondition::kAnyHistory), Catch::Contains("open by 6.8 %"));
+  CHECK_THAT(maker.not_valid(UseCondition::kLater), Catch::Contains(" 13 %") && Catch::Contains(" 9.0 %"));
+  CHECK_THAT(maker.not_valid(UseCondition::kAnyHistory), Catch::Contains(" 6.8 %"));
   // Twice as many of the others make them valid, and less of the pair.
   made.inputs.history.same = {&runs[0], &runs[1], &runs[2], &runs[3]};
   made.inputs.history.warm = {&runs[0], &runs[1], &runs[2], &runs[3]};
   const BudgetMaker more = made.maker();
   CHECK(more.not_valid(UseCondition::kAnyHistory).empty());
   CHECK(more.not_valid(UseCondition::kOtherTemperature).empty());
-  CHECK_THAT(more.not_valid(UseCondition::kLater), Catch::Contains("open by 7.4 %"));
+  CHECK_THAT(more.not_valid(UseCondition::kLater), Catch::Contains(" 7.4 %"));
 }

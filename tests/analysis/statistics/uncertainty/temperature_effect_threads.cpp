@@ -3,7 +3,6 @@
 
 #include <catch2/catch.hpp>
 
-#include "analysis/compensate/compensator.h"
 #include "analysis/error.h"
 #include "tests/analysis/support/effect_runs.h"
 
@@ -15,9 +14,8 @@ namespace {
 
 constexpr double kStepC = 0.1;
 
-TemperatureEffect temperature_effect_in(const Example& example, const std::vector<Dataset>& others,
-                                        double own_share = 0.0) {
-  return temperature_effect_of(at_temperature(example, 23.0, 0.0, 0.0, own_share), others, example.fit, kStepC);
+TemperatureEffect temperature_effect_in(const Example& example, const std::vector<Dataset>& others) {
+  return temperature_effect_of(at_temperature(example, 23.0, 0.0, 0.0), others, example.fit, kStepC);
 }
 
 }  // namespace
@@ -93,20 +91,10 @@ TEST_CASE("changes, coefficients and their uncertainties by hand: five levels, t
                   .not_assessed.empty());
 }
 
-TEST_CASE("the coefficient's own uncertainty is the repeats' scatter over the kelvins between two runs") {
+TEST_CASE("temperature: three runs off a line leave the coefficient's uncertainty, with one degree of freedom") {
   const Example example(0.0);
-  constexpr double kRepeat = 0.004;
-  // Repeats at 0, +r and -r: standard deviation r about their mean, in both runs; r sqrt(1/3 + 1/3) / 5 K. What the
-  // synthetic repeats differ by anyway (their pressures) is found without r.
-  const double before = temperature_effect_in(example, {at_temperature(example, 28.0, -0.01, 0.0)}).u.share;
-  const TemperatureEffect effect =
-      temperature_effect_in(example, {at_temperature(example, 28.0, -0.01, 0.0, kRepeat)}, kRepeat);
-  CHECK(before < 2e-5);
-  CHECK(effect.u.share == Approx(kRepeat * std::sqrt(2.0 / 3.0) / 5.0).epsilon(0.05));
-  CHECK(effect.per_kelvin.share == Approx(-0.002).epsilon(0.01));
-
-  // Three runs off a line by e, -2 e, e: residual standard deviation sqrt(6) e with one degree of freedom, over the
-  // root of the temperatures' squares about their mean.
+  // Off by e, -2 e, e: residual standard deviation sqrt(6) e, over the root of the temperatures' squares about their
+  // mean.
   constexpr double kOff = 0.003;
   const TemperatureEffect bent = temperature_effect_in(
       example, {at_temperature(example, 28.0, -0.01 - 3.0 * kOff, 0.0), at_temperature(example, 33.0, -0.02, 0.0)});
@@ -116,68 +104,24 @@ TEST_CASE("the coefficient's own uncertainty is the repeats' scatter over the ke
   CHECK(bent.u.share == Approx(std::sqrt(6.0) * kOff / std::sqrt(50.0)).epsilon(0.02));
 }
 
-TEST_CASE("temperature is not assessed from other sensors, one temperature, no readings, or single repeats") {
+TEST_CASE("temperature is not assessed from other sensors, one temperature, no readings, holds, or single repeats") {
   const Example example;
-  Dataset other = at_temperature(example, 28.0, -0.01, 0.0);
+  const Dataset warm = at_temperature(example, 28.0, -0.01, 0.0);
+  Dataset other = warm, silent = warm, held = hold_run(example, {});
   other.sensor_serial = "S2";
   CHECK_THROWS_AS(temperature_effect_in(example, {other}), AnalysisError);
-
-  CHECK_THAT(temperature_effect_in(example, {}).not_assessed, Catch::Contains("another temperature"));
-  CHECK_FALSE(temperature_effect_in(example, {at_temperature(example, 24.9, -0.01, 0.0)}).not_assessed.empty());
-  CHECK(temperature_effect_in(example, {at_temperature(example, 25.0, -0.01, 0.0)}).assessed());
-  Dataset silent = at_temperature(example, 28.0, -0.01, 0.0);
   silent.temperatures_c.clear();
-  CHECK_THAT(temperature_effect_in(example, {silent}).not_assessed, Catch::Contains("have no temperature readings"));
-  CHECK(temperature_effect_in(example, {silent}).in_words().empty());
+  held.temperatures_c = {28.0};  // no loop to compare with
+  for (const std::vector<Dataset>& runs : {std::vector<Dataset>{}, std::vector{silent}, std::vector{held}}) {
+    const TemperatureEffect effect = temperature_effect_in(example, runs);
+    CHECK_FALSE(effect.assessed());
+    CHECK_FALSE(effect.not_assessed.empty());
+    CHECK(effect.in_words().empty());
+  }
   CHECK_FALSE(at_another_temperature(example.dataset.temperatures_c, silent.temperatures_c));
-  const Dataset warm = at_temperature(example, 28.0, -0.01, 0.0);
-  CHECK_FALSE(
-      temperature_effect_of(example.dataset, std::vector<Dataset>{warm}, example.fit, kStepC).not_assessed.empty());
-
+  CHECK_FALSE(temperature_effect_of(example.dataset, std::vector{warm}, example.fit, kStepC).assessed());
   Dataset calibration = at_temperature(example, 23.0, 0.0, 0.0), single = warm;
   for (Dataset* run : {&calibration, &single})
     for (SequenceData& data : run->sequences) data.repeats.resize(1);
-  CHECK_THAT(temperature_effect_of(calibration, std::vector<Dataset>{single}, example.fit, kStepC).not_assessed,
-             Catch::Contains("one repeat each"));
-  // A run that holds its levels is no loop to compare with.
-  Dataset held = hold_run(example, {});
-  held.temperatures_c = {28.0};
-  CHECK_THAT(temperature_effect_in(example, {held}).not_assessed, Catch::Contains("five levels"));
-}
-
-TEST_CASE("temperature enters the budget as volts of a rectangle, along the whole loop") {
-  const Example example;
-  Dataset calibration = at_temperature(example, 23.0, 0.0, 0.0);
-  calibration.temperatures_c = {21.0, 25.0};
-  UncertaintyInputs inputs;
-  inputs.temperature = temperature_effect_of(
-      calibration, std::vector<Dataset>{at_temperature(example, 28.0, -0.01, 0.0)}, example.fit, kStepC);
-  REQUIRE(inputs.temperature.assessed());
-  const Uncertainty with = assess_uncertainty(calibration, example.fit, record_with_reference(""), inputs);
-  CHECK_THAT(with.from[static_cast<std::size_t>(UncertaintySource::kTemperature)], Catch::Contains("°C"));
-  for (const bool up : {true, false}) {
-    const Budget& budget = with.level(40.0, up)->worst;
-    const Contribution* row = row_of(budget, UncertaintySource::kTemperature);
-    REQUIRE(row != nullptr);
-    const auto taxel = static_cast<std::size_t>(budget.taxel);
-    const ElamModel& model = *elam_of(example.fit.taxels[taxel]);
-    const ElamCurve rising(model, true, model.x0(), model.y0()), falling(model, false, model.xu(), model.yu());
-    const double v = (up ? rising : falling).output(40.0);
-    CHECK(row->width == Approx(inputs.temperature.width_v(v - model.y0())));
-    CHECK(row->divisor == Approx(std::sqrt(3.0)));
-    CHECK(row->u_psi == Approx(row->width / std::sqrt(3.0) * std::abs(row->sensitivity)));
-    // What the compensator makes of a loop that is warm or cold throughout.
-    const auto read = [&](double sign) {
-      TaxelCompensator compensator(model, {});
-      double estimate = 0.0;
-      const auto step_at = [&](const ElamCurve& curve, int level) {
-        const double clean = curve.output(level);
-        estimate = compensator.step(clean + sign * inputs.temperature.width_v(clean - model.y0())).pressure_psi;
-      };
-      for (int level = 2; level <= (up ? 40 : 60); level += 2) step_at(rising, level);
-      for (int level = 58; level >= 40 && !up; level -= 2) step_at(falling, level);
-      return estimate;
-    };
-    CHECK(row->sensitivity * row->width == Approx(0.5 * (read(1.0) - read(-1.0))).epsilon(0.05));
-  }
+  CHECK_FALSE(temperature_effect_of(calibration, std::vector{single}, example.fit, kStepC).assessed());
 }

@@ -1,6 +1,8 @@
 // U of a reading between levels, and what temperature adds, as functions of their own: by hand.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <set>
+#include <string>
 
 #include "analysis/statistics/numbers/moments.h"
 #include "analysis/statistics/uncertainty/temperature_effect.h"
@@ -36,18 +38,20 @@ TEST_CASE("U of a reading by hand: linear between levels of its branch, constant
   CHECK(std::isnan(reading_uncertainty({}, 0, 30, true).expanded_psi));
 }
 
-TEST_CASE("conditions of use and sources by their names, and which sources are the reference's own") {
-  CHECK_FALSE(std::string(name_of(UseCondition::kStated)).empty());
-  CHECK(std::string(name_of(UseCondition::kFullSweeps)) == "full sweeps, as calibrated");
-  CHECK(std::string(name_of(UseCondition::kLater)) == "any reversals, another day");
+TEST_CASE("each condition of use and source has a name of its own, seven sources are the reference's own") {
+  std::set<std::string> conditions, sources;
+  for (std::size_t condition = 0; condition < kUseConditions; ++condition)
+    conditions.insert(name_of(static_cast<UseCondition>(condition)));
   int of_reference = 0;
-  for (std::size_t source = 0; source < kUncertaintySources; ++source)
+  for (std::size_t source = 0; source < kUncertaintySources; ++source) {
+    sources.insert(text_of(static_cast<UncertaintySource>(source)).name);
     of_reference += is_of_reference(static_cast<UncertaintySource>(source)) ? 1 : 0;
+  }
+  CHECK((conditions.size() == kUseConditions && !conditions.contains("")));
+  CHECK((sources.size() == kUncertaintySources && !sources.contains("")));
   CHECK(of_reference == 7);
   CHECK(is_of_reference(UncertaintySource::kReferenceTemperature));
   CHECK_FALSE(is_of_reference(UncertaintySource::kUniformity));
-  CHECK(std::string(text_of(UncertaintySource::kUniformity).name) == "chamber uniformity");
-  CHECK(std::string(text_of(UncertaintySource::kHistory).name) == "history (inner branches)");
 }
 
 namespace {
