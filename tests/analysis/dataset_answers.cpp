@@ -75,7 +75,7 @@ TEST_CASE("a dataset by hand: times, references, means of the scans in volts, in
   CHECK((!data.at_limit[0] && !data.at_limit[1]));
 }
 
-TEST_CASE("a dataset: scans that differ in number, one scan a frame, and the converter's limit") {
+TEST_CASE("a dataset: scans that differ in number, frames of one scan, and the converter's limit") {
   StoredRun run = record_of_four();
   run.frames[3] = frame_of_two(12, 0, {150, 65535});
   const Dataset data = load_dataset(run);

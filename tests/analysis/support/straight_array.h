@@ -3,6 +3,7 @@
 // models read them.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "analysis/dataset.h"
@@ -50,6 +51,39 @@ inline Repeat repeat_of(const std::vector<Sample>& steps, const Readings& readin
     repeat.volts.push_back(dead_v);  // so far off that it shows where it is not left out
   }
   return repeat;
+}
+
+// Once along the set-points: what the taxels read more than the reference everywhere but at the range's ends.
+inline Repeat offset_way(const std::vector<double>& setpoints, double first_off, double second_off,
+                         double held_s = 1.0) {
+  std::vector<Sample> steps;
+  Readings readings;
+  for (const double psi : setpoints) {
+    const bool end = psi == 0.0 || psi == kFullPsi;
+    steps.push_back({psi, psi, 0.0, held_s});
+    readings.first_psi.push_back(psi + (end ? 0.0 : first_off));
+    readings.second_psi.push_back(psi + (end ? 0.0 : second_off));
+  }
+  return repeat_of(steps, readings);
+}
+
+// Once along the set-points for each row of errors, step by step: of the first taxel, the second's are half of them.
+// Held for as long as the repeat says, or a second.
+inline SequenceData erring_way(const std::string& name, const std::vector<double>& setpoints,
+                               const std::vector<std::vector<double>>& error_by_repeat,
+                               const std::vector<double>& held_s = {}) {
+  SequenceData sequence{name, {}};
+  for (std::size_t repeat = 0; repeat < error_by_repeat.size(); ++repeat) {
+    std::vector<Sample> steps;
+    Readings readings;
+    for (std::size_t i = 0; i < setpoints.size(); ++i) {
+      steps.push_back({setpoints[i], setpoints[i], 0.0, held_s.empty() ? 1.0 : held_s[repeat]});
+      readings.first_psi.push_back(setpoints[i] + error_by_repeat[repeat][i]);
+      readings.second_psi.push_back(setpoints[i] + 0.5 * error_by_repeat[repeat][i]);
+    }
+    sequence.repeats.push_back(repeat_of(steps, readings));
+  }
+  return sequence;
 }
 
 inline Dataset dataset_of(std::vector<SequenceData> sequences) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <string>
 
 #include "analysis/statistics/uncertainty/uncertainty.h"
@@ -45,6 +46,13 @@ struct Example {
 inline const Contribution* row_of(const Budget& budget, UncertaintySource source) {
   const auto found = std::ranges::find(budget.contributions, source, &Contribution::source);
   return found == budget.contributions.end() ? nullptr : &*found;
+}
+
+// One that has to be there.
+inline const Contribution& known_row(const Budget& budget, UncertaintySource source) {
+  const Contribution* const row = row_of(budget, source);
+  REQUIRE(row != nullptr);
+  return *row;
 }
 
 }  // namespace uncertainty_example

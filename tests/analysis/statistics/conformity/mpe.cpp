@@ -1,4 +1,4 @@
-// The maximum permissible error of a reading: errors, U and shares of taxels that can be had on paper.
+// The maximum permissible error of a reading: judged to either side of the limit.
 #include "analysis/statistics/conformity/mpe.h"
 
 #include <catch2/catch.hpp>
@@ -26,35 +26,7 @@ Uncertainty readings() {
   return out;
 }
 
-MpeFigure figure_of(const Limits::Mpe& mpe, const Uncertainty* known) {
-  const Limits::Mpe list[] = {mpe};
-  const std::vector<MpeFigure> figures =
-      mpe_figures(straight_array::known_loop(), straight_array::straight_fit(), known, list, 1);
-  REQUIRE(figures.size() == 1);
-  return figures.front();
-}
-
 }  // namespace
-
-TEST_CASE("mpe: the error that a share of the taxels does not exceed, at one level and over a span") {
-  // Going down the taxels read -1 and 3 psi off at 40 psi, 6 (the mean of 5 and 7) and 1 at 20 psi; the third is dead.
-  const Uncertainty known = readings();
-  const MpeFigure span = figure_of({0.0, 60.0, 8.0, 0.95}, &known);
-  CHECK(span.scope == "0-60 psi 95 %");
-  CHECK(span.value_psi == Approx(6.0));
-  CHECK(span.expanded_psi == Approx(2.0));
-  // Half of the taxels: the second, 3 psi off at 40 psi and 4 with its U.
-  const MpeFigure half = figure_of({0.0, 60.0, 8.0, 0.5}, &known);
-  CHECK(half.value_psi == Approx(3.0));
-  CHECK(half.expanded_psi == Approx(1.0));
-  const MpeFigure level = figure_of({40.0, 40.0, 8.0, 0.95}, &known);
-  CHECK(level.scope == "40 psi 95 %");
-  CHECK(level.levels == 2);
-  CHECK(level.value_psi == Approx(3.0));
-  CHECK(level.expanded_psi == Approx(1.0));
-  CHECK(std::isnan(figure_of({30.0, 30.0, 8.0, 0.95}, &known).value_psi));
-  CHECK(std::isnan(figure_of({0.0, 60.0, 8.0, 0.95}, nullptr).expanded_psi));
-}
 
 TEST_CASE("mpe: conforms when |error| + U of the share of taxels lies inside, with words to either side of the limit") {
   using namespace straight_array;

@@ -98,6 +98,7 @@ TEST_CASE("mpe: levels of a span are counted by branch, with both ends and a mil
   CHECK(levels(20.0000011, 40) == 2);
   CHECK(levels(20, 39.9999989) == 2);
   CHECK(levels(25, 35) == 0);
+  CHECK(std::isnan(figure_at(25, 35, 0.95, unequal(), data).value_psi));
   CHECK(figure_at(20.0000011, 40, 0.95, unequal(), data).value_psi == Approx(3.0));
   CHECK(figure_at(20, 39.9999989, 0.95, unequal(), data).value_psi == Approx(6.0));
   CHECK(figure_at(20.0000009, 20.0000009, 0.95, unequal(), data).value_psi == Approx(6.0));
@@ -109,6 +110,11 @@ TEST_CASE("mpe: the smallest share is that of one taxel, and the scope says leve
   CHECK(scope_of({2.5, 2.5, 1.0, 0.995}) == "2.5 psi 99.5 %");
   CHECK(scope_of({2.5, 7.25, 1.0, 1.0}) == "2.5-7.25 psi 100 %");
   CHECK(mpe_figures(straight_array::known_loop(), straight_array::straight_fit(), nullptr, {}).empty());
+  const Limits::Mpe whole[] = {{0.0, 60.0, 8.0, 0.95}};
+  const auto without = mpe_figures(straight_array::known_loop(), straight_array::straight_fit(), nullptr, whole, 1);
+  REQUIRE(without.size() == 1);
+  CHECK(without[0].value_psi == Approx(6.0));
+  CHECK(std::isnan(without[0].expanded_psi));
 }
 
 TEST_CASE("mpe: U of a judged figure states half of itself as combined, k = 2, and its run") {

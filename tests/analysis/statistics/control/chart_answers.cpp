@@ -84,14 +84,6 @@ TEST_CASE("charts: a deviation of less than a billionth of the mean is none") {
   CHECK((negative->holds(-7.0 + 6e-9) && !negative->holds(-7.0 + 8e-9)));
 }
 
-TEST_CASE("control band by hand: the false alarms asked for, of three values") {
-  // 1, 2, 3: mean 2, deviation 1; t of two degrees of freedom 4.302653 at 5 %, 9.924843 at 1 %.
-  const std::vector<double> three{3.0, 1.0, 2.0};
-  CHECK(control_band(three, 0.05)->low == Approx(2.0 - 4.302653 * std::sqrt(4.0 / 3.0)));
-  CHECK(control_band(three, 0.01)->high == Approx(2.0 + 9.924843 * std::sqrt(4.0 / 3.0)));
-  CHECK(control_band(three, 0.05)->holds(control_band(three, 0.05)->high));
-}
-
 TEST_CASE("discoveries by hand: at the limit itself, ties, and any number of them") {
   CHECK(discoveries(std::vector<double>{0.025, 0.5}) == std::vector<bool>{true, false});  // 0.05 x 1 / 2
   CHECK(discoveries(std::vector<double>{0.0251, 0.5}) == std::vector<bool>{false, false});

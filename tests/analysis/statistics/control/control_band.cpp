@@ -40,6 +40,7 @@ TEST_CASE("a control band is the prediction interval of a normal sample") {
   CHECK(band->mean == 3.0);
   CHECK(band->deviation == Approx(1.5811388));
   CHECK(band->high == Approx(3.0 + 2.776445 * 1.5811388 * std::sqrt(1.2)));
+  CHECK(control_band(std::array{1.0, 2.0, 3.0}, 0.01)->high == Approx(2.0 + 9.924843 * std::sqrt(4.0 / 3.0)));
   CHECK((band->holds(band->low) && !band->holds(band->low - 1e-6)));
   CHECK_FALSE(control_band(std::array{1.0, 2.0}, 0.05));
   CHECK_FALSE(control_band(std::array{1.0, 2.0, std::nan("")}, 0.05));

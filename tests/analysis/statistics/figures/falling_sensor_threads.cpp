@@ -106,26 +106,17 @@ TEST_CASE("a falling sensor: an array under an object as with outputs that rise,
 
 TEST_CASE("a falling sensor: U of each condition of use as with outputs that rise, whichever runs tell it") {
   using namespace straight_array;
-  const auto way = [](const std::vector<double>& psi, double off, double held_s) {
-    std::vector<Sample> steps;
-    Readings readings;
-    for (const double level : psi) {
-      steps.push_back({level, level, 0.0, held_s});
-      readings.first_psi.push_back(level + (level == 0.0 || level == 60.0 ? 0.0 : off));
-    }
-    readings.second_psi = readings.first_psi;
-    return repeat_of(steps, readings);
-  };
   const std::vector<double> loop{0, 20, 40, 60, 40, 20, 0}, inner{0, 20, 40, 20};
   const auto run_of = [](std::int64_t number, SequenceData sequence) {
     Dataset run = dataset_of({std::move(sequence)});
     run.run = number;
     return run;
   };
-  const Dataset calibration = run_of(2, {"loop", {way(loop, 0.1, 1), way(loop, -0.1, 1)}});
-  const Dataset again = run_of(5, {"loop", {way(loop, 0.3, 1)}});
-  const Dataset one = run_of(6, {"other", {way(inner, 0.5, 1)}}), two = run_of(7, {"other", {way(inner, 0.52, 1)}});
-  const Dataset paced = run_of(8, {"rate", {way(loop, 0.0, 1), way(loop, 0.6, 4)}});
+  const Dataset calibration = run_of(2, {"loop", {offset_way(loop, 0.1, 0.1, 1), offset_way(loop, -0.1, -0.1, 1)}});
+  const Dataset again = run_of(5, {"loop", {offset_way(loop, 0.3, 0.3, 1)}});
+  const Dataset one = run_of(6, {"other", {offset_way(inner, 0.5, 0.5, 1)}}),
+                two = run_of(7, {"other", {offset_way(inner, 0.52, 0.52, 1)}});
+  const Dataset paced = run_of(8, {"rate", {offset_way(loop, 0.0, 0.0, 1), offset_way(loop, 0.6, 0.6, 4)}});
   const auto assessed = [&](bool falls) {
     const auto as_measured = [&](const Dataset& data) { return falls ? negated(data) : data; };
     const std::vector<Dataset> runs{as_measured(again), as_measured(one), as_measured(two), as_measured(paced)};

@@ -11,26 +11,6 @@ using namespace straight_array;
 
 namespace {
 
-// The first taxel errs by `error` at each step, the second by half of it.
-SequenceData way_along(const std::string& name, const std::vector<double>& setpoints,
-                       const std::vector<std::vector<double>>& error_by_repeat,
-                       const std::vector<double>& held_s = {}) {
-  SequenceData sequence{name, {}};
-  for (std::size_t repeat = 0; repeat < error_by_repeat.size(); ++repeat) {
-    std::vector<Sample> steps;
-    Readings readings;
-    for (std::size_t i = 0; i < setpoints.size(); ++i) {
-      Sample sample{setpoints[i], setpoints[i], 0.0, 0.0};
-      sample.held_s = held_s.empty() ? 1.0 + static_cast<double>(i) : held_s[repeat];
-      steps.push_back(sample);
-      readings.first_psi.push_back(setpoints[i] + error_by_repeat[repeat][i]);
-      readings.second_psi.push_back(setpoints[i] + 0.5 * error_by_repeat[repeat][i]);
-    }
-    sequence.repeats.push_back(repeat_of(steps, readings));
-  }
-  return sequence;
-}
-
 const WindowErrors& window_of(const HistoryErrors& errors, double pressure, bool up) {
   for (const WindowErrors& window : errors.windows)
     if (window.pressure_psi == pressure && window.up == up) return window;
@@ -48,7 +28,7 @@ const std::vector<double> kWandering{0, 20, 40, 60, 36, 44, 30, 0};
 
 TEST_CASE("frame errors by hand: which branches count, and sequences that are left out") {
   const Dataset data =
-      dataset_of({way_along("a", kWandering, {{0, 1, 2, -3, 4, 5, 6, 1}}), way_along("b", {0, 20, 0}, {{0, 7, 0}})});
+      dataset_of({erring_way("a", kWandering, {{0, 1, 2, -3, 4, 5, 6, 1}}), erring_way("b", {0, 20, 0}, {{0, 7, 0}})});
   const SensorModel fit = straight_fit();
   const auto set_points = [&](BranchesOf which, std::vector<std::string> left_out = {}) {
     std::vector<double> out;
@@ -76,7 +56,7 @@ TEST_CASE("frame errors by hand: which branches count, and sequences that are le
 
 TEST_CASE("windows by hand: 4 psi to each side, the very edge included, frames and ways, means and mean squares") {
   const FrameErrors all =
-      frame_errors(dataset_of({way_along("a", {0, 15.9, 16, 24, 24.1, 60}, {{0, 9, 1, 3, 9, 0}, {0, 9, 5, 3, 9, 0}})}),
+      frame_errors(dataset_of({erring_way("a", {0, 15.9, 16, 24, 24.1, 60}, {{0, 9, 1, 3, 9, 0}, {0, 9, 5, 3, 9, 0}})}),
                    straight_fit(), BranchesOf::kAll, 1);
   CHECK(all.frames.size() == 2 * 4);  // 15.9 and 24.1 are in no window
   const HistoryErrors errors = pooled_of(all);
@@ -105,7 +85,7 @@ TEST_CASE("windows by hand: 4 psi to each side, the very edge included, frames a
 TEST_CASE(
     "windows by hand: ways of several branches, sequences and runs add up, a run is left out, errors are corrected") {
   const Dataset data = dataset_of(
-      {way_along("a", {0, 20, 40, 20, 40, 0}, {{0, 1, 2, 1, 3, 0}}), way_along("b", {0, 20, 0}, {{0, 5, 0}})});
+      {erring_way("a", {0, 20, 40, 20, 40, 0}, {{0, 1, 2, 1, 3, 0}}), erring_way("b", {0, 20, 0}, {{0, 5, 0}})});
   std::vector<FrameErrors> runs{frame_errors(data, straight_fit(), BranchesOf::kAll, 1)};
   const WindowErrors once = window_of(pooled_of(runs[0]), 20, true);
   CHECK((once.frames == 2.0 && once.branches == 2.0));  // the ways of a and of b
@@ -131,8 +111,9 @@ TEST_CASE(
 TEST_CASE("dwell times of a history are its 5 and 95 % quantiles") {
   std::vector<double> setpoints(100, 20.0), none(100, 0.0);
   setpoints.front() = 0.0;
-  const FrameErrors errors =
-      frame_errors(dataset_of({way_along("a", setpoints, {none})}), straight_fit(), BranchesOf::kAll, 1);
+  Dataset data = dataset_of({erring_way("a", setpoints, {none})});
+  for (std::size_t i = 0; i < 100; ++i) data.sequences[0].repeats[0].steps[i].held_s = 1.0 + static_cast<double>(i);
+  const FrameErrors errors = frame_errors(data, straight_fit(), BranchesOf::kAll, 1);
   const HistoryErrors pooled = pooled_of(errors);  // held for 1, 2, ... 100 s: 5 and 95 of them are shorter
   CHECK(pooled.dwell_low_s == 6.0);
   CHECK(pooled.dwell_high_s == 96.0);
@@ -178,14 +159,14 @@ namespace {
 const std::vector<double> kPacedLoop{0, 16, 20, 24, 60, 40, 0};
 
 DwellEffect dwell_of(const Dataset& paced, double usual_s) {
-  const Dataset calibration = dataset_of({way_along("loop", {0, 20, 60}, {{0, 0, 0}}, {usual_s})});
+  const Dataset calibration = dataset_of({erring_way("loop", {0, 20, 60}, {{0, 0, 0}}, {usual_s})});
   const Dataset* runs[] = {&paced};
   return dwell_effect_of(calibration, runs, straight_fit(), 1);
 }
 
 Dataset paced_at_dwells(const std::vector<double>& dwell_s) {
   std::vector<std::vector<double>> errors(dwell_s.size(), std::vector<double>(7, 0.0));
-  return dataset_of({way_along("rate", kPacedLoop, errors, dwell_s)});
+  return dataset_of({erring_way("rate", kPacedLoop, errors, dwell_s)});
 }
 
 }  // namespace
@@ -193,7 +174,7 @@ Dataset paced_at_dwells(const std::vector<double>& dwell_s) {
 TEST_CASE("dwell effect by hand: mean squares in the windows, the largest of the repeats, against the nearest pace") {
   // Dwell times of 1, 3 and 8 s; the calibration's 2 s are nearer to 3 s by factor. Against that the repeats differ by
   // (1, 2, 3) and (-2, -2, 0) psi at 16, 20, 24 psi upward: mean squares 14/3 and 8/3; at 40 psi downward by 0 and 1.
-  const Dataset paced = dataset_of({way_along(
+  const Dataset paced = dataset_of({erring_way(
       "rate", kPacedLoop, {{0, 1.5, 2.5, 3.5, 0, 0, 0}, {0, 0.5, 0.5, 0.5, 0, 0, 0}, {0, -1.5, -1.5, 0.5, 0, 1, 0}},
       {1, 3, 8})});
   const DwellEffect effect = dwell_of(paced, 2.0);
@@ -237,13 +218,13 @@ TEST_CASE("dwell effect: paces differ by a factor of two, each repeat has to sta
 }
 
 TEST_CASE("a run's dwell is the median of its repeats' medians, above half a psi and where it is stated") {
-  Dataset data = dataset_of({way_along("a", {0, 0.5, 0.51, 20, 40}, {{0, 0, 0, 0, 0}}, {1})});
+  Dataset data = dataset_of({erring_way("a", {0, 0.5, 0.51, 20, 40}, {{0, 0, 0, 0, 0}}, {1})});
   std::vector<Sample>& steps = data.sequences[0].repeats[0].steps;
   for (std::size_t i = 0; i < 5; ++i) steps[i].held_s = 100.0 / static_cast<double>(i + 1);  // 100 50 33.3 25 20
   CHECK(median_dwell_s(data) == Approx(25.0));
   steps[4].held_s = 0.0;
   CHECK(median_dwell_s(data) == Approx((100.0 / 3 + 25.0) / 2));
-  data.sequences.push_back(way_along("b", {20, 40}, {{0, 0}, {0, 0}}, {7, 9}));
+  data.sequences.push_back(erring_way("b", {20, 40}, {{0, 0}, {0, 0}}, {7, 9}));
   CHECK(median_dwell_s(data) == 9.0);  // of 29.2, 7 and 9
-  CHECK(std::isnan(median_dwell_s(dataset_of({way_along("c", {0, 0.5}, {{0, 0}}, {3})}))));
+  CHECK(std::isnan(median_dwell_s(dataset_of({erring_way("c", {0, 0.5}, {{0, 0}}, {3})}))));
 }

@@ -179,7 +179,7 @@ TEST_CASE("estimates of full loading sweeps by hand: of those alike, moved to th
   CHECK(sweep_estimates(data, falling, 1).mean(1, 0) == Approx(found.mean(1, 0)));
 }
 
-TEST_CASE("estimates of full loading sweeps: within 1 % of the range's ends, and none is an error") {
+TEST_CASE("estimates of full loading sweeps: none is an error") {
   const auto sweeps_of = [](double from, double to) {
     try {
       return sweep_estimates(dataset_of({{"s", {one_way({from, 30, to}, {0, 0, 0})}}}), straight_fit(), 1).sweeps;
@@ -189,8 +189,6 @@ TEST_CASE("estimates of full loading sweeps: within 1 % of the range's ends, and
     }
   };
   CHECK(sweeps_of(0.59, 59.41) == 1);
-  CHECK(sweeps_of(0.61, 60) == 0);
-  CHECK(sweeps_of(0, 59.39) == 0);
   CHECK(sweeps_of(60, 0) == 0);
   Dataset other = dataset_of({{"s", {one_way({0, 30, 60}, {0, 0, 0})}}});
   other.sensor_serial = "T";

@@ -74,7 +74,7 @@ TEST_CASE("health by hand: dead, stuck and saturated to each side of 50 mV") {
   CHECK(health_of(taxels_between({{0.0, 0.01}, {1.0, 2.0, true}}), {}, false).count("dead") == 0);
 }
 
-TEST_CASE("health by hand: noise above four times the median taxel's, none without noise") {
+TEST_CASE("health by hand: noise four times as large as the median, none without noise") {
   const Dataset data = taxels_between({{0, 1, false, 0.001},
                                        {0, 1, false, 0.001},
                                        {0, 1, false, 0.004},

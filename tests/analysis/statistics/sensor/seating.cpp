@@ -104,17 +104,6 @@ TEST_CASE("seating: every rotation and mirror image of a square array is disting
   CHECK_THAT(result.findings.front().text, Catch::Contains(positions[static_cast<std::size_t>(turn)].name + " since"));
 }
 
-TEST_CASE("seating: for an array that is not square four orientations are compared") {
-  SpecimenOptions options = sensor(7);
-  options.rows = 8;
-  const SeatingFrames first = seated(options);
-  options.mount_turn = MountTurn::kBy180;
-  const SeatingResult result = check(options, first);
-  REQUIRE(kinds(result) == "turned");
-  const std::vector<bool> all(128, true);
-  CHECK(compare_positions(8, 16, first.loaded_v, first.loaded_v, all, all).size() == 4);
-}
-
 TEST_CASE("seating: another sensor is a deviation") {
   const SeatingResult other = check(sensor(9), seated(sensor(8)));
   CHECK(other.verdict == "fail");

@@ -8,6 +8,7 @@
 
 using namespace tactbench;
 using namespace straight_array;
+using uncertainty_example::known_row;
 using uncertainty_example::row_of;
 
 namespace {
@@ -37,14 +38,13 @@ TEST_CASE("noise row by hand: of a frame's mean, times 20 and 10 psi a volt, wit
   made.calibration.noise_v = {0.001, 0.004, 0.0};
   const BudgetMaker maker = made.maker();
   const Budget budget = maker.budget(0, kFortyUp);
-  const Contribution* const row = row_of(budget, UncertaintySource::kNoise);
-  REQUIRE(row != nullptr);
-  CHECK(row->width == 0.001);
-  CHECK(row->divisor == 1.0);
-  CHECK(row->sensitivity == Approx(20.0));
-  CHECK(row->u_psi == Approx(0.02));
-  CHECK(row->dof == 28.0);  // 14 frames, two of the three scans each
-  CHECK(row->common == 0.0);
+  const Contribution& row = known_row(budget, UncertaintySource::kNoise);
+  CHECK(row.width == 0.001);
+  CHECK(row.divisor == 1.0);
+  CHECK(row.sensitivity == Approx(20.0));
+  CHECK(row.u_psi == Approx(0.02));
+  CHECK(row.dof == 28.0);  // 14 frames, two of the three scans each
+  CHECK(row.common == 0.0);
   CHECK(u_of(maker.budget(1, kFortyDown), UncertaintySource::kNoise) == Approx(0.04));
   CHECK(maker.missing()[static_cast<std::size_t>(UncertaintySource::kNoise)].empty());
   StraightBudget one = exact_budget(1);
@@ -57,11 +57,10 @@ TEST_CASE("converter row by hand: half a count to each side, a rectangle") {
   const StraightBudget made = exact_budget();
   const BudgetMaker maker(made.calibration, made.fit, made.errors, made.reference, 0.004, made.inputs, 1);
   const Budget budget = maker.budget(0, kFortyUp);
-  const Contribution* const row = row_of(budget, UncertaintySource::kConverterStep);
-  REQUIRE(row != nullptr);
-  CHECK(row->width == 0.002);
-  CHECK(row->divisor == Approx(std::sqrt(3.0)));
-  CHECK(row->u_psi == Approx(0.04 / std::sqrt(3.0)));
+  const Contribution& row = known_row(budget, UncertaintySource::kConverterStep);
+  CHECK(row.width == 0.002);
+  CHECK(row.divisor == Approx(std::sqrt(3.0)));
+  CHECK(row.u_psi == Approx(0.04 / std::sqrt(3.0)));
   CHECK_FALSE(made.maker().missing()[static_cast<std::size_t>(UncertaintySource::kConverterStep)].empty());
 }
 
@@ -75,12 +74,11 @@ TEST_CASE(
   const BudgetMaker maker = made.maker();
   // mV^2. Two frames have a noise of 2: the first (9 - 2 / 4) / 3 + (4 - 2) / 4; the second has less than its noise.
   const Budget budget = maker.budget(0, kFortyUp);
-  const Contribution* const row = row_of(budget, UncertaintySource::kZeroReturn);
-  REQUIRE(row != nullptr);
-  CHECK(row->width == Approx(0.001 * std::sqrt(8.5 / 3.0 + 0.5)));
-  CHECK(row->divisor == 1.0);
-  CHECK(row->u_psi == Approx(0.02 * std::sqrt(8.5 / 3.0 + 0.5)));
-  CHECK(row->dof == 3.0);
+  const Contribution& row = known_row(budget, UncertaintySource::kZeroReturn);
+  CHECK(row.width == Approx(0.001 * std::sqrt(8.5 / 3.0 + 0.5)));
+  CHECK(row.divisor == 1.0);
+  CHECK(row.u_psi == Approx(0.02 * std::sqrt(8.5 / 3.0 + 0.5)));
+  CHECK(row.dof == 3.0);
   CHECK(u_of(maker.budget(1, kFortyUp), UncertaintySource::kZeroReturn) == 0.0);
   made.errors.repeats_with_zero = 1;
   CHECK(row_of(made.maker().budget(0, kFortyUp), UncertaintySource::kZeroReturn)->dof == 1.0);
@@ -98,11 +96,10 @@ TEST_CASE("creep row by hand: half of it known, up and down, and none of it unde
   const BudgetMaker maker = made.maker();
   // A tenth of 2 V over the zero: 0.1 V to each side of 0.1 V, 2 psi.
   const Budget up = maker.budget(0, kFortyUp), down = maker.budget(0, kFortyDown);
-  const Contribution* const row = row_of(up, UncertaintySource::kCreep);
-  REQUIRE(row != nullptr);
-  CHECK(row->width == Approx(0.1));
-  CHECK(row->u_psi == Approx(2.0 / std::sqrt(3.0)));
-  CHECK(row->common == 1.0);
+  const Contribution& row = known_row(up, UncertaintySource::kCreep);
+  CHECK(row.width == Approx(0.1));
+  CHECK(row.u_psi == Approx(2.0 / std::sqrt(3.0)));
+  CHECK(row.common == 1.0);
   CHECK(up.error_psi == Approx(2.0));
   CHECK(down.error_psi == Approx(-2.0));
   CHECK(maker.budget(1, kFortyUp).error_psi == Approx(4.0));  // 0.2 of 4 V: 0.4 V of 10 psi a volt, half of it
@@ -121,13 +118,12 @@ TEST_CASE(
   // 2 V over the zero: 1 + 4 mV a kelvin, for 2 K: 10 mV, 0.2 psi.
   const BudgetMaker maker = made.maker();
   const Budget budget = maker.budget(0, kFortyUp);
-  const Contribution* const row = row_of(budget, UncertaintySource::kTemperature);
-  REQUIRE(row != nullptr);
-  CHECK(row->width == Approx(0.01));
-  CHECK(row->divisor == Approx(std::sqrt(3.0)));
-  CHECK(row->sensitivity == Approx(20.0));
-  CHECK(row->u_psi == Approx(0.2 / std::sqrt(3.0)));
-  CHECK(row->common == 1.0);
+  const Contribution& row = known_row(budget, UncertaintySource::kTemperature);
+  CHECK(row.width == Approx(0.01));
+  CHECK(row.divisor == Approx(std::sqrt(3.0)));
+  CHECK(row.sensitivity == Approx(20.0));
+  CHECK(row.u_psi == Approx(0.2 / std::sqrt(3.0)));
+  CHECK(row.common == 1.0);
   CHECK(row_of(maker.budget(0, kFortyUp, UseCondition::kFullSweeps), UncertaintySource::kTemperature) == nullptr);
   CHECK(row_of(made.maker().budget(0, kLowestUp), UncertaintySource::kTemperature)->width == Approx(0.002));
 }

@@ -10,6 +10,7 @@
 
 using namespace tactbench;
 using namespace straight_array;
+using uncertainty_example::known_row;
 using uncertainty_example::row_of;
 
 namespace {
@@ -18,23 +19,10 @@ constexpr std::size_t kAtTwentyUp = 1, kAtFortyUp = 2, kAtFortyDown = 6;
 
 const std::vector<double> kUpAndDown{0, 20, 40, 60, 40, 20, 0};
 
-Repeat offset_reading(const std::vector<double>& psi, double first_off, double second_off) {
-  std::vector<Sample> steps;
-  Readings readings;
-  for (const double level : psi) {
-    const bool end = level == 0.0 || level == 60.0;
-    steps.push_back({level, level, 0.0, 1.0});
-    readings.first_psi.push_back(level + (end ? 0.0 : first_off));
-    readings.second_psi.push_back(level + (end ? 0.0 : second_off));
-  }
-  return repeat_of(steps, readings);
-}
-
 // Two repeats: the taxels are so much off in the first one, and as much to the other side in the second.
 StraightBudget two_sides(double first_off, double second_off) {
   return StraightBudget(
-      {{"loop",
-        {offset_reading(kUpAndDown, first_off, second_off), offset_reading(kUpAndDown, -first_off, -second_off)}}});
+      {{"loop", {offset_way(kUpAndDown, first_off, second_off), offset_way(kUpAndDown, -first_off, -second_off)}}});
 }
 
 // Of the mean of six readings in two groups.
@@ -72,8 +60,8 @@ TEST_CASE("common scatter by hand: the variance of the array's mean over the mea
 
 TEST_CASE("common scatter by hand: of the groups of sweeps, too, and U of the array's mean is from it") {
   // Two sequences of two repeats each: groups of sweeps that differ by 0.4 and 0.2 psi.
-  StraightBudget made({{"low", {offset_reading(kUpAndDown, 0.1, 0.1), offset_reading(kUpAndDown, -0.1, -0.1)}},
-                       {"high", {offset_reading(kUpAndDown, 0.5, 0.3), offset_reading(kUpAndDown, 0.3, 0.1)}}});
+  StraightBudget made({{"low", {offset_way(kUpAndDown, 0.1, 0.1), offset_way(kUpAndDown, -0.1, -0.1)}},
+                       {"high", {offset_way(kUpAndDown, 0.5, 0.3), offset_way(kUpAndDown, 0.3, 0.1)}}});
   const BudgetMaker maker = made.maker();
   const Budget budget = maker.budget(0, kAtFortyUp);
   // Means of the array 0.1 -0.1 0.4 0.2: squares 0.13 about 0.15. Of the taxels 0.1 -0.1 0.5 0.3: 0.20 about 0.2; 0.1
@@ -139,19 +127,8 @@ TEST_CASE("held-out errors at a level that no way meets are those of the nearest
   StraightBudget made = two_sides(0.0, 0.0);
   // Up to 20 psi and back: 0.3 psi too much there; down from 60 psi to 20 and up again: 0.5 at 60.
   const auto run_of = [](std::int64_t number) {
-    std::vector<Sample> low, high;
-    Readings at_low, at_high;
-    for (const double psi : {0.0, 20.0, 0.0}) {
-      low.push_back({psi, psi, 0.0, 1.0});
-      at_low.first_psi.push_back(psi == 20.0 ? 20.3 : psi);
-    }
-    at_low.second_psi = at_low.first_psi;
-    for (const double psi : {0.0, 60.0, 20.0, 60.0}) {
-      high.push_back({psi, psi, 0.0, 1.0});
-      at_high.first_psi.push_back(high.size() == 4 ? 59.5 : psi);
-    }
-    at_high.second_psi = at_high.first_psi;
-    Dataset run = dataset_of({{"low", {repeat_of(low, at_low)}}, {"high", {repeat_of(high, at_high)}}});
+    Dataset run = dataset_of(
+        {erring_way("low", {0, 20, 0}, {{0, 0.3, 0}}), erring_way("high", {0, 60, 20, 60}, {{0, 0, 0, -0.5}})});
     run.run = number;
     return run;
   };
@@ -169,19 +146,18 @@ TEST_CASE("held-out errors at a level that no way meets are those of the nearest
 }
 
 TEST_CASE("the excess of one fitted taxel is its own, known from as many ways as the runs have") {
-  StraightBudget made({{"loop", {offset_reading(kUpAndDown, 0.1, 0.1), offset_reading(kUpAndDown, -0.1, -0.1)}},
-                       {"inner", {offset_reading({0, 20, 40, 20}, 0.0, 0.0)}}});
+  StraightBudget made({{"loop", {offset_way(kUpAndDown, 0.1, 0.1), offset_way(kUpAndDown, -0.1, -0.1)}},
+                       {"inner", {offset_way({0, 20, 40, 20}, 0.0, 0.0)}}});
   made.fit.taxels[1].status = TaxelStatus::kDead;
   made.errors = sweep_errors(made.calibration, made.fit, 1);
-  Dataset again = dataset_of({{"loop", {offset_reading(kUpAndDown, 0.4, 0.0)}}});
+  Dataset again = dataset_of({{"loop", {offset_way(kUpAndDown, 0.4, 0.0)}}});
   again.run = 7;
   made.inputs.history.same = {&again};
   const Budget budget = made.maker().budget(0, kAtFortyUp, UseCondition::kFullSweeps);
-  const Contribution* const row = row_of(budget, UncertaintySource::kHistory);
-  REQUIRE(row != nullptr);
-  CHECK(row->u_psi == Approx(std::sqrt(0.16 - 0.03)));
-  CHECK(row->dof == Approx(1.0));
-  CHECK(row->common == Approx(1.0));
+  const Contribution& row = known_row(budget, UncertaintySource::kHistory);
+  CHECK(row.u_psi == Approx(std::sqrt(0.16 - 0.03)));
+  CHECK(row.dof == Approx(1.0));
+  CHECK(row.common == Approx(1.0));
 }
 
 TEST_CASE("a budget is linear as long as twice u of the voltage meets the curve's end and does not pass it") {
@@ -201,20 +177,19 @@ TEST_CASE("a budget is linear as long as twice u of the voltage meets the curve'
 TEST_CASE("held-out runs that err by nothing: a row of nothing, of which nothing is common") {
   StraightBudget made = two_sides(0.0, 0.0);
   const std::vector<double> inner{0, 20, 40, 20};
-  Dataset one = dataset_of({{"other", {offset_reading(inner, 0.0, 0.0)}}}), two = one;
+  Dataset one = dataset_of({{"other", {offset_way(inner, 0.0, 0.0)}}}), two = one;
   one.run = 5;
   two.run = 6;
   made.inputs.history.same = {&one, &two};
   const Budget budget = made.maker().budget(0, kAtFortyUp, UseCondition::kAnyHistory);
-  const Contribution* const row = row_of(budget, UncertaintySource::kHistory);
-  REQUIRE(row != nullptr);
-  CHECK(row->u_psi == Approx(0.0).margin(1e-9));
-  CHECK(row->common == 0.0);
+  const Contribution& row = known_row(budget, UncertaintySource::kHistory);
+  CHECK(row.u_psi == Approx(0.0).margin(1e-9));
+  CHECK(row.common == 0.0);
   CHECK(budget.expanded_psi == Approx(0.0).margin(1e-9));
 }
 
 TEST_CASE("a run without a full sweep has no level with U, and the first is the one whose budget would be printed") {
-  const StraightBudget made({{"inner", {offset_reading({0, 20, 40, 20, 0}, 0.1, 0.1)}}});
+  const StraightBudget made({{"inner", {offset_way({0, 20, 40, 20, 0}, 0.1, 0.1)}}});
   const Uncertainty found = assess_uncertainty(made.calibration, made.fit, {}, {}, 1);
   CHECK(found.levels.empty());
   CHECK(found.chosen == 0);

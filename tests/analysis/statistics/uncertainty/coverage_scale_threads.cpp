@@ -14,29 +14,17 @@ using namespace straight_array;
 
 namespace {
 
-// Both taxels read `off` too much at every step between the two ends.
-Repeat offset_way(const std::vector<double>& setpoints, double off) {
-  std::vector<Sample> steps;
-  Readings readings;
-  for (std::size_t i = 0; i < setpoints.size(); ++i) {
-    steps.push_back({setpoints[i], setpoints[i], 0.0, 1.0});
-    readings.first_psi.push_back(setpoints[i] + (setpoints[i] == 0.0 || setpoints[i] == 60.0 ? 0.0 : off));
-  }
-  readings.second_psi = readings.first_psi;
-  return repeat_of(steps, readings);
-}
-
 const std::vector<double> kWholeWay{0, 20, 40, 60, 40, 20, 0}, kPartWay{0, 20, 40, 20};
 
 // The calibration reads 0.1 psi too much and too little: 0.1 sqrt 2 of scatter, and half its square of the mean.
 std::vector<SequenceData> scattered_calibration(bool inner) {
-  std::vector<SequenceData> sequences{{"loop", {offset_way(kWholeWay, 0.1), offset_way(kWholeWay, -0.1)}}};
-  if (inner) sequences.push_back({"inner", {offset_way(kPartWay, 0.2)}});
+  std::vector<SequenceData> sequences{{"loop", {offset_way(kWholeWay, 0.1, 0.1), offset_way(kWholeWay, -0.1, -0.1)}}};
+  if (inner) sequences.push_back({"inner", {offset_way(kPartWay, 0.2, 0.2)}});
   return sequences;
 }
 
 Dataset run_that_errs(std::int64_t number, const std::string& sequence, const std::vector<double>& way, double off) {
-  Dataset run = dataset_of({{sequence, {offset_way(way, off)}}});
+  Dataset run = dataset_of({{sequence, {offset_way(way, off, off)}}});
   run.run = number;
   return run;
 }
@@ -78,7 +66,7 @@ TEST_CASE("coverage scale: one run of the calibration's own sequences tells it f
   // beyond them, so that u of full sweeps is 0.4 psi. U of that would be k times the errors, which it is scaled down
   // to.
   Dataset again = run_that_errs(7, "loop", kWholeWay, 0.4);
-  again.sequences.push_back({"inner", {offset_way(kPartWay, 0.4)}});
+  again.sequences.push_back({"inner", {offset_way(kPartWay, 0.4, 0.4)}});
   made.inputs.history.same = {&again};
   const BudgetMaker maker = made.maker();
   CHECK(maker.scale_of(UseCondition::kStated) == 1.0);

@@ -11,7 +11,7 @@
 
 using namespace straight_array;
 
-TEST_CASE("U of a reading by hand: linear between levels of its branch, constant beyond them, none where none is") {
+TEST_CASE("U between levels by hand: linear between levels of its branch, constant beyond them, none where none is") {
   ConditionUncertainty condition;
   condition.pressure_psi = {20, 40, 60, 30, 50};
   condition.up = {true, true, true, false, false};
