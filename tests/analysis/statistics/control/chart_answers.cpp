@@ -5,7 +5,6 @@
 
 #include "analysis/statistics/control/control_band.h"
 #include "analysis/statistics/control/ewma_chart.h"
-#include "analysis/statistics/control/false_discovery.h"
 #include "analysis/statistics/control/figure_chart.h"
 #include "analysis/statistics/numbers/student.h"
 
@@ -82,13 +81,4 @@ TEST_CASE("charts: a deviation of less than a billionth of the mean is none") {
   CHECK(band->values == 8);
   const auto negative = control_band(std::vector<double>(3, -7.0), 0.05);
   CHECK((negative->holds(-7.0 + 6e-9) && !negative->holds(-7.0 + 8e-9)));
-}
-
-TEST_CASE("discoveries by hand: at the limit itself, ties, and any number of them") {
-  CHECK(discoveries(std::vector<double>{0.025, 0.5}) == std::vector<bool>{true, false});  // 0.05 x 1 / 2
-  CHECK(discoveries(std::vector<double>{0.0251, 0.5}) == std::vector<bool>{false, false});
-  CHECK(discoveries(std::vector<double>{0.05, 0.05}) == std::vector<bool>{true, true});
-  CHECK(discoveries(std::vector<double>{0.0, 1.0}) == std::vector<bool>{true, false});
-  CHECK(discoveries(std::vector<double>{0.2, 0.1}, 0.2) == std::vector<bool>{true, true});
-  CHECK(discoveries(std::vector<double>{0.3, 0.11}, 0.2) == std::vector<bool>{false, false});
 }

@@ -68,10 +68,10 @@ TEST_CASE("EWMA chart: the probability in sixty runs lies between that of one an
 TEST_CASE("of eight runs' baselines a step of two deviations is found in 80 % at today's 4.6 % of false alarms") {
   std::mt19937_64 random(20261123);
   std::normal_distribution<double> normal;
-  constexpr int kHistories = 12000;
+  constexpr int kDrawnHistories = 12000;
   const auto alarms = [&](double step) {
     int found = 0;
-    for (int history = 0; history < kHistories; ++history) {
+    for (int history = 0; history < kDrawnHistories; ++history) {
       std::array<double, 8> start_up{};
       for (double& value : start_up) value = normal(random);
       EwmaChart chart = *EwmaChart::begin(start_up);
@@ -82,7 +82,7 @@ TEST_CASE("of eight runs' baselines a step of two deviations is found in 80 % at
       }
       found += chart_probability(largest, 8) <= 0.042 ? 1 : 0;
     }
-    return 100.0 * found / kHistories;
+    return 100.0 * found / kDrawnHistories;
   };
   const double sound = alarms(0.0), shifted = alarms(2.0);
   CHECK(sound <= 4.6);
@@ -141,5 +141,10 @@ TEST_CASE("Benjamini and Hochberg: their own example, and edges") {
   CHECK(discoveries(std::array{0.9, 0.04, 0.02}) == std::vector<bool>{false, false, false});
   CHECK(discoveries(std::array{0.9, 0.033, 0.02}) == std::vector<bool>{false, true, true});  // up to the largest k
   CHECK(discoveries(std::array{0.05}) == std::vector<bool>{true});
+  CHECK(discoveries(std::array{0.05, 0.05}) == std::vector<bool>{true, true});
+  CHECK(discoveries(std::array{0.025, 0.5}) == std::vector<bool>{true, false});  // 0.05 x 1 / 2
+  CHECK(discoveries(std::array{0.0251, 0.5}) == std::vector<bool>{false, false});
+  CHECK(discoveries(std::array{0.2, 0.1}, 0.2) == std::vector<bool>{true, true});
+  CHECK(discoveries(std::array{0.3, 0.11}, 0.2) == std::vector<bool>{false, false});
   CHECK(discoveries({}).empty());
 }

@@ -13,10 +13,10 @@ using namespace tactbench::analysis;
 TEST_CASE("false alarms over sixty runs are as often as the charts' probabilities say") {
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal;
-  constexpr int kHistories = 40000;
+  constexpr int kDrawnHistories = 40000;
   for (const int n : {8, 11, 20, 45, 400}) {
     std::vector<double> largest;
-    for (int history = 0; history < kHistories; ++history) {
+    for (int history = 0; history < kDrawnHistories; ++history) {
       std::vector<double> start_up(static_cast<std::size_t>(n));
       for (double& value : start_up) value = normal(random);
       EwmaChart chart = *EwmaChart::begin(start_up);
@@ -32,8 +32,8 @@ TEST_CASE("false alarms over sixty runs are as often as the charts' probabilitie
           static_cast<double>(std::ranges::count_if(largest, [&](double own) { return own <= probability; }));
       INFO(n << " " << probability);
       // Four standard errors of the draws, and 2 % for the interpolation.
-      const double error = std::sqrt(probability * (1.0 - probability) / kHistories);
-      CHECK(below / kHistories == Approx(probability).margin(4.0 * error + 0.02 * probability));
+      const double error = std::sqrt(probability * (1.0 - probability) / kDrawnHistories);
+      CHECK(below / kDrawnHistories == Approx(probability).margin(4.0 * error + 0.02 * probability));
     }
   }
 }

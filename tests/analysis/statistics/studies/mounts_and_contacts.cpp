@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "analysis/statistics/numbers/moments.h"
 #include "analysis/statistics/studies/contact_results.h"
@@ -90,27 +91,6 @@ TEST_CASE(
   CHECK(levels_found({0.99, 10}, 0.99).s_share == Approx(std::sqrt(0.005)));
 }
 
-TEST_CASE("force, centre, moments and area of a block of pressure") {
-  const ArrayGeometry geometry{2.0, 3.0};  // mm, mm^2
-  std::vector<double> pressure(6 * 8, 0.0);
-  for (const int row : {1, 2})
-    for (const int column : {5, 6}) pressure[static_cast<std::size_t>(row * 8 + column)] = 20.0;
-  pressure[0] = 1.0;  // below 10 % of the peak: no contact
-  pressure[47] = kNan;
-  const ContactFigures f = contact_figures(pressure, 6, 8, geometry);
-  const double newton = 3.0 * kNewtonPerPsiMm2;
-  CHECK(f.force_n == Approx(81.0 * newton).epsilon(1e-12));
-  CHECK(f.area_mm2 == Approx(12.0));
-  CHECK(f.threshold_psi == Approx(2.0));
-  // Block's centre (column 5.5, row 1.5) at (4, -2) mm; the odd taxel pulls at nothing.
-  CHECK(f.x_mm == Approx(4.0).epsilon(1e-12));
-  CHECK(f.y_mm == Approx(-2.0).epsilon(1e-12));
-  CHECK(f.moment_x_nmm == Approx(80.0 * newton * -2.0).epsilon(1e-12));
-  CHECK(f.moment_y_nmm == Approx(-80.0 * newton * 4.0).epsilon(1e-12));
-  CHECK(std::isnan(contact_figures(std::vector<double>(48, 0.0), 6, 8, geometry).x_mm));
-  CHECK_THROWS_AS(contact_figures(pressure, 6, 7, geometry), std::invalid_argument);
-}
-
 TEST_CASE("contacts at their threshold: a tenth of the peak or half a psi, the taxel at it included") {
   const ArrayGeometry geometry{2.0, 1.0 / kNewtonPerPsiMm2};  // 1 psi on a taxel is 1 N
   const ContactFigures ten = contact_figures(std::vector<double>{20, 2, 1.99, -1}, 1, 4, geometry);
@@ -128,6 +108,7 @@ TEST_CASE("contacts at their threshold: a tenth of the peak or half a psi, the t
   const ContactFigures none = contact_figures(std::vector<double>{0.4, 0.3, -9.0}, 3, 1, geometry);
   CHECK((std::isnan(none.x_mm) && std::isnan(none.y_mm)));
   CHECK(none.area_mm2 == 0.0);
+  CHECK_THROWS_AS(contact_figures(std::vector<double>(4, 1.0), 1, 3, geometry), std::invalid_argument);
   const double infinite = std::numeric_limits<double>::infinity();
   CHECK(contact_figures(std::vector<double>{infinite, 3.0, kNan}, 1, 3, geometry).force_n == Approx(3.0));
 }

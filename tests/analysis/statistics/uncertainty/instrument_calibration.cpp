@@ -1,6 +1,7 @@
 // Certificates and dates, and which of them take precedence: known answers.
 #include "analysis/statistics/uncertainty/instrument_calibration.h"
 
+#include <array>
 #include <catch2/catch.hpp>
 
 #include "analysis/statistics/conformity/verdict.h"
@@ -148,31 +149,28 @@ TEST_CASE("the reference's drift follows the same dates") {
 }
 
 TEST_CASE("what rests on an overdue reference is inconclusive, what does not is judged") {
-  std::vector<db::VerdictRecord> verdicts;
-  for (const char* criterion : {"mean_compensation_error", "worst_taxel_error", "distance_of_mean", "unfit_taxels"}) {
-    db::VerdictRecord verdict;
-    verdict.run = 2;
-    verdict.criterion = criterion;
-    verdict.verdict = criterion[0] == 'w' ? "fail" : "pass";
-    verdicts.push_back(verdict);
-  }
-  const auto words = [](const std::vector<db::VerdictRecord>& of) {
-    std::vector<std::string> out;
-    for (const db::VerdictRecord& verdict : of) out.push_back(verdict.verdict);
-    return out;
+  const auto withheld = [](const std::string& judged, std::int64_t run, bool overdue) {
+    std::vector<db::VerdictRecord> verdicts(4);
+    for (std::size_t i = 0; i < 4; ++i) {
+      verdicts[i].run = 2;
+      verdicts[i].criterion =
+          std::array{"mean_compensation_error", "worst_taxel_error", "distance_of_mean", "unfit_taxels"}[i];
+      verdicts[i].verdict = judged;
+    }
+    ReferenceUncertainty reference;
+    reference.overdue = overdue;
+    withhold_overdue(verdicts, run, reference);
+    std::vector<std::string> words;
+    for (const db::VerdictRecord& verdict : verdicts) words.push_back(verdict.verdict);
+    return words;
   };
-  const std::vector<std::string> judged = words(verdicts);
-  ReferenceUncertainty reference;
-  withhold_overdue(verdicts, 2, reference);
-  CHECK(words(verdicts) == judged);
-  reference.overdue = true;
-  withhold_overdue(verdicts, 1, reference);  // of another run
-  CHECK(words(verdicts) == judged);
-  withhold_overdue(verdicts, 2, reference);
-  CHECK(words(verdicts) == std::vector<std::string>{"inconclusive", "inconclusive", "pass", "pass"});
-  for (db::VerdictRecord& verdict : verdicts) verdict.verdict = "report only";
-  withhold_overdue(verdicts, 2, reference);
-  CHECK(words(verdicts) == std::vector<std::string>(4, "report only"));
+  using Words = std::vector<std::string>;
+  for (const char* judged : {"pass", "fail"}) {
+    CHECK(withheld(judged, 2, true) == Words{"inconclusive", "inconclusive", judged, judged});
+    CHECK(withheld(judged, 2, false) == Words(4, judged));
+    CHECK(withheld(judged, 1, true) == Words(4, judged));  // of another run
+  }
+  CHECK(withheld("report only", 2, true) == Words(4, "report only"));
 }
 
 TEST_CASE("the scanner is the one that answered, else the one registered then, else now") {

@@ -59,6 +59,7 @@ TEST_CASE("changes, coefficients and their uncertainties by hand: five levels, t
   CHECK(effect.change[1].zero_v == Approx(0.3));
   CHECK(effect.per_kelvin.share == Approx(0.004));
   CHECK(effect.per_kelvin.zero_v == Approx(0.06));
+  CHECK_THAT(effect.in_words(), Catch::Contains("+0.4000") && Catch::Contains("+60.000"));  // %, mV
   // The taxels' own slopes: 0.6 and 0.2 % a kelvin, 80 and 40 mV a kelvin.
   CHECK(effect.deviation.share == Approx(0.004 / std::sqrt(2.0)));
   CHECK(effect.deviation.zero_v == Approx(0.04 / std::sqrt(2.0)));
