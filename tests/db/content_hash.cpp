@@ -27,19 +27,6 @@ TEST_CASE("SHA-256 gives the known answers of FIPS 180") {
         "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
 }
 
-TEST_CASE("the stored hash equals the one recomputed from the rows, by another store object too") {
-  const TemporaryFolder folder;
-  std::int64_t run = 0;
-  {
-    RunStore store = RunStore::open(folder.path("runs.db"));
-    run = store_example(store);
-    CHECK(store.run(run).content_sha256.size() == 64);
-    CHECK(store.run(run).content_sha256 == store.content_hash(run));
-  }
-  const RunStore reader = RunStore::open_read_only(folder.path("runs.db"));
-  CHECK(reader.run(run).content_sha256 == reader.content_hash(run));
-}
-
 TEST_CASE("a run continued by another process has the hash of one written in one go") {
   const TemporaryFolder folder;
   const auto half = [&](bool reopen) {

@@ -47,17 +47,6 @@ TEST_CASE("a run under the turned clock does not lengthen the log") {
   CHECK(std::filesystem::file_size(folder.path("runs.db-wal")) < 400'000);
 }
 
-TEST_CASE("a log that is long enough is left alone") {
-  const TemporaryFolder folder;
-  const std::string path = folder.path("runs.db");
-  RunStore store = RunStore::open(path, Durability::kFull);
-  begin_example(store);
-  const std::uintmax_t length = std::filesystem::file_size(path + "-wal");
-  const std::int64_t run = store.begin_run(example_run());
-  CHECK(std::filesystem::file_size(path + "-wal") == length);
-  CHECK(store.run(run).sequences.size() == 2);
-}
-
 TEST_CASE("a store without a log waits for who reads it, and then has its log") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");

@@ -49,21 +49,14 @@ TEST_CASE("a database of another program is refused and left as it was") {
 
 TEST_CASE("a file that is not a database is refused") {
   const TemporaryFolder folder;
-  write_file(folder.path("runs.db"), std::string(5000, 'x'));
-  check_opening(folder, "TB-STORE-OPEN");
-  write_file(folder.path("runs.db"), "short");
-  check_opening(folder, "TB-STORE-OPEN");
-  write_file(folder.path("runs.db"), "x");
-  check_opening(folder, "TB-STORE-OPEN");
-  // A valid header but for its last byte, and one over random bytes
-  write_file(folder.path("good.db"), "");
   RunStore::open(folder.path("good.db"));
-  write_file(folder.path("runs.db"), read_file(folder.path("good.db")).substr(0, 99));
-  check_opening(folder, "TB-STORE-OPEN");
-  write_file(folder.path("runs.db"), read_file(folder.path("good.db")).substr(0, 100));
-  check_opening(folder, "TB-STORE-OPEN");
-  write_file(folder.path("runs.db"), read_file(folder.path("good.db")).substr(0, 100) + std::string(8092, 'x'));
-  check_opening(folder, "TB-STORE-OPEN");
+  const std::string good = read_file(folder.path("good.db"));
+  // The last two: a valid header but for its last byte, alone, and over other bytes.
+  for (const std::string& text : {std::string(5000, 'x'), std::string("short"), std::string("x"), good.substr(0, 99),
+                                  good.substr(0, 100), good.substr(0, 100) + std::string(8092, 'x')}) {
+    write_file(folder.path("runs.db"), text);
+    check_opening(folder, "TB-STORE-OPEN");
+  }
 }
 
 TEST_CASE("a missing folder, a folder for a file and no name are refused with a remedy") {

@@ -44,7 +44,7 @@ TEST_CASE("an open run has no hash of its end, and its frames are checked") {
   CHECK_THAT(named_after(3, false, "UPDATE frames SET status = 7 WHERE frame % 10 = 3"),
              Contains("frame 3 ") && Contains("its row"));
   CHECK_THAT(named_after(3, false, "UPDATE frames SET chain = zeroblob(32) WHERE frame % 10 = 2"),
-             Contains("the link kept with frame 2 "));
+             Contains("link") && Contains("frame 2 "));
   CHECK_THAT(named_after(3, false, "UPDATE runs SET content_sha256 = 'x'"), Contains("stored hash itself"));
   // An event of an open run may still come.
   CHECK(named_after(3, false, "INSERT INTO events (run, time_ns, kind, id, detail) VALUES (1, 1, '', '', '')").empty());
@@ -59,7 +59,7 @@ TEST_CASE("of several changes the first is named") {
              Contains("frame 2 is missing"));
   CHECK_THAT(named_after(5, true, "DELETE FROM frames WHERE frame % 10 < 3"), Contains("frame 1 is missing"));
   CHECK_THAT(named_after(5, true, "UPDATE frames SET chain = zeroblob(32) WHERE frame % 10 = 1"),
-             Contains("the link kept with frame 1 "));
+             Contains("link") && Contains("frame 1 "));
   CHECK_THAT(named_after(5, true, "UPDATE frames SET status = 7 WHERE frame % 10 IN (3, 5)"),
              Contains("frame 3 ") && Contains("its row"));
 }

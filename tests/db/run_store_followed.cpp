@@ -21,15 +21,6 @@ std::int64_t seeded(RunStore& store, std::int64_t seed, const std::string& origi
 
 }  // namespace
 
-TEST_CASE("a repetition is named by the earlier run, in whatever order they are asked for") {
-  NewStore store;
-  const std::int64_t first = seeded(store, 1), second = seeded(store, 1), third = seeded(store, 1);
-  using Repeated = std::map<std::int64_t, std::int64_t>;
-  CHECK(store.repeated_runs("rig", {third, first, second}) == Repeated{{second, first}, {third, first}});
-  CHECK(store.repeated_runs("rig", {third, second}) == Repeated{{third, second}});
-  CHECK(store.repeated_runs("rig", {}).empty());
-}
-
 TEST_CASE("runs without figures or without an end are not repetitions of each other") {
   NewStore store;
   const std::int64_t one = seeded(store, 1), two = seeded(store, 2);
@@ -79,36 +70,14 @@ TEST_CASE("a report names the one that it replaces and why, the first names none
   CHECK(approved("1-b", "1-a", std::string(db::kLongestText + 1, 'x')) == "TB-STORE-TOO-LONG");
   CHECK(approved("1-b", "1-a", "customer's name corrected").empty());
   CHECK(approved("1-a", "1-b", "why") == "TB-STORE-CONFLICT");
+  CHECK(approved("1-c", "1-a", "replaced already") == "TB-STORE-CONFLICT");
+  for (const char* nobody : {"", " \t"})
+    CHECK(store_error([&] { store.add_report({run, "1-c", "c", nobody, kUtc, "1-b", "why"}); }) == "TB-STORE-BLANK");
   REQUIRE(store.reports(run).size() == 2);
   const db::ReportRecord last = store.reports(run).back();
   CHECK((last.run == run && last.number == "1-b" && last.content_sha256 == "c" && last.approved_by == "K. Lee"));
   CHECK((last.approved_utc == kUtc && last.replaces == "1-a"));
   CHECK((last.reason == "customer's name corrected" && store.reports(run).front().reason.empty()));
-  CHECK(store.check_seals(run).empty());
-}
-
-TEST_CASE("a tag may have 64 characters, and any of the signs that tags may have") {
-  NewStore store;
-  const std::int64_t run = store_example(store);
-  const std::vector<std::string> good = {std::string(64, 'x'), "AZaz09._:/+-"};
-  store.set_tags(run, good, {});
-  CHECK(store.run(run).tags == std::vector<std::string>{"AZaz09._:/+-", std::string(64, 'x')});
-  for (const char* sign : {"@", "[", "`", "{", "/*", ";", " ", "\t", ","}) {
-    CAPTURE(sign);
-    CHECK(store_error([&] { store.set_tags(run, {sign}, {}); }) == "TB-STORE-TAG");
-    CHECK(store_error([&] { store.set_tags(run, {}, {sign}); }) == "TB-STORE-TAG");
-  }
-  store.set_tags(run, {}, good);
-  CHECK(store.run(run).tags.empty());
-}
-
-TEST_CASE("a run is void with a reason, a name and a date") {
-  NewStore store;
-  const std::int64_t run = store_example(store);
-  CHECK(store_error([&] { store.void_run(run, "why", "me", ""); }) == "TB-STORE-CONFLICT");
-  CHECK_FALSE(store.run(run).is_void());
-  store.void_run(run, std::string(db::kLongestText, 'w'), std::string(db::kLongestName, 'm'), kUtc);
-  CHECK(store.run(run).is_void());
   CHECK(store.check_seals(run).empty());
 }
 
@@ -145,12 +114,23 @@ TEST_CASE("tags are a sorted set of words") {
   store.set_tags(run, {"lot=A8"}, {"order=5"});  // a key has one value
   CHECK(store.run(run).tags == Words{"a:b", "lot=A8", "new"});
   store.set_tags(run, {}, {"lot=A8"});
-  for (const char* wrong : {"", "two words", "x\n", "ä", "a,b", "=x", "x=", "x=y=z"}) {
+  CHECK(store.run(run).tags == Words{"a:b", "new"});
+  for (const char* wrong :
+       {"", "two words", "x\n", "ä", "a,b", "=x", "x=", "x=y=z", "@", "[", "`", "{", "/*", ";", " ", "\t", ","}) {
+    CAPTURE(wrong);
     CHECK(store_error([&] { store.set_tags(run, {wrong}, {}); }) == "TB-STORE-TAG");
+    CHECK(store_error([&] { store.set_tags(run, {}, {wrong}); }) == "TB-STORE-TAG");
   }
   CHECK(store_error([&] { store.set_tags(run, {std::string(65, 'x')}, {}); }) == "TB-STORE-TAG");
   CHECK(store_error([&] { store.set_tags(99, {"a"}, {}); }) == "TB-STORE-NOT-FOUND");
   CHECK(store.run(run).tags == Words{"a:b", "new"});
+  store.set_tags(run, {std::string(64, 'x'), "AZaz09._:/+-"}, {"a:b", "new"});
+  CHECK(store.run(run).tags == Words{"AZaz09._:/+-", std::string(64, 'x')});
+  // A key is the whole word before the sign, and has one value.
+  store.set_tags(other, {"lot=A", "lots=B", "lo=C", "lot", "a=b"}, {});
+  store.set_tags(other, {"lot=D"}, {});
+  store.set_tags(other, {"lot"}, {"a=c"});
+  CHECK(store.run(other).tags == Words{"a=b", "lo=C", "lot", "lot=D", "lots=B"});
   CHECK(store.check_content(run).holds());
 }
 
@@ -172,12 +152,15 @@ TEST_CASE("a void run is kept with reason and name, and is not a reference for l
   REQUIRE(store.last_check("S-1", "seating", "pass", run + 1));
   CHECK(store_error([&] { store.void_run(run, " ", "me", "2026-01-01T00:00:00Z"); }) == "TB-STORE-BLANK");
   CHECK(store_error([&] { store.void_run(run, "why", "", "2026-01-01T00:00:00Z"); }) == "TB-STORE-BLANK");
+  CHECK(store_error([&] { store.void_run(run, "why", "me", ""); }) == "TB-STORE-CONFLICT");
+  CHECK_FALSE(store.run(run).is_void());
   store.void_run(run, "gauge was closed", "N. Nobody", "2026-01-01T00:00:00Z");
   const db::RunRecord record = store.run(run);
   CHECK((record.is_void() && record.void_reason == "gauge was closed" && record.void_by == "N. Nobody"));
   CHECK(store.frame_count(run) == 3);
   CHECK(store.check_content(run).holds());
   CHECK_FALSE(store.last_check("S-1", "seating", "pass", run + 1));
+  CHECK(store.check_seals(run).empty());
   CHECK(store_error([&] { store.void_run(run, "again", "me", "2026-01-02T00:00:00Z"); }) == "TB-STORE-CONFLICT");
   const std::int64_t open = store.begin_run(example_run());
   CHECK(store_error([&] { store.void_run(open, "why", "me", "2026-01-01T00:00:00Z"); }) == "TB-STORE-CONFLICT");

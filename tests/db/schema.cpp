@@ -136,7 +136,7 @@ TEST_CASE("a made-up schema 2: the store is copied, migrated with its rows and h
   CHECK(read_file(path) == before);
 }
 
-TEST_CASE("a migration that fails, or a store that is not of this program's schema, leaves the file as it was") {
+TEST_CASE("a migration that fails, or a store of another schema, leaves the file as it was") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
   {

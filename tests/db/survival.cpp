@@ -38,11 +38,12 @@ TEST_CASE("a run whose process dies keeps every acknowledged frame and becomes i
             return 9;
           }) == 9);
   RunStore store = RunStore::open(path);
-  store_example(store);  // a run that ended stays as it is
-  CHECK(store.frame_count(1) == 40);
   CHECK(store.run(1).outcome == db::Outcome::kIncomplete);
-  CHECK(store.run(1).state == "running");
-  CHECK(store.mark_interrupted("2024-05-01T11:00:00Z") == 1);
+  store_example(store);  // a run that ended stays as it is
+  const std::int64_t prepared = begin_example(store).run;
+  store.append_event(prepared, {41, "note", "", ""});
+  CHECK(store.frame_count(1) == 40);
+  CHECK(store.mark_interrupted("2024-05-01T11:00:00Z") == 2);
   const db::RunRecord run = store.run(1);
   CHECK(run.outcome == db::Outcome::kInterrupted);
   CHECK(run.state == "ended");
@@ -52,6 +53,9 @@ TEST_CASE("a run whose process dies keeps every acknowledged frame and becomes i
   CHECK(run.content_sha256 == store.content_hash(1));
   const db::EventRecord event = store.events(1).back();
   CHECK((event.kind == "state" && event.id == "TB-RUN-INTERRUPTED"));
+  CHECK_THAT(event.detail, Catch::StartsWith("running -> ended"));
+  CHECK_THAT(store.events(prepared).back().detail, Catch::StartsWith("prepared -> ended"));
+  CHECK(store.events(prepared).back().time_ns == 41);
   CHECK(event.time_ns == example_frame(1, 39).time_ns);  // the last known time of the run
   CHECK(store.run(2).outcome == db::Outcome::kCompleted);
   CHECK(store.mark_interrupted("2024-05-01T12:00:00Z") == 0);

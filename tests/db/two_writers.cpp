@@ -130,17 +130,6 @@ TEST_CASE("a run that was changed since it ended is not resumed, since its next 
   CHECK_FALSE(store.check_content(begun.run).holds());
 }
 
-TEST_CASE("of two approvals that replace the same report the second is refused") {
-  NewStore store;
-  const std::int64_t run = store_example(store);
-  store.add_report({run, "1-a", "a", "K. Lee", kUtc, "", ""});
-  store.add_report({run, "1-b", "b", "K. Lee", kUtc, "1-a", "serial corrected"});
-  CHECK(store_error([&] {
-          store.add_report({run, "1-c", "c", "M. Ito", kUtc, "1-a", "cable corrected"});
-        }) == "TB-STORE-CONFLICT");
-  CHECK(store.reports(run).size() == 2);
-}
-
 namespace {
 
 // Makes the tables of a store just before another connection, `watched`, lists what there is in the same file.

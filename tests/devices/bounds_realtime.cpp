@@ -11,6 +11,7 @@
 #include "devices/tactile/simulated_frame_source.h"
 #include "devices/wire/packet_link.h"
 #include "devices/wire/stream_link.h"
+#include "tests/devices/full_queue.h"
 #include "tests/devices/scripted_server.h"
 #include "tests/devices/test_chamber.h"
 
@@ -138,30 +139,16 @@ TEST_CASE("bounds: a module that trickles its answer cannot stretch the response
 }
 
 TEST_CASE("bounds: connecting to a host that does not answer ends with the response timeout") {
-  // A listener whose queue is full drops further connections, as an absent host does.
-  const int listener = ::socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  REQUIRE(::bind(listener, reinterpret_cast<const sockaddr*>(&address), size) == 0);
-  REQUIRE(::listen(listener, 0) == 0);
-  REQUIRE(::getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size) == 0);
-  std::vector<int> crowd;
-  for (int i = 0; i < 4; ++i) {
-    crowd.push_back(::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK, 0));
-    (void)::connect(crowd.back(), reinterpret_cast<const sockaddr*>(&address), sizeof address);
-  }
+  FullQueue queue;
+  queue.fill();
   TurnedClock clock;
-  ModbusLink link({"127.0.0.1", ntohs(address.sin_port), 1, kTimeout}, "module", clock);
+  ModbusLink link({"127.0.0.1", queue.port(), 1, kTimeout}, "module", clock);
   std::uint16_t value = 0;
   const auto took = time_of(
       [&] { CHECK(fault_id_of([&] { link.read_input_registers(0, std::span(&value, 1)); }) == "TB-MODBUS-TIMEOUT"); });
   CHECK(took >= kTimeout);
   CHECK(took < kBound);
   CHECK(clock.now() == kTimeout);
-  for (const int socket : crowd) ::close(socket);
-  ::close(listener);
 }
 
 TEST_CASE("bounds: a silent scanner holds a scan for its frame timeout, and simulated ends stop at once") {

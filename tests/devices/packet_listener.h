@@ -12,13 +12,19 @@
 
 namespace tactbench::devices {
 
+// A local socket of this type that is bound at the path.
+inline int bound_at(const std::string& path, int type) {
+  const int socket = ::socket(AF_UNIX, type | SOCK_CLOEXEC, 0);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::copy(path.begin(), path.end(), address.sun_path);
+  REQUIRE(::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+  return socket;
+}
+
 class PacketListener {
  public:
-  explicit PacketListener(const std::string& path) : socket_(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0)) {
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    std::copy(path.begin(), path.end(), address.sun_path);
-    REQUIRE(::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+  explicit PacketListener(const std::string& path) : socket_(bound_at(path, SOCK_SEQPACKET)) {
     REQUIRE(::listen(socket_, 8) == 0);
   }
   ~PacketListener() { close(); }

@@ -42,11 +42,8 @@ TEST_CASE("clock: a turned clock moves only when turned and never back") {
   CHECK(clock.now() == 2500ms);
 }
 
-TEST_CASE("clock: a steady clock has passed the time waited for") {
+TEST_CASE("clock: a reply that was lost does not move a steady clock") {
   SteadyClock clock;
-  const auto aim = clock.now() + 1ms;
-  clock.wait_until(aim);
-  CHECK(clock.now() >= aim);
   const auto before = clock.now();
   clock.reply_lost(1h);  // real waiting has already moved it
   CHECK(clock.now() - before < 30min);

@@ -122,10 +122,7 @@ TEST_CASE("the way back has the recipe's own cycles, even a single one") {
 }
 
 TEST_CASE("the way back of a press recipe is its own") {
-  const Recipe press = parse_recipe(
-      TomlDocument::from_text("schema = 1\nname = \"t\"\nkind = \"press\"\n[press]\nobject = \"ring\"\nforces_n = [1]\n"
-                              "positions_mm = [[1, 1]]\n",
-                              "p.toml"));
+  const Recipe press = press_of("forces_n = [1]\npositions_mm = [[1, 1]]\n");
   CHECK(way_back(press, 0, 0, 0).front().kind == StepKind::kRetract);
   CHECK(way_back(recipe_of(kUpAndDown), 0, 0, 0).front().kind == StepKind::kConditioning);
 }
@@ -188,9 +185,7 @@ constexpr auto kGoHome = StepKind::kHome, kBias = StepKind::kTare, kGo = StepKin
                kLoad = StepKind::kPress, kAway = StepKind::kRetract;
 
 Recipe presses(const std::string& press, const std::string& root) {
-  return parse_recipe(TomlDocument::from_text(
-      "schema = 1\nname = \"t\"\nkind = \"press\"\n" + root + "[press]\nobject = \"ring\"\nhold = \"force\"\n" + press,
-      "press.toml"));
+  return press_of("hold = \"force\"\n" + press, root);
 }
 
 }  // namespace
@@ -221,6 +216,10 @@ TEST_CASE("a press recipe becomes these steps, field by field") {
   }
   wanted.push_back({kBias, 1, 3, 6, 0, 0});
   check_touches(compile(recipe, 2), wanted, {1.0, 3.0});
+  Recipe untared = recipe;
+  untared.press.tare = false;
+  std::erase_if(wanted, [](const Touch& touch) { return touch.kind == kBias; });
+  check_touches(compile(untared, 2), wanted, {1.0, 3.0});
 }
 
 TEST_CASE("the way back to a falling branch of a press, field by field") {

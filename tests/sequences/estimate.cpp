@@ -23,12 +23,8 @@ TimeModel slow_bench() {
   return model;
 }
 
-Recipe touch(const std::string& root = {}, const std::string& press = {}) {
-  return parse_recipe(TomlDocument::from_text("schema = 1\nname = \"t\"\nkind = \"press\"\ndwell_s = 3\n" + root +
-                                                  "[press]\nobject = \"ring\"\nforces_n = [2, 6]\ncontact_n = 0.5\n"
-                                                  "positions_mm = [[1, 1]]\n" +
-                                                  press,
-                                              "p.toml"));
+Recipe touch(const std::string& press = {}) {
+  return press_of("forces_n = [2, 6]\ncontact_n = 0.5\npositions_mm = [[1, 1]]\n" + press, "dwell_s = 3\n");
 }
 
 void check_times(const std::vector<StepTime>& times, const std::vector<StepTime>& wanted) {
@@ -94,7 +90,7 @@ TEST_CASE("cycles that a criterion may leave out are not in the shortest time") 
 TEST_CASE("a contact twice as stiff under a servo twice as fast takes a quarter of the time") {
   TimeModel stiff = slow_bench();
   stiff.stiffness_n_per_mm = 40.0;
-  const std::vector<Recipe> recipes = {touch({}, "servo_mm_per_s = 0.1\n")};
+  const std::vector<Recipe> recipes = {touch("servo_mm_per_s = 0.1\n")};
   const std::vector<StepTime> times = step_times(recipes, compile(recipes), stiff);
   check_times({times.begin() + 5, times.begin() + 6}, {{3.75, 4.25, 5.25}});  // from 2 to 6 N: 1 s instead of 4 s
 }

@@ -36,18 +36,6 @@ TEST_CASE("a suspension ends at its trip or past it, on the side it came from") 
   CHECK(!suspends("trip_below = 6\nresume_below = 7\n", "suspend[0].resume_above"));
 }
 
-TEST_CASE("suspensions keep their order and their own numbers") {
-  const auto rules =
-      recipe_of(kTwoLevels +
-                "[[suspend]]\nquantity = \"temperature_c\"\ntrip_above = 30\nresume_below = 28\nhold_s = 7\n"
-                "[[suspend]]\nquantity = \"supply_bar\"\ntrip_below = 6\nresume_above = 6.5\n")
-          .suspend;
-  REQUIRE(rules.size() == 2);
-  CHECK((rules[0].quantity == "temperature_c" && rules[0].trip == 30.0 && rules[0].resume == 28.0));
-  CHECK((rules[0].hold_s == 7.0 && rules[0].timeout_s == 3600.0 && !rules[0].below));
-  CHECK((rules[1].quantity == "supply_bar" && rules[1].below && rules[1].hold_s == 10.0));
-}
-
 TEST_CASE("by default a recipe has as many repeats as its longer list has values") {
   const auto repeats = [](const std::string& rest) { return recipe_of(kTwoLevels + rest).repeats; };
   CHECK(repeats("dwell_s = [1, 2, 3]\nramp_psi_per_s = 1\n") == 3);

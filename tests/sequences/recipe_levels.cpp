@@ -153,20 +153,6 @@ TEST_CASE("the paper's sequences have 211 and 451 frames a repeat and 3310 in al
   CHECK(extremes(compile(both)).lowest == Psi(0.0));
 }
 
-TEST_CASE("steps visit every level of every branch once, turning points exactly") {
-  const auto steps = compile(recipe_of("turning_points = [0, 6, 2, 6, 0]\nstep = 2\ndwell_s = 1\n"), 3);
-  std::vector<double> levels;
-  std::vector<int> branches;
-  for (const Step& step : steps) {
-    levels.push_back(step.setpoint.value());
-    branches.push_back(step.branch);
-    CHECK(step.ordinal == static_cast<int>(levels.size()) - 1);
-    CHECK(step.sequence == 3);
-  }
-  CHECK(levels == std::vector<double>{0, 2, 4, 6, 4, 2, 4, 6, 4, 2, 0});
-  CHECK(branches == std::vector<int>{0, 0, 0, 0, 1, 1, 2, 2, 3, 3, 3});
-}
-
 TEST_CASE("a ramp without stops names its rate and settles only at its start") {
   const auto steps =
       compile(recipe_of("turning_points = [0, 4, 0]\nstep = 2\nsettle = \"none\"\nramp_psi_per_s = [0.5, 8]\n"), 0);
@@ -272,28 +258,4 @@ TEST_CASE("random reversals lie on the grid, rise and fall in turn and are the s
   }
   CHECK(points(3, 0) == points(3, 0));
   CHECK(points(3, 0) != points(4, 0));
-  // Drawn without the library's distributions: the same on every machine.
-  const auto first = points(1, 0);
-  CHECK((first[3] == Psi(18) && first[4] == Psi(12)));
-}
-
-TEST_CASE("overrides replace values and are checked like the file") {
-  const Recipe once = read_recipe(kRecipes + "descending.toml", {{"repeats", "1"}, {"conditioning.cycles", "0"}});
-  CHECK(once.repeats == 1);
-  CHECK(once.conditioning.cycles == 0);
-  CHECK_THROWS_AS(read_recipe(kRecipes + "descending.toml", {{"repeat", "1"}}), FileError);
-  CHECK_THROWS_AS(read_recipe(kRecipes + "descending.toml", {{"name.x", "1"}}), FileError);
-  CHECK_THROWS_AS(read_recipe(kRecipes + "no-such.toml"), FileError);
-}
-
-TEST_CASE("a key of 200000 parts is refused, not recursed into") {
-  std::string key = "a";
-  for (int i = 0; i < 200'000; ++i) key += ".a";
-  try {
-    (void)TomlDocument::from_text("schema = 1\n" + key + " = 1\n", "deep.toml");
-    FAIL("accepted");
-  } catch (const FileError& error) {
-    CHECK(error.id() == "TB-FILE-SYNTAX");
-    CHECK(error.where() == "deep.toml:2");
-  }
 }

@@ -69,7 +69,7 @@ TEST_CASE("the error for too many steps names the key with the largest number") 
   CHECK(too_large(grid(501, 1, 1000, true), "2004001 steps") == "repeats");
 }
 
-TEST_CASE("a recipe may dwell for 366 days, all its frames, repeats and cycles counted") {
+TEST_CASE("dwells of 366 days are allowed, all frames, repeats and cycles counted") {
   const auto levels = [](int repeats, double dwell_s, const std::string& more = {}) {
     return sweep(2, repeats, 1, fmt::format("dwell_s = {}\n", dwell_s) + more);
   };

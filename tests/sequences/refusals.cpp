@@ -14,23 +14,27 @@ const std::string kValue = "TB-FILE-VALUE";
 
 void read_levels(const std::string& body) { (void)recipe_of(body); }
 
-// Lines 1 to 5 are those before `press`, which follows in [press].
-Recipe press_of_text(const std::string& press, const std::string& root = {}) {
-  return parse_recipe(TomlDocument::from_text(
-      "schema = 1\nname = \"t\"\nkind = \"press\"\n" + root + "[press]\nobject = \"ring\"\n" + press, "p.toml"));
-}
-
 }  // namespace
 
-TEST_CASE("refused: keys, texts and units that a recipe cannot have") {
-  check_refusals({{kSweep + "dwel_s = 2\n", "TB-FILE-KEY", "test.toml:6:10, dwel_s", "dwel_s"},
-                  {kSweep + "dwell_s = \"2 s\"\n", kValue, "test.toml:6:11, dwell_s"},
-                  {kSweep + "dwell_s = 2 s\n", "TB-FILE-SYNTAX", "test.toml:6:13"},
+TEST_CASE("refused: keys, texts, units and numbers that a recipe cannot have") {
+  check_refusals(
+      {{kSweep + "dwel_s = 2\n", "TB-FILE-KEY", "test.toml:6:10, dwel_s", "dwel_s"},
+       {kSweep + "dwell_s = \"2 s\"\n", kValue, "test.toml:6:11, dwell_s"},
+       {kSweep + "dwell_s = 2 s\n", "TB-FILE-SYNTAX", "test.toml:6:13"},
 
-                  {kSweep + "[guard]\ntolerance = 1\n", "TB-FILE-KEY", "test.toml:7:13, guard.tolerance", "tolerance"},
-                  {kSweep + "[guard]\non_broken = \"flags\"\n", kValue, "test.toml:7:13, guard.on_broken", "flag"},
-                  {"turning_points = [0, 4]\n", "TB-FILE-KEY", "step", "step"}},
-                 read_levels);
+       {kSweep + "[guard]\ntolerance = 1\n", "TB-FILE-KEY", "test.toml:7:13, guard.tolerance", "tolerance"},
+       {kSweep + "[guard]\non_broken = \"flags\"\n", kValue, "test.toml:7:13, guard.on_broken", "fail, flag"},
+       {"turning_points = [0, 4]\n", "TB-FILE-KEY", "step", "step"},
+       {"turning_points = [0, 4]\nstep = 0\n", kValue, "test.toml:5:8, step"},
+       {"turning_points = [0, nan]\nstep = 2\n", kValue, "test.toml:4:18, turning_points", " 2 "},
+       {kSweep + "ramp_psi_per_s = 1001\n", kValue, "test.toml:6:18, ramp_psi_per_s", "1001"},
+       {kSweep + "settle = \"none\"\n", kValue, "test.toml:1:1, ramp_psi_per_s"},
+       {kSweep + "[random]\nseed = 1\nreversals = 1\nlow = 0\nhigh = 8\n", kValue, "test.toml:6:1, random"},
+       {kSweep + "[conditioning]\ncycles = 1\n", "TB-FILE-KEY", "conditioning.peak"},
+       {kSweep + "repeats = 0\n", kValue, "test.toml:6:11, repeats", "from 1"},
+       {kSweep + "repeats = 1.5\n", kValue, "test.toml:6:11, repeats", "1.5"},
+       {kSweep + "dwell_s = [1, 2, 3]\nrepeats = 2\n", kValue, "test.toml:7:11, repeats", "3"}},
+      read_levels);
   check_refusal(
       [] {
         (void)parse_recipe(
@@ -39,67 +43,21 @@ TEST_CASE("refused: keys, texts and units that a recipe cannot have") {
       {"unit PSI", kValue, "u:3:6, unit", "psi"});
 }
 
-TEST_CASE("refused: a step or turning points that cannot be taken") {
-  check_refusals({{"turning_points = [0, 4]\nstep = 0\n", kValue, "test.toml:5:8, step"},
-                  {"turning_points = [4]\nstep = 2\n", kValue, "test.toml:4:18, turning_points"},
-                  {"turning_points = [4, -2]\nstep = 2\n", kValue, "test.toml:4:18, turning_points", " 2 "},
-                  {"turning_points = [0, nan]\nstep = 2\n", kValue, "test.toml:4:18, turning_points", " 2 "},
-                  {"turning_points = [0, 0]\nstep = 2\n", kValue, "test.toml:4:18, turning_points", "0 to 0"},
-                  {"turning_points = [4, 2, 5, 4]\nstep = 2\n", kValue, "test.toml:4:18, turning_points", "2 to 5"}},
-                 read_levels);
-}
-
-TEST_CASE("refused: random reversals that cannot be drawn") {
-  const std::string drawn = "step = 2\n[random]\nseed = 1\n";
-  check_refusals(
-      {{kSweep + "[random]\nseed = 1\nreversals = 1\nlow = 0\nhigh = 8\n", kValue, "test.toml:6:1, random"},
-       {drawn + "reversals = 4\nlow = 0\nhigh = 8\n", kValue, "test.toml:7:13, random.reversals", "4"},
-       {drawn + "reversals = 3\nlow = 1\nhigh = 8\n", kValue, "test.toml:8:7, random.low"},
-       {drawn + "reversals = 3\nlow = 0\nhigh = 9\n", kValue, "test.toml:9:8, random.high"},
-       {drawn + "reversals = 3\nlow = 6\nhigh = 8\n", kValue, "test.toml:9:8, random.high", "6 and 8"},
-       {drawn + "reversals = 3\nlow = 0\nhigh = 2000002\n", kValue, "test.toml:9:8, random.high", "1000001"}},
-      read_levels);
-}
-
-TEST_CASE("refused: dwells, ramps and frames that cannot be taken") {
-  const std::string passing = kSweep + "settle = \"none\"\n";
-  check_refusals({{kSweep + "dwell_s = [1, -1]\n", kValue, "test.toml:6:11, dwell_s", "0 to 86400"},
-                  {kSweep + "ramp_psi_per_s = 1001\n", kValue, "test.toml:6:18, ramp_psi_per_s", "1001"},
-                  {passing, kValue, "test.toml:1:1, ramp_psi_per_s"},
-                  {passing + "ramp_psi_per_s = 1\ndwell_s = 2\n", kValue, "test.toml:8:11, dwell_s", "0 to 0"},
-                  {passing + "ramp_psi_per_s = 1\nframes_per_level = 2\n", kValue, "test.toml:8:20, frames_per_level"}},
-                 read_levels);
-}
-
-TEST_CASE("refused: conditioning, repeats and suspensions that cannot be taken") {
-  const std::string suspend = kSweep + "[[suspend]]\nquantity = \"supply_bar\"\n";
-  check_refusals(
-      {{kSweep + "[conditioning]\ncycles = 1\n", "TB-FILE-KEY", "conditioning.peak"},
-       {kSweep + "[conditioning]\ncycles = 2\nleast = 3\npeak = 4\n", kValue, "test.toml:8:9, conditioning.least", "3"},
-       {kSweep + "[conditioning]\ncycles = 0\nleast = 101\n", kValue, "test.toml:8:9, conditioning.least", "0 to 100"},
-       {kSweep + "[conditioning]\ncycles = 0\npeak = -1\n", kValue, "test.toml:8:8, conditioning.peak"},
-       {kSweep + "[conditioning]\ncycles = 1\npeak = 0\n", kValue, "test.toml:8:8, conditioning.peak"},
-       {kSweep + "repeats = 0\n", kValue, "test.toml:6:11, repeats", "from 1"},
-       {kSweep + "repeats = 1.5\n", kValue, "test.toml:6:11, repeats", "1.5"},
-       {kSweep + "dwell_s = [1, 2, 3]\nrepeats = 2\n", kValue, "test.toml:7:11, repeats", "3"},
-       {suspend, kValue, "test.toml:7:12, suspend[0].quantity"},
-       {suspend + "trip_below = 6\nresume_above = 5.5\n", kValue, "test.toml:9:16, suspend[0].resume_above", "5.5"},
-       {suspend + "trip_above = 6\nresume_below = 7\n", kValue, "test.toml:9:16, suspend[0].resume_below", "7"}},
-      read_levels);
-}
-
 TEST_CASE("refused: a press that cannot be made") {
   const std::string at = "positions_mm = [[1, 1]]\n";
   check_refusals({{at + "forces_n = []\n", kValue, "p.toml:7:12, press.forces_n"},
                   {at + "forces_n = [0.1]\n", kValue, "p.toml:7:12, press.forces_n", "0.2 N"},
                   {at + "forces_n = [1, 3, 2]\n", kValue, "p.toml:7:12, press.forces_n", "force 3 "},
+                  {at + "forces_n = [1, 1.5, 1.5]\n", kValue, "press.forces_n", "1.5 N"},
+                  {at + "contact_n = 0.5\nforces_n = [0.5, 1]\n", kValue, "press.forces_n", "force 1 "},
                   {"forces_n = [2]\n", kValue, "p.toml:4:1, press.positions_mm"},
                   {"positions_mm = [[10]]\nforces_n = [2]\n", kValue, "p.toml:6:16, press.positions_mm", "element 1"},
                   {"positions_mm = [10, 2]\nforces_n = [2]\n", kValue, "p.toml:6:16, press.positions_mm", "element 1"},
                   {at + "forces_n = [2]\nsteps = 3\n", "TB-FILE-KEY", "p.toml:8:9, press.steps", "steps"},
-                  {at + "forces_n = [2]\nhold = \"forces\"\n", kValue, "p.toml:8:8, press.hold", "force"}},
-                 [](const std::string& body) { (void)press_of_text(body); });
-  check_refusal([&] { (void)press_of_text(at + "forces_n = [2]\n", "dwell_s = [1, 86401]\n"); },
+                  {at + "forces_n = [2]\nhold = \"forces\"\n", kValue, "p.toml:8:8, press.hold", "position, force"}},
+                 [](const std::string& body) { (void)press_of(body); });
+  CHECK_NOTHROW(press_of(at + "contact_n = 0.5\nforces_n = [0.5000001, 0.75]\n"));
+  check_refusal([&] { (void)press_of(at + "forces_n = [2]\n", "dwell_s = [1, 86401]\n"); },
                 {"a day and a second", kValue, "p.toml:4:11, dwell_s", "0 to 86400"});
   check_refusal(
       [] { (void)parse_recipe(TomlDocument::from_text("schema = 1\nname = \"t\"\nkind = \"press\"\n", "p.toml")); },
@@ -108,7 +66,7 @@ TEST_CASE("refused: a press that cannot be made") {
 
 TEST_CASE("refused: a grid that has no positions or too many") {
   const auto grid = [](const std::string& x, const std::string& y, const std::string& place, const std::string& fact) {
-    check_refusal([&] { (void)press_of_text("forces_n = [2]\n[press.grid]\nx = " + x + "\ny = " + y + "\n"); },
+    check_refusal([&] { (void)press_of("forces_n = [2]\n[press.grid]\nx = " + x + "\ny = " + y + "\n"); },
                   {x + " " + y, kValue, place, fact});
   };
   const std::string one = "[1, 1, 1]";
@@ -169,5 +127,5 @@ TEST_CASE("refused: an unknown key in every table") {
   check_refusals({{press + "[conditioning]\nwhatever = 1\n", "TB-FILE-KEY", "conditioning.whatever"},
                   {"forces_n = [20]\n[press.grid]\nx = [1, 1, 1]\ny = [1, 1, 1]\nwhatever = 1\n", "TB-FILE-KEY",
                    "press.grid.whatever"}},
-                 [](const std::string& body) { (void)press_of_text(body); });
+                 [](const std::string& body) { (void)press_of(body); });
 }

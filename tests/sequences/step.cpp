@@ -11,12 +11,8 @@ using tactbench::devices::Psi;
 
 namespace {
 
-Recipe two_touches(const std::string& more = {}) {
-  return parse_recipe(
-      TomlDocument::from_text("schema = 1\nname = \"t\"\nkind = \"press\"\n[press]\nobject = \"ring\"\n"
-                              "forces_n = [2, 6]\npositions_mm = [[30, 20], [10, 40], [20, 5]]\n" +
-                                  more,
-                              "p.toml"));
+Recipe three_touches(const std::string& more = {}) {
+  return press_of("forces_n = [2, 6]\npositions_mm = [[30, 20], [10, 40], [20, 5]]\n" + more);
 }
 
 struct Stretch {
@@ -58,7 +54,7 @@ TEST_CASE("each recipe of a run has spans of its own") {
 }
 
 TEST_CASE("the spans of a press are its branches, what conditions, and what is between") {
-  const auto steps = compile(two_touches("[conditioning]\ncycles = 2\n"), 0);
+  const auto steps = compile(three_touches("[conditioning]\ncycles = 2\n"), 0);
   // home, tare | move | 2 x (approach, press, retract) | approach | 2 up | 1 down | retract and so on.
   const auto travel = SpanKind::kTravel, conditioning = SpanKind::kConditioning, branch = SpanKind::kBranch;
   const auto spans = branches(steps);
@@ -69,7 +65,7 @@ TEST_CASE("the spans of a press are its branches, what conditions, and what is b
   for (const BranchSpan& span : spans) covered += span.count;
   CHECK(covered == steps.size());
   // retract, home, tare, move | a cycle | approach | up to the peak without frames: it conditions, too.
-  const Recipe once = two_touches("[conditioning]\ncycles = 1\n");
+  const Recipe once = three_touches("[conditioning]\ncycles = 1\n");
   check_stretches(branches(way_back(once, 0, 0, 1)),
                   {{travel, 0, 4}, {conditioning, 4, 3}, {travel, 7, 1}, {conditioning, 8, 2}});
 }
@@ -85,7 +81,7 @@ TEST_CASE("the extremes of steps, the lowest and the highest neither first nor l
       extremes(compile(recipe_of("turning_points = [4, 8]\nstep = 2\n[conditioning]\ncycles = 1\npeak = 9\n"), 0));
   CHECK((conditioned.lowest == Psi(0.0) && conditioned.highest == Psi(9.0)));
   CHECK(conditioned.fastest_ramp_psi_per_s == 0.0);
-  const Extremes touches = extremes(compile(two_touches(), 0));
+  const Extremes touches = extremes(compile(three_touches(), 0));
   CHECK((touches.presses && touches.moves && !touches.pressurizes && touches.largest_force_n == 6.0));
   CHECK((touches.lowest_x_mm == 10.0 && touches.highest_x_mm == 30.0));
   CHECK((touches.lowest_y_mm == 5.0 && touches.highest_y_mm == 40.0));

@@ -273,7 +273,7 @@ TEST_CASE("calibration refused: each number is a number, in its bounds") {
                    {"-0.25  0.5", "nan  0.5", "Axis Fx"}});
 }
 
-TEST_CASE("calibration refused: each part of the transform in its unit, and 0 where it is left out") {
+TEST_CASE("calibration refused: each part of the transform has its unit, and may be left out") {
   const std::string parts[2][3] = {{"Dx", "Dy", "Dz"}, {"Rx", "Ry", "Rz"}};
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t turned = 0; turned < 2; ++turned) {

@@ -122,7 +122,8 @@ TEST_CASE("simulated Net F/T: the bias is what was measured then, on each axis, 
   CHECK((record->rdt_sequence == 2 && record->counts[0] == 4 && record->ft_sequence == 2));
 }
 
-TEST_CASE("simulated Net F/T: an endless stream is numbered on, keeps its pace, and ends with the next start") {
+TEST_CASE(
+    "simulated Net F/T: an endless stream is numbered on, keeps its pace, and ends with a stop or the next start") {
   NetClient client(numbered, {}, 1000.0);
   const auto begin = std::chrono::steady_clock::now();
   client.send(RdtCommand::kStartRealtime);
@@ -148,6 +149,12 @@ TEST_CASE("simulated Net F/T: an endless stream is numbered on, keeps its pace, 
   const int asked = client.load.asked;
   client.expect_calm();
   CHECK(client.load.asked == asked + 1);  // nothing flows any more
+  client.send(RdtCommand::kStartRealtime);
+  REQUIRE(client.next());
+  client.send(RdtCommand::kStop);
+  std::array<std::uint8_t, 64> bytes{};
+  const auto end = std::chrono::steady_clock::now() + kPatient;
+  while (client.link.receive(bytes, 50ms) > 0) REQUIRE(std::chrono::steady_clock::now() < end);
 }
 
 TEST_CASE("simulated Net F/T: the pace of an endless stream is that of its page") {
@@ -180,49 +187,34 @@ TEST_CASE("simulated Net F/T: what was due during more than a second without pro
 }
 
 TEST_CASE("simulated Net F/T: faults of single records, the first or a later one") {
+  struct Came {
+    std::uint32_t sequence, sample, status = 0;
+  };
+  const auto check = [](const SimulatedNetFtFaults& faults, const std::vector<Came>& records) {
+    NetClient client(numbered, faults);
+    client.send(RdtCommand::kStartRealtime, 4);
+    for (const Came& one : records)
+      client.expect(one.sequence, one.sample, static_cast<int>(one.sequence) - 1, one.status);
+    client.expect_calm();
+  };
+  check({.drop_record = 0}, {{2, 2}, {3, 3}, {4, 4}});
+  check({.drop_record = 2}, {{1, 1}, {2, 2}, {4, 4}});
+  check({.late_record = 0}, {{2, 2}, {1, 1}, {3, 3}, {4, 4}});
+  check({.late_record = 2}, {{1, 1}, {2, 2}, {4, 4}, {3, 3}});
+  check({.late_record = 3}, {{1, 1}, {2, 2}, {3, 3}, {4, 4}});  // with none behind it, it comes in its place
+  check({.stall_from_record = 0}, {{1, 0}, {2, 0}, {3, 0}, {4, 0}});
+  check({.stall_from_record = 2}, {{1, 1}, {2, 2}, {3, 2}, {4, 2}});
+  check({.status_record = 0}, {{1, 1, 0x80020000U}, {2, 2}, {3, 3}, {4, 4}});
+  check({.status_record = 2}, {{1, 1}, {2, 2}, {3, 3, 0x80020000U}, {4, 4}});
+  check({.status_record = 1, .status_bits = 0x12345678}, {{1, 1}, {2, 2, 0x12345678}, {3, 3}, {4, 4}});
   for (const int at : {0, 2}) {
-    const auto sequence = static_cast<std::uint32_t>(at + 1);
-    {
-      NetClient client(numbered, {.drop_record = at});
-      client.send(RdtCommand::kStartRealtime, 4);
-      for (std::uint32_t i = 1; i <= 4; ++i) {
-        if (i != sequence) client.expect(i, i, static_cast<int>(i) - 1);
-      }
-      client.expect_calm();
-    }
-    {
-      NetClient client(numbered, {.late_record = at});
-      client.send(RdtCommand::kStartRealtime, 4);
-      for (const std::uint32_t i : at == 0 ? std::vector{2U, 1U, 3U, 4U} : std::vector{1U, 2U, 4U, 3U}) {
-        client.expect(i, i, static_cast<int>(i) - 1);
-      }
-    }
-    {
-      NetClient client(numbered, {.stall_from_record = at});
-      client.send(RdtCommand::kStartRealtime, 4);
-      for (std::uint32_t i = 1; i <= 4; ++i) client.expect(i, std::min(i, sequence - 1), static_cast<int>(i) - 1);
-    }
-    {
-      NetClient client(numbered, {.status_record = at});
-      client.send(RdtCommand::kStartRealtime, 4);
-      for (std::uint32_t i = 1; i <= 4; ++i) {
-        client.expect(i, i, static_cast<int>(i) - 1, i == sequence ? 0x80020000U : 0);
-      }
-    }
     NetClient client(numbered, {.silent_after_records = at});
     client.send(RdtCommand::kStartRealtime, 4);
-    for (std::uint32_t i = 1; i < sequence; ++i) client.expect(i, i, static_cast<int>(i) - 1);
+    for (int i = 1; i <= at; ++i) client.expect(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i), i - 1);
     while (client.load.asked < 4) std::this_thread::yield();
     std::array<std::uint8_t, 64> none{};
     CHECK(client.link.receive(none, 30ms) == 0);
   }
-  NetClient last(numbered, {.late_record = 3});  // with none behind it in its request, it comes in its place
-  last.send(RdtCommand::kStartRealtime, 4);
-  for (std::uint32_t i = 1; i <= 4; ++i) last.expect(i, i, static_cast<int>(i) - 1);
-  NetClient told(numbered, {.status_record = 1, .status_bits = 0x12345678});
-  told.send(RdtCommand::kStartRealtime, 2);
-  told.expect(1, 1, 0);
-  told.expect(2, 2, 1, 0x12345678);
 }
 
 TEST_CASE("simulated Net F/T: an injected fault holds for a request of up to 64 records") {

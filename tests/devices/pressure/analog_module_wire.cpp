@@ -29,12 +29,6 @@ struct ModuleRig {
     options.origin = Origin::kSimulated;
     return options;
   }
-  static TransducerOptions transducer() {
-    TransducerOptions options;
-    options.model = "transducer";
-    options.span.high = Psi(100.0);
-    return options;
-  }
 
   TurnedClock clock;
   TestChamber chamber{clock};
@@ -44,32 +38,6 @@ struct ModuleRig {
 };
 
 }  // namespace
-
-TEST_CASE("regulator: a command drives the output, feedback and reference come back") {
-  ModuleRig rig;
-  rig.regulator.arm();
-  const auto exchanges = rig.module.exchanges();
-  const auto counts = rig.regulator.command(Psi(60.0));
-  CHECK(rig.module.exchanges() - exchanges == 2);
-  CHECK(counts == std::lround(60.0 / (9.0 * kPsiPerBar) * 0x7FFF));
-  CHECK(rig.module.output(0) == counts);
-  CHECK(rig.chamber.output().value() == Approx(4.5965).margin(0.0005));
-  rig.clock.wait_until(300ms);
-  rig.chamber.reference_volts = Volts(5.95);
-  const auto feedback = rig.regulator.feedback();
-  CHECK(feedback.pressure.value() == Approx(60.0).margin(0.002));
-  CHECK(feedback.counts == counts);
-  CHECK(feedback.time == 300ms);
-  ModuleTransducer transducer(rig.module, ModuleRig::transducer());
-  const auto before = rig.module.exchanges();
-  const auto reference = transducer.read();
-  CHECK(reference.pressure.value() == Approx(59.5).margin(0.002));
-  CHECK(reference.voltage.value() == Approx(5.95).margin(0.0002));
-  CHECK(rig.module.exchanges() == before);  // the same image serves both
-  rig.clock.wait_until(400ms);
-  rig.chamber.reference_volts = Volts(6.0);
-  CHECK(transducer.read().pressure.value() == Approx(60.0).margin(0.002));
-}
 
 TEST_CASE("regulator: fed in time the watchdog holds, unfed it zeroes the output in process time") {
   ModuleRig rig;

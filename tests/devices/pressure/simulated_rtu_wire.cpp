@@ -25,6 +25,10 @@ struct SimulatedLine {
     const RawBytes frame = rtu_frame(body);
     return client.receive(frame.size()) == frame;
   }
+  [[nodiscard]] bool answers(const RawBytes& request, const RawBytes& body) const {
+    ask(request);
+    return answers(body);
+  }
   // After a silence what came is noise. A machine that holds the line up may not notice the first silence.
   [[nodiscard]] bool answers_after_a_silence() const {
     for (int i = 0; i < 40; ++i) {
@@ -45,37 +49,26 @@ struct SimulatedLine {
 TEST_CASE("simulated line: each function's request has its own length") {
   const SimulatedLine line;
   CHECK(line.server.port() == 0);
-  line.ask(kReadTime);
-  REQUIRE(line.answers(kTime));
-  line.ask({1, 16, 0x08, 0x00, 0, 1, 2, 0x10, 0x00});
-  REQUIRE(line.answers({1, 16, 0x08, 0x00, 0, 1}));
-  line.ask({1, 16, 0x11, 0x22, 0, 2, 4, 0, 2, 0, 1});
-  REQUIRE(line.answers({1, 16, 0x11, 0x22, 0, 2}));
-  line.ask({1, 23, 0x11, 0x22, 0, 2, 0x08, 0x00, 0, 1, 2, 0x20, 0x00});
-  REQUIRE(line.answers({1, 23, 4, 0, 2, 0, 1}));
-  line.ask({1, 6, 0x11, 0x24, 0, 0});
-  REQUIRE(line.answers({1, 6, 0x11, 0x24, 0, 0}));
-  line.ask({1, 23, 0x08, 0x00, 0, 1, 0x11, 0x22, 0, 2, 4, 0, 1, 0, 0});
-  REQUIRE(line.answers({1, 23, 2, 0x20, 0x00}));
-  line.ask({1, 4, 0, 0, 0, 1});
-  REQUIRE(line.answers({1, 4, 2, 0x20, 0x00}));
+  REQUIRE(line.answers(kReadTime, kTime));
+  REQUIRE(line.answers({1, 16, 0x08, 0x00, 0, 1, 2, 0x10, 0x00}, {1, 16, 0x08, 0x00, 0, 1}));
+  REQUIRE(line.answers({1, 16, 0x11, 0x22, 0, 2, 4, 0, 2, 0, 1}, {1, 16, 0x11, 0x22, 0, 2}));
+  REQUIRE(line.answers({1, 23, 0x11, 0x22, 0, 2, 0x08, 0x00, 0, 1, 2, 0x20, 0x00}, {1, 23, 4, 0, 2, 0, 1}));
+  REQUIRE(line.answers({1, 6, 0x11, 0x24, 0, 0}, {1, 6, 0x11, 0x24, 0, 0}));
+  REQUIRE(line.answers({1, 23, 0x08, 0x00, 0, 1, 0x11, 0x22, 0, 2, 4, 0, 1, 0, 0}, {1, 23, 2, 0x20, 0x00}));
+  REQUIRE(line.answers({1, 4, 0, 0, 0, 1}, {1, 4, 2, 0x20, 0x00}));
   CHECK(line.chamber.output().value() == Approx(10.0 * 0x2000 / 0x7FFF));
 }
 
 TEST_CASE("simulated line: each unit answers for itself, others are silent") {
   const SimulatedLine line;
-  line.ask({7, 6, 0, 0, 0x01, 0x23});
-  REQUIRE(line.answers({7, 6, 0, 0, 0x01, 0x23}));
-  line.ask({7, 3, 0, 0, 0, 1});
-  REQUIRE(line.answers({7, 3, 2, 0x01, 0x23}));
-  line.ask({7, 3, 0x11, 0x20, 0, 1});
-  REQUIRE(line.answers({7, 0x83, 2}));
+  REQUIRE(line.answers({7, 6, 0, 0, 0x01, 0x23}, {7, 6, 0, 0, 0x01, 0x23}));
+  REQUIRE(line.answers({7, 3, 0, 0, 0, 1}, {7, 3, 2, 0x01, 0x23}));
+  REQUIRE(line.answers({7, 3, 0x11, 0x20, 0, 1}, {7, 0x83, 2}));
   for (const std::uint8_t unit : RawBytes{0, 2, 6, 8}) {
     line.ask({unit, 3, 0, 0, 0, 1});
     CHECK(line.client.is_silent());
   }
-  line.ask(kReadTime);
-  REQUIRE(line.answers(kTime));
+  REQUIRE(line.answers(kReadTime, kTime));
 }
 
 TEST_CASE("simulated line: a request byte by byte, several at once, and one that breaks off") {
@@ -139,15 +132,12 @@ TEST_CASE("simulated line: each injected fault") {
   REQUIRE(line.answers(kTime));
   CHECK(line.client.is_silent());
   const RawBytes reference{1, 4, 0, 1, 0, 1};
-  line.ask(reference);
-  REQUIRE(line.answers({1, 4, 2, 0, 0}));
+  REQUIRE(line.answers(reference, {1, 4, 2, 0, 0}));
   line.chamber.reference_volts = Volts(10.0);
   next = InjectedFault::kStale;
-  line.ask(reference);
-  REQUIRE(line.answers({1, 4, 2, 0, 0}));
+  REQUIRE(line.answers(reference, {1, 4, 2, 0, 0}));
   next = InjectedFault::kNone;
-  line.ask(reference);
-  REQUIRE(line.answers({1, 4, 2, 0x7F, 0xFF}));
+  REQUIRE(line.answers(reference, {1, 4, 2, 0x7F, 0xFF}));
 }
 
 TEST_CASE("simulated line: silent or hung up after so many requests of its units") {

@@ -35,8 +35,9 @@ bool answers(const RawLine& client, const TcpBytes& request, const TcpBytes& ans
 }
 
 struct SimulatedServer {
-  explicit SimulatedServer(const SimulatedModuleFaults& faults = {})
-      : server(module_profile("beckhoff-ek9000"), 0, chamber, clock, faults) {}
+  explicit SimulatedServer(const SimulatedModuleFaults& faults = {},
+                           const ModuleProfile& profile = module_profile("beckhoff-ek9000"))
+      : server(profile, 0, chamber, clock, faults) {}
   TurnedClock clock;
   TestChamber chamber{clock};
   SimulatedModule server;
@@ -87,11 +88,8 @@ TEST_CASE("simulated module: discrete inputs and coils, and the valve on one of 
 }
 
 TEST_CASE("simulated module: several registers in one request, each at its place") {
-  TurnedClock clock;
-  TestChamber chamber(clock);
-  ModuleProfile profile = module_profile("moxa-iologik-e1241");
-  SimulatedModule server(profile, 0, chamber, clock);
-  const RawLine client(server.port());
+  const SimulatedServer moxa({}, module_profile("moxa-iologik-e1241"));
+  const RawLine client(moxa.server.port());
   REQUIRE(answers(client, {1, 16, 0x04, 0x00, 0, 4, 8, 1, 2, 3, 4, 5, 6, 7, 8}, {1, 16, 0x04, 0x00, 0, 4}));
   REQUIRE(answers(client, {1, 3, 0x04, 0x01, 0, 2}, {1, 3, 4, 3, 4, 5, 6}));
   REQUIRE(answers(client, {1, 23, 0x04, 0x02, 0, 2, 0x04, 0x01, 0, 2, 4, 9, 8, 7, 6}, {1, 23, 4, 7, 6, 7, 8}));
@@ -234,34 +232,25 @@ TEST_CASE("simulated module: the port that it was given, or why not") {
 
 namespace {
 
-using Bytes = std::vector<std::uint8_t>;
-
-const Bytes kReadLock{0, 1, 0, 0, 0, 6, 1, 3, 0x11, 0x24, 0, 1};
-const Bytes kLockIsOne{0, 1, 0, 0, 0, 5, 1, 3, 2, 0, 1};
+const TcpBytes kReadLock = framed(1, {1, 3, 0x11, 0x24, 0, 1}), kLockIsOne = framed(1, {1, 3, 2, 0, 1});
 
 }  // namespace
 
 TEST_CASE("simulated module: counts up to the protocol's limits pass, one more is refused as a value") {
   SimulatedServer module;
   const RawLine client(module.server.port());
-  std::uint16_t number = 0;
+  std::uint8_t number = 0;
   // The exception of a PDU; registers from 0x2000 on are none, so that what passes as a value is refused as an address.
-  const auto exception = [&](Bytes pdu) {
-    Bytes frame{0,
-                static_cast<std::uint8_t>(++number),
-                0,
-                0,
-                static_cast<std::uint8_t>((pdu.size() + 1) >> 8U),
-                static_cast<std::uint8_t>((pdu.size() + 1) & 0xFFU),
-                1};
-    frame.insert(frame.end(), pdu.begin(), pdu.end());
-    client.send(frame);
-    const Bytes reply = client.receive(9);
-    return reply.size() == 9 && reply[7] == (pdu[0] | 0x80U) ? int{reply[8]} : -1;
+  const auto exception = [&](TcpBytes pdu) {
+    const int function = pdu[0];
+    pdu.insert(pdu.begin(), 1);
+    client.send(framed(++number, pdu));
+    const TcpBytes reply = client.receive(9);
+    return reply.size() == 9 && reply[7] == (function | 0x80) ? int{reply[8]} : -1;
   };
   const auto reading = [](int function, std::size_t count) {
-    return Bytes{static_cast<std::uint8_t>(function), 0x20, 0, static_cast<std::uint8_t>(count >> 8U),
-                 static_cast<std::uint8_t>(count & 0xFFU)};
+    return TcpBytes{static_cast<std::uint8_t>(function), 0x20, 0, static_cast<std::uint8_t>(count >> 8U),
+                    static_cast<std::uint8_t>(count & 0xFFU)};
   };
   for (const auto& [function, most] : {std::pair{2, 2000U}, std::pair{3, 125U}, std::pair{4, 125U}}) {
     INFO("function " << function);
@@ -274,7 +263,7 @@ TEST_CASE("simulated module: counts up to the protocol's limits pass, one more i
   CHECK(exception({5, 0x20, 0, 0, 0}) == 2);
   CHECK(exception({5, 0x20, 0, 0, 1}) == 3);
   const auto writing = [](std::size_t count, std::size_t sent, std::size_t said) {
-    Bytes pdu{16, 0x20, 0, 0, static_cast<std::uint8_t>(count), static_cast<std::uint8_t>(said)};
+    TcpBytes pdu{16, 0x20, 0, 0, static_cast<std::uint8_t>(count), static_cast<std::uint8_t>(said)};
     pdu.resize(pdu.size() + 2 * sent);
     return pdu;
   };
@@ -284,16 +273,16 @@ TEST_CASE("simulated module: counts up to the protocol's limits pass, one more i
   CHECK(exception(writing(2, 1, 4)) == 3);
   CHECK(exception(writing(1, 1, 4)) == 3);
   const auto both = [](std::size_t read, std::size_t written, std::size_t said) {
-    Bytes pdu{23,
-              0x20,
-              0,
-              0,
-              static_cast<std::uint8_t>(read),
-              0x20,
-              0,
-              0,
-              static_cast<std::uint8_t>(written),
-              static_cast<std::uint8_t>(said)};
+    TcpBytes pdu{23,
+                 0x20,
+                 0,
+                 0,
+                 static_cast<std::uint8_t>(read),
+                 0x20,
+                 0,
+                 0,
+                 static_cast<std::uint8_t>(written),
+                 static_cast<std::uint8_t>(said)};
     pdu.resize(pdu.size() + 2 * written);
     return pdu;
   };
@@ -308,13 +297,13 @@ TEST_CASE("simulated module: counts up to the protocol's limits pass, one more i
 TEST_CASE("simulated module: half a request delays no other client, pieces are joined, several are answered in turn") {
   SimulatedServer module;
   const RawLine slow(module.server.port());
-  slow.send(Bytes(kReadLock.begin(), kReadLock.begin() + 5));
+  slow.send(TcpBytes(kReadLock.begin(), kReadLock.begin() + 5));
   const RawLine quick(module.server.port());
   quick.send(kReadLock);
   CHECK(quick.receive(11) == kLockIsOne);
-  slow.send(Bytes(kReadLock.begin() + 5, kReadLock.end()));
+  slow.send(TcpBytes(kReadLock.begin() + 5, kReadLock.end()));
   CHECK(slow.receive(11) == kLockIsOne);
-  Bytes twice = kReadLock;
+  TcpBytes twice = kReadLock;
   twice.insert(twice.end(), kReadLock.begin(), kReadLock.end());
   slow.send(twice);
   CHECK(slow.receive(22).size() == 22);

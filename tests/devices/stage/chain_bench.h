@@ -44,6 +44,16 @@ struct ChainBench {
     REQUIRE(send(ZaberCommand::kHome, 0).empty());
     REQUIRE(pass(std::chrono::seconds(60)) == std::vector<ZaberFrame>{{1, ZaberCommand::kHome, 0, 5}});
   }
+  // An instruction that is answered once its motion has ended, at this place.
+  void moves(ZaberCommand command, std::int32_t data, std::int32_t place) {
+    INFO(name(command) << " " << data);
+    CHECK(send(command, data).empty());
+    CHECK(pass(std::chrono::seconds(300)) == std::vector<ZaberFrame>{{1, command, place, 5}});
+  }
+  void ends_after(Nanoseconds time, const ZaberFrame& reply) {
+    CHECK(pass(time - Nanoseconds(1)).empty());
+    CHECK(pass(Nanoseconds(1)) == std::vector<ZaberFrame>{reply});
+  }
   void go_to(std::int32_t target) {
     REQUIRE(send(ZaberCommand::kMoveAbsolute, target).empty());
     REQUIRE(pass(std::chrono::hours(1)).size() == 1);

@@ -102,8 +102,7 @@ TEST_CASE("a chain device has sixteen stored positions, each its own, from homin
   }
   for (const std::int32_t place : {15, 1, 0}) {
     CHECK(bench.read(kReturnStoredPosition, place) == 100 + place);
-    CHECK(bench.send(kMoveToStoredPosition, place).empty());
-    CHECK(bench.pass(60s) == std::vector<ZaberFrame>{{1, kMoveToStoredPosition, 100 + place, 5}});
+    bench.moves(kMoveToStoredPosition, place, 100 + place);
   }
   bench.send(kMaximumPosition, 115);
   CHECK(bench.error_of(kMoveToStoredPosition, 15) == 0);
@@ -123,21 +122,17 @@ TEST_CASE("moves of a chain device end within its travel, whose ends are include
   bench.go_to(604724);
   CHECK(bench.error_of(kMoveRelative, 1) == 21);
   CHECK(bench.error_of(kMoveRelative, -604725) == 2146);
-  CHECK(bench.send(kMoveRelative, -604724).empty());
-  CHECK(bench.pass(300s) == std::vector<ZaberFrame>{{1, kMoveRelative, 0, 5}});
+  bench.moves(kMoveRelative, -604724, 0);
   CHECK(bench.error_of(kMoveRelative, 604725) == 2146);
-  CHECK(bench.send(kMoveRelative, 604724).empty());
-  CHECK(bench.pass(300s) == std::vector<ZaberFrame>{{1, kMoveRelative, 604724, 5}});
+  bench.moves(kMoveRelative, 604724, 604724);
   CHECK(bench.send(kMoveRelative, 0).empty());
   CHECK(bench.pass(0s) == std::vector<ZaberFrame>{{1, kMoveRelative, 604724, 5}});
   bench.go_to(0);
   bench.send(kMaximumRelativeMove, 500);
   CHECK(bench.error_of(kMoveRelative, 501) == 2146);
-  CHECK(bench.send(kMoveRelative, 500).empty());
-  CHECK(bench.pass(60s) == std::vector<ZaberFrame>{{1, kMoveRelative, 500, 5}});
+  bench.moves(kMoveRelative, 500, 500);
   CHECK(bench.error_of(kMoveRelative, -501) == 2146);
-  CHECK(bench.send(kMoveRelative, -500).empty());
-  CHECK(bench.pass(60s) == std::vector<ZaberFrame>{{1, kMoveRelative, 0, 5}});
+  bench.moves(kMoveRelative, -500, 0);
 }
 
 TEST_CASE("constant speeds of a chain device reach to 512 times its resolution less one") {

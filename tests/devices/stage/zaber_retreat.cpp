@@ -73,8 +73,7 @@ struct RetreatBed {
 
 }  // namespace
 
-TEST_CASE(
-    "zaber retreat without a wire: all stop, each is asked whether it stands, then z moves away at its top speed") {
+TEST_CASE("retreat: all stop, each is asked whether it stands, then z moves away at its top speed") {
   RetreatBed bed;
   const ZaberRetreat result = bed.retreat_by(0.47625);  // 10000 steps
   CHECK(result.stands);
@@ -93,7 +92,7 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "zaber retreat without a wire: the stop of an axis is repeated until it slows down, and it is asked until it "
+    "retreat: the stop of an axis is repeated until it slows down, and it is asked until it "
     "stands") {
   RetreatBed bed;
   bed.status[1] = {{{kStatus, 20}}, {{kStatus, 1}}, {{kStatus, 23}}, {{kStatus, 23}}, {{kStatus, 0}}};
@@ -113,7 +112,7 @@ TEST_CASE(
   CHECK(asked(3) == 1);
 }
 
-TEST_CASE("zaber retreat without a wire: an axis that does not come to rest is told, and z moves away all the same") {
+TEST_CASE("retreat: an axis that does not come to rest is told, and z moves away all the same") {
   RetreatBed bed;
   const std::uint8_t device = GENERATE(std::uint8_t{1}, std::uint8_t{2}, std::uint8_t{3});
   bed.status[device] = GENERATE(RetreatBed::Answers{std::nullopt}, RetreatBed::Answers{{{kStatus, 20}}},
@@ -124,7 +123,7 @@ TEST_CASE("zaber retreat without a wire: an axis that does not come to rest is t
   CHECK(result.backed_off);
 }
 
-TEST_CASE("zaber retreat without a wire: z that does not tell its mode or its place is asked twice and not moved") {
+TEST_CASE("retreat: z that does not tell its mode or its place is asked twice and not moved") {
   RetreatBed bed;
   RetreatBed::Answers RetreatBed::*const lost = GENERATE(&RetreatBed::mode, &RetreatBed::position);
   bed.*lost = GENERATE(RetreatBed::Answers{std::nullopt}, RetreatBed::Answers{{{kError, 64}}});
@@ -135,7 +134,7 @@ TEST_CASE("zaber retreat without a wire: z that does not tell its mode or its pl
   CHECK(bed.targets().empty());
 }
 
-TEST_CASE("zaber retreat without a wire: one lost answer of each kind is asked for once more") {
+TEST_CASE("retreat: one lost answer of each kind is asked for once more") {
   RetreatBed bed;
   RetreatBed::Answers RetreatBed::*const lost =
       GENERATE(&RetreatBed::mode, &RetreatBed::position, &RetreatBed::resolution, &RetreatBed::target_speed);
@@ -146,14 +145,14 @@ TEST_CASE("zaber retreat without a wire: one lost answer of each kind is asked f
   CHECK(bed.targets() == std::vector<std::int32_t>{10000});
 }
 
-TEST_CASE("zaber retreat without a wire: z of a model whose step is not known is not moved") {
+TEST_CASE("retreat: z of a model whose step is not known is not moved") {
   RetreatBed bed;
   bed.options.axes[2].device_id = 61;
   CHECK_FALSE(bed.retreat_by(0.47625).backed_off);
   CHECK(bed.targets().empty());
 }
 
-TEST_CASE("zaber retreat without a wire: z that was not homed is not moved, whatever its other modes are") {
+TEST_CASE("retreat: z that was not homed is not moved, whatever its other modes are") {
   RetreatBed bed;
   bed.mode = {{{kMode, 0xFFFF & ~kZaberHomed}}};
   const ZaberRetreat result = bed.retreat_by(0.47625);
@@ -162,7 +161,7 @@ TEST_CASE("zaber retreat without a wire: z that was not homed is not moved, what
   CHECK(bed.targets().empty());
 }
 
-TEST_CASE("zaber retreat without a wire: the way counts in z's resolution, 64 when z does not tell it") {
+TEST_CASE("retreat: the way counts in z's resolution, 64 when z does not tell it") {
   const auto [told, target] = GENERATE(
       table<std::optional<std::pair<ZaberCommand, std::int32_t>>, std::int32_t>({{std::pair(kResolution, 128), 10000},
                                                                                  {std::pair(kResolution, 1), 19922},
@@ -176,7 +175,7 @@ TEST_CASE("zaber retreat without a wire: the way counts in z's resolution, 64 wh
   CHECK(bed.targets() == std::vector<std::int32_t>{target});
 }
 
-TEST_CASE("zaber retreat without a wire: z goes to its home when the way ends there, before it, or is no number") {
+TEST_CASE("retreat: z goes to its home when the way ends there, before it, or is no number") {
   RetreatBed bed;
   CHECK(bed.retreat_by(GENERATE(0.95, 0.9525, 0.96, 50.0, std::nan(""), HUGE_VAL)).backed_off);
   REQUIRE(bed.targets().size() == 1);
@@ -184,15 +183,14 @@ TEST_CASE("zaber retreat without a wire: z goes to its home when the way ends th
   CHECK(bed.targets()[0] <= 53);  // 20000 - 19948 for the first
 }
 
-TEST_CASE("zaber retreat without a wire: a top speed that is no number leaves z the speed it has") {
+TEST_CASE("retreat: a top speed that is no number leaves z the speed it has") {
   RetreatBed bed;
   bed.options.axes[2].maximum_speed = MillimetresPerSecond(std::nan(""));
   CHECK(bed.retreat_by(0.47625).backed_off);
   CHECK(bed.chain.count(kTargetSpeed) == 0);
 }
 
-TEST_CASE(
-    "zaber retreat without a wire: z that does not arrive in time is told with its place, or that it is not known") {
+TEST_CASE("retreat: z that does not arrive in time is told with its place, or that it is not known") {
   RetreatBed bed;
   bed.obeys = false;
   SECTION("it stays") {
@@ -213,7 +211,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("zaber retreat without a wire: z that is at its home already is not waited for") {
+TEST_CASE("retreat: z that is at its home already is not waited for") {
   RetreatBed bed;
   bed.position = {{{kPosition, 0}}};
   CHECK(bed.retreat_by(1.0, 0s).backed_off);

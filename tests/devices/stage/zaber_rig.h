@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -92,6 +93,12 @@ struct RawChain {
     return whole;
   }
   [[nodiscard]] ZaberFrame next() const { return decode(next_bytes()); }
+  // The next frame that comes answers this one.
+  void expect(const ZaberFrame& frame, const ZaberFrame& answer) const {
+    INFO(name(frame.command) << " to " << int{frame.device});
+    send(frame);
+    CHECK(next() == answer);
+  }
   [[nodiscard]] bool says_nothing() const {
     ZaberBytes bytes{};
     return line->read(bytes, kShort) == 0;

@@ -283,13 +283,13 @@ TEST_CASE("a halt asks a silent Zaber axis twice and no longer, while the others
 
 TEST_CASE("a halt opens a lost line once more") {
   ReadyStage alone;
-  SECTION("it can be opened at the second attempt") {
+  SECTION("at the second attempt") {
     alone.stage.disarm();
     alone.chain.refused_openings = 1;
     CHECK(alone.stage.halt());
     CHECK(alone.chain.opened == 3);
   }
-  SECTION("it cannot be opened") {
+  SECTION("at neither attempt") {
     alone.stage.disarm();
     alone.chain.refused_openings = 2;
     CHECK_FALSE(alone.stage.halt());
@@ -353,6 +353,7 @@ TEST_CASE("identifying a Zaber stage tells an axis that does not answer, and let
   const auto found = stage.identify();
   REQUIRE(found.size() == 3);
   CHECK(clock.waits == 3);
+  CHECK(chain.count(kMode) == 0);  // nothing is written
   CHECK(clock.now() == 10s);
   CHECK(found[1].present);
   CHECK_FALSE(found[2].present);

@@ -72,10 +72,14 @@ void check_refusals(const std::string& address) {
   CHECK(client.expect<Error>(4).code == ErrorCode::kUnknownType);
   client.send_bytes(packed(0x81, 5, 0));  // an answer is no request
   CHECK(client.expect<Error>(5).code == ErrorCode::kUnknownType);
-  client.send_bytes(packed(0x02, 6, 1));
-  CHECK(client.expect<Error>(6).code == ErrorCode::kBadPayload);
-  client.send_bytes(packed(0x01, 7, 0));
-  CHECK(client.expect<Error>(7).code == ErrorCode::kBadPayload);
+  for (const std::uint8_t type : {std::uint8_t{2}, std::uint8_t{3}, std::uint8_t{4}}) {
+    client.send_bytes(packed(type, 6, 1));
+    CHECK(client.expect<Error>(6).code == ErrorCode::kBadPayload);
+  }
+  for (const std::size_t size : {0U, 1U, 3U}) {
+    client.send_bytes(packed(0x01, 7, size));
+    CHECK(client.expect<Error>(7).code == ErrorCode::kBadPayload);
+  }
   client.send(8, Scan{});
   (void)client.expect<Frame>(8);
 }

@@ -1,6 +1,5 @@
 // The driver of a frame source: its faults, fields at their edges, and a source that takes no more bytes.
 #include <sys/socket.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -8,6 +7,7 @@
 #include <thread>
 
 #include "devices/tactile/frame_source.h"
+#include "tests/devices/packet_listener.h"
 #include "tests/devices/scripted_server.h"
 #include "tests/devices/test_chamber.h"
 #include "tests/devices/timeouts.h"
@@ -96,9 +96,10 @@ TEST_CASE("frame source told: what is wrong with a scan") {
   CHECK(read_of(protocol::Error{protocol::ErrorCode::kDevice, "no power"}) == refused);
   const protocol::Error unread{protocol::ErrorCode::kDamaged, "damaged request: CRC"};
   CHECK(read([&](int, Tag) { return told(0, unread); }) == refused);
-  CHECK(read([&](int, Tag tag) {
-          return both(told(static_cast<Tag>(tag + 1), unread), told(tag, two_by_two(0)));  // of another request
-        }) == "none");
+  for (const protocol::Body& of_another : {protocol::Body{unread}, protocol::Body{two_by_two(100)}})
+    CHECK(read([&](int, Tag tag) {
+            return both(told(static_cast<Tag>(tag + 1), of_another), told(tag, two_by_two(0)));
+          }) == "none");
   CHECK(read([](int, Tag tag) {
           Bytes bytes = told(tag, two_by_two(0));
           bytes[20] ^= 1U;
@@ -177,16 +178,37 @@ TEST_CASE("frame source told: no answer, and which one it was") {
   ToldSource mute([](int, Tag) { return Bytes{}; });
   mute.options.frame_timeout = kShort;
   CHECK(mute.opened() == "TB-SCANNER-TIMEOUT");
+  ToldSource late(after_identity([](int, Tag tag) { return told(static_cast<Tag>(tag - 1), two_by_two(1)); }));
+  late.options.frame_timeout = kShort;
+  CHECK(late.read() == "TB-SCANNER-TIMEOUT");
+}
+
+TEST_CASE("frame source told: a flood of old answers does not delay past the deadline") {
+  static constexpr auto kFlood = 20 * kShort;  // ends with the right answer, too late
+  const ScriptedServer server(
+      [](int number, int socket, const Bytes& request) {
+        const auto tag = static_cast<Tag>(request[6] | request[7] << 8);
+        const Bytes old = told(static_cast<Tag>(tag - 1), two_by_two(1));
+        const auto end = std::chrono::steady_clock::now() + kFlood;
+        while (number > 0 && std::chrono::steady_clock::now() < end) {
+          if (::send(socket, old.data(), old.size(), MSG_NOSIGNAL) < 0) return;  // the driver has hung up
+        }
+        ScriptedServer::send(socket, number == 0 ? told(tag, kTwoByTwo) : told(tag, two_by_two(2)));
+      },
+      false);
+  TurnedClock clock;
+  FrameSourceOptions options;
+  options.address = "tcp:127.0.0.1:" + std::to_string(server.port());
+  options.rows = options.columns = 2;
+  options.frame_timeout = kShort;
+  FrameSource source(options, clock);
+  CHECK(fault_id_of([&] { (void)source.read(1); }) == "TB-SCANNER-TIMEOUT");
 }
 
 TEST_CASE("frame source told: a source that takes no more bytes is slow, not gone") {
   const TemporaryFolder folder;
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
   const std::string path = folder.path("source");
-  std::copy(path.begin(), path.end(), address.sun_path);
-  const int listener = ::socket(AF_UNIX, SOCK_STREAM, 0);
-  REQUIRE(::bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+  const int listener = bound_at(path, SOCK_STREAM);
   REQUIRE(::listen(listener, 1) == 0);
   int client = -1;
   std::atomic<bool> ended{false};

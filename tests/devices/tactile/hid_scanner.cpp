@@ -210,27 +210,23 @@ TEST_CASE("hid scanner told: only the answer to its own question is the identity
 TEST_CASE("hid scanner told: a row that there is not, twice, out of sequence, of another frame, or missing") {
   using RowReports = std::vector<RowReport>;
   const auto row = &Told::row;
-  const std::vector<std::function<RowReports(std::uint16_t)>> wrong = {
-      [&](auto tag) {
-        return RowReports{row(tag, 0, 5, 7), row(tag, 3, 6, 7)};
-      },
-      [&](auto tag) {
-        return RowReports{row(tag, 1, 5, 7), row(tag, 1, 6, 7)};
-      },
-      [&](auto tag) {
-        return RowReports{row(tag, 1, 5, 7), row(tag, 2, 7, 7)};
-      },
-      [&](auto tag) {
-        return RowReports{row(tag, 1, 5, 7), row(tag, 2, 5, 7)};
-      },
-      [&](auto tag) {
-        return RowReports{row(tag, 0, 5, 7), row(tag, 1, 6, 8)};
-      },
-      [&](auto tag) {
-        return RowReports{row(tag, 0, 5, 7), row(tag, 2, 6, 7)};
-      },
-      [&](auto tag) { return RowReports{row(tag, 2, 5, 7)}; }};
-  for (const auto& rows : wrong) CHECK(Told().read(rows) == "TB-SCANNER-CORRUPT");
+  struct Placed {
+    int number;
+    std::uint16_t sequence;
+    std::uint32_t frame;
+  };
+  for (const std::vector<Placed>& wrong : std::vector<std::vector<Placed>>{{{0, 5, 7}, {3, 6, 7}},
+                                                                           {{1, 5, 7}, {1, 6, 7}},
+                                                                           {{1, 5, 7}, {2, 7, 7}},
+                                                                           {{1, 5, 7}, {2, 5, 7}},
+                                                                           {{0, 5, 7}, {1, 6, 8}},
+                                                                           {{0, 5, 7}, {2, 6, 7}},
+                                                                           {{2, 5, 7}}})
+    CHECK(Told().read([&](auto tag) {
+      RowReports rows;
+      for (const Placed& one : wrong) rows.push_back(row(tag, one.number, one.sequence, one.frame));
+      return rows;
+    }) == "TB-SCANNER-CORRUPT");
   // A late answer to another command is nothing; the rows around it still follow one another.
   CHECK(Told().read([&](auto tag) {
     const auto late = static_cast<std::uint16_t>(tag - 1);

@@ -47,17 +47,6 @@ void expect_description(FrameClient& client) {
   CHECK(client.expect<Description>(4242) == kSmall);
 }
 
-// A packet with this type and payload and a CRC that fits.
-Packed sealed_packet(std::uint8_t type, std::uint16_t tag, const Packed& payload) {
-  Packed bytes{
-      'T', 'B', 'F', 'P', type, 0, static_cast<std::uint8_t>(tag & 0xFFU), static_cast<std::uint8_t>(tag >> 8U)};
-  bytes.insert(bytes.end(), {static_cast<std::uint8_t>(payload.size()), 0, 0, 0});
-  bytes.insert(bytes.end(), payload.begin(), payload.end());
-  const std::uint32_t crc = crc32(bytes);
-  for (unsigned i = 0; i < 4; ++i) bytes.push_back(static_cast<std::uint8_t>(crc >> (8 * i) & 0xFFU));
-  return bytes;
-}
-
 }  // namespace
 
 TEST_CASE("simulated frame source: every field of every frame") {
@@ -74,42 +63,30 @@ TEST_CASE("simulated frame source: every field of every frame") {
   }
 }
 
-TEST_CASE("simulated frame source: what it says to a wrong request, to damage, and where physics fail") {
+TEST_CASE("simulated frame source: what it says to an answer, to damage, and where physics fail") {
   FrameSim sim;
   FrameClient client(sim.address);
   const auto said = [&](const Packed& request, std::uint16_t tag) {
     client.send_bytes(request);
     return client.expect<Error>(tag).code;
   };
-  const auto unknown = ErrorCode::kUnknownType, misfit = ErrorCode::kBadPayload;
-  for (const std::uint8_t type :
-       {std::uint8_t{0}, std::uint8_t{5}, std::uint8_t{0x7F}, std::uint8_t{0x80}, std::uint8_t{0xFF}})
-    CHECK(said(sealed_packet(type, 0x0304, {}), 0x0304) == unknown);
   for (const Body& answer : {Body{kSmall}, Body{frame_of(0, 0)}, Body{Done{}}, Body{Error{ErrorCode::kDevice, "x"}}})
-    CHECK(said(encode({5, answer}), 5) == unknown);
-  for (const std::uint8_t type : {std::uint8_t{2}, std::uint8_t{3}, std::uint8_t{4}})
-    CHECK(said(sealed_packet(type, 6, {0}), 6) == misfit);
-  CHECK(said(sealed_packet(1, 6, {}), 6) == misfit);
-  CHECK(said(sealed_packet(1, 6, {1}), 6) == misfit);
-  CHECK(said(sealed_packet(1, 6, {1, 0, 0}), 6) == misfit);
+    CHECK(said(encode({5, answer}), 5) == ErrorCode::kUnknownType);
   CHECK(sim.array.scans == 0);
   sim.array.broken_scan = 1;
   expect_frame(client, 1, 0, 0);
   CHECK(said(encode({2, Scan{}}), 2) == ErrorCode::kDevice);
   expect_frame(client, 3, 2, 1);
-  for (const std::size_t at : {0U, 5U, 15U}) {  // magic, reserved byte, CRC
-    FrameClient damaged(sim.address);
-    Packed request = encode({3, Scan{}});
-    request[at] ^= 1U;
-    damaged.send_bytes(request);
-    CHECK(damaged.expect<Error>(0).code == ErrorCode::kDamaged);
-    CHECK_FALSE(damaged.next());
-  }
-  CHECK(sim.array.scans == 3);
-  expect_frame(client, 3, 3, 2);
+  FrameClient damaged(sim.address);
+  Packed request = encode({3, Scan{}});
+  request[15] ^= 1U;
+  damaged.send_bytes(request);
+  CHECK(damaged.expect<Error>(0).code == ErrorCode::kDamaged);
+  CHECK_FALSE(damaged.next());
 }
 
-TEST_CASE("simulated frame source: faults of a single scan, the first or a later one") {
+TEST_CASE("simulated frame source: faults of a single scan, the first or a later one, by its number or injected") {
+  using Faults = SimulatedFrameSourceFaults;
   for (const int at : {0, 1}) {
     const auto tag = static_cast<std::uint16_t>(70 + at);
     const auto counter = static_cast<std::uint32_t>(at);
@@ -117,8 +94,8 @@ TEST_CASE("simulated frame source: faults of a single scan, the first or a later
       for (int scan = 0; scan < at; ++scan) expect_frame(client, 1, scan, static_cast<std::uint32_t>(scan));
       client.send(tag, Scan{});
     };
-    {
-      FrameSim sim({.corrupt_scan = at});
+    for (const Faults& faults : {Faults{.corrupt_scan = at}, Faults{.inject = fault_at(at, InjectedFault::kCorrupt)}}) {
+      FrameSim sim(faults);
       FrameClient client(sim.address);
       ask(client);
       Packed wrong = encode({tag, frame_of(at, counter)});
@@ -127,11 +104,20 @@ TEST_CASE("simulated frame source: faults of a single scan, the first or a later
       CHECK(client.raw(46) == wrong);
       expect_frame(client, 2, at + 1, counter + 1);
     }
-    {
-      FrameSim sim({.drop_scan = at});
+    for (const Faults& faults : {Faults{.cut_scan = at}, Faults{.inject = fault_at(at, InjectedFault::kTorn)}}) {
+      FrameSim sim(faults);
       FrameClient client(sim.address);
       ask(client);
-      expect_frame(client, 2, at + 1, counter + 1);
+      const Packed whole = encode({tag, frame_of(at, counter)});
+      CHECK(client.raw(46) == Packed(whole.begin(), whole.begin() + 23));
+      FrameClient again(sim.address);
+      expect_frame(again, 2, at + 1, counter + 1);
+    }
+    for (const bool dropped : {true, false}) {  // computed and not sent, or not even computed
+      FrameSim sim(dropped ? Faults{.drop_scan = at} : Faults{.inject = fault_at(at, InjectedFault::kSilent)});
+      FrameClient client(sim.address);
+      ask(client);
+      expect_frame(client, 2, dropped ? at + 1 : at, dropped ? counter + 1 : counter);
     }
     {
       FrameSim sim({.double_scan = at});
@@ -140,15 +126,6 @@ TEST_CASE("simulated frame source: faults of a single scan, the first or a later
       for (int i = 0; i < 2; ++i) CHECK(client.expect<Frame>(tag) == frame_of(at, counter));
       expect_frame(client, 2, at + 1, counter + 1);
     }
-    {
-      FrameSim sim({.cut_scan = at});
-      FrameClient client(sim.address);
-      ask(client);
-      const Packed whole = encode({tag, frame_of(at, counter)});
-      CHECK(client.raw(46) == Packed(whole.begin(), whole.begin() + 23));
-      FrameClient again(sim.address);
-      expect_frame(again, 2, at + 1, counter + 1);
-    }
     FrameSim sim({.silent_after_scans = at});
     FrameClient client(sim.address);
     ask(client);
@@ -156,11 +133,19 @@ TEST_CASE("simulated frame source: faults of a single scan, the first or a later
     expect_description(client);
     CHECK(sim.array.scans == at);
   }
-  FrameSim sim({.repeat_scan = 1});
-  FrameClient client(sim.address);
+  for (const Faults& faults : {Faults{.repeat_scan = 1}, Faults{.inject = fault_at(1, InjectedFault::kStale)}}) {
+    FrameSim sim(faults);
+    FrameClient client(sim.address);
+    expect_frame(client, 1, 0, 0);
+    expect_frame(client, 2, 0, 0);
+    expect_frame(client, 3, 1, 1);
+  }
+  FrameSim sim({.inject = fault_at(1, InjectedFault::kUnplugged)});
+  FrameClient client(sim.address), other(sim.address);
   expect_frame(client, 1, 0, 0);
-  expect_frame(client, 2, 0, 0);
-  expect_frame(client, 3, 1, 1);
+  client.send(2, Scan{});
+  CHECK_FALSE(client.next());
+  expect_frame(other, 3, 1, 1);
 }
 
 TEST_CASE("simulated frame source: a fault of the second of two scans that are asked for at once") {
@@ -182,46 +167,6 @@ TEST_CASE("simulated frame source: a fault of the second of two scans that are a
   FrameClient client(sim.address);
   client.send_bytes(requests);
   CHECK(client.raw(92) == Packed(both.begin(), both.begin() + 46 + 23));
-}
-
-TEST_CASE("simulated frame source: each injected fault is that of one request") {
-  {
-    FrameSim sim({.inject = fault_at(1, InjectedFault::kSilent)});
-    FrameClient client(sim.address);
-    expect_frame(client, 1, 0, 0);
-    client.send(2, Scan{});
-    expect_frame(client, 3, 1, 1);
-  }
-  {
-    FrameSim sim({.inject = fault_at(1, InjectedFault::kStale)});
-    FrameClient client(sim.address);
-    expect_frame(client, 1, 0, 0);
-    expect_frame(client, 2, 0, 0);
-    expect_frame(client, 3, 1, 1);
-  }
-  {
-    FrameSim sim({.inject = fault_at(1, InjectedFault::kCorrupt)});
-    FrameClient client(sim.address);
-    expect_frame(client, 1, 0, 0);
-    client.send(2, Scan{});
-    Packed wrong = encode({2, frame_of(1, 1)});
-    wrong[23] ^= 0x10U;
-    CHECK(client.raw(46) == wrong);
-    expect_frame(client, 3, 2, 2);
-  }
-  {
-    FrameSim sim({.inject = fault_at(1, InjectedFault::kTorn)});
-    FrameClient client(sim.address);
-    expect_frame(client, 1, 0, 0);
-    client.send(2, Scan{});
-    CHECK(client.raw(46).size() == 23);
-  }
-  FrameSim sim({.inject = fault_at(1, InjectedFault::kUnplugged)});
-  FrameClient client(sim.address), other(sim.address);
-  expect_frame(client, 1, 0, 0);
-  client.send(2, Scan{});
-  CHECK_FALSE(client.next());
-  expect_frame(other, 3, 1, 1);
 }
 
 TEST_CASE("simulated frame source: rates above 0 up to 100 kHz, descriptions that can be told") {

@@ -5,7 +5,6 @@
 #include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/socket.h>
-#include <sys/un.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -14,7 +13,6 @@
 #include <catch2/catch.hpp>
 #include <cerrno>
 #include <chrono>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -29,6 +27,7 @@
 #include "devices/wire/stream_link.h"
 #include "tests/devices/fault_of.h"
 #include "tests/devices/full_queue.h"
+#include "tests/devices/packet_listener.h"
 #include "tests/devices/timeouts.h"
 #include "tests/support/process.h"
 
@@ -149,16 +148,10 @@ TEST_CASE("a writer is not blocked for ever by an end that reads nothing") {
   CHECK(fault_id_of([&] { stream->write(many); }) == "TB-SERIAL-TIMEOUT");
 }
 
-TEST_CASE("a TCP stream carries bytes both ways and reports its end") {
-  const int listener = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  REQUIRE(::bind(listener, reinterpret_cast<const sockaddr*>(&address), size) == 0);
-  REQUIRE(::listen(listener, 1) == 0);
-  REQUIRE(::getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size) == 0);
-  const std::string name = "tcp:127.0.0.1:" + std::to_string(ntohs(address.sin_port));
+namespace {
+
+// `listener` hears at `name`.
+void check_socket(int listener, const std::string& name) {
   const auto stream = open_serial(at(name));
   const int other_end = accept_one(listener);
   check_both_ways(*stream, other_end);
@@ -169,23 +162,16 @@ TEST_CASE("a TCP stream carries bytes both ways and reports its end") {
   CHECK(fault_id_of([&] { (void)open_stream(name); }) == "TB-SERIAL-OPEN");
 }
 
-TEST_CASE("a local socket carries bytes both ways and reports its end") {
-  const auto path = std::filesystem::temp_directory_path() / ("tactbench-stream-" + std::to_string(::getpid()));
-  std::filesystem::remove(path);
-  const int listener = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  std::strncpy(address.sun_path, path.c_str(), sizeof address.sun_path - 1);
-  REQUIRE(::bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+}  // namespace
+
+TEST_CASE("TCP and a local socket carry bytes both ways and report their end") {
+  const BoundSocket tcp = bind_loopback(SOCK_STREAM, 0, "test");
+  check_socket(tcp.socket, "tcp:127.0.0.1:" + std::to_string(tcp.port));
+  const TemporaryFolder folder;
+  const std::string path = folder.path("end");
+  const int listener = bound_at(path, SOCK_STREAM);
   REQUIRE(::listen(listener, 1) == 0);
-  const auto stream = open_serial(at("unix:" + path.string()));
-  const int other_end = accept_one(listener);
-  check_both_ways(*stream, other_end);
-  ::close(other_end);
-  std::array<std::uint8_t, 8> into{};
-  CHECK(fault_id_of([&] { (void)stream->read(into, 24h); }) == "TB-SERIAL-LOST");
-  ::close(listener);
-  std::filesystem::remove(path);
+  check_socket(listener, "unix:" + path);
 }
 
 TEST_CASE("a serial address that leads to a pseudo-terminal is opened as one, links followed") {
@@ -230,9 +216,6 @@ TEST_CASE("stream: each form of address that is wrong, and each opening that fai
     CHECK_FALSE(is_stream_address(address));
   }
   for (const char* address : {"/dev/pts/3", "tcp:x", "unix:x"}) CHECK(is_stream_address(address));
-  const PseudoTerminal terminal;
-  const auto holder = open_stream(terminal.path());
-  CHECK(opening(terminal.path()) == "TB-SERIAL-BUSY");
 }
 
 TEST_CASE("stream: an opening that nobody answers ends after its time") {
@@ -404,13 +387,8 @@ TEST_CASE("stream end: takes a dead program's socket over, and neither a living 
     CHECK(std::filesystem::exists(folder.path("end")));
   }
   CHECK_FALSE(std::filesystem::exists(folder.path("end")));
-  const int dead = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_un name{};
-  name.sun_family = AF_UNIX;
   const std::string path = folder.path("end");
-  std::copy(path.begin(), path.end(), name.sun_path);
-  REQUIRE(::bind(dead, reinterpret_cast<const sockaddr*>(&name), sizeof name) == 0);
-  ::close(dead);
+  ::close(bound_at(path, SOCK_STREAM));
   REQUIRE(std::filesystem::exists(path));
   CHECK(listening(address) == "none");
   std::ofstream(path) << "notes";

@@ -203,20 +203,13 @@ TEST_CASE("descriptor channel: packets up to 131072 bytes, the rest of a longer 
   CHECK_FALSE(other.closed());
 }
 
-TEST_CASE("a packet link whose peer goes with reports unread is lost") {
+TEST_CASE("packet link: a peer that goes with reports unread is lost") {
   const TemporaryFolder folder;
-  const std::string path = folder.path("peer.sock");
-  PacketListener listener(path);
-  const auto link = open_packet_link(path);
-  const int peer = listener.accept();
-  std::array<std::uint8_t, 64> into{};
-  CHECK(link->read(into, Nanoseconds(0)) == 0);
-  const std::array<std::uint8_t, 3> report{1, 2, 3};
-  link->write(report);
-  ::close(peer);
-  listener.close();
-  for (int i = 0; i < 2; ++i) CHECK(fault_id_of([&] { (void)link->read(into, kPatient); }) == "TB-HID-LOST");
-  CHECK(fault_id_of([&] { (void)link->drain(); }) == "TB-HID-LOST");
+  PacketPeer rig(folder.path("peer"));
+  rig.link->write(Datagram{1, 2, 3});
+  rig.go();
+  for (int i = 0; i < 2; ++i) CHECK(fault_id_of([&] { (void)rig.read(8); }) == "TB-HID-LOST");
+  CHECK(fault_id_of([&] { (void)rig.link->drain(); }) == "TB-HID-LOST");
 }
 
 namespace {

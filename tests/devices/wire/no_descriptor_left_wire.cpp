@@ -6,12 +6,17 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "devices/force/simulated_digital_ft.h"
+#include "devices/force/simulated_net_ft.h"
 #include "devices/pressure/simulated_module.h"
+#include "devices/tactile/simulated_frame_source.h"
+#include "devices/tactile/simulated_scanner.h"
 #include "devices/wire/descriptor_channel.h"
 #include "devices/wire/ends/loopback.h"
 #include "devices/wire/ends/page_server.h"
@@ -23,6 +28,7 @@
 #include "devices/wire/stream_link.h"
 #include "devices/wire/udp_link.h"
 #include "tests/devices/few_descriptors.h"
+#include "tests/devices/force/invented_digital.h"
 #include "tests/devices/packet_listener.h"
 #include "tests/devices/scripted_server.h"
 #include "tests/devices/test_chamber.h"
@@ -41,6 +47,7 @@ std::optional<Fault> without_descriptors(const std::function<void()>& act) {
 
 // `act` needs so many descriptors; with fewer it ends in this fault.
 void check_needs(int needed, const std::string& id, const std::function<void()>& act) {
+  act();  // what stays open from the first time on is no leak
   for (int left = 0; left <= needed; ++left) {
     INFO(id << ", " << left << " of " << needed << " descriptors left");
     const std::vector<int> before = FewDescriptors::open();
@@ -110,4 +117,35 @@ TEST_CASE("no descriptor left: simulated ends", "[few-descriptors]") {
   check_needs(3, "TB-SIM-LISTEN", [&] {
     const SimulatedModule line({{1, profile, {}}}, SimulatedModule::Wire::kRtu, 0, chamber, clock);
   });
+  class NoLoad final : public ForcePort {
+    Wrench wrench() override { return {}; }
+  } load;
+  TestArray array;
+  check_needs(3, "TB-SIM-LISTEN", [&] { SimulatedDigitalFt(invented_digital(), load, false); });
+  check_needs(3, "TB-SIM-LISTEN", [&] { SimulatedNetFt({0, 0, NetFtPage(), {}}, load); });
+  check_needs(2, "TB-SIM-LISTEN", [&] {
+    SimulatedFrameSource({.description = {1, 2, 2, 1.0, "", "", ""}}, array, clock);
+  });
+}
+
+TEST_CASE("no descriptor left: a simulated scanner leaves no path of its own, and a living one its own",
+          "[few-descriptors]") {
+  TurnedClock clock;
+  TestArray array;
+  const tactbench::tests::TemporaryFolder folder;
+  const std::string path = folder.path("scanner.sock");
+  const auto start = [&] { SimulatedScanner(path, {0, 2, 2, 1.0F, "S", "1"}, array, clock); };
+  const auto check_refused = [&](int left, bool there) {
+    std::optional<Fault> fault;
+    {
+      const FewDescriptors few(left);
+      fault = fault_of(start);
+    }
+    CHECK((fault && fault->id() == "TB-SIM-LISTEN"));
+    CHECK(std::filesystem::exists(path) == there);
+  };
+  start();
+  for (const int left : {0, 1}) check_refused(left, false);
+  const SimulatedScanner living(path, {0, 2, 2, 1.0F, "S", "1"}, array, clock);
+  for (int left = 0; left < 6; ++left) check_refused(left, true);
 }

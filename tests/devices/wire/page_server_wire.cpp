@@ -23,6 +23,13 @@ using namespace std::chrono_literals;
 
 namespace {
 
+void serve_once(PageServer& page) {
+  std::vector<pollfd> descriptors;
+  page.add_to(descriptors);
+  REQUIRE(::poll(descriptors.data(), descriptors.size(), 20000) > 0);
+  page.serve();
+}
+
 struct ServedPage {
   PageServer page{0, "/netftapi2.xml", "<body/>\n", "test"};
 
@@ -38,12 +45,7 @@ struct ServedPage {
   }
   template <class Done>
   void serve_until(Done&& done) {
-    for (int events = 0; events < 1000 && !done(); ++events) {
-      std::vector<pollfd> descriptors;
-      page.add_to(descriptors);
-      REQUIRE(::poll(descriptors.data(), descriptors.size(), 20000) > 0);
-      page.serve();
-    }
+    for (int events = 0; events < 1000 && !done(); ++events) serve_once(page);
     REQUIRE(done());
   }
   static void send(ByteStream& client, const std::string& text) {
@@ -98,10 +100,7 @@ TEST_CASE("page of an instrument: a request in pieces is one request, one that d
   std::array<std::uint8_t, 8> into{};
   for (const char* piece : {"G", "ET /netftapi2.xml HTT", "P/1.0\r\n", "\r"}) {
     ServedPage::send(*client, piece);
-    std::vector<pollfd> descriptors;
-    served.page.add_to(descriptors);
-    REQUIRE(::poll(descriptors.data(), descriptors.size(), 20000) > 0);
-    served.page.serve();
+    serve_once(served.page);
     CHECK(served.clients() == 1);
     CHECK(client->read(into, 0ns) == 0);
   }
@@ -115,10 +114,7 @@ TEST_CASE("page of an instrument: a request in pieces is one request, one that d
       const std::size_t part = std::min(size - sent, std::size_t{1024});
       ServedPage::send(*endless, std::string(part, 'x'));
       sent += part;
-      std::vector<pollfd> descriptors;
-      served.page.add_to(descriptors);
-      REQUIRE(::poll(descriptors.data(), descriptors.size(), 20000) > 0);
-      served.page.serve();
+      serve_once(served.page);
     }
     CHECK(served.clients() == (size == 8191 ? 1 : 0));
     if (size == 8191) {
@@ -138,10 +134,7 @@ TEST_CASE("page of an instrument: eight wait, a ninth takes the place of the fir
   std::array<std::uint8_t, 8> into{};
   CHECK(clients[0]->read(into, 0ns) == 0);
   auto ninth = open_stream("tcp:127.0.0.1:" + std::to_string(served.page.port()));
-  std::vector<pollfd> descriptors;
-  served.page.add_to(descriptors);
-  REQUIRE(::poll(descriptors.data(), descriptors.size(), 20000) > 0);
-  served.page.serve();
+  serve_once(served.page);
   CHECK(served.clients() == 8);
   CHECK(fault_id_of([&] { (void)clients[0]->read(into, kPatient); }) == "TB-SERIAL-LOST");
   CHECK(clients[1]->read(into, 0ns) == 0);
@@ -165,10 +158,7 @@ TEST_CASE("page of an instrument: its port is told where it is taken, and nothin
     CHECK(fault_id_of([&] { const PageServer other(none, "/p", "body", "instrument"); }) == "TB-SIM-LISTEN");
   }
   const auto client = open_stream("tcp:127.0.0.1:" + std::to_string(port));
-  std::vector<pollfd> descriptors;
-  page->add_to(descriptors);
-  REQUIRE(::poll(descriptors.data(), descriptors.size(), 20000) > 0);
-  page->serve();
+  serve_once(*page);
   page.reset();
   std::array<std::uint8_t, 8> into{};
   CHECK(fault_id_of([&] { (void)client->read(into, kPatient); }) == "TB-SERIAL-LOST");

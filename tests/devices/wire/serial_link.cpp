@@ -11,6 +11,7 @@
 #include <catch2/catch.hpp>
 #include <cerrno>
 #include <filesystem>
+#include <functional>
 #include <vector>
 
 #include "devices/wire/ends/pseudo_terminal.h"
@@ -216,37 +217,26 @@ TEST_CASE("serial port: a write that is not taken in whole is a time-out") {
 }
 
 TEST_CASE("serial port: each call that fails means that the port is lost") {
-  const struct {
-    const char* function;
-    const char* doing;
-  } calls[] = {{"sp_blocking_write", "sending to"},
-               {"sp_nonblocking_read", "reading from"},
-               {"sp_input_waiting", "reading from"},
-               {"sp_flush", "reading from"},
-               {"sp_input_waiting in discard", "reading from"}};
-  for (const auto& [function, doing] : calls) {
+  std::array<std::uint8_t, 8> into{};
+  const auto write = [](ByteStream& port) { port.write(Bytes{1}); };
+  const auto read = [&](ByteStream& port) { (void)port.read(into, 0ns); };
+  const auto discard = [](ByteStream& port) { (void)port.discard(); };
+  for (const auto& [function, act] :
+       std::vector<std::pair<const char*, std::function<void(ByteStream&)>>>{{"sp_blocking_write", write},
+                                                                             {"sp_nonblocking_read", read},
+                                                                             {"sp_input_waiting", read},
+                                                                             {"sp_flush", discard},
+                                                                             {"sp_input_waiting", discard}}) {
     for (const sp_return code : {SP_ERR_FAIL, SP_ERR_ARG}) {
       INFO(function << " " << code);
-      SerialBench bench;
+      const SerialBench bench;
       const auto port = bench.open();
-      const bool discards = std::string(function).ends_with("discard") || function == std::string("sp_flush");
-      bench.fail(std::string(function).substr(0, std::string(function).find(' ')), code);
-      std::array<std::uint8_t, 8> into{};
-      const auto fault = fault_of([&] {
-        if (discards) {
-          (void)port->discard();
-        } else if (doing == std::string("sending to")) {
-          port->write(Bytes{1});
-        } else {
-          (void)port->read(into, 0ns);
-        }
-      });
-      CHECK((fault && fault->id() == "TB-SERIAL-LOST"));
+      bench.fail(function, code);
+      CHECK(fault_id_of([&, &act = act] { act(*port); }) == "TB-SERIAL-LOST");
     }
   }
   SerialBench bench;
   const auto port = bench.open();
   bench.terminal.hang_up();
-  std::array<std::uint8_t, 8> into{};
   CHECK(fault_id_of([&] { (void)port->read(into, kPatient); }) == "TB-SERIAL-LOST");
 }

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "devices/wire/descriptor_channel.h"
+#include "devices/wire/ends/loopback.h"
 #include "devices/wire/ends/stream_end.h"
 #include "devices/wire/stream_link.h"
 #include "devices/wire/udp_link.h"
@@ -97,21 +98,15 @@ TEST_CASE("descriptor channel: a single byte is a packet, and the other end's cl
 }
 
 TEST_CASE("UDP: a datagram of one byte is received, an empty one is not, and both are drained") {
-  const int peer = ::socket(AF_INET, SOCK_DGRAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  REQUIRE(::bind(peer, reinterpret_cast<const sockaddr*>(&address), size) == 0);
-  REQUIRE(::getsockname(peer, reinterpret_cast<sockaddr*>(&address), &size) == 0);
-  UdpLink link("127.0.0.1", ntohs(address.sin_port), "peer");
+  const BoundSocket peer = bind_loopback(SOCK_DGRAM, 0, "test");
+  UdpLink link("127.0.0.1", peer.port, "peer");
   link.send(kByte);
   Some some{};
   sockaddr_in client{};
   socklen_t length = sizeof client;
-  REQUIRE(::recvfrom(peer, some.data(), some.size(), 0, reinterpret_cast<sockaddr*>(&client), &length) == 1);
+  REQUIRE(::recvfrom(peer.socket, some.data(), some.size(), 0, reinterpret_cast<sockaddr*>(&client), &length) == 1);
   const auto answer = [&](std::size_t bytes) {
-    return ::sendto(peer, some.data(), bytes, 0, reinterpret_cast<const sockaddr*>(&client), length);
+    return ::sendto(peer.socket, some.data(), bytes, 0, reinterpret_cast<const sockaddr*>(&client), length);
   };
   for (const int left : kLeft) {
     INFO("error " << left);
@@ -127,5 +122,5 @@ TEST_CASE("UDP: a datagram of one byte is received, an empty one is not, and bot
     CHECK(link.drain() == 3);
     CHECK(link.drain() == 0);
   }
-  ::close(peer);
+  ::close(peer.socket);
 }

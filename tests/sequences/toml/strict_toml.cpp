@@ -52,7 +52,7 @@ TEST_CASE("words are near when they differ by at most two changes, or by a third
   CHECK(near("abcd", {"abxy", "abcx", "xbcd"}) == "abcx");
 }
 
-TEST_CASE("a line may have 16384 characters") {
+TEST_CASE("16384 characters of a line are allowed") {
   const std::string longest = "# " + std::string(16382, 'x');
   CHECK(error_of_text(longest).id().empty());
   CHECK(error_of_text(longest + "\na = 1\n" + longest + "\n").id().empty());

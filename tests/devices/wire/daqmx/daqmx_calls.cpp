@@ -1,34 +1,26 @@
 // NI-DAQmx call by call: what each is asked, each error that is named, each serial number that is the same.
-#include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 
-#include "devices/force/daqmx_gauges.h"
 #include "devices/wire/daqmx/daqmx_api.h"
+#include "tests/devices/daqmx_card.h"
 #include "tests/devices/fault_of.h"
-#include "tests/devices/test_chamber.h"
-#include "tests/support/fake_nidaqmx/fake_nidaqmx.h"
 #include "tests/support/paths.h"
 
 using namespace tactbench::devices;
 using namespace std::chrono_literals;
-using tactbench::tests::fake_daqmx;
 using tactbench::tests::FakeDaqmx;
 
 namespace {
 
-struct DaqmxBench {
-  FakeDaqmx& card = fake_daqmx() = FakeDaqmx{};
+struct DaqmxBench : DaqmxCard {
   DaqmxApi api{tactbench::tests::fake_nidaqmx_path()};
   // Whether the failure of this function is the driver's own error, told by its number.
   template <class Act>
   void check_failure(const std::string& function, Act&& act) {
-    card.fail_function = function;
-    card.fail_code = -200088;
-    card.fail_call = static_cast<int>(std::count(card.calls.begin(), card.calls.end(), function));
+    fail(function, -200088);
     INFO(function);
     check_fault(act, "TB-DAQMX-ERROR", {}, "-200088");
     card.fail_function.clear();
@@ -94,7 +86,6 @@ TEST_CASE("daqmx devices: the one that is named, by its serial number in any wri
   CHECK(bench.api.list_devices().empty());
   CHECK(fault_id_of([&] { (void)bench.api.device("Dev1", ""); }) == "TB-DAQMX-DEVICE");
   CHECK(bench.api.warnings().empty());
-  CHECK(bench.card.misuse.empty());
 }
 
 TEST_CASE("daqmx devices: each call of the list that fails is told") {
@@ -105,9 +96,7 @@ TEST_CASE("daqmx devices: each call of the list that fails is told") {
         continue;
       INFO(function << ", call " << later);
       DaqmxBench bench;
-      bench.card.fail_function = function;
-      bench.card.fail_call = later;
-      bench.card.fail_code = -200324;
+      bench.fail(function, -200324, later);
       CHECK(fault_id_of([&] { (void)bench.api.list_devices(); }) == "TB-DAQMX-ERROR");
     }
   }
@@ -141,7 +130,6 @@ TEST_CASE("daqmx task: each terminal configuration, range, rate and time goes to
       task.start();  // stopped, it starts again
     }
     CHECK(bench.card.tasks == 0);
-    CHECK(bench.card.misuse.empty());
     REQUIRE(bench.card.calls.size() >= 2);
     CHECK(bench.card.calls[bench.card.calls.size() - 2] == "StopTask");
     CHECK(bench.card.calls.back() == "ClearTask");
@@ -156,7 +144,6 @@ TEST_CASE("daqmx task: lines are written at once, with a second's time") {
   task.write_lines(std::array<std::uint8_t, 3>{1, 0, 1});
   CHECK(bench.card.lines == FakeDaqmx::Levels{1, 0, 1});
   CHECK(bench.card.write_timeout == 1.0);
-  CHECK(bench.card.misuse.empty());
 }
 
 TEST_CASE("daqmx task: samples that are too few or no voltage are a fault") {
@@ -207,61 +194,17 @@ TEST_CASE("daqmx task: each call that fails is the driver's error") {
   bench.check_failure("WriteDigitalLines", [&] { lines.write_lines(std::array<std::uint8_t, 2>{1, 0}); });
 }
 
-namespace {
-
-FakeDaqmx& fresh_card() { return fake_daqmx() = FakeDaqmx{}; }
-
-DaqmxGaugesOptions gauge_options() {
-  DaqmxGaugesOptions options;
-  options.library = tactbench::tests::fake_nidaqmx_path();
-  return options;
-}
-
-double gauge_volts(const FakeDaqmx::Levels&, int channel, int sample) { return channel + 0.001 * sample; }
-
-}  // namespace
-
 TEST_CASE("daqmx api: an absent library, and a wrong one") {
   for (const char* library : {"/no/such/libnidaqmx.so", "libm.so.6"})
     check_fault([&] { DaqmxApi api(library); }, "TB-DAQMX-LIBRARY", {}, library);
 }
 
 TEST_CASE("daqmx api: warnings are kept, each once") {
-  fresh_card();
-  DaqmxApi api(tactbench::tests::fake_nidaqmx_path());
-  api.check(0, "nothing");
-  for (int i = 0; i < 3; ++i) api.check(200010, "stopping");
-  api.check(200015, "stopping");
-  REQUIRE(api.warnings().size() == 2);
-  CHECK_THAT(api.warnings()[0], Catch::Contains("200010"));
-  CHECK_THAT(api.warnings()[1], Catch::Contains("200015"));
-}
-
-TEST_CASE("daqmx gauges: six or seven channels, sample by sample") {
-  auto& card = fresh_card();
-  card.volts = gauge_volts;
-  TurnedClock clock;
-  clock.wait_until(3s);
-  auto options = gauge_options();
-  for (const int channels : {6, 7}) {
-    options.channels = channels == 6 ? "Dev1/ai16:21" : "Dev1/ai16:21,Dev1/ai30";
-    DaqmxGauges gauges(options, clock);
-    CHECK(gauges.channels() == channels);
-    for (const int samples : {4, 4, 1, 100}) {
-      const auto read = gauges.read(samples);
-      CHECK(read.samples == samples);
-      CHECK(read.channels == channels);
-      CHECK(read.time == 3s);
-      REQUIRE(read.volts.size() == static_cast<std::size_t>(samples * channels));
-      CHECK(read.volts.back() == gauge_volts({}, channels - 1, samples - 1));
-      CHECK(read.volts.front() == 0.0);
-    }
-    CHECK(gauges.exchanges() == 4);
-    CHECK(gauges.identity().serial == "01A2B3C4");
-    CHECK(card.terminal == 10106);
-    CHECK_THROWS_AS(gauges.read(0), std::invalid_argument);
-  }
-  CHECK(std::count(card.calls.begin(), card.calls.end(), "CfgSampClkTiming") == 2 * 3);
-  CHECK(card.tasks == 0);
-  CHECK(card.misuse.empty());
+  DaqmxBench bench;
+  bench.api.check(0, "nothing");
+  for (int i = 0; i < 3; ++i) bench.api.check(200010, "stopping");
+  bench.api.check(200015, "stopping");
+  REQUIRE(bench.api.warnings().size() == 2);
+  CHECK_THAT(bench.api.warnings()[0], Catch::Contains("200010"));
+  CHECK_THAT(bench.api.warnings()[1], Catch::Contains("200015"));
 }

