@@ -7,47 +7,25 @@ using namespace tactbench::tests;
 using tactbench::bench::FaultKind;
 
 TEST_CASE("chamber: module silent") { check_row(Bench::kChamber, breakage(FaultKind::kModuleSilent)); }
-TEST_CASE("chamber: module silent, once") {
-  check_row(Bench::kChamber, breakage(FaultKind::kModuleSilent, std::nullopt, 1));
-}
+TEST_CASE("chamber: module silent, once") { check_row(Bench::kChamber, once(FaultKind::kModuleSilent)); }
 TEST_CASE("chamber: module late") { check_row(Bench::kChamber, breakage(FaultKind::kModuleLate)); }
-TEST_CASE("chamber: module late, once") {
-  check_row(Bench::kChamber, breakage(FaultKind::kModuleLate, std::nullopt, 1));
-}
+TEST_CASE("chamber: module late, once") { check_row(Bench::kChamber, once(FaultKind::kModuleLate)); }
 TEST_CASE("chamber: module corrupt") { check_row(Bench::kChamber, breakage(FaultKind::kModuleCorrupt)); }
-TEST_CASE("chamber: module corrupt, once") {
-  check_row(Bench::kChamber, breakage(FaultKind::kModuleCorrupt, std::nullopt, 1));
-}
+TEST_CASE("chamber: module corrupt, once") { check_row(Bench::kChamber, once(FaultKind::kModuleCorrupt)); }
 TEST_CASE("chamber: module stale") { check_row(Bench::kChamber, breakage(FaultKind::kModuleStale)); }
-TEST_CASE("chamber: module stale, once") {
-  check_row(Bench::kChamber, breakage(FaultKind::kModuleStale, std::nullopt, 1));
-}
+TEST_CASE("chamber: module stale, once") { check_row(Bench::kChamber, once(FaultKind::kModuleStale)); }
 TEST_CASE("chamber: module exception") { check_row(Bench::kChamber, breakage(FaultKind::kModuleException)); }
-TEST_CASE("chamber: module exception, once") {
-  check_row(Bench::kChamber, breakage(FaultKind::kModuleException, std::nullopt, 1));
-}
+TEST_CASE("chamber: module exception, once") { check_row(Bench::kChamber, once(FaultKind::kModuleException)); }
 TEST_CASE("chamber: module unplugged") { check_row(Bench::kChamber, breakage(FaultKind::kModuleUnplugged)); }
-TEST_CASE("chamber: module unplugged, once") {
-  check_row(Bench::kChamber, breakage(FaultKind::kModuleUnplugged, std::nullopt, 1));
-}
+TEST_CASE("chamber: module unplugged, once") { check_row(Bench::kChamber, once(FaultKind::kModuleUnplugged)); }
 TEST_CASE("chamber: row stuck") { check_row(Bench::kChamber, breakage(FaultKind::kRowStuck)); }
 TEST_CASE("chamber: scanner silent") { check_row(Bench::kChamber, breakage(FaultKind::kScannerSilent)); }
-TEST_CASE("chamber: scanner silent, once") {
-  check_row(Bench::kChamber, breakage(FaultKind::kScannerSilent, std::nullopt, 1));
-}
+TEST_CASE("chamber: scanner silent, once") { check_row(Bench::kChamber, once(FaultKind::kScannerSilent)); }
 TEST_CASE("chamber: scanner stale") { check_row(Bench::kChamber, breakage(FaultKind::kScannerStale)); }
-TEST_CASE("chamber: scanner stale, once") {
-  check_row(Bench::kChamber, breakage(FaultKind::kScannerStale, std::nullopt, 1));
-}
+TEST_CASE("chamber: scanner stale, once") { check_row(Bench::kChamber, once(FaultKind::kScannerStale)); }
 TEST_CASE("chamber: scanner corrupt") { check_row(Bench::kChamber, breakage(FaultKind::kScannerCorrupt)); }
-TEST_CASE("chamber: scanner corrupt, once") {
-  check_row(Bench::kChamber, breakage(FaultKind::kScannerCorrupt, std::nullopt, 1));
-}
+TEST_CASE("chamber: scanner corrupt, once") { check_row(Bench::kChamber, once(FaultKind::kScannerCorrupt)); }
 TEST_CASE("chamber: scanner torn") { check_row(Bench::kChamber, breakage(FaultKind::kScannerTorn)); }
-TEST_CASE("chamber: scanner torn, once") {
-  check_row(Bench::kChamber, breakage(FaultKind::kScannerTorn, std::nullopt, 1));
-}
+TEST_CASE("chamber: scanner torn, once") { check_row(Bench::kChamber, once(FaultKind::kScannerTorn)); }
 TEST_CASE("chamber: scanner unplugged") { check_row(Bench::kChamber, breakage(FaultKind::kScannerUnplugged)); }
-TEST_CASE("chamber: scanner unplugged, once") {
-  check_row(Bench::kChamber, breakage(FaultKind::kScannerUnplugged, std::nullopt, 1));
-}
+TEST_CASE("chamber: scanner unplugged, once") { check_row(Bench::kChamber, once(FaultKind::kScannerUnplugged)); }

@@ -49,6 +49,12 @@ struct Breakage {
 };
 // A fault of the plant, from the given moment until the end of the process; `times` as in PlannedFault.
 Breakage breakage(bench::FaultKind kind, std::optional<double> value = std::nullopt, long times = 0);
+inline Breakage once(bench::FaultKind kind) { return breakage(kind, std::nullopt, 1); }
+inline Breakage holding(bench::FaultKind kind) {
+  Breakage made = breakage(kind);
+  made.beyond_reach = true;
+  return made;
+}
 
 // Runs it, checks everything, and returns the cell of the table: "failed 3 SCANNER-LOST, verified, resumed".
 std::string cell_of(Bench bench, Point point, const Breakage& breakage);

@@ -28,30 +28,13 @@ def ask(stream, host, path, token):
 
 
 def refusals(program, folder):
-    """Files that cannot be used: which one, why, and what to do."""
-    def openssl(*words):
-        subprocess.run(["openssl", *words], cwd=folder, check=True, capture_output=True, timeout=LONGEST_S)
-    openssl("pkey", "-in", "own.key", "-aes256", "-passout", "pass:secret", "-out", "locked.key")
-    openssl("rsa", "-in", "own.key", "-traditional", "-aes256", "-passout", "pass:secret", "-out", "old-locked.key")
-    openssl("x509", "-in", "own.pem", "-outform", "DER", "-out", "own.der")
-    with open(f"{folder}/own.pem") as whole, open(f"{folder}/broken.pem", "w") as broken:
-        broken.write("".join(line for i, line in enumerate(whole) if i != 3))
-    for certificate, key, file, why, remedy in (
-            ("own.pem", "other.key", "other.key", "does not belong to the certificate own.pem", "openssl pkey -in other.key -pubout"),
-            ("none.pem", "own.key", "none.pem", "cannot be read: No such file or directory", "check the name"),
-            ("own.pem", "none.key", "none.key", "cannot be read: No such file or directory", "check the name"),
-            ("own.pem", ".", ".", "it is a folder", "private key"),
-            ("own.key", "own.pem", "own.key", "it holds no certificate", "the certificate comes first"),
-            ("own.pem", "own.pem", "own.pem", "it holds no private key", "the private key comes second"),
-            ("own.der", "own.key", "own.der", "it is not in PEM", "-inform DER -in own.der"),
-            ("broken.pem", "own.key", "broken.pem", "cannot be used for TLS: ", "openssl x509 -in broken.pem"),
-            ("own.pem", "locked.key", "locked.key", "the private key has a passphrase", "openssl pkey -in locked.key"),
-            ("own.pem", "old-locked.key", "old-locked.key", "the private key has a passphrase", "openssl pkey -in old-locked.key")):
-        done = subprocess.run([program, "page", "--port", "0", "--tls", certificate, key], cwd=folder, capture_output=True, text=True,
+    """Keys that cannot be used end the program, which says which file it was; tests/bench/page/refused_start.cpp has the others."""
+    subprocess.run(["openssl", "rsa", "-in", "own.key", "-traditional", "-aes256", "-passout", "pass:secret", "-out", "locked.key"],
+                   cwd=folder, check=True, capture_output=True, timeout=LONGEST_S)
+    for key in ("other.key", "locked.key"):
+        done = subprocess.run([program, "page", "--port", "0", "--tls", "own.pem", key], cwd=folder, capture_output=True, text=True,
                               stdin=subprocess.DEVNULL, timeout=LONGEST_S)
-        expect(done.returncode == 2 and "asio" not in done.stderr, (certificate, key, done))
-        for word in ("TB-PAGE-CERTIFICATE", f"at: {file}\n", why, "try: ", remedy):
-            expect(word in done.stderr, (word, done.stderr))
+        expect(done.returncode == 2 and "TB-PAGE-CERTIFICATE" in done.stderr and key in done.stderr, (key, done))
 
 
 def main():
@@ -88,14 +71,6 @@ def main():
                 strange.wrap_socket(connected(), server_hostname="localhost")
                 sys.exit("a certificate that nobody signed was taken")
             except ssl.SSLCertVerificationError:
-                pass
-            old = ssl.create_default_context(cafile=f"{folder}/own.pem")
-            old.minimum_version = old.maximum_version = ssl.TLSVersion.TLSv1_1
-            old.set_ciphers("DEFAULT:@SECLEVEL=0")
-            try:
-                old.wrap_socket(connected(), server_hostname="localhost")
-                sys.exit("TLS 1.1 was taken")
-            except (ssl.SSLError, ConnectionError):
                 pass
             with connected() as plain:
                 try:

@@ -15,7 +15,7 @@ namespace synthetic {
 
 class GpiReference {
  public:
-  // ln a, l0, ln dl, ln b, r0, ln dr, ln alpha, s: as in tests/benchmarks/speed/peers/gpi.py.
+  // ln a, l0, ln dl, ln b, r0, ln dr, ln alpha, s.
   using Point = Eigen::Matrix<double, 8, 1>;
 
   explicit GpiReference(const tactbench::analysis::FitData& data) {

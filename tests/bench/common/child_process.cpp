@@ -41,8 +41,10 @@ struct ChildOutput {
   int read_end = -1, write_end = -1;
 };
 
-ChildProgram shell_child(const std::string& line, int output = -1, const std::vector<std::string>& variables = {}) {
+ChildProgram shell_child(const std::string& line, int output = -1, const std::vector<std::string>& variables = {},
+                         bool ends_with_us = false) {
   ChildStart start;
+  start.ends_with_us = ends_with_us;
   start.words = {"/bin/sh", "-c", line};
   start.environment = environment_with(variables);
   start.output = output;
@@ -142,4 +144,56 @@ TEST_CASE("child program: a program still running at its owner's end is killed, 
     CHECK_FALSE(third.ended());
   }
   CHECK(output.text().empty());
+}
+
+TEST_CASE("child program: an end that another took note of counts as 127") {
+  for (const bool waits : {true, false}) {
+    ChildProgram child = shell_child("exit 3");
+    REQUIRE(::waitpid(child.process(), nullptr, 0) == child.process());
+    const int status = waits ? child.wait() : child.ended().value_or(-1);
+    CHECK((WIFEXITED(status) && WEXITSTATUS(status) == 127));
+    CHECK(child.ended() == status);
+  }
+  ChildProgram first = shell_child("exit 4");
+  const ChildProgram second = std::move(first);
+  CHECK_FALSE(first.ended());
+  CHECK(WEXITSTATUS(first.wait()) == 127);  // moved from: there is none
+  CHECK(second.process() > 0);
+}
+
+TEST_CASE("child program: one that is let go goes on without its object") {
+  pid_t process = -1;
+  {
+    ChildProgram child = shell_child("exec sleep 1000");
+    process = child.process();
+    child.let_go();
+    CHECK(child.process() == -1);
+    CHECK_FALSE(child.ended());
+    child.terminate();
+    child.kill_group();
+  }
+  int status = 0;
+  CHECK(::waitpid(process, &status, WNOHANG) == 0);
+  REQUIRE(::kill(process, SIGKILL) == 0);
+  CHECK(::waitpid(process, &status, 0) == process);
+  CHECK((WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL));
+}
+
+TEST_CASE("child program: one that ends with its starter is asked to end when that is gone") {
+  const ChildOutput output;
+  const pid_t starter = ::fork();
+  if (starter == 0) {
+    alarm(60);
+    ChildProgram child = shell_child("trap 'echo asked; exit 0' TERM; echo ready; while :; do sleep 0.02; done",
+                                     ::fcntl(output.write_end, F_DUPFD_CLOEXEC, 0), {}, true);
+    char byte = 0;
+    (void)!::read(output.read_end, &byte, 1);  // of "ready"
+    child.let_go();
+    ::_exit(0);
+  }
+  int status = -1;
+  CHECK(::waitpid(starter, &status, 0) == starter);
+  CHECK(status == 0);
+  ::close(output.write_end);
+  CHECK(output.text() == "eady\nasked\n");
 }

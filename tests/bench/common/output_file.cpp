@@ -35,18 +35,6 @@ std::string error_of(const std::string& path, const std::string& text, bool repl
 
 }  // namespace
 
-TEST_CASE("a file's kind is recognised by its beginning") {
-  CHECK(kind_of_file(kModel) == kModelFile);
-  CHECK(kind_of_file("{\"schema\":\"tactbench.run\",\"version\":1}") == "a tactbench.run document (JSON)");
-  CHECK(kind_of_file("%PDF-1.7\n") == kPdfFile);
-  CHECK(kind_of_file("x,y\n1,2\n") == "a table (CSV) with the columns x,y");
-  const std::string other = kind_of_file("my notes\n");
-  for (const char* text :
-       {"", "{", "{\"schema\":\"theirs\"}", "<!DOCTYPE html><html>", "x,y without an end", "a,\x01\n"})
-    CHECK(kind_of_file(text) == other);
-  CHECK(kind_of_file(std::string("SQLite format 3\0more", 20)) != other);
-}
-
 TEST_CASE("a file is replaced by its own kind, by another kind on request, and a store never") {
   const TemporaryFolder folder;
   const std::string path = folder.path("out/m.json"), notes = folder.path("notes.txt");
@@ -108,13 +96,6 @@ TEST_CASE("devices and pipes are written into") {
   CHECK(std::filesystem::is_fifo(pipe));
 }
 
-TEST_CASE("a folder in place of the file is reported, and no temporary file remains") {
-  const TemporaryFolder folder;
-  std::filesystem::create_directory(folder.path("here"));
-  CHECK(error_of(folder.path("here"), kModel) == "TB-FILE-WRITE");
-  CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), std::filesystem::directory_iterator()) == 1);
-}
-
 TEST_CASE("a store's lock and a signed report are never overwritten by any kind of file") {
   const TemporaryFolder folder;
   (void)db::RunStore::open(folder.path("runs.db"));
@@ -146,15 +127,4 @@ TEST_CASE("a store's lock and a signed report are never overwritten by any kind 
   write_file(json, data);
   CHECK(error_of(json, kModel, true) == "TB-REPORT-SIGNED");
   CHECK(read_file(html) == page(data));
-}
-
-TEST_CASE("a replaced file keeps its permissions") {
-  const TemporaryFolder folder;
-  const std::string path = folder.path("m.json");
-  write_file(path, kModel);
-  REQUIRE(chmod(path.c_str(), 0600) == 0);
-  CHECK(error_of(path, kModel).empty());
-  struct stat now {};
-  REQUIRE(stat(path.c_str(), &now) == 0);
-  CHECK((now.st_mode & 07777) == 0600);
 }

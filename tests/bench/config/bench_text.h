@@ -1,4 +1,4 @@
-// The shortest bench files, and what is said of one with some values changed.
+// The shortest bench files, and what refuses one with some values changed.
 #pragma once
 
 #include <string>
@@ -24,17 +24,26 @@ inline bench::BenchConfig hardware_bench(const Changes& changes = {}) {
   return bench::parse_bench(bench_text("hardware"), "b.toml", changes);
 }
 
+// What a file is refused with.
 struct Refusal {
-  std::string what = "accepted", remedy = "accepted";
+  std::string id = "accepted", where, remedy;
 };
 
-inline Refusal refusal_of(const std::string& text, const Changes& changes) {
+template <class Work>
+Refusal file_refusal(const Work& work) {
   try {
-    (void)bench::parse_bench(text, "b.toml", changes);
+    work();
   } catch (const sequences::FileError& error) {
-    return {error.what(), error.remedy()};
+    return {error.id(), error.where(), error.remedy()};
   }
   return {};
+}
+
+inline Refusal refusal_of(const std::string& text, const Changes& changes) {
+  return file_refusal([&] { (void)bench::parse_bench(text, "b.toml", changes); });
+}
+inline bool bench_accepts(const std::string& text, const Changes& changes) {
+  return refusal_of(text, changes).id == "accepted";
 }
 
 }  // namespace tactbench::tests

@@ -2,24 +2,17 @@
 #include "bench/config/operator_profile.h"
 
 #include <catch2/catch.hpp>
-#include <cstdlib>
 
 #include "sequences/toml/strict_toml.h"
 #include "tests/support/process.h"
+#include "tests/support/variable.h"
 
 using namespace tactbench;
 using bench::OperatorProfile;
 using bench::ProfileKey;
+using tests::Variable;
 
 namespace {
-
-struct ProfileVariable {
-  ProfileVariable(const char* variable, const char* value) : name(variable) { setenv(name, value, 1); }
-  ~ProfileVariable() { unsetenv(name); }
-  ProfileVariable(const ProfileVariable&) = delete;
-  ProfileVariable& operator=(const ProfileVariable&) = delete;
-  const char* name;
-};
 
 OperatorProfile profile_of(const std::string& text) {
   const tests::TemporaryFolder folder;
@@ -53,22 +46,13 @@ TEST_CASE("operator's profile: each key with its line, a recipe alone or several
 }
 
 TEST_CASE("operator's profile: the environment precedes the file, key by key, and a blank variable does not count") {
-  const ProfileVariable bench("TACTBENCH_BENCH", "other.toml"), db("TACTBENCH_DB", " ");
+  const Variable bench("TACTBENCH_BENCH", "other.toml"), db("TACTBENCH_DB", " ");
   const OperatorProfile profile = profile_of("bench = \"rig.toml\"\ndb = \"mine.db\"\nlimits = \"l.toml\"\n");
   CHECK(profile.at(ProfileKey::kBench).values == std::vector<std::string>{"other.toml"});
   CHECK(profile.at(ProfileKey::kBench).origin == "TACTBENCH_BENCH");
   CHECK(profile.at(ProfileKey::kDb).values == std::vector<std::string>{"mine.db"});
   CHECK(profile.at(ProfileKey::kDb).origin.ends_with("tactbench.toml:2"));
   CHECK(profile.at(ProfileKey::kLimits).values == std::vector<std::string>{"l.toml"});
-}
-
-TEST_CASE("operator's profile: no file and no variable give nothing, a variable needs no file") {
-  const tests::TemporaryFolder folder;
-  CHECK(bench::read_operator_profile(folder.path("tactbench.toml")).empty());
-  const ProfileVariable db("TACTBENCH_DB", "mine.db");
-  const OperatorProfile profile = bench::read_operator_profile(folder.path("tactbench.toml"));
-  REQUIRE(profile.size() == 1);
-  CHECK(profile.at(ProfileKey::kDb).origin == "TACTBENCH_DB");
 }
 
 TEST_CASE("operator's profile: an unknown key names its line, a blank or wrong value is refused") {

@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 #include <map>
+#include <set>
 #include <string>
 
 using namespace tactbench::bench;
@@ -85,7 +86,11 @@ TEST_CASE("page refusals: the way of asking before the token, and which token op
   CHECK(command({{"authorization", "Bearer read"}}) == 401);
 }
 
-TEST_CASE("page refusals: no token commands where nobody may") {
+TEST_CASE("page access: tokens are of 128 bits and never the same, and an empty one opens nothing") {
+  std::set<std::string> seen;
+  for (int i = 0; i < 200; ++i) seen.insert(new_token());
+  CHECK(seen.size() == 200);
+  for (const std::string& token : seen) CHECK(token.size() == 32);
   PageAccess access = access_of_two();
   const auto may = [&](const std::string& field) {
     return may_command(request_of("POST", {{"authorization", field}}), access);
@@ -93,6 +98,7 @@ TEST_CASE("page refusals: no token commands where nobody may") {
   CHECK(may("Bearer command"));
   CHECK_FALSE(may("Bearer read"));
   access.command_token.clear();
-  CHECK_FALSE(may("Bearer "));
-  CHECK_FALSE(may(""));
+  for (const char* none : {"Bearer ", ""}) CHECK_FALSE(may(none));
+  HttpRequest request = request_of("GET", {{"authorization", "Bearer read"}, {"host", "A:1"}});
+  CHECK_FALSE(refusal(request, PageNeeds::kRead, access));
 }

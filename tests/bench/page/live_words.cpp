@@ -10,8 +10,6 @@ using namespace tactbench::bench;
 
 namespace {
 
-std::string told_of(const SafeWords& safe) { return safe.state; }
-
 LiveRun loaded_run() {
   LiveRun live;
   live.status.run = 7;
@@ -48,32 +46,32 @@ TEST_CASE("page: a live run's readings, with force and target where it presses")
 TEST_CASE("page: the safe state of a live run loaded, resting and proved") {
   LiveRun live = loaded_run();
   const db::EventRecord proved{1, "safe", "verified", "two witnesses"};
-  CHECK(told_of(safe_words(&live, nullptr, proved)) == "loaded");
+  CHECK(safe_words(&live, nullptr, proved).state == "loaded");
   for (const RunState rests : {RunState::kPaused, RunState::kSuspended}) {
     live.status.state = rests;
-    CHECK(told_of(safe_words(&live, nullptr, proved)) == "proved");
-    CHECK(told_of(safe_words(&live, nullptr, std::nullopt)) == "unknown");
+    CHECK(safe_words(&live, nullptr, proved).state == "proved");
+    CHECK(safe_words(&live, nullptr, std::nullopt).state == "unknown");
   }
   live.status.readings->force_n = 1.256;
-  CHECK(told_of(safe_words(&live, nullptr, std::nullopt)) == "unknown");
+  CHECK(safe_words(&live, nullptr, std::nullopt).state == "unknown");
   live.status.readings.reset();
   live.status.state = RunState::kRunning;
-  CHECK(told_of(safe_words(&live, nullptr, proved)) == "loaded");
+  CHECK(safe_words(&live, nullptr, proved).state == "loaded");
 }
 
 TEST_CASE("page: the safe state of a run that has ended, by its last event or its reason") {
-  CHECK(told_of(safe_words(nullptr, nullptr, std::nullopt)) == "unknown");
+  CHECK(safe_words(nullptr, nullptr, std::nullopt).state == "unknown");
   StoredRun stored;
   stored.record.reason = "all steps done";
   for (const db::Outcome broken : {db::Outcome::kIncomplete, db::Outcome::kInterrupted}) {
     stored.record.outcome = broken;
     stored.record.safe_state = db::SafeState::kVerified;
-    CHECK(told_of(safe_words(nullptr, &stored, std::nullopt)) == "unknown");
+    CHECK(safe_words(nullptr, &stored, std::nullopt).state == "unknown");
   }
   const db::EventRecord event{1, "safe", "verified", "by the gauge"};
   stored.record.outcome = db::Outcome::kFailed;
-  CHECK(told_of(safe_words(nullptr, &stored, event)) == "proved");
-  CHECK(told_of(safe_words(nullptr, &stored, std::nullopt)) == "proved");
+  CHECK(safe_words(nullptr, &stored, event).state == "proved");
+  CHECK(safe_words(nullptr, &stored, std::nullopt).state == "proved");
   stored.record.safe_state = db::SafeState::kFailed;
-  CHECK(told_of(safe_words(nullptr, &stored, event)) == "unknown");
+  CHECK(safe_words(nullptr, &stored, event).state == "unknown");
 }

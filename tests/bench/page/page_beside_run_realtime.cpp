@@ -2,8 +2,9 @@
 // bit; and the page that a run starts ends by itself.
 #include <catch2/catch.hpp>
 #include <csignal>
-#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "bench/run/control/run_connection.h"
 #include "tests/bench/page/raw_http.h"
@@ -27,23 +28,10 @@ struct Folder {
     write_file(folder.path("short.toml"), kRecipe);
   }
   [[nodiscard]] std::vector<std::string> run_words(const std::string& db, const std::string& rate) const {
-    return {"run",
-            "short.toml",
-            "--bench",
-            "bench.toml",
-            "--sensor",
-            "S-1",
-            "--operator",
-            "t",
-            "--db",
-            db,
-            "--rate",
-            rate,
-            "--seed",
-            "5",
-            "-q",
-            "--set",
-            fmt::format("bench.id=\"page-{}\"", getpid())};
+    const std::string line = "run short.toml --bench bench.toml --sensor S-1 --operator t --seed 5 -q --db " + db +
+                             " --rate " + rate + fmt::format(" --set bench.id=\"page-{}\"", getpid());
+    std::istringstream words(line);
+    return {std::istream_iterator<std::string>(words), {}};
   }
   [[nodiscard]] std::string hash(const std::string& db) const {
     const Finished shown = call(folder, {"runs", "show", "1", "--json", "--db", db});

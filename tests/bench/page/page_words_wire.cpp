@@ -50,7 +50,6 @@ TEST_CASE("page words: a viewer gets who it is, the state and the picture at onc
   REQUIRE(reader.send(page.head("GET /events", page.server->access().read_token)));
   REQUIRE(commander.send(page.head("GET /events", page.server->access().command_token)));
   const std::string first = reader.read(20'000, "event: picture");
-  CHECK_THAT(body_of(first), Catch::StartsWith("retry: 1000\n\nevent: hello\ndata: "));
   CHECK(event_in(first, "hello") == json({{"operator", ""}, {"commands", true}, {"night", false}}));
   CHECK(event_in(first, "state")["live"] == false);
   CHECK(event_in(first, "state")["view"]["run"] == 1);
@@ -83,25 +82,21 @@ TEST_CASE("page words: places that tell of the store, and none without one") {
   CHECK(loop["taxel"] == -1);
   CHECK(loop["last"] == 3);
   CHECK(loop["x"].size() == 2);  // without the void branch
-  CHECK(page.data_of("/loop?run=1&taxel=4&after=2") == [&] {
-    const json whole = page.data_of("/loop?run=1&taxel=4");
-    json rest = whole;
-    rest["x"] = json::array({whole["x"].back()});
-    rest["y"] = json::array({whole["y"].back()});
-    return rest;
-  }());
+  const json whole = page.data_of("/loop?run=1&taxel=4"), rest = page.data_of("/loop?run=1&taxel=4&after=2");
+  CHECK(rest["last"] == 3);
+  CHECK((rest["x"] == json::array({whole["x"].back()}) && rest["y"] == json::array({whole["y"].back()})));
   CHECK_THAT(page.data_of("/loop?run=9", 500)["error"].get<std::string>(), Catch::Contains("9"));
 }
 
 TEST_CASE("page words: documents that cannot be asked for, and a night's page that is kept") {
   WordsPage page([](bench::PageOptions& options) { store_page_run(options.db); });
-  CHECK(page.data_of("/make/sensor", 404).contains("error"));
-  CHECK(page.data_of("/make/sensor?serial=S-9", 404).contains("error"));
-  CHECK(page.data_of("/make/night", 404).contains("error"));
-  CHECK_THAT(page.data_of("/make/report?run=9", 500)["error"].get<std::string>(), Catch::Contains("9"));
-  CHECK_THAT(page.data_of("/make/report", 500)["error"].get<std::string>(), Catch::Contains("0"));
-  CHECK_THAT(page.data_of("/make/compare?run=1&with=8", 500)["error"].get<std::string>(), Catch::Contains("8"));
-  CHECK_THAT(page.data_of("/make/compare?run=7&with=1", 500)["error"].get<std::string>(), Catch::Contains("7"));
+  for (const char* none : {"/make/sensor", "/make/sensor?serial=S-9", "/make/night"})
+    CHECK(page.data_of(none, 404).contains("error"));
+  for (const auto& [path, run] : {std::pair("/make/report?run=9", "9"),
+                                  {"/make/report", "0"},
+                                  {"/make/compare?run=1&with=8", "8"},
+                                  {"/make/compare?run=7&with=1", "7"}})
+    CHECK_THAT(page.data_of(path, 500)["error"].get<std::string>(), Catch::Contains(run));
   CHECK(status_of(page.get("/document/0123")) == 404);
   CHECK(status_of(page.get("/nowhere")) == 404);
   WordsPage night([](bench::PageOptions& options) {

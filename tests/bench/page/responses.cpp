@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 
 #include "bench/page/assets.h"
 
@@ -20,30 +21,25 @@ std::string fields_text(const HttpResponse& response) {
 }  // namespace
 
 TEST_CASE("page responses: each of the page's own files, its type and its text") {
-  struct Own {
-    const char *path, *name, *type;
-  };
-  for (const Own& own :
-       {Own{"/", "page.html", "text/html; charset=utf-8"}, Own{"/page.css", "page.css", "text/css; charset=utf-8"},
-        Own{"/page.js", "page.js", "text/javascript; charset=utf-8"},
-        Own{"/link.js", "link.js", "text/javascript; charset=utf-8"},
-        Own{"/draw.js", "draw.js", "text/javascript; charset=utf-8"},
-        Own{"/now.js", "now.js", "text/javascript; charset=utf-8"},
-        Own{"/panels.js", "panels.js", "text/javascript; charset=utf-8"},
-        Own{"/seen.js", "seen.js", "text/javascript; charset=utf-8"},
-        Own{"/store.js", "store.js", "text/javascript; charset=utf-8"},
-        Own{"/icon.svg", "icon.svg", "image/svg+xml"}}) {
-    INFO(own.path);
-    const auto file = own_file(own.path);
+  for (const char* name : {"page.html", "page.css", "page.js", "link.js", "draw.js", "now.js", "panels.js", "seen.js",
+                           "store.js", "icon.svg"}) {
+    INFO(name);
+    const std::string path = name == std::string("page.html") ? "/" : std::string("/") + name;
+    const auto file = own_file(path);
     REQUIRE(file);
     CHECK(file->status == 200);
-    CHECK(file->type == own.type);
     CHECK_FALSE(file->body->empty());
-    CHECK(*file->body == asset(own.name));
+    CHECK(*file->body == asset(name));
     CHECK_FALSE(file->stream);
-    CHECK(needs_of(own.path) == PageNeeds::kNothing);
+    CHECK(needs_of(path) == PageNeeds::kNothing);
   }
-  for (const char* none : {"", "/page.html", "/page.css/", "page.js"}) {
+  for (const auto& [path, type] : {std::pair("/", "text/html"),
+                                   {"/page.css", "text/css"},
+                                   {"/page.js", "text/javascript"},
+                                   {"/icon.svg", "image/svg+xml"}})
+    CHECK_THAT(own_file(path)->type, Catch::StartsWith(type));
+  for (const char* none : {"", "/page.html", "/page.css/", "page.js", "/make", "/make/other", "/events/", "//", "/%2e",
+                           "/document", "/commands"}) {
     INFO(none);
     CHECK_FALSE(own_file(none));
     CHECK_FALSE(needs_of(none));
@@ -59,8 +55,6 @@ TEST_CASE("page responses: each place that needs a right, and documents whose na
   }
   CHECK(needs_of("/command") == PageNeeds::kCommand);
   CHECK(needs_of("/document/12ab") == PageNeeds::kNothing);
-  CHECK_FALSE(needs_of("/document"));
-  CHECK_FALSE(needs_of("/commands"));
 }
 
 TEST_CASE("page responses: a document is kept in a sandbox, without scripts") {
@@ -109,13 +103,10 @@ TEST_CASE("page targets: a query's pairs, with and without values, the last one 
     for (const auto& [name, value] : request.query) text += " " + name + "=" + value;
     return text;
   };
-  CHECK(query_of("/a") == "/a");
   CHECK(query_of("/a?") == "/a");
   CHECK(query_of("?x=1") == " x=1");
   CHECK(query_of("/a?x") == "/a x=");
-  CHECK(query_of("/a?x=") == "/a x=");
-  CHECK(query_of("/a?x=1&y=2") == "/a x=1 y=2");
-  CHECK(query_of("/a?x=1&x=2&") == "/a x=2");
+  CHECK(query_of("/a?x=1&x=2&y=S%20%3C1%3E+a&") == "/a x=2 y=S <1> a");
   CHECK(query_of("/a?x=1=2?y") == "/a x=1=2?y");
   CHECK(query_of("/%41?=7") == "/%41 =7");
   CHECK(query_of("/a?b%3d=%26") == "/a b==&");

@@ -3,9 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <catch2/catch.hpp>
 #include <functional>
 #include <memory>
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
 
@@ -44,8 +45,29 @@ class WordsPage {
     (void)client.send(head("GET " + path, server->access().read_token, "Connection: close\r\n"));
     return client.read();
   }
-  [[nodiscard]] nlohmann::json data_of(const std::string& path, int status = 200) const;
-  [[nodiscard]] nlohmann::json command(const nlohmann::json& words) const;
+  [[nodiscard]] nlohmann::json data_of(const std::string& path, int status = 200) const {
+    const std::string answer = get(path);
+    INFO(path << ": " << answer);
+    CHECK(status_of(answer) == status);
+    return nlohmann::json::parse(body_of(answer));
+  }
+  [[nodiscard]] std::unique_ptr<RawClient> send_command(const nlohmann::json& words) const {
+    const std::string body = words.dump();
+    auto client = std::make_unique<RawClient>(server->port());
+    REQUIRE(client->send(head("POST /command", server->access().command_token,
+                              fmt::format("Connection: close\r\nContent-Type: application/json\r\nX-Tactbench: "
+                                          "1\r\nContent-Length: {}\r\n",
+                                          body.size())) +
+                         body));
+    return client;
+  }
+  [[nodiscard]] static nlohmann::json answer_to(RawClient& client) {
+    const std::string answer = client.read();
+    INFO(answer);
+    CHECK(status_of(answer) == 200);
+    return nlohmann::json::parse(body_of(answer));
+  }
+  [[nodiscard]] nlohmann::json command(const nlohmann::json& words) const { return answer_to(*send_command(words)); }
 
   TemporaryFolder folder;
   bench::PageOptions options;

@@ -59,21 +59,8 @@ json status_of_run(const std::string& store, std::int64_t run) {
   return {{"bench", "page-words"}, {"run", run}, {"store", store}, {"state", "running"}};
 }
 
-std::unique_ptr<RawClient> send_command(const WordsPage& page, const std::string& word) {
-  const std::string body = json{{"word", word}, {"run", 4}}.dump();
-  auto client = std::make_unique<RawClient>(page.server->port());
-  REQUIRE(client->send(page.head("POST /command", page.server->access().command_token,
-                                 fmt::format("Connection: close\r\nContent-Type: application/json\r\nX-Tactbench: "
-                                             "1\r\nContent-Length: {}\r\n",
-                                             body.size())) +
-                       body));
-  return client;
-}
-
-json answer_to(RawClient& client) {
-  const std::string answer = client.read();
-  CHECK(status_of(answer) == 200);
-  return json::parse(body_of(answer));
+std::unique_ptr<RawClient> send_word(const WordsPage& page, const std::string& word) {
+  return page.send_command({{"word", word}, {"run", 4}});
 }
 
 bool is_live(const WordsPage& page) {
@@ -92,19 +79,19 @@ TEST_CASE("silent run: sixteen commands wait, one more is refused, and each is t
   REQUIRE(comes_true([&] { return is_live(page); }));
   std::vector<std::unique_ptr<RawClient>> waiting;
   for (int i = 0; i < 16; ++i) {
-    waiting.push_back(send_command(page, i == 0 ? "pause" : "panic"));
+    waiting.push_back(send_word(page, i == 0 ? "pause" : "panic"));
     const std::string words = run.accept();
     CHECK_THAT(words, Catch::StartsWith(i == 0 ? "pause\n" : "panic\n") && Catch::Contains("bob"));
   }
-  CHECK(answer_to(*send_command(page, "stop"))["taken"] == false);
+  CHECK(WordsPage::answer_to(*send_word(page, "stop"))["taken"] == false);
   run.hang_up(1);
-  CHECK(answer_to(*waiting[0])["taken"] == false);
+  CHECK(WordsPage::answer_to(*waiting[0])["taken"] == false);
   run.tell(2, {{"bench", "page-words"}, {"run", 4}, {"taken", true}, {"text", "it\nends"}});
-  const json answered = answer_to(*waiting[1]);
+  const json answered = WordsPage::answer_to(*waiting[1]);
   CHECK(answered["taken"] == true);
   CHECK_THAT(answered["text"].get<std::string>(), Catch::StartsWith("it") && Catch::EndsWith("ends"));
-  for (std::size_t i = 2; i < 16; ++i) CHECK(answer_to(*waiting[i])["taken"] == false);
-  auto again = send_command(page, "stop");  // there is room again
+  for (std::size_t i = 2; i < 16; ++i) CHECK(WordsPage::answer_to(*waiting[i])["taken"] == false);
+  auto again = send_word(page, "stop");  // there is room again
   CHECK_THAT(run.accept(), Catch::StartsWith("stop\n"));
 }
 

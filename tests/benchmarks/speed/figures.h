@@ -26,7 +26,4 @@ inline bool declare(std::vector<Quotient> more) {
   return true;
 }
 
-// The tables that peers/*.py read: ascending.csv and descending.csv in `folder`.
-void write_tables(const std::string& folder);
-
 }  // namespace tactbench::speed

@@ -1,5 +1,4 @@
-// Speed of the program's parts; --benchmark_filter=REGEX chooses. --write FOLDER writes the tables of peers/*.py
-// instead.
+// Speed of the program's parts; --benchmark_filter=REGEX chooses.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
@@ -67,10 +66,6 @@ class FigureReporter : public benchmark::ConsoleReporter {
 }  // namespace
 
 int main(int count, char** words) {
-  if (count == 3 && std::string(words[1]) == "--write") {
-    tactbench::speed::write_tables(words[2]);
-    return 0;
-  }
   // The best of five repetitions, in turn, so that a slow spell of the machine falls on all; options of the caller win.
   std::string repetitions = "--benchmark_repetitions=5", in_turn = "--benchmark_enable_random_interleaving=true";
   std::vector<char*> all{words[0], repetitions.data(), in_turn.data()};

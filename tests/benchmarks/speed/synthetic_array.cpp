@@ -82,8 +82,6 @@ ElamModel taxel_like_the_paper(std::mt19937& random) {
           {}};
 }
 
-std::vector<std::vector<double>> table_1_levels() { return {levels_of(descending_turns), levels_of(ascending_turns)}; }
-
 Dataset synthetic_dataset(int rows, int columns, int repeats) {
   Dataset dataset;
   dataset.run = 1;

@@ -14,9 +14,6 @@ namespace tactbench::speed {
 // Spread gains, bends and splits; 31 knots over 0-60 psi.
 analysis::ElamModel taxel_like_the_paper(std::mt19937& random);
 
-// The inputs of both sequences of Table 1 at steps of 2 psi: 211 and 451.
-std::vector<std::vector<double>> table_1_levels();
-
 // Both sequences of Table 1 at steps of 2 psi (211 + 451 samples), free running, with a play of 6 psi that no ELAM can
 // follow, 4 mV of noise, 0.03 psi of noise on the reference. One scan a frame.
 analysis::Dataset synthetic_dataset(int rows, int columns, int repeats);
