@@ -1,12 +1,10 @@
-// The page in a browser, from a run's first question to its end: node page.test.mjs PROGRAM CHROMIUM [FOLDER]. With FOLDER
-// it leaves pictures there.
+// The page in a browser, from a run's first question to its end: node page.test.mjs PROGRAM CHROMIUM.
 import assert from 'node:assert/strict';
 import { createRequire } from 'node:module';
 import { readFileSync } from 'node:fs';
-import { join } from 'node:path';
 import { Bench, launch, until, viewer } from './bench.mjs';
 
-const [program, browserPath, pictures] = process.argv.slice(2);
+const [program, browserPath] = process.argv.slice(2);
 const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 const kSensor = '<img src=x onerror=alert(1)>';
 const recipe = (name, more) => `schema = 1\nname = "${name}"\nunit = "psi"\nturning_points = [0, 40, 0, 40, 0]\nstep = 5\ndwell_s = 1\n${more}`;
@@ -23,10 +21,6 @@ async function accessible(one, where) {
   const { violations } = await one.page.evaluate(() => window.axe.run(document, { resultTypes: ['violations'], iframes: false }));
   const words = violations.map((v) => `${v.id}: ${v.help} (${v.nodes.map((n) => n.target.join(' ')).join(', ')})`);
   assert.deepEqual(words, [], `axe-core on ${where}`);
-}
-
-async function picture(one, name) {
-  if (pictures) await one.page.screenshot({ path: join(pictures, `${name}.png`), fullPage: name.startsWith('whole') });
 }
 
 // Nothing is wider than the screen.
@@ -63,8 +57,6 @@ try {
     await phone.says('prompt-note', 'tactbench resume');
     await desk.says('state', 'paused');
     await desk.says('safe-state', 'proved safe');
-    await picture(desk, 'prompt-desk');
-    await picture(phone, 'prompt-phone');
     await accessible(desk, 'a question');
     for (const [i, one] of [desk, second].entries()) await one.page.fill('#answer-text', `by viewer ${i}`);
     // Clicked on both, also where the other's answer has come first and the question is gone.
@@ -88,10 +80,6 @@ try {
     await desk.page.click('#map', { position: { x: 60, y: 60 } });
     await desk.says('taxel-words', ' V');
     await desk.says('loop-title', 'row ');
-    await picture(desk, 'now-desk');
-    await picture(second, 'now-desk-dark');
-    await picture(phone, 'now-phone');
-    await picture(phone, 'whole-now-phone');
     for (const [one, where] of [[desk, 'the desk'], [phone, 'the phone'], [second, 'the dark desk']]) {
       await accessible(one, where);
       await fits(one, where);
@@ -113,7 +101,6 @@ try {
     running.kill('SIGSTOP');
     await desk.shown('old');
     await desk.page.waitForFunction(() => document.body.classList.contains('stale'));
-    await picture(desk, 'stale-desk');
     running.kill('SIGCONT');
     await desk.hidden('old');
     server.child.kill('SIGSTOP');
@@ -143,7 +130,6 @@ try {
     const faulty = run('long.toml', '--rate', '200');
     await desk.says('state', 'failed');
     await desk.page.waitForSelector('#events .fault .try');
-    await picture(desk, 'fault-desk');
     assert.equal(await faulty.ended, 3, faulty.said);
   });
 
@@ -156,14 +142,12 @@ try {
     await desk.page.fill('input[type=search]', 'failed');
     assert.equal(await desk.page.locator('#view-store tbody tr').count(), 1);
     await desk.page.fill('input[type=search]', '');
-    await picture(desk, 'runs-desk');
     await accessible(desk, 'the runs');
     for (const run of [3, 4]) await desk.page.check(`[aria-label="compare run ${run}"]`);
     await desk.page.click('text=Compare two runs');
     await desk.page.frameLocator('iframe').getByRole('heading', { name: 'Comparison of two runs' }).waitFor();
     await desk.page.goto(`${server.link.split('#')[0]}#/run/3`);
     await desk.page.frameLocator('iframe').locator('h1').waitFor();
-    await picture(desk, 'run-desk');
     await accessible(desk, 'a run');
     await desk.page.click('.facts a');
     await desk.page.waitForFunction((serial) => document.querySelector('#view-store h1')?.textContent === serial, kSensor);

@@ -1,11 +1,11 @@
 // What the page shows beside a pressure run: the compensated picture, force and stage, the night, the demonstration, and a
-// question that is asked in a terminal too: node views.test.mjs PROGRAM CHROMIUM [FOLDER]. With FOLDER it leaves pictures there.
+// question that is asked in a terminal too: node views.test.mjs PROGRAM CHROMIUM.
 import assert from 'node:assert/strict';
 import { existsSync } from 'node:fs';
 import { join } from 'node:path';
 import { Bench, launch, until, viewer } from './bench.mjs';
 
-const [program, browserPath, pictures] = process.argv.slice(2);
+const [program, browserPath] = process.argv.slice(2);
 const kRecipe = 'schema = 1\nname = "asked"\nunit = "psi"\nturning_points = [0, 20, 0]\nstep = 10\ndwell_s = 1\n[conditioning]\ncycles = 0\n[prompt]\nbefore = "Is the sensor clamped?"\n';
 const kPress = 'schema = 1\nname = "press"\nkind = "press"\ndwell_s = 1\nrepeats = 20\n[press]\nobject = "ring"\npositions_mm = [[30.0, 30.0]]\nforces_n = [2, 6]\nhold = "position"\n'
   + 'approach_mm_per_s = 0.5\ncontact_n = 0.2\nservo_mm_per_s = 0.05\nclear_mm = 5.0\ntare = true\n[conditioning]\ncycles = 0\npeak_n = 6\n';
@@ -18,7 +18,6 @@ let browser, one;
 async function step(name, act) {
   const begun = Date.now();
   await act();
-  if (pictures && one) await one.page.screenshot({ path: join(pictures, `${name.split(/[ :]/)[0]}.png`) });
   steps.push(`${((Date.now() - begun) / 1000).toFixed(1).padStart(5)} s  ${name}`);
 }
 

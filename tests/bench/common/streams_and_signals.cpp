@@ -111,19 +111,6 @@ TEST_CASE("standard streams: into a file all is written, at once on standard err
   CHECK(written(STDERR_FILENO, false) == "one\ntwo\n");
 }
 
-TEST_CASE("standard streams: what stood in the buffer before is written first") {
-  const TemporaryFolder folder;
-  CHECK(done_apart([&] {
-          const int file = open(folder.path("f").c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-          dup2(file, STDOUT_FILENO);
-          std::fputs("before, ", stdout);
-          outlive_readers();
-          std::fputs("after", stdout);
-          return std::fflush(stdout);
-        }) == 0);
-  CHECK(read_file(folder.path("f")) == "before, after");
-}
-
 TEST_CASE("standard streams: on a terminal each line is written when it ends") {
   int terminal = -1, program = -1;
   REQUIRE(openpty(&terminal, &program, nullptr, nullptr, nullptr) == 0);

@@ -1,8 +1,6 @@
 // The page's HTTP server to the byte: heads, bodies and ends of its answers, its limits at their edges, and streams. By
 // raw sockets, to a handler that tells what it was asked.
-#include <unistd.h>
 
-#include <array>
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <chrono>
@@ -261,36 +259,4 @@ TEST_CASE("http answers: a viewer that takes nothing for too long is dropped, on
   CHECK(server.viewers == 1);
   flood = true;
   CHECK(comes_true([&] { return server.viewers == 0; }));
-}
-
-TEST_CASE("http answers: a descriptor is watched until its handle is gone") {
-  std::array<int, 2> ends{};
-  REQUIRE(::pipe(ends.data()) == 0);
-  std::atomic<int> heard{0};
-  std::shared_ptr<void> handle;
-  std::atomic<bool> let_go{false}, gone{false};
-  AnsweringServer server({}, [&](HttpServer& own) {
-    handle = own.watch(ends[0], [&] {
-      char byte = 0;
-      if (::read(ends[0], &byte, 1) == 1) ++heard;
-    });
-    own.every(milliseconds(5), [&] {
-      if (!let_go) return;
-      handle.reset();
-      gone = true;
-    });
-  });
-  for (int i = 1; i <= 3; ++i) {
-    REQUIRE(::write(ends[1], "x", 1) == 1);
-    CHECK(comes_true([&] { return heard == i; }));
-  }
-  let_go = true;
-  CHECK(comes_true([&] { return gone.load(); }));
-  REQUIRE(::write(ends[1], "x", 1) == 1);
-  CHECK(status_of(server.ask("GET / HTTP/1.1\r\nConnection: close\r\n\r\n")) == 200);
-  CHECK(heard == 3);
-  server.stop();
-  handle.reset();
-  ::close(ends[0]);
-  ::close(ends[1]);
 }

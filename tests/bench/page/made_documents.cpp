@@ -114,13 +114,6 @@ TEST_CASE("documents: one that writes nothing is told with what it said, without
   CHECK_FALSE(missing.ready[0].error.empty());
 }
 
-TEST_CASE("documents: one that is ready may ask for another") {
-  ScriptedDocuments made;
-  made.documents.make({"a"}, "-o", [&](const Document&) { made.make({"b"}); });
-  made.wait_for(1);
-  CHECK_THAT(*made.documents.text(made.ready[0].id), Catch::StartsWith("1\nb\n"));
-}
-
 TEST_CASE("documents: a file is kept as it is, the newest twelve, and none that is too large") {
   ScriptedDocuments made;
   const std::string file = made.folder.path("night.html");

@@ -1,12 +1,11 @@
-// Frames of corrected pressures: ELAM's compensator and the dynamic one, by vector level, beside a plain scalar form
-// with flags and uncertainty, a bare scalar one, and a pass that only scales counts.
+// Frames of corrected pressures: ELAM's compensator and the dynamic one, by vector level, beside a bare scalar form,
+// and a pass that only scales counts.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
 #include <cmath>
 #include <random>
 
-#include "analysis/compensate/compensator.h"
 #include "analysis/compensate/dynamic_frame_compensator.h"
 #include "analysis/compensate/frame_compensator.h"
 #include "analysis/models/preisach.h"
@@ -218,17 +217,6 @@ void by_vectors(benchmark::State& state, const Of& stream, Dispatch level) {
   });
 }
 
-void plain(benchmark::State& state, const ElamStream& stream) {
-  std::vector<TaxelCompensator> taxels;
-  CompensatorOptions options;
-  options.noise_v = kNoise;
-  for (const ElamModel& model : stream.models) taxels.emplace_back(model, options);
-  each_frame(state, stream.frames(), [&](std::size_t f) {
-    for (std::size_t t = 0; t < taxels.size(); ++t)
-      benchmark::DoNotOptimize(taxels[t].step(stream.frame(f)[t] * kVoltsPerCount));
-  });
-}
-
 // The simplest form: a fixed dead band, a search in the curve, no flags, no uncertainty, no averaging.
 void bare(benchmark::State& state, const ElamStream& stream) {
   struct Taxel {
@@ -272,9 +260,7 @@ const bool registered = [] {
     benchmark::RegisterBenchmark(("compensate/" + name).c_str(), act)->Unit(benchmark::kMicrosecond);
   };
   add("scale", scale);
-  add("slow_plain", [](benchmark::State& state) { plain(state, elam_slow()); });
   add("slow_bare", [](benchmark::State& state) { bare(state, elam_slow()); });
-  add("turning_plain", [](benchmark::State& state) { plain(state, elam_turning()); });
   add("turning_bare", [](benchmark::State& state) { bare(state, elam_turning()); });
   for (const Dispatch level : {Dispatch::kBase, Dispatch::kAvx2, Dispatch::kAvx512}) {
     if (level > best_dispatch()) continue;
