@@ -1,5 +1,5 @@
-// The progress line of verbs whose work the test holds up: a table that comes through a pipe, a store that is written
-// by somebody else, a night that does not end.
+// The progress line before a person: on a terminal, written over, silent with --json and -q. Work is held up by a table
+// that comes through a pipe, a store that is written by somebody else, a night that does not end.
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -45,6 +45,28 @@ class TableThroughPipe {
 constexpr const char* kLoopOfPipe =
     "input,output\n0,0\n1,1.5\n2,2.5\n3,4\n2,3.5\n1,2\n0,0.1\n1,1.4\n2,2.6\n1,2.1\n0,0\n";
 
+// Long work of one taxel: a search from so many starts.
+std::vector<std::string> search(const char* starts, const std::vector<std::string>& more = {}) {
+  std::vector<std::string> words = {"fit", "loops.csv", "--model", "gpi", "--starts", starts};
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+void write_loops(const TemporaryFolder& folder) {
+  std::string table = "sequence,step,input,output\n";
+  int step = 0;
+  double lagging = 0.0;
+  const auto go = [&](int from, int to) {
+    for (int p = from; p != to; p += from < to ? 1 : -1) {
+      lagging += 0.15 * (p - lagging);
+      table +=
+          "loops," + std::to_string(step++) + "," + std::to_string(p) + "," + std::to_string(0.05 * lagging) + "\n";
+    }
+  };
+  go(0, 60), go(60, 20), go(20, 60), go(60, 0), go(0, 40), go(40, 0);
+  write_file(folder.path("loops.csv"), table);
+}
+
 }  // namespace
 
 TEST_CASE("progress of an import: its stages and their share, while the table and the store wait") {
@@ -87,4 +109,15 @@ TEST_CASE("progress of a night: one line on a terminal counts its scenarios, in 
     each->type("\x03");
     CHECK(each->wait() == 130);
   }
+}
+
+TEST_CASE("progress: one line on a terminal, none with --json or -q") {
+  const TemporaryFolder folder;
+  write_loops(folder);
+  InTerminal silent(folder.path(), search("4096", {"-q"}), 100, 24),
+      document(folder.path(), search("4096", {"--json"}), 100, 24), shown(folder.path(), search("4096"), 100, 24);
+  REQUIRE(shown.shows("(2 of 3)"));
+  CHECK(shown.shown().find('\n') == shown.shown().rfind('\n'));  // written over, not below
+  CHECK(silent.shown().find("fit: ") == std::string::npos);
+  CHECK(document.shown().find("fit: ") == std::string::npos);
 }

@@ -1,17 +1,23 @@
-// Which kind of file may replace which.
+// Which kind of file may replace which, what is refused, modes of new files, names of open streams.
 #include "bench/common/output_file.h"
 
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
-#include <catch2/catch.hpp>
 
+#include <catch2/catch.hpp>
+#include <cstdio>
 #include <filesystem>
+#include <string>
 
 #include "bench/common/error.h"
 #include "bench/common/signed_number.h"
 #include "db/run_store.h"
+#include "tests/bench/cli/verb_here.h"
+#include "tests/bench/common/file_mode.h"
 #include "tests/support/process.h"
+#include "tests/support/refusal.h"
 
 using namespace tactbench;
 using namespace tactbench::bench;
@@ -19,6 +25,7 @@ using namespace tactbench::tests;
 
 namespace {
 
+constexpr const char* kTable = "x,y\n1,2\n";
 constexpr const char* kModel = "{\n \"schema\": \"tactbench.model\",\n \"version\": 1}\n";
 
 std::string error_of(const std::string& path, const std::string& text, bool replace = false) {
@@ -43,7 +50,7 @@ TEST_CASE("a file is replaced by its own kind, by another kind on request, and a
   const std::string second = std::string(kModel) + " ";
   CHECK(error_of(path, second).empty());
   CHECK(read_file(path) == second);
-  CHECK(error_of(path, "x,y\n1,2\n") == "TB-FILE-EXISTS");
+  CHECK(error_of(path, kTable) == "TB-FILE-EXISTS");
   write_file(notes, "my notes\n");
   CHECK(error_of(notes, kModel) == "TB-FILE-EXISTS");
   CHECK(error_of(notes, "other notes\n") == "TB-FILE-EXISTS");  // of no kind is not of one kind
@@ -51,7 +58,7 @@ TEST_CASE("a file is replaced by its own kind, by another kind on request, and a
   CHECK(error_of(notes, kModel, true).empty());
   CHECK(read_file(notes) == kModel);
   write_file(notes, "");
-  CHECK(error_of(notes, "x,y\n1,2\n").empty());
+  CHECK(error_of(notes, kTable).empty());
 
   const std::string store = folder.path("runs.db");
   db::RunStore::open(store);
@@ -96,35 +103,105 @@ TEST_CASE("devices and pipes are written into") {
   CHECK(std::filesystem::is_fifo(pipe));
 }
 
-TEST_CASE("a store's lock and a signed report are never overwritten by any kind of file") {
+TEST_CASE("a signed report is never overwritten by any kind of file") {
   const TemporaryFolder folder;
-  (void)db::RunStore::open(folder.path("runs.db"));
-  write_file(folder.path("runs.db-lock"), "");
-  CHECK(error_of(folder.path("runs.db-lock"), kModel, true) == "TB-FILE-STORE");
-  CHECK(error_of(folder.path("other.db-lock"), kModel).empty());  // beside no store
   REQUIRE(mkfifo(folder.path("pipe").c_str(), 0600) == 0);
   CHECK(error_of(folder.path("pipe-lock"), kModel).empty());  // a pipe is no store, and is not waited for
   const std::string data =
       R"({"schema":"tactbench.report","number":"1-0a","identification":{"approvals":[{"number":"1-0a"}]}})";
-  const std::string head =
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n<meta "
-      "http-equiv=\"Content-Security-Policy\"";
-  const auto page = [&](const std::string& inside) {
-    return head + "/><script type=\"application/json\" id=\"report-data\">" + inside + "</script>";
-  };
-  std::string unsigned_data = data;
-  unsigned_data.replace(data.rfind("1-0a"), 4, "1-0b");  // an earlier report of the run was signed
-  CHECK(signed_number_in(data) == "1-0a");
-  CHECK(signed_number_in(page(data)) == "1-0a");
-  CHECK(signed_number_in(page(unsigned_data)).empty());
-  CHECK(signed_number_in(page("{")).empty());
-  CHECK(signed_number_in(head).empty());
   const std::string html = folder.path("run.html"), json = folder.path("run.json");
-  write_file(html, page(unsigned_data));
-  CHECK(error_of(html, page(data)).empty());
-  CHECK(error_of(html, page(unsigned_data)) == "TB-REPORT-SIGNED");
-  CHECK(error_of(html, page(unsigned_data), true) == "TB-REPORT-SIGNED");
+  const std::string page =
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n<meta "
+      "http-equiv=\"Content-Security-Policy\"/><script type=\"application/json\" id=\"report-data\">" +
+      data + "</script>";
+  write_file(html, page);
   write_file(json, data);
-  CHECK(error_of(json, kModel, true) == "TB-REPORT-SIGNED");
-  CHECK(read_file(html) == page(data));
+  for (const bool replace : {false, true})
+    for (const std::string& path : {html, json}) CHECK(error_of(path, kModel, replace) == "TB-REPORT-SIGNED");
+  CHECK(read_file(html) == page);
+}
+
+TEST_CASE("output: a store and what belongs to one are refused by name, whatever stands beside what is none") {
+  const TemporaryFolder folder;
+  const std::string store = folder.path("runs.db");
+  (void)db::RunStore::open(store);
+  CHECK(error_of(store, kTable) == "TB-FILE-STORE");
+  for (const char* ending : {"-wal", "-shm", "-journal", "-lock"})
+    CHECK(error_of(store + ending, kTable) == "TB-FILE-STORE");
+  CHECK(error_of(store + "-lock-wal", kTable).empty());
+  write_file(folder.path("empty.db"), "");
+  write_file(folder.path("notes.db"), "SQLite format 4, they said");
+  std::filesystem::create_directory(folder.path("folder.db"));
+  for (const char* name : {"empty.db-wal", "notes.db-wal", "folder.db-lock", "none.db-lock"})
+    CHECK(error_of(folder.path(name), kTable).empty());
+  write_file(folder.path("log"), "\x37\x7f\x06\x82 and more");
+  CHECK(error_of(folder.path("log"), kTable, true) == "TB-FILE-STORE");
+}
+
+TEST_CASE("output: a file that cannot be written") {
+  const TemporaryFolder folder;
+  const std::string here = folder.path("here"), file = folder.path("f");
+  std::filesystem::create_directory(here);
+  CHECK(error_of(here, kTable) == "TB-FILE-WRITE");
+  CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);  // no temporary file remains
+  write_file(file, kTable);
+  CHECK(error_of(file + "/g", kTable) == "TB-FILE-WRITE");
+  CHECK(error_of("/dev/full", kTable) == "TB-FILE-WRITE");
+  CHECK(refusal_by([&] { write_whole(file + "/g", "x"); }).value().id() == "TB-FILE-WRITE");
+  CHECK(refusal_by([&] { write_whole(here, "x"); }).value().id() == "TB-FILE-WRITE");
+  CHECK(error_of("/dev/fd/1x", kTable) == "TB-FILE-WRITE");
+  CHECK(error_of("/proc/self/fd/", kTable) == "TB-FILE-WRITE");
+}
+
+TEST_CASE("output: new files have the mode that the process gives, replaced ones theirs") {
+  const TemporaryFolder folder;
+  const mode_t before = umask(0);
+  write_output(folder.path("a"), kTable, false);
+  umask(before);
+  CHECK(mode_of(folder.path("a")) == 0666);
+  REQUIRE(chmod(folder.path("a").c_str(), 04751) == 0);
+  write_output(folder.path("a"), "x,y\n3,4\n", false);
+  CHECK(mode_of(folder.path("a")) == 0751);
+}
+
+TEST_CASE("output: the names of standard output and error, and a store behind one of them") {
+  std::string err;
+  const std::string out = printed_by([&] {
+    Captured captured(stderr);
+    std::fputs("before\n", stdout);  // still in the buffer
+    write_output("/dev/stdout", "to output\n", false);
+    write_output("/dev/stderr", "to error\n", false);
+    err = captured.text();
+  });
+  CHECK(out == "before\nto output\n");
+  CHECK(err == "to error\n");
+  const TemporaryFolder folder;
+  const std::string store = folder.path("runs.db");
+  (void)db::RunStore::open(store);
+  const int file = open(store.c_str(), O_WRONLY | O_CLOEXEC);
+  REQUIRE(file >= 0);
+  CHECK(error_of("/dev/fd/" + std::to_string(file), kTable) == "TB-FILE-STORE");
+  close(file);
+}
+
+TEST_CASE("signed reports: a number counts where an approval of the same document names it") {
+  const auto number_in = [](const std::string& approvals, const std::string& more = R"("number":"7-1",)") {
+    return signed_number_in("{" + more + R"("identification":)" + approvals + "}");
+  };
+  CHECK(number_in(R"({"approvals":[{"number":"7-1"}]})") == "7-1");
+  CHECK(number_in(R"({"approvals":[3,{"number":"7-0"},{"number":"7-1"}]})") == "7-1");
+  CHECK(number_in(R"({"approvals":[{"number":"7-0"}]})").empty());
+  CHECK(number_in(R"({"approvals":[]})").empty());
+  CHECK(number_in(R"({"approvals":[{}]})").empty());
+  CHECK(number_in("{}").empty());
+  CHECK(number_in("[]").empty());
+  CHECK(number_in("7").empty());
+  CHECK(number_in(R"({"approvals":[{"number":"7-1"}]})", "").empty());
+  for (const char* other :
+       {"", "[]", "{", "7", R"({"number":"7-1"})", R"(<p id="report-data">{"number":"7-1"}</script>)"})
+    CHECK(signed_number_in(other).empty());
+  const std::string data = R"({"number":"7-1","identification":{"approvals":[{"number":"7-1"}]}})";
+  CHECK(signed_number_in("<p id=\"report-data\">" + data + "</script></p>") == "7-1");
+  CHECK(signed_number_in("<p id=\"report-data\">" + data).empty());  // cut short
+  CHECK(signed_number_in("<p id=\"other-data\">" + data + "</script>").empty());
 }

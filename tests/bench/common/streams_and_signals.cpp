@@ -2,7 +2,6 @@
 // the whole process is carried out in a process of its own.
 #include <fcntl.h>
 #include <poll.h>
-#include <pty.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -109,24 +108,6 @@ TEST_CASE("standard streams: into a file all is written, at once on standard err
   CHECK(written(STDOUT_FILENO, true) == "one\ntwo\n");
   CHECK(written(STDOUT_FILENO, false).empty());
   CHECK(written(STDERR_FILENO, false) == "one\ntwo\n");
-}
-
-TEST_CASE("standard streams: on a terminal each line is written when it ends") {
-  int terminal = -1, program = -1;
-  REQUIRE(openpty(&terminal, &program, nullptr, nullptr, nullptr) == 0);
-  CHECK(done_apart([&] {
-          dup2(program, STDOUT_FILENO);
-          outlive_readers();
-          std::fputs("one\n", stdout);
-          return 0;
-        }) == 0);
-  std::array<char, 16> bytes{};
-  pollfd ready{terminal, POLLIN, 0};
-  REQUIRE(poll(&ready, 1, 0) == 1);
-  CHECK(read(terminal, bytes.data(), bytes.size()) == 5);
-  CHECK(std::string(bytes.data()) == "one\r\n");
-  close(program);
-  close(terminal);
 }
 
 TEST_CASE("standard streams: output that nobody takes is lost without a signal or an error") {
