@@ -73,14 +73,12 @@ TEST_CASE("the dynamic model is fitted from three runs, judged, verified, shown 
   const Finished live = call(folder, {"live", "--bench", "bench.toml", "--model", "1:4", "--frames", "3", "--json"});
   REQUIRE(live.code == 0);
   CHECK(json::parse(live.out)["last_frame"]["dead"] == 0);
-  CHECK(call(folder, {"report", "1", "--held-out", "4", "--previous", "1:4", "-o", "r.html"}).code == 0);
   CHECK(call(folder, {"report", "1", "--model", "1:4", "--format", "json", "-o", "dynamic.json"}).code == 0);
   CHECK_THAT(read_file(folder.path("dynamic.json")), Catch::Contains("\"dynamic\"") &&
                                                          Catch::Contains("\"creep_share\"") &&
                                                          Catch::Contains("\"creep_scale\""));
   CHECK_THAT(call(folder, {"report", "1", "--model", "1:4", "--held-out", "3", "-o", "x.html"}).err,
              Catch::Contains("TB-RUN-OWN"));
-  CHECK_THAT(call(folder, {"report", "1", "--model", "four", "-o", "x.html"}).err, Catch::Contains("TB-USAGE"));
 
   // A table needs times.
   write_file(folder.path("timed.csv"), "time_s,output\n0,0.02\n2,0.5\n4,1.2\n");
@@ -93,13 +91,11 @@ TEST_CASE("the dynamic model is fitted from three runs, judged, verified, shown 
   CHECK_THAT(call(folder, {"compensate", "1:4", "back.csv", "--taxel", "mean"}).err, Catch::Contains("TB-TABLE-ROW"));
   CHECK_THAT(call(folder, {"compensate", "1:4", "timeless.csv", "--taxel", "mean"}).err,
              Catch::Contains("TB-TABLE-COLUMN"));
-  CHECK(call(folder, {"compensate", "1:1", "timeless.csv", "--taxel", "mean"}).code == 0);
 
   // On random reversals of the same day it is still good; adjusted by them it stays a dynamic model that streams.
   CHECK(call(folder, {"fit", "4", "--check", "d.json"}).code == 0);
   CHECK(call(folder, {"model", "adjust", "d.json", "4", "--zero", "--gain", "-o", "child.json"}).code == 0);
   CHECK(call(folder, {"model", "diff", "d.json", "child.json"}).code == 1);
-  CHECK(call(folder, {"live", "--bench", "bench.toml", "--model", "child.json", "--frames", "3", "--json"}).code == 0);
   // Of the run alone, and scored.
   const Finished alone = call(folder, {"fit", "1", "--model", "dynamic", "--score", "4", "-o", "alone.json", "--json"});
   INFO(alone.err);
@@ -108,19 +104,7 @@ TEST_CASE("the dynamic model is fitted from three runs, judged, verified, shown 
       json::parse(alone.out)["models"].at(0)["scores"].at(0)["all"]["compensated"]["mean"].get<double>();
   INFO("psi: dynamic, with the creep of the fitted run " << compensated);
   CHECK(compensated < 0.45 * elam);
-  CHECK(call(folder, {"model", "show", "alone.json"}).code == 0);
   CHECK(call(folder, {"compensate", "alone.json", "timed.csv", "--taxel", "mean"}).code == 0);
-  CHECK_THAT(call(folder, {"compensate", "alone.json", "timeless.csv", "--taxel", "mean"}).err,
-             Catch::Contains("TB-TABLE-COLUMN"));
-  CHECK(call(folder, {"verify", "1"}).code == 0);
-
-  // A copy of the run alone lacks the others.
-  REQUIRE(call(folder, {"runs", "copy", "1", "--to", "copy.db"}).code == 0);
-  CHECK(call(folder, {"verify", "1", "--db", "copy.db"}).out != call(folder, {"verify", "1"}).out);
-
-  // The mean taxel alone is no model of the array.
-  REQUIRE(call(folder, {"fit", "1", "--mean-taxel"}).code == 0);
-  CHECK_THAT(call(folder, {"report", "1", "--model", "1:6", "-o", "x.html"}).err, Catch::Contains("TB-USAGE"));
 
   // The run that creep was taken from is no evidence.
   const Finished own =
@@ -156,10 +140,7 @@ TEST_CASE("ELAM on the linearised output is a fit beside the paper's, which goes
   CHECK(call(folder, {"verify", "1"}).code == 0);
   CHECK_THAT(call(folder, {"model", "show", "1"}).out, !Catch::Contains("linearised"));  // the paper's stands
   CHECK_THAT(call(folder, {"model", "show", "1:2"}).out, Catch::Contains("linearised"));
-  CHECK(call(folder, {"model", "adjust", "1:2", "2", "--zero", "-o", "child.json"}).code == 0);
-  CHECK(call(folder, {"model", "diff", "1:2", "child.json"}).code == 1);
-  CHECK(call(folder, {"fit", "2", "--check", "child.json"}).code <= 1);
-  CHECK(call(folder, {"live", "--bench", "bench.toml", "--model", "child.json", "--frames", "3"}).code == 0);
+  CHECK(call(folder, {"live", "--bench", "bench.toml", "--model", "1:2", "--frames", "3", "--json"}).code == 0);
 }
 
 TEST_CASE("what a dynamic model lacks is said before anything is stored") {
@@ -175,7 +156,6 @@ TEST_CASE("what a dynamic model lacks is said before anything is stored") {
   fails({"--rate", "2"}, 2, "TB-USAGE");
   fails({"--rate", "2", "--creep", "3", "--fit", "ascending"}, 2, "TB-USAGE");
   fails({"--rate", "2", "--creep", "3", "--starts", "3"}, 2, "TB-USAGE");
-  fails({"--rate", "2", "--creep", "3", "--starts", "16"}, 2, "TB-USAGE");
   fails({"--rate", "2", "--creep", "3", "--check", "m.json"}, 2, "TB-USAGE");
   fails({"--rate", "2", "--creep", "9"}, 2, "TB-STORE-NOT-FOUND");
   fails({"--rate", "2", "--creep", "2"}, 6, "TB-ANALYSIS-DYNAMICS");

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "bench/common/error.h"
 #include "bench/config/config_calibration.h"
 #include "tests/bench/config/bench_text.h"
+#include "tests/support/refusal.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -17,14 +17,10 @@ namespace {
 using Words = std::vector<std::string>;
 
 std::string covers_refusal(const BenchConfig& config) {
-  try {
-    refuse_placeholders(config);
-  } catch (const bench::Error& error) {
-    CHECK(error.code() == bench::ExitCode::kUsage);
-    CHECK(error.where() == "b.toml");
-    return error.id();
-  }
-  return "accepted";
+  const auto error = refusal_by([&] { refuse_placeholders(config); });
+  if (!error) return "accepted";
+  CHECK((error->code() == bench::ExitCode::kUsage && error->where() == "b.toml"));
+  return error->id();
 }
 
 const std::string kThermometer = "quantity = 'temperature_c', unit = 9, address = 7";
