@@ -1,15 +1,23 @@
-// The table of errors: it has what the sources name, and an error takes its exit code and remedy from it.
+// The table of errors: it has what the sources name, and an error takes its exit code and remedy from it. An error that
+// was asked for, one as JSON, and what becomes of the errors of each room.
 #include "bench/common/error_table.h"
 
 #include <catch2/catch.hpp>
+#include <ctime>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <regex>
 #include <set>
+#include <stdexcept>
 #include <string>
+#include <tuple>
 #include <utility>
+#include <vector>
 
 #include "analysis/error.h"
 #include "bench/common/error.h"
+#include "bench/common/overrides.h"
+#include "bench/common/utc.h"
 #include "db/run_store.h"
 #include "devices/fault.h"
 #include "sequences/toml/strict_toml.h"
@@ -17,6 +25,7 @@
 #include "tests/support/process.h"
 
 using namespace tactbench;
+using bench::Error;
 using bench::ExitCode;
 namespace fs = std::filesystem;
 
@@ -36,6 +45,20 @@ ExitCode code_when(const Thrown& thrown) {
     throw thrown;
   } catch (...) {
     return bench::as_error(std::current_exception()).code();
+  }
+}
+
+using ErrorParts = std::tuple<std::string, std::string, std::string, std::string>;
+
+template <class Thrown>
+ErrorParts parts_when(const Thrown& thrown, const std::string& where) {
+  try {
+    throw thrown;
+  } catch (...) {
+    const Error error = bench::as_error(std::current_exception(), where);
+    CHECK(error.rig_state().empty());
+    CHECK_FALSE(error.asked_for());
+    return {error.id(), error.what(), error.where(), error.remedy()};
   }
 }
 
@@ -104,4 +127,91 @@ TEST_CASE("error table: the exit code follows from the id, in whatever room it w
 TEST_CASE("error table: the remedy is the table's where the place that throws has none") {
   CHECK(bench::Error("TB-STORE-LOCK", "m", "w").remedy() == bench::error_row("TB-STORE-LOCK")->remedy);
   CHECK(bench::Error("TB-STORE-LOCK", "m", "w", "own").remedy() == "own");
+}
+
+TEST_CASE("an error that was asked for is none, unless the rig is not safe") {
+  const Error stopped("TB-RUN-STOPPED", "stopped by bob", "", "resume");
+  CHECK_FALSE(stopped.asked_for());
+  const Error asked = stopped.by_word();
+  CHECK(asked.asked_for());
+  CHECK_FALSE(stopped.asked_for());
+  const Error safe = asked.with_rig_state("vented", true), unsafe = asked.with_rig_state("loaded", false);
+  CHECK(safe.code() == ExitCode::kStopped);
+  CHECK(safe.asked_for());
+  CHECK(unsafe.code() == ExitCode::kUnsafe);
+}
+
+TEST_CASE("an error as JSON has id, exit code, cause and remedy, and says where the rig stands") {
+  const auto json = nlohmann::json::parse(error_json(Error("TB-STORE-FULL", "full", "s.db", "make room", "vented")));
+  CHECK(json == nlohmann::json{{"schema", "tactbench.error"},
+                               {"version", 1},
+                               {"id", "TB-STORE-FULL"},
+                               {"exit_code", 5},
+                               {"cause", bench::error_row("TB-STORE-FULL")->cause},
+                               {"message", "full"},
+                               {"where", "s.db"},
+                               {"remedy", "make room"},
+                               {"rig_state", "vented"}});
+}
+
+TEST_CASE("the errors of each room keep their words, and get a place where they have none") {
+  const devices::Fault fault("TB-CHAMBER-TRIP", "valve", "stuck", "tap it");
+  CHECK(parts_when(fault, "") == ErrorParts{"TB-CHAMBER-TRIP", "stuck", "valve", "tap it"});
+  CHECK(parts_when(fault, "run 3") == ErrorParts{"TB-CHAMBER-TRIP", "stuck", "run 3, valve", "tap it"});
+  CHECK(parts_when(sequences::FileError("TB-FILE-KEY", "odd", "f:1:2", "fix"), "run 3") ==
+        ErrorParts{"TB-FILE-KEY", "odd", "f:1:2", "fix"});
+  CHECK(parts_when(db::StoreError("TB-STORE-FULL", "full", "room"), "run 3") ==
+        ErrorParts{"TB-STORE-FULL", "full", "run 3", "room"});
+  CHECK(parts_when(analysis::AnalysisError("TB-ANALYSIS-NO-LOOP", "flat", "again"), "run 3") ==
+        ErrorParts{"TB-ANALYSIS-NO-LOOP", "flat", "run 3", "again"});
+  const std::string report(bench::error_row("TB-INTERNAL")->remedy);
+  CHECK(parts_when(std::runtime_error("odd"), "run 3") == ErrorParts{"TB-INTERNAL", "odd", "run 3", report});
+  CHECK(parts_when(7, "run 3") == ErrorParts{"TB-INTERNAL", "unknown failure", "run 3", report});
+  CHECK(parts_when(Error("TB-USAGE", "m", "w", "r"), "run 3") == ErrorParts{"TB-USAGE", "m", "w", "r"});
+}
+
+TEST_CASE("overrides: keys of recipes apart from those of the bench, and pressures in another unit") {
+  const bench::SplitOverrides split = bench::split_overrides(
+      {"recipe.step=2", "recipe.=x", "bench.id=a=b", "x_psi=2 bar", "x_psi.y=2bar", "k=", "recipex=1"});
+  const auto told = [](const std::vector<sequences::Override>& list) {
+    std::vector<std::string> all;
+    for (const sequences::Override& one : list) all.push_back(one.key + "|" + one.value + "|" + one.typed);
+    return all;
+  };
+  using Words = std::vector<std::string>;
+  CHECK(told(split.all) ==
+        Words{"recipe.step|2|", "recipe.|x|", "bench.id|a=b|", "x_psi|2 bar|", "x_psi.y|2bar|", "k||", "recipex|1|"});
+  CHECK(told(split.recipe) == Words{"step|2|", "|x|"});
+  REQUIRE(split.bench.size() == 5);
+  CHECK(told(split.bench)[0] == "bench.id|a=b|a=b");
+  CHECK(std::stod(split.bench[1].value) == Approx(29.00755).epsilon(1e-6));
+  CHECK(split.bench[1].typed == "2 bar");
+  CHECK(told(split.bench)[2] == "x_psi.y|2bar|2bar");
+  CHECK(told(split.bench)[3] == "k||");
+  CHECK(told(split.bench)[4] == "recipex|1|1");
+  for (const char* odd : {"", "key", "=", "=value"}) {
+    try {
+      (void)bench::split_overrides({"a=1", odd});
+      FAIL("it was taken");
+    } catch (const Error& error) {
+      CHECK(error.id() == "TB-USAGE");
+      CHECK(error.code() == ExitCode::kUsage);
+      CHECK(error.where() == "--set " + std::string(odd));
+    }
+  }
+}
+
+TEST_CASE("the time now and days ago, and seconds between times of the first second on") {
+  const auto seconds_of = [](const std::string& text) {
+    REQUIRE(text.size() == 20);
+    return bench::seconds_between("1970-01-01T00:00:00Z", text);
+  };
+  const double before = static_cast<double>(std::time(nullptr));
+  const double now = seconds_of(bench::utc_now()), then = seconds_of(bench::utc_days_ago(3));
+  const double after = static_cast<double>(std::time(nullptr));
+  CHECK((before <= now && now <= after));
+  CHECK((before <= then + 3 * 86400.0 && then + 3 * 86400.0 <= after));
+  CHECK(bench::seconds_between("1970-01-01T00:00:00Z", "1970-01-01T00:00:05Z") == 5.0);
+  CHECK(bench::seconds_between("yesterday", "1970-01-01T00:00:05Z") == 0.0);
+  CHECK(bench::seconds_between("1969-12-31T23:59:50Z", "1970-01-01T00:00:05Z") == 0.0);
 }

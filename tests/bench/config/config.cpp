@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <set>
+#include <string>
 
 #include "analysis/error.h"
 #include "bench/common/error.h"
+#include "bench/common/overrides.h"
 #include "bench/config/config_calibration.h"
 #include "db/run_store.h"
 #include "devices/fault.h"
@@ -29,6 +31,10 @@ void refused(const sequences::Override& change) {
   CHECK(refusal.id.starts_with("TB-"));
   CHECK_FALSE(refusal.where.empty());
   CHECK_FALSE(refusal.remedy.empty());
+}
+
+BenchConfig bench_with(const std::string& typed) {
+  return read_bench(find_config("simulated.toml"), split_overrides({typed}).bench);
 }
 
 }  // namespace
@@ -206,4 +212,15 @@ TEST_CASE("the example of the paper's rig reads without complaint, and names har
   REQUIRE(config.force);
   CHECK(config.force->kind == ForceKind::kNet);
   CHECK(config.force->net.port == 49152);
+}
+
+TEST_CASE("a pressure typed in another unit is refused with both what it is and what was typed") {
+  try {
+    (void)bench_with("limits.trip_psi=9bar");
+    FAIL("accepted");
+  } catch (const FileError& error) {
+    CHECK_THAT(error.what(), Catch::Contains("130.534") && Catch::Contains("9bar") && Catch::Contains("60 to 110"));
+    CHECK_THAT(error.where(), Catch::Contains("--set limits.trip_psi"));
+  }
+  CHECK(bench_with("limits.trip_psi=450kPa").limits.trip_psi == Approx(65.267).epsilon(1e-4));
 }

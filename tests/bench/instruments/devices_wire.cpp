@@ -1,4 +1,5 @@
 // `devices check` and related verbs on the simulated rig, and their messages when something is absent or wrong.
+#include <fmt/format.h>
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -7,11 +8,14 @@
 #include "bench/config/calibration_words.h"
 #include "bench/instruments/check.h"
 #include "bench/instruments/reference_calibration.h"
+#include "bench/instruments/scan.h"
 #include "bench/instruments/watch.h"
+#include "bench/rig/rig.h"
 #include "bench/simulation/plant.h"
 #include "devices/fault.h"
 #include "tests/bench/cli/verb_here.h"
 #include "tests/support/process.h"
+#include "tests/support/refusal.h"
 #include "tests/support/small_run.h"
 
 using namespace tactbench;
@@ -47,6 +51,12 @@ bool says(const bench::DeviceCheck& device, const std::string& text) {
     if (note.find(text) != std::string::npos) return true;
   }
   return false;
+}
+
+std::string told_of_host(const std::string& host) {
+  for (const bench::ScanEntry& entry : bench::scan_devices({host}))
+    if (entry.kind == "Modbus TCP") return entry.where + ": " + entry.what;
+  return "(none)";
 }
 
 }  // namespace
@@ -248,4 +258,26 @@ TEST_CASE("calibration words: what is stated is told, overdue from the day after
   CHECK_THAT(words(stated, "2026-06-02"), Catch::Contains("OVERDUE") && Catch::Contains("2026-06-01"));
   CHECK_THAT(words("{}", "2026-06-01"), !Catch::Contains("OVERDUE"));
   CHECK_THAT(words(R"({"due":"soon"})", "2026-06-02"), Catch::Contains("soon"));
+}
+
+TEST_CASE("scan of hosts: a module that answers, refuses, or is not there is told so") {
+  bench::Rig rig(small_request().bench);
+  const std::string host = fmt::format("127.0.0.1:{}", rig.config().module.endpoint.port);
+  const std::string answers = told_of_host(host);
+  CHECK_THAT(answers, Catch::StartsWith(host + ": ") && Catch::Contains("register 0"));
+  rig.plant()->inject(bench::FaultKind::kModuleException, std::nullopt, 0);
+  CHECK_THAT(told_of_host(host), Catch::StartsWith(host + ": "));
+  CHECK(told_of_host(host) != answers);
+  for (const char* none : {"127.0.0.1:1", "127.0.0.1:65535"})
+    CHECK_THAT(told_of_host(none), Catch::Contains("refused"));
+}
+
+TEST_CASE("scan of hosts: an address that is none is refused before anything is asked") {
+  for (const char* address : {"host:0", "host:-1", "host:65536", ":502", "", "host:abc"}) {
+    INFO(address);
+    const auto refused = refusal_by([&] { (void)bench::scan_devices({address}); });
+    REQUIRE(refused);
+    CHECK((refused->id() == "TB-USAGE" && refused->code() == bench::ExitCode::kUsage));
+    CHECK_THAT(refused->where(), Catch::EndsWith(std::string(" ") + address));
+  }
 }
