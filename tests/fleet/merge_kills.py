@@ -88,7 +88,7 @@ with tempfile.TemporaryDirectory(prefix="tactbench-merge-") as folder:
             there = 0
             if os.path.exists(db) and os.path.getsize(db) > 0:
                 checked = lab.run("db", "check", "--db", db, code=None)
-                if "made or migrated this store was killed" in checked.stderr:  # before its first run
+                if "TB-STORE-OPEN" in checked.stderr:  # before its first run
                     lab.run("db", "migrate", "--db", db)
                     checked = lab.run("db", "check", "--db", db, code=None)
                 expect(checked.returncode == 0 and "sound" in checked.stdout, ("what a killed merge leaves", checked))

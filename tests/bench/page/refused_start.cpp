@@ -52,7 +52,7 @@ TEST_CASE("page: an address that is none, or another machine's, or a taken port 
   CHECK(refusal_to_listen(free).id() == "TB-PAGE-ADDRESS");
 }
 
-TEST_CASE("page: each file that cannot be used for TLS is refused by name") {
+TEST_CASE("page: a certificate or a key that does not serve is refused by its file") {
   const TemporaryFolder folder;
   const auto write = [&](const char* name, const std::string& text) {
     write_file(folder.path(name), text);
