@@ -49,6 +49,19 @@ class LivePage : public WordsPage {
     });
     return found;
   }
+  // The next state that is live or not, and is so.
+  template <class So>
+  json state(bool live, const So& so) {
+    json found = event("state", [&](const json& data) { return data["live"] == live && so(data); });
+    REQUIRE_FALSE(found.is_null());
+    return found;
+  }
+  json live_state() {
+    return state(true, [](const json&) { return true; });
+  }
+  json ended_state() {
+    return state(false, [](const json& data) { return data.contains("next"); });
+  }
   RawClient viewer;
 
  private:
@@ -68,8 +81,7 @@ TEST_CASE("live page: the run of its bench and store is shown with its readings,
   CHECK(readings["run"] == 1);
   CHECK(readings["phase"] == "unloading");
   CHECK(readings["reference_psi"] == 20.5);
-  const json state = page.event("state", [](const json& data) { return data["live"] == true; });
-  REQUIRE_FALSE(state.is_null());
+  const json state = page.live_state();
   CHECK(state["view"]["run"] == 1);
   CHECK(state["view"]["state"] == "running");
   CHECK(state["view"]["question_id"] == 0);
@@ -78,29 +90,22 @@ TEST_CASE("live page: the run of its bench and store is shown with its readings,
   run.status.question_id = 1;
   run.status.state = bench::RunState::kPaused;
   run.publish();
-  const json asked =
-      page.event("state", [](const json& data) { return data["live"] == true && data["view"]["question_id"] == 1; });
-  REQUIRE_FALSE(asked.is_null());
+  const json asked = page.state(true, [](const json& data) { return data["view"]["question_id"] == 1; });
   CHECK(asked["view"]["question"] == "Point indenter mounted?");
   CHECK_FALSE(asked["view"].contains("answer"));
   CHECK(page.command({{"word", "answer"}, {"run", 1}, {"question", 1}, {"text", "with 2 Nm"}})["taken"] == true);
-  const json answered =
-      page.event("state", [](const json& data) { return data["live"] == true && data["view"].contains("answer"); });
-  REQUIRE_FALSE(answered.is_null());
+  const json answered = page.state(true, [](const json& data) { return data["view"].contains("answer"); });
   CHECK(answered["view"]["answer"]["question"] == 1);
   CHECK(answered["view"]["answer"]["text"] == "with 2 Nm");
   CHECK_THAT(answered["view"]["answer"]["who"].get<std::string>(), Catch::StartsWith("bob"));
   run.socket.reset();
-  const json ended =
-      page.event("state", [](const json& data) { return data["live"] == false && data.contains("next"); });
-  REQUIRE_FALSE(ended.is_null());
-  CHECK(ended["silent_s"] == 0.0);
+  CHECK(page.ended_state()["silent_s"] == 0.0);
 }
 
 TEST_CASE("live page: each command goes to the run that the person saw, and its answer comes back") {
   LivePage page;
   AnsweringRun run("page-words", 1, page.options.db);
-  REQUIRE_FALSE(page.event("state", [](const json& data) { return data["live"] == true; }).is_null());
+  (void)page.live_state();
   const auto say = [&](const char* word, std::int64_t number = 1) {
     return page.command({{"word", word}, {"run", number}});
   };
@@ -111,9 +116,7 @@ TEST_CASE("live page: each command goes to the run that the person saw, and its 
   CHECK(run.control.pause_wanted());
   CHECK(say("resume")["taken"] == true);
   CHECK(run.control.take_resume());
-  CHECK(say("stop")["taken"] == true);
-  CHECK(say("abort")["taken"] == true);
-  CHECK(say("panic")["taken"] == true);
+  for (const char* word : {"stop", "abort", "panic"}) CHECK(say(word)["taken"] == true);
   CHECK_THAT(run.control.who(), Catch::StartsWith("bob"));
   CHECK(page.command({{"word", "answer"}, {"run", 1}, {"question", 3}, {"text", "x"}})["taken"] == false);
 }
@@ -122,16 +125,12 @@ TEST_CASE("live page: a bench of another store is let go for one of this store")
   LivePage page("");  // any bench
   AnsweringRun foreign("page-a", 7, page.folder.path("other.db"));
   AnsweringRun own("page-b", 1, page.options.db);
-  const json state = page.event("state", [](const json& data) { return data["live"] == true; });
-  REQUIRE_FALSE(state.is_null());
+  const json state = page.live_state();
   CHECK(state["view"]["run"] == 1);
   CHECK(state["view"]["bench"] == "page-b");
   // One that is named through another folder is the same store.
   own.socket.reset();
-  REQUIRE_FALSE(
-      page.event("state", [](const json& data) { return data["live"] == false && data.contains("next"); }).is_null());
+  (void)page.ended_state();
   AnsweringRun linked("page-c", 1, page.folder.path("./x/../runs.db"));
-  REQUIRE_FALSE(
-      page.event("state", [](const json& data) { return data["live"] == true && data["view"]["bench"] == "page-c"; })
-          .is_null());
+  (void)page.state(true, [](const json& data) { return data["view"]["bench"] == "page-c"; });
 }
