@@ -22,6 +22,7 @@ import h5py
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 PAGE = os.path.join(ROOT, "docs", "reference-formats.md")
 
+
 def committed_page():
     with open(PAGE, encoding="utf-8") as file:
         return file.read()
