@@ -38,9 +38,10 @@ TEST_CASE("stated: dates in their order, and what a certificate covers with what
   CHECK(accepted({{"reference.calibrated", "2026-01-31"}, {"reference.due", "FILL-IN"}}));
   CHECK(accepted({{"reference.calibrated", "2026-01-31"}}));
   CHECK(accepted({{"reference.due", "2026-01-30"}}));
-  for (const char* no_calibration : {"drift_c = 1", "expanded_uncertainty_c = 1"})  // of a supply's sensor
-    CHECK_FALSE(accepted({{"environment.sensor", std::string("[{quantity = 'supply_bar', unit = 9, address = 7, ") +
-                                                     no_calibration + "}]"}}));
+  // A supply's sensor states no calibration.
+  CHECK(refusal_of(bench_text("simulated"),
+                   {{"environment.sensor", "[{quantity = 'supply_bar', unit = 9, address = 7, drift_c = 1}]"}})
+            .id == "TB-FILE-KEY");
   CHECK_FALSE(accepted({{"reference.certificate_covers", "chain"}, {"reference.input_limit_v", "0.03"}}));
   CHECK_FALSE(accepted({{"reference.certificate_covers", "transducer"}}));
   CHECK(accepted({{"reference.input_limit_v", "0.03"}}));
