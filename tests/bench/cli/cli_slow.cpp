@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "tests/bench/cli/check_refusal.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::tests;
@@ -59,8 +60,7 @@ TEST_CASE("from init to a report by hand") {
   CHECK(fitted["fitted_taxels"] == 256);
   CHECK(fitted["evaluations"].size() == 2);
   CHECK(fitted["origin"] == "simulated");
-  const Finished report = call(folder, {"report", "1", "--held-out", "2"});
-  REQUIRE(report.code == 0);
+  REQUIRE(call(folder, {"report", "1", "--held-out", "2"}).code == 0);
   CHECK_THAT(read_file(folder.path("reports/run-1.html")), Catch::Contains("SIMULATED"));
   CHECK(json::parse(call(folder, {"runs", "list", "--json"}).out)["runs"].size() == 2);
   CHECK_THAT(call(folder, {"runs", "show", "1"}).out, Catch::Contains("tester"));
@@ -76,8 +76,7 @@ TEST_CASE("limits decide the exit code") {
   write_file(folder.path("hard.toml"),
              "schema = 1\nname = \"hard\"\nrule = \"simple\"\nmean_compensation_error_psi = 0.000001\n"
              "worst_taxel_error_psi = 60\ndistance_of_mean_percent_fs = 100\nunfit_taxels = 256\n");
-  const Finished fit = call(folder, {"fit", "1", "--held-out", "2", "--limits", "hard.toml"});
-  CHECK(fit.code == 1);
+  CHECK(call(folder, {"fit", "1", "--held-out", "2", "--limits", "hard.toml"}).code == 1);
   CHECK(call(folder, {"report", "1"}).code == 1);
 }
 
@@ -157,8 +156,7 @@ TEST_CASE("fit names each taxel that it leaves out, and why") {
                         "--set", "recipe.repeats=1", "--set",
                         "simulation.defect=[{kind=\"dead\",row=2,column=5},{kind=\"saturated\",row=13,column=1}]"})
               .code == 0);
-  const Finished fitted = call(folder, {"fit", "1"});
-  CHECK(fitted.code == 0);
+  CHECK(call(folder, {"fit", "1"}).code == 0);
   const json told = json::parse(call(folder, {"fit", "1", "--json"}).out)["left_out"];
   REQUIRE(told.size() == 2);
   CHECK(told[0] == json{{"taxel", 37}, {"row", 2}, {"column", 5}, {"status", "dead"}});
@@ -166,12 +164,8 @@ TEST_CASE("fit names each taxel that it leaves out, and why") {
 
 TEST_CASE("demo: the paper's characterization, and models that hold on runs they never saw") {
   const TemporaryFolder folder;
-  const Finished wrong = call(folder, {"demo", "--specimen", "harch"});
-  CHECK(wrong.code == 2);
-  const Finished demo = call(folder, {"demo", "--json", "-q"});
-  INFO(demo.err);
-  REQUIRE(demo.code == 0);
-  const json result = json::parse(demo.out);
+  CHECK(call(folder, {"demo", "--specimen", "harch"}).code == 2);
+  const json result = json::parse(well(call(folder, {"demo", "--json", "-q"})).out);
   REQUIRE(result["evaluations"].size() == 5);
   const json& own = result["evaluations"][0];
   const json& held_out = result["evaluations"][1];

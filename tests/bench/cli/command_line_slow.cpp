@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/bench/cli/check_refusal.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::tests;
@@ -139,16 +140,12 @@ TEST_CASE("numbers of the command line have these ranges and defaults") {
       {"fit t.csv --starts 1000000", "1 to 4096"}};
   for (const auto& [line, range] : ranges) {
     INFO(line);
-    const Finished refused = call(folder, parts_of(line));
-    CHECK(refused.code == 2);
-    CHECK_THAT(refused.err, Catch::Contains("[TB-USAGE]"));
+    check_refusal(call(folder, parts_of(line)), 2, "TB-USAGE");
   }
   for (const char* line : {"devices watch --bench simulated.toml --count -1", "simulate --for -1",
                            "live --bench b --model m --frames -1", "nightly nightly --limit 0"}) {
     INFO(line);
-    const Finished refused = call(folder, parts_of(line));
-    CHECK(refused.code == 2);
-    CHECK_THAT(refused.err, Catch::Contains("[TB-USAGE]"));
+    check_refusal(call(folder, parts_of(line)), 2, "TB-USAGE");
   }
   const std::vector<std::pair<std::string, std::string>> defaults = {
       {"demo", "--seed=1"},

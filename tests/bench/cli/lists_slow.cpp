@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "tests/bench/cli/check_refusal.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
@@ -22,8 +23,7 @@ TEST_CASE("recipes list and show know the shipped recipes, and leave out the sui
   const Finished shown = call(folder, {"recipes", "show", "production"});
   CHECK(shown.code == 0);
   CHECK_THAT(shown.out, Catch::Contains(read_file(source_path("sequences/production.toml"))));
-  const Finished near = call(folder, {"recipes", "show", "produktion"});
-  CHECK(near.code == 2);
+  CHECK(call(folder, {"recipes", "show", "produktion"}).code == 2);
 }
 
 TEST_CASE("recipes new begins an own recipe with all comments, and writes over no file") {
@@ -36,13 +36,10 @@ TEST_CASE("recipes new begins an own recipe with all comments, and writes over n
   const std::string edited = text + "# edited\n";
   write_file(folder.path("mine.toml"), edited);
   for (const char* from : {"noise", "production"}) {
-    const Finished again = call(folder, {"recipes", "new", "mine", "--from", from});
-    CHECK(again.code == 2);
-    CHECK_THAT(again.err, Catch::Contains("[TB-FILE-EXISTS]"));
+    check_refusal(call(folder, {"recipes", "new", "mine", "--from", from}), 2, "TB-FILE-EXISTS");
   }
   CHECK(read_file(folder.path("mine.toml")) == edited);
   CHECK(call(folder, {"recipes", "new", "my/own"}).code == 2);
   CHECK(call(folder, {"recipes", "new", "own", "--from", "nois"}).code == 2);
-  const Finished checked = call(folder, {"recipes", "check", "mine.toml"});
-  CHECK(checked.code == 0);
+  CHECK(call(folder, {"recipes", "check", "mine.toml"}).code == 0);
 }

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
 
+#include "tests/bench/cli/check_refusal.h"
 #include "tests/bench/cli/play_table.h"
 #include "tests/support/process.h"
 
@@ -81,9 +82,7 @@ TEST_CASE("no verb overwrites a store, whatever its options") {
   // init names its files itself.
   std::filesystem::create_directory(folder.path("sub"));
   std::filesystem::create_symlink("../runs.db", folder.path("sub/limits.toml"));
-  const Finished init = call(folder, {"init", "sub", "--force"});
-  CHECK(init.code == 2);
-  CHECK_THAT(init.err, Catch::Contains("[TB-FILE-STORE]"));
+  check_refusal(call(folder, {"init", "sub", "--force"}), 2, "TB-FILE-STORE");
   CHECK(read_file(folder.path("runs.db")) == before);
 }
 
@@ -106,9 +105,7 @@ TEST_CASE("a verb overwrites its own earlier output, and another file only on re
     CHECK(refused.code == 2);
     CHECK_THAT(refused.err, Catch::Contains("[TB-FILE-EXISTS]") && Catch::Contains("--replace"));
     CHECK(read_file(target) == "dear diary\n");
-    const Finished replaced = written(true);
-    INFO(replaced.err);
-    CHECK(replaced.code == 0);
+    well(written(true));
     const std::string kept = read_file(target);
     CHECK(kept != "dear diary\n");
     CHECK(written(false).code == 0);  // its own kind

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "tests/bench/cli/check_refusal.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::tests;
@@ -29,9 +30,7 @@ TEST_CASE("with init --operator nothing is typed twice: run takes bench, recipe,
   const TemporaryFolder folder;
   REQUIRE(call(folder, {"init", "--operator", "A. \"Q\" Person"}).code == 0);
   REQUIRE(call(folder, {"sensors", "add", "S-1"}).code == 0);
-  const Finished run = call(folder, {"run", "--sensor", "S-1", "-q", "--set", "recipe.repeats=1"});
-  INFO(run.err);
-  REQUIRE(run.code == 0);
+  well(call(folder, {"run", "--sensor", "S-1", "-q", "--set", "recipe.repeats=1"}));
   const json shown = json::parse(call(folder, {"runs", "show", "1", "--json"}).out);
   CHECK(shown.at("operator") == "A. \"Q\" Person");
   CHECK(shown.at("recipes").at(0).at("name") == "production");

@@ -4,6 +4,7 @@
 
 #include "analysis/identify/stored/model_document.h"
 #include "db/run_store.h"
+#include "tests/bench/cli/check_refusal.h"
 #include "tests/support/process.h"
 
 using namespace tactbench;
@@ -38,9 +39,7 @@ json report_json(const TemporaryFolder& folder, const std::vector<std::string>& 
   std::vector<std::string> all = {"report"};
   all.insert(all.end(), words.begin(), words.end());
   for (const char* word : {"--format", "json", "-o", "r.json"}) all.emplace_back(word);
-  const Finished finished = call(folder, all);
-  INFO(finished.out << finished.err);
-  CHECK(finished.code == code);
+  well(call(folder, all), code);
   return json::parse(read_file(folder.path("r.json")));
 }
 
@@ -59,9 +58,7 @@ TEST_CASE(
     words.insert(words.end(), overdue.begin(), overdue.end());
     return words;
   };
-  const Finished check = call(folder, with({"devices", "check", "--bench", "bench.toml"}));
-  INFO(check.out << check.err);
-  CHECK(check.code == 0);
+  well(call(folder, with({"devices", "check", "--bench", "bench.toml"})));
   const Finished plan = call(folder, with({"plan", "three.toml", "--bench", "bench.toml"}));
   CHECK(plan.code == 0);
   const json planned = json::parse(call(folder, with({"plan", "ring", "--bench", "bench.toml", "--json"})).out);
@@ -114,8 +111,7 @@ TEST_CASE(
   CHECK(fit.code == 6);
   CHECK(report_json(folder, {"1"}, 6)["results"]["verdicts"][0]["verdict"] == "inconclusive");
   CHECK(call(folder, {"verify", "1"}).code == 0);
-  const Finished verify = call(folder, {"verify", "2"});
-  CHECK(verify.code == 0);
+  CHECK(call(folder, {"verify", "2"}).code == 0);
   CHECK(call(folder, {"fit", "1", "--lab", "lab.toml"}).code == 2);  // nothing would be judged by it
   write_file(folder.path("lab.toml"), "schema = 1\n[[instrument]]\nserial = \"SIM-REF-1\"\ndue = \"soon\"\n");
   const Finished odd = call(folder, {"report", "1", "--lab", "lab.toml"});

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "tests/bench/cli/check_refusal.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::tests;
@@ -35,9 +36,7 @@ json answer_of(const TemporaryFolder& folder, std::vector<std::string> words) {
 
 json document_of(const TemporaryFolder& folder, std::vector<std::string> words) {
   words.insert(words.end(), {"--format", "json", "-o", "document.json", "--replace"});
-  const Finished finished = call(folder, words);
-  INFO(finished.err);
-  REQUIRE(finished.code == 0);
+  well(call(folder, words));
   return json::parse(read_file(folder.path("document.json")));
 }
 

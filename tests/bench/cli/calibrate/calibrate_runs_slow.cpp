@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/bench/cli/check_refusal.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::tests;
@@ -71,10 +72,7 @@ TEST_CASE("calibrate: both runs are told the operator's words, the second anothe
 TEST_CASE("calibrate: the document alone, of a sensor that is known, with limits that only list figures") {
   const CalibrationFolder of;
   REQUIRE(call(of.folder, {"sensors", "add", "MY-1"}).code == 0);
-  const Finished done = of.calibrate({"--json"}, "./only.toml");
-  INFO(done.err);
-  REQUIRE(done.code == 0);
-  const nlohmann::json document = nlohmann::json::parse(done.out);
+  const nlohmann::json document = nlohmann::json::parse(well(of.calibrate({"--json"}, "./only.toml")).out);
   CHECK(document.at("registered") == false);
   CHECK((document.at("run") == 1 && document.at("held_out") == 2));
   CHECK(document.at("limits") == "only");
@@ -84,8 +82,7 @@ TEST_CASE("calibrate: the document alone, of a sensor that is known, with limits
   CHECK(document.at("judgement").is_object());
   CHECK(document.at("report").at("path") == "reports/run-1.html");
   CHECK(document.at("report").at("number").get<std::string>().starts_with("1-"));
-  const Finished page = of.calibrate({"--run", "1", "--held-out", "2", "--units", "kPa"}, "./only.toml");
-  CHECK(page.code == 0);
+  CHECK(of.calibrate({"--run", "1", "--held-out", "2", "--units", "kPa"}, "./only.toml").code == 0);
 }
 
 TEST_CASE("calibrate: a run that failed ends it with its code, vented, the first and the second") {
@@ -95,15 +92,11 @@ TEST_CASE("calibrate: a run that failed ends it with its code, vented, the first
   CHECK(first.code == 3);
   CHECK_THAT(first.err, Catch::Contains("vented, verified"));
   REQUIRE(call(of.folder, {"run", "./a.toml", "--bench", "bench.toml", "--sensor", "MY-1", "-q"}).code == 0);
-  const Finished second = of.calibrate({"--no-seating", "--set", fault, "--run", "2"});
-  CHECK(second.code == 3);
+  CHECK(of.calibrate({"--no-seating", "--set", fault, "--run", "2"}).code == 3);
   // A sensor that is seated badly is measured anew: that run is not worth completing.
   const std::string turn = "simulation.mount_turn=\"turned-90\"";
-  const Finished third = of.calibrate({"--set", turn});
-  CHECK(third.code == 1);
-  CHECK_THAT(third.err, Catch::Contains("[TB-SEATING]"));
-  const Finished fourth = of.calibrate({"--set", turn, "--run", "2"});
-  CHECK(fourth.code == 1);
+  check_refusal(of.calibrate({"--set", turn}), 1, "TB-SEATING");
+  CHECK(of.calibrate({"--set", turn, "--run", "2"}).code == 1);
 }
 
 TEST_CASE("calibrate: a report that cannot be written ends it, with runs of its own and with those named") {
@@ -112,7 +105,6 @@ TEST_CASE("calibrate: a report that cannot be written ends it, with runs of its 
   const Finished written = of.calibrate({});
   CHECK(written.code == 2);
   CHECK_THAT(written.out, !Catch::Contains("5/5"));
-  const Finished taken = of.calibrate({"--run", "1", "--held-out", "2"});
-  CHECK(taken.code == 2);
+  CHECK(of.calibrate({"--run", "1", "--held-out", "2"}).code == 2);
   CHECK(of.calibrate({"--run", "1"}).code == 2);
 }

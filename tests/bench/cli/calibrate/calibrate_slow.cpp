@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "tests/bench/cli/check_refusal.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::tests;
@@ -50,10 +51,7 @@ TEST_CASE(
   REQUIRE(call(folder, {"sensors", "add", "MY-1"}).code == 0);
   std::vector<std::string> words = kOneDeadTaxel;
   words.emplace_back("--json");
-  const Finished done = calibrated(folder, words);
-  INFO(done.err);
-  REQUIRE(done.code == 1);
-  const json result = json::parse(done.out);
+  const json result = json::parse(well(calibrated(folder, words), 1).out);
   CHECK(result.at("schema") == "tactbench.calibrate");
   CHECK(result.at("registered") == false);
   CHECK(result.at("origin") == "simulated");
@@ -63,8 +61,7 @@ TEST_CASE(
   CHECK(result.at("bad_taxels").at(0) == json{{"row", 2}, {"column", 5}, {"why", "dead"}});
   CHECK(std::filesystem::exists(folder.path(result.at("report").at("path").get<std::string>())));
   // From runs that exist: nothing is measured, the verdict is the same.
-  const Finished again = calibrated(folder, {"--run", "1", "--held-out", "2"});
-  CHECK(again.code == 1);
+  CHECK(calibrated(folder, {"--run", "1", "--held-out", "2"}).code == 1);
   CHECK(json::parse(call(folder, {"runs", "list", "--json"}).out).at("runs").size() == 2);
 }
 

@@ -45,8 +45,7 @@ TEST_CASE("export: a file of the same kind is written anew, one of another kind 
     for (const auto& [then, second] : kinds) {
       INFO(then << " over " << there);
       const std::string file = there + "-" + then;
-      const Finished made = of.exported(first.run, first.format, file);
-      REQUIRE(made.code == 0);
+      REQUIRE(of.exported(first.run, first.format, file).code == 0);
       const std::string before = read_file(of.folder.path(file));
       const Finished again = of.exported(second.run, second.format, file);
       CHECK(again.code == (there == then ? 0 : 2));

@@ -50,8 +50,7 @@ TEST_CASE("export CSV: times in seconds with all their digits, and nothing for a
     store.store.append_frame(begun.run, frame);
   }
   store.store.end_run(begun.run, db::Outcome::kCompleted, "", db::SafeState::kVerified, kUtc);
-  const Finished told = store.exported("1");
-  CHECK(told.code == 0);
+  CHECK(store.exported("1").code == 0);
   const std::string table = store.text();
   std::string rows;
   for (const auto& [position, seconds] : std::vector<std::pair<int, std::string>>{
@@ -93,9 +92,7 @@ TEST_CASE("export: a frame of a branch that the run lacks is damage, and said so
   raw.execute("PRAGMA foreign_keys = OFF; DELETE FROM branches WHERE branch = (SELECT max(branch) FROM branches)");
   for (const char* format : {"csv", "json"}) {
     INFO(format);
-    const Finished refused = store.exported("1", format);
-    CHECK(refused.code == 5);
-    CHECK_THAT(refused.err, Catch::Contains("[TB-STORE-SQL]") && Catch::Contains("\n  at: runs export\n"));
+    check_refusal(store.exported("1", format), 5, "TB-STORE-SQL", "runs export");
   }
 }
 
@@ -104,8 +101,7 @@ TEST_CASE("export JSON: every list of a run, item by item") {
   (void)store_example(store.store);
   db::VerdictRecord verdict{1, 0, "unfit_taxels", "array", 1.0, 1.5, "taxels", "simple", "pass", "limits", "sha"};
   store.store.replace_verdicts(1, 0, {verdict});
-  const Finished told = store.exported("1", "json");
-  CHECK(told.code == 0);
+  CHECK(store.exported("1", "json").code == 0);
   const auto document = nlohmann::json::parse(store.text());
   CHECK(document.at("schema") == "tactbench.run");
   CHECK(document.at("bench_toml") == "id = \"bench-a\"\n");

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "tests/bench/cli/check_refusal.h"
 #include "tests/support/process.h"
 #include "tests/support/small_array.h"
 
@@ -48,18 +49,14 @@ TEST_CASE("every model is judged, verified, adjusted, streamed and stands as fou
   int fits = 1;
   for (const std::string model : {"gpi", "mpi", "poly", "preisach"}) {
     INFO(model);
-    const Finished fit = call(
-        folder, {"fit", "1", "--model", model, "--starts", "1", "--held-out", "2", "--limits", "wide.toml", "--json"});
-    INFO(fit.err);
-    REQUIRE(fit.code == 0);
-    const json document = json::parse(fit.out);
+    const json document = json::parse(well(call(folder, {"fit", "1", "--model", model, "--starts", "1", "--held-out",
+                                                         "2", "--limits", "wide.toml", "--json"}))
+                                          .out);
     CHECK(document["model"] == model);
     CHECK(document["evaluations"].size() == 2);
     CHECK(document["verdicts"].size() == 4);
     const std::string name = "1:" + std::to_string(++fits);
-    const Finished verified = call(folder, {"verify", "1"});
-    INFO(verified.out);
-    CHECK(verified.code == 0);
+    well(call(folder, {"verify", "1"}));
     CHECK(call(folder, {"verify", "2"}).code == 0);
     REQUIRE(call(folder, {"model", "adjust", name, "2", "--zero", "-o", model + ".json"}).code == 0);
     // The report is of ELAM, which was not judged: it needs its own evidence.

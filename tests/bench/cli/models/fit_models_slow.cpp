@@ -44,10 +44,8 @@ std::vector<std::vector<std::string>> rows_of(const std::string& text) {
 TEST_CASE("all models are fitted on one sequence of a table and scored on the other") {
   const TemporaryFolder folder;
   write_file(folder.path("t.csv"), table());
-  const Finished fit = call(folder, {"fit", "t.csv", "--model", "all", "--fit", "full", "--json"});
-  INFO(fit.err);
-  REQUIRE(fit.code == 0);
-  const json document = json::parse(fit.out);
+  const json document =
+      json::parse(well(call(folder, {"fit", "t.csv", "--model", "all", "--fit", "full", "--json"})).out);
   REQUIRE(document["models"].size() == 6);
   CHECK(document["origin"] == "imported");
   double monotone = 0.0, preisach = 0.0;
@@ -92,9 +90,7 @@ TEST_CASE("an imported table is a run like any other, and its models are stored 
   write_file(folder.path("t.csv"), table("sequence,step,force_N,signal_V"));
   const std::vector<std::string> import = {"import",       "t.csv", "--map",         "input=force_N,output=signal_V",
                                            "--input-unit", "N",     "--output-unit", "V"};
-  const Finished imported = call(folder, import);
-  INFO(imported.err);
-  REQUIRE(imported.code == 0);
+  well(call(folder, import));
   REQUIRE(call(folder, {"fit", "1", "--model", "poly,elam", "--fit", "full"}).code == 0);
   REQUIRE(call(folder, {"model", "export", "1:1", "-o", "poly.json"}).code == 0);
   CHECK(call(folder, {"model", "diff", "1:1", "poly.json"}).code == 0);

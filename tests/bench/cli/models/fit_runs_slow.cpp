@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bench/common/build_info.h"
+#include "tests/bench/cli/check_refusal.h"
 #include "tests/support/process.h"
 
 using namespace tactbench;
@@ -69,10 +70,8 @@ TEST_CASE("fit of runs: one model judged by limits, as JSON and by the exit code
   CHECK((strict.at("evaluations").at(0).at("run") == 1 && strict.at("evaluations").at(1).at("run") == 2));
   CHECK(strict.at("verdicts").size() == 4);
   CHECK(strict.at("judgement").at("overall") == "fail");
-  const Finished own = of.fit({"1", "--model", "mpi", "--limits", "./wide.toml"});
-  CHECK(own.code == 6);
-  const Finished twice = of.fit({"1", "--model", "mpi", "--held-out", "2", "--held-out", "2"});
-  CHECK(twice.code == 2);
+  CHECK(of.fit({"1", "--model", "mpi", "--limits", "./wide.toml"}).code == 6);
+  CHECK(of.fit({"1", "--model", "mpi", "--held-out", "2", "--held-out", "2"}).code == 2);
   CHECK(of.fit({"1", "--model", "mpi", "--held-out", "1"}).code == 2);
   const Finished unknown = of.fit({"9", "--model", "mpi"});
   CHECK_THAT(unknown.err, Catch::Contains("[TB-STORE-NOT-FOUND]"));
@@ -83,8 +82,7 @@ TEST_CASE("fit of runs: one model judged by limits, as JSON and by the exit code
 
 TEST_CASE("fit of runs: several models beside each other, with figures where they are asked for, and scores") {
   const FolderOfRuns of;
-  const Finished plain = of.fit({"1", "--model", "mpi,poly"});
-  CHECK(plain.code == 0);
+  CHECK(of.fit({"1", "--model", "mpi,poly"}).code == 0);
   CHECK(of.models() == 2);
   const nlohmann::json told = of.told({"1", "--model", "mpi,poly", "--held-out", "2", "--score", "2,3"});
   REQUIRE(told.at("models").size() == 2);
@@ -120,17 +118,14 @@ TEST_CASE("fit of runs: the dynamic model where none is named, ELAM without inne
        std::vector<FitRunWords>{{"--rate", "2", "--creep", "3"}, {"--rate", "3", "--creep", "2"}}) {
     FitRunWords words = {"1", "--held-out", "2"};
     words.insert(words.end(), own.begin(), own.end());
-    const Finished refused = of.fit(words);
-    CHECK(refused.code == 2);
-    CHECK_THAT(refused.err, Catch::Contains("[TB-RUN-OWN]") && Catch::Contains("\n  at: --held-out\n"));
+    check_refusal(of.fit(words), 2, "TB-RUN-OWN", "--held-out");
   }
   CHECK_THAT(of.fit({"1", "--rate", "9", "--creep", "2"}).err, Catch::Contains("[TB-STORE-NOT-FOUND]"));
 }
 
 TEST_CASE("fit of many runs: each with its own model, and what cannot be fitted") {
   const FolderOfRuns of;
-  const Finished all = of.fit({"1-3", "--model", "mpi"});
-  CHECK(all.code == 0);
+  CHECK(of.fit({"1-3", "--model", "mpi"}).code == 0);
   const nlohmann::json told = of.told({"1,3", "--model", "mpi"});
   CHECK(told.at("schema") == "tactbench.fit.runs");
   CHECK(told.at("store") == "runs.db");
@@ -140,8 +135,7 @@ TEST_CASE("fit of many runs: each with its own model, and what cannot be fitted"
   const nlohmann::json single = of.told({"3", "--model", "mpi"});
   CHECK(told.at("runs").at(1).at("mean_error_psi") == single.at("evaluations").at(0).at("mean_error_psi"));
   CHECK(of.models() == 6);
-  const Finished some = of.fit({"1-3", "--model", "poly", "--fit", "small"});
-  CHECK(some.code == 6);
+  CHECK(of.fit({"1-3", "--model", "poly", "--fit", "small"}).code == 6);
   const nlohmann::json failed = of.told({"3-3", "--model", "poly", "--fit", "small"});
   CHECK(failed.at("runs").at(0).at("error").get<std::string>().starts_with("TB-"));
   CHECK_FALSE(failed.at("runs").at(0).contains("fit"));

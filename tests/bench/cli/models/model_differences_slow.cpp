@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/bench/cli/check_refusal.h"
 #include "tests/bench/cli/play_table.h"
 #include "tests/support/process.h"
 
@@ -51,8 +52,7 @@ struct TwoModels {
 
 TEST_CASE("model diff: mean and largest difference of each parameter over the taxels of both") {
   const TwoModels models;
-  const Finished told = models.diff("a", "b");
-  CHECK(told.code == 1);
+  CHECK(models.diff("a", "b").code == 1);
   // 0.5 and 1 V, and of the mean of all taxels of each, whose factors are 1.1 and 1.05, 0.75 V less 0.05 times the
   // play's lowest output.
   const auto document = nlohmann::json::parse(models.diff("a", "b", {"--json"}).out);
@@ -95,7 +95,5 @@ TEST_CASE("model diff: a model is the same as itself, and two kinds are not comp
   CHECK(nlohmann::json::parse(models.diff("b", "b", {"--json"}).out).at("same") == true);
   REQUIRE(call(models.folder, {"fit", models.path("a", ".csv"), "--model", "monotone", "-q", "-o", models.path("c")})
               .code == 0);
-  const Finished refused = models.diff("a", "c");
-  CHECK(refused.code == 2);
-  CHECK_THAT(refused.err, Catch::Contains("[TB-MODEL-DIFF]") && Catch::Contains("\n  at: model diff\n"));
+  check_refusal(models.diff("a", "c"), 2, "TB-MODEL-DIFF", "model diff");
 }

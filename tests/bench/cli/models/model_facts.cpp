@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "analysis/models/linearised.h"
+#include "tests/bench/cli/check_refusal.h"
 #include "tests/bench/cli/models/known_model.h"
 #include "tests/bench/cli/models/models_here.h"
 
@@ -64,9 +65,7 @@ struct FolderOfLines {
 
 TEST_CASE("fit --check: the mean over the taxels, and the five worst of six, worst first") {
   const FolderOfLines of(moved_table(0.08));  // 1 % of full scale for the first taxel to 6 % for the last
-  const Finished told = of.say({"fit", "t.csv", "--check", "m.json"});
-  INFO(told.err);
-  CHECK(told.code == 0);
+  well(of.say({"fit", "t.csv", "--check", "m.json"}));
   const nlohmann::json as_json = nlohmann::json::parse(of.say({"fit", "t.csv", "--check", "m.json", "--json"}).out);
   CHECK(as_json.at("schema") == "tactbench.fit.check");
   CHECK(as_json.at("verdict") == "re-zero enough");
@@ -89,8 +88,7 @@ TEST_CASE("fit --check: the mean over the taxels, and the five worst of six, wor
 
 TEST_CASE("fit --check: what no zero and no gain makes good ends with exit code 1, a gain that does with 0") {
   const FolderOfLines noisy(moved_table(0.0, 0.4));  // 5 % of full scale, now up, now down
-  const Finished told = noisy.say({"fit", "t.csv", "--check", "m.json"});
-  CHECK(told.code == 1);
+  CHECK(noisy.say({"fit", "t.csv", "--check", "m.json"}).code == 1);
   CHECK(noisy.say({"fit", "t.csv", "--check", "m.json", "--json"}).code == 1);
   const FolderOfLines steeper(moved_table(0.0, 0.0, 1.25));
   const Finished gain = steeper.say({"fit", "t.csv", "--check", "m.json"});
@@ -142,9 +140,7 @@ TEST_CASE("model show --json prints the model's document, and model export write
 
 TEST_CASE("model adjust needs --zero or --gain, and fit --check tells what lies outside the validity") {
   const FolderOfLines of(moved_table(0.08) + "0,70,8.8\n");
-  const Finished neither = of.say({"model", "adjust", "m.json", "t.csv", "-o", "c.json"});
-  CHECK(neither.code == 2);
-  CHECK_THAT(neither.err, Catch::Contains("[TB-USAGE]\n  at: model adjust\n"));
+  check_refusal(of.say({"model", "adjust", "m.json", "t.csv", "-o", "c.json"}), 2, "TB-USAGE", "model adjust");
   const nlohmann::json told = nlohmann::json::parse(of.say({"fit", "t.csv", "--check", "m.json", "--json"}).out);
   CHECK(told.at("outside_validity").size() == 1);
 }

@@ -47,11 +47,7 @@ TEST_CASE("model list as JSON: each model with its run, its sensor and the progr
   CHECK(told.at("models").at(3).at("fitted_taxels") == 0);
   CHECK(nlohmann::json::parse(of.list({"--json", "3"}).out).at("models").size() == 2);
   CHECK(nlohmann::json::parse(of.list({"--json", "2"}).out).at("models").empty());
-  const Finished unknown = of.list({"9"});
-  CHECK(unknown.code == 2);
-  CHECK_THAT(unknown.err, Catch::Contains("[TB-STORE-NOT-FOUND]"));
+  check_refusal(of.list({"9"}), 2, "TB-STORE-NOT-FOUND");
   CHECK(of.list({}).code == 0);
-  const Finished none = verb_here(bench::add_model, {"model", "show", "2", "--db", of.path});
-  CHECK(none.code == 6);
-  CHECK_THAT(none.err, Catch::Contains("[TB-ANALYSIS-NO-FIT]"));
+  check_refusal(verb_here(bench::add_model, {"model", "show", "2", "--db", of.path}), 6, "TB-ANALYSIS-NO-FIT");
 }

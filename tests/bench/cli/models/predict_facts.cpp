@@ -8,6 +8,7 @@
 
 #include "analysis/identify/streams/recording_stream.h"
 #include "tests/analysis/support/creeping_film.h"
+#include "tests/bench/cli/check_refusal.h"
 #include "tests/bench/cli/models/known_model.h"
 #include "tests/bench/cli/models/models_here.h"
 
@@ -33,8 +34,7 @@ TEST_CASE("predict: which taxel a table without a column of taxels speaks of") {
   const std::string table = "input\n8\n16\n", predicted = "input,predicted\n8,1\n16,2\n";
   CHECK(one.of_table("predict", table).out == predicted);
   CHECK(one.of_table("predict", table, {"--taxel", "0"}).out == predicted);
-  const Finished other = one.of_table("predict", table, {"--taxel", "1"});
-  CHECK(other.code == 2);
+  CHECK(one.of_table("predict", table, {"--taxel", "1"}).code == 2);
   const FolderOfModel several([] {
     SensorModel document = known_model(0.1, 0.0);
     document.taxels[0].fit.model = straight_line();
@@ -48,13 +48,9 @@ TEST_CASE("predict: which taxel a table without a column of taxels speaks of") {
   CHECK(none.code == 2);
   CHECK(none.out.empty());
   CHECK_THAT(none.err, Catch::Contains("[TB-MODEL-TAXEL]") && Catch::Contains("\n  at: --taxel\n"));
-  const Finished dead = several.of_table("predict", table, {"--taxel", "1"});
-  CHECK(dead.code == 6);
-  CHECK_THAT(dead.err, Catch::Contains("[TB-ANALYSIS-NO-TAXEL]") && Catch::Contains("\n  at: --taxel\n"));
+  check_refusal(several.of_table("predict", table, {"--taxel", "1"}), 6, "TB-ANALYSIS-NO-TAXEL", "--taxel");
   for (const std::string wrong : {"1.5", "99999999999999999999"}) {
-    const Finished refused = several.of_table("predict", table, {"--taxel", wrong});
-    CHECK(refused.code == 2);
-    CHECK_THAT(refused.err, Catch::Contains("[TB-MODEL-TAXEL]") && Catch::Contains("\n  at: --taxel\n"));
+    check_refusal(several.of_table("predict", table, {"--taxel", wrong}), 2, "TB-MODEL-TAXEL", "--taxel");
   }
 }
 
@@ -85,9 +81,7 @@ TEST_CASE("predict and compensate: a line of units, semicolons with decimal comm
   const Finished half = of.of_table("predict", "input\n8\nx\n");  // what was read stands there before the error
   CHECK(half.code == 2);
   CHECK(half.out == "input,predicted\n8,1\n");
-  const Finished missing = model_verb(of.folder, {"predict", "m.json", "none.csv"});
-  CHECK(missing.code == 2);
-  CHECK_THAT(missing.err, Catch::Contains("[TB-TABLE-OPEN]"));
+  check_refusal(model_verb(of.folder, {"predict", "m.json", "none.csv"}), 2, "TB-TABLE-OPEN");
 }
 
 TEST_CASE("compensate: noise of the output over the slope, the ends of the loop, and an output that falls") {
@@ -129,15 +123,9 @@ TEST_CASE("compensate: a model of lag and creep asks for times that rise, and ta
       analysis::PatternCurve(std::vector<double>{10, 50}, std::vector<double>{0.5, 4.2}, 0.5, 4.2);
   film.taxels[0].descending = film.taxels[0].ascending;
   const FolderOfModel of(film);
-  const Finished timeless = of.of_table("compensate", "output\n0.5\n");
-  CHECK(timeless.code == 2);
-  CHECK_THAT(timeless.err, Catch::Contains("[TB-TABLE-COLUMN]"));
-  const Finished back = of.of_table("compensate", "time_s,output\n1,0.5\n0.5,0.6\n");
-  CHECK(back.code == 2);
-  CHECK_THAT(back.err, Catch::Contains("[TB-TABLE-ROW]"));
-  const Finished text = of.of_table("compensate", "time_s,output\nx,0.5\n");
-  CHECK(text.code == 2);
-  CHECK_THAT(text.err, Catch::Contains("[TB-TABLE-ROW]"));
+  check_refusal(of.of_table("compensate", "output\n0.5\n"), 2, "TB-TABLE-COLUMN");
+  check_refusal(of.of_table("compensate", "time_s,output\n1,0.5\n0.5,0.6\n"), 2, "TB-TABLE-ROW");
+  check_refusal(of.of_table("compensate", "time_s,output\nx,0.5\n"), 2, "TB-TABLE-ROW");
   CHECK(of.of_table("compensate", "time_s,output\n1,0.5\n1,0.6\n").code == 0);
   CHECK(of.of_table("compensate", "sequence,time_s,output\na,9,0.5\nb,1,0.6\na,9.5,0.7\nb,1.5,0.7\n").code == 0);
   const analysis::SensorModel read = analysis::load_model(of.folder.path("m.json"), nullptr);
@@ -169,6 +157,5 @@ TEST_CASE("compensate: a model of lag and creep asks for times that rise, and ta
   }
   CHECK(late[0] != late[1]);
   CHECK_THAT(late[0], Catch::Contains("unknown\n"));
-  const Finished statics = of.of_table("predict", "input\n10\n50\n");
-  CHECK(statics.code == 0);
+  CHECK(of.of_table("predict", "input\n10\n50\n").code == 0);
 }

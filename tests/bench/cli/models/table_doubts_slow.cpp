@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/bench/cli/check_refusal.h"
 #include "tests/bench/cli/play_table.h"
 #include "tests/support/process.h"
 
@@ -64,26 +65,19 @@ TEST_CASE("bad rows end a fit with line and remedy, or are left out by --skip-ba
   REQUIRE(imported.code == 0);
   CHECK(json::parse(imported.out)["left_out"] == 1);
   write_file(folder.path("none.csv"), "input,output\n1,2\n,\n,\n");
-  const Finished none = call(folder, {"fit", "none.csv", "--skip-bad-rows"});
-  CHECK(none.code == 2);
-  CHECK_THAT(none.err, Catch::Contains("[TB-TABLE-SKIPPED]"));
+  check_refusal(call(folder, {"fit", "none.csv", "--skip-bad-rows"}), 2, "TB-TABLE-SKIPPED");
 }
 
 TEST_CASE("a table without an external loop is fitted with the models that need none") {
   const TemporaryFolder folder;
   write_file(folder.path("t.csv"), "input,output\n" + play_rows({0, 10, 4, 8, 3, 9, 5, 7, 2, 8, 4}));
-  const Finished all = call(folder, {"fit", "t.csv", "--model", "all", "--json"});
-  INFO(all.err);
-  REQUIRE(all.code == 0);
-  const json document = json::parse(all.out);
+  const json document = json::parse(well(call(folder, {"fit", "t.csv", "--model", "all", "--json"})).out);
   std::vector<std::string> fitted, left_out;
   for (const json& model : document["models"]) fitted.push_back(model["model"]);
   for (const json& model : document["models_left_out"]) left_out.push_back(model["model"]);
   CHECK(fitted == std::vector<std::string>{"gpi", "mpi", "preisach", "monotone"});
   CHECK(left_out == std::vector<std::string>{"elam", "poly"});
-  const Finished elam = call(folder, {"fit", "t.csv"});
-  CHECK(elam.code == 6);
-  CHECK_THAT(elam.err, Catch::Contains("[TB-ANALYSIS-NO-LOOP]"));
+  check_refusal(call(folder, {"fit", "t.csv"}), 6, "TB-ANALYSIS-NO-LOOP");
 }
 
 TEST_CASE("turns can be stated, in units of the input") {
@@ -96,7 +90,5 @@ TEST_CASE("turns can be stated, in units of the input") {
   };
   CHECK(turn({}) == Approx(0.01).epsilon(0.1));
   CHECK(turn({"--turn", "4.5"}) == Approx(4.5));
-  const Finished wide = call(folder, {"fit", "t.csv", "--turn", "10"});
-  CHECK(wide.code == 2);
-  CHECK_THAT(wide.err, Catch::Contains("[TB-TABLE-TURN]"));
+  check_refusal(call(folder, {"fit", "t.csv", "--turn", "10"}), 2, "TB-TABLE-TURN");
 }

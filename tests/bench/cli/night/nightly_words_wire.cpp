@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "db/run_store.h"
+#include "tests/bench/cli/check_refusal.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
@@ -37,8 +38,7 @@ struct SmallNight {
 
 TEST_CASE("nightly: its page, a line a scenario meanwhile, and no store that stays") {
   const SmallNight of;
-  const Finished both = of.night({"--jobs", "1", "--junit", "night.xml", "--html", "night.html"});
-  CHECK(both.code == 1);
+  CHECK(of.night({"--jobs", "1", "--junit", "night.xml", "--html", "night.html"}).code == 1);
   CHECK_THAT(read_file(of.folder.path("night.xml")),
              Catch::Contains("tests=\"2\" failures=\"1\" errors=\"0\"") && Catch::Contains("name=\"misspelt\""));
   for (const char* name : {"whole.db", "misspelt.db", "whole.log"}) CHECK_FALSE(of.exists(name));
@@ -56,8 +56,7 @@ TEST_CASE("nightly: its page, a line a scenario meanwhile, and no store that sta
 
 TEST_CASE("nightly: kept with --db it is compared and has its words, as one part it waits for the others") {
   const SmallNight of;
-  const Finished first = of.night({"--only", "whole", "--db", "n.db", "--junit", "night.xml", "--html", "night.html"});
-  CHECK(first.code == 0);
+  CHECK(of.night({"--only", "whole", "--db", "n.db", "--junit", "night.xml", "--html", "night.html"}).code == 0);
   CHECK(of.night({"--only", "whole", "--db", "n.db", "--stores", "kept"}).code == 0);
   CHECK((of.exists("kept/whole.db") && of.exists("kept/whole.log")));
   CHECK_FALSE(of.exists("whole.db"));
@@ -80,11 +79,9 @@ TEST_CASE("nightly: the parts of a night are put together, printed as one and co
     words.insert(words.end(), more.begin(), more.end());
     return call(of.folder, words);
   };
-  const Finished merged = merge({"--html", "night.html", "--junit", "night.xml"});
-  CHECK(merged.code == 1);
+  CHECK(merge({"--html", "night.html", "--junit", "night.xml"}).code == 1);
   CHECK_THAT(read_file(of.folder.path("night.xml")), Catch::Contains("failures=\"1\""));
-  const Finished again = merge({});
-  CHECK(again.code == 1);
+  CHECK(merge({}).code == 1);
 }
 
 TEST_CASE("nightly: files that cannot be written end it before a scenario begins") {
@@ -112,10 +109,9 @@ TEST_CASE("nightly: the lists say after each scenario how far the night is") {
   const auto after_two = [&] {
     return std::filesystem::exists(lists) && read_file(lists).find("failures=\"1\"") != std::string::npos;
   };
-  const Finished ended = run_program(program_path(), {"nightly", "./s.toml", "--jobs", "1", "--junit", "night.xml"},
-                                     of.folder.path(), {SIGTERM, after_two});
-  CHECK(ended.code == 143);
-  CHECK_THAT(ended.err, Catch::Contains("[TB-NIGHTLY-STOPPED]"));
+  check_refusal(run_program(program_path(), {"nightly", "./s.toml", "--jobs", "1", "--junit", "night.xml"},
+                            of.folder.path(), {SIGTERM, after_two}),
+                143, "TB-NIGHTLY-STOPPED");
 }
 
 TEST_CASE("nightly: one scenario in a process that a night started writes its result, and prints nothing") {
@@ -142,7 +138,6 @@ TEST_CASE("nightly: a scenario whose process cannot be started ends the night an
              "  [ $code -ne 126 ] && exit $code\n"
              "  n=$((n-64))\n"
              "done\n");
-  const Finished full = run_program("/usr/bin/env", {"-i", "/bin/sh", "full.sh", program_path()}, of.folder.path());
-  CHECK(full.code == 70);
+  CHECK(run_program("/usr/bin/env", {"-i", "/bin/sh", "full.sh", program_path()}, of.folder.path()).code == 70);
   CHECK_THAT(read_file(of.folder.path("err")), Catch::Contains("[TB-NIGHTLY-SPAWN]"));
 }

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/report/gather.h"
+#include "tests/bench/cli/check_refusal.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
@@ -26,11 +27,8 @@ const char* const kReportRecipe =
     "dwell_s = 1.0\n";
 
 void make_run(const TemporaryFolder& folder, const std::string& sensor, const std::string& seed) {
-  const Finished run =
-      report_call(folder, {"run", "short.toml", "--bench", "bench.toml", "--sensor", sensor, "--operator",
-                           "</script><img onerror=x>", "-q", "--sensor-seed", seed, "--seed", seed});
-  INFO(run.err);
-  REQUIRE(run.code == 0);
+  well(report_call(folder, {"run", "short.toml", "--bench", "bench.toml", "--sensor", sensor, "--operator",
+                            "</script><img onerror=x>", "-q", "--sensor-seed", seed, "--seed", seed}));
 }
 
 // One folder for all: two sensors, the first measured twice, models of each run.
@@ -55,9 +53,7 @@ json data_of_run(const TemporaryFolder& folder, const std::vector<std::string>& 
   std::vector<std::string> all = {"report"};
   all.insert(all.end(), words.begin(), words.end());
   all.insert(all.end(), {"--format", "json", "-o", "report.json", "--replace"});
-  const Finished finished = report_call(folder, all);
-  INFO(finished.err);
-  REQUIRE(finished.code == 0);
+  well(report_call(folder, all));
   return json::parse(read_file(folder.path("report.json")));
 }
 
@@ -153,8 +149,7 @@ TEST_CASE("the same run gives the same bytes, a signature keeps the number, a ch
       report_call(folder, {"report", "1", "--reason", "why", "-o", "d.html", "--json"}).out.find("TB-REPORT-REASON") !=
       std::string::npos);
   changed.insert(changed.end(), {"--reason", "customer added"});
-  const Finished with = report_call(folder, changed);
-  REQUIRE(with.code == 0);
+  REQUIRE(report_call(folder, changed).code == 0);
   const json listed = json::parse(report_call(folder, {"reports", "list", "2", "--json"}).out)["reports"];
   REQUIRE(listed.size() == 2);
   CHECK((listed[0]["reason"] == "" && listed[1]["reason"] == "customer added"));
@@ -194,9 +189,7 @@ TEST_CASE("a PDF is made by what is installed, with the run's date, else it is a
     return run_program("/usr/bin/env", {"PATH=" + path, program_path(), "report", "1", "--format", "pdf", "-o", name},
                        folder.path());
   };
-  const Finished none = with_path("/nowhere", "none.pdf");
-  CHECK(none.code == 2);
-  CHECK_THAT(none.err, Catch::Contains("[TB-REPORT-PDF]"));
+  check_refusal(with_path("/nowhere", "none.pdf"), 2, "TB-REPORT-PDF");
   const auto browser = [&](const std::string& script) {
     write_file(folder.path("chromium"), "#!/bin/sh\n" + script);
     REQUIRE(::chmod(folder.path("chromium").c_str(), 0700) == 0);
@@ -210,6 +203,5 @@ TEST_CASE("a PDF is made by what is installed, with the run's date, else it is a
   CHECK(made.code == 0);
   CHECK_THAT(read_file(folder.path("made.pdf")), Catch::StartsWith("%PDF") && !Catch::Contains("D:2099"));
   browser("echo no screen today >&2; exit 3\n");
-  const Finished failed = with_path(folder.path() + ":/usr/bin:/bin", "failed.pdf");
-  CHECK(failed.code == 2);
+  CHECK(with_path(folder.path() + ":/usr/bin:/bin", "failed.pdf").code == 2);
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/bench/cli/check_refusal.h"
 #include "tests/support/in_terminal.h"
 #include "tests/support/process.h"
 
@@ -58,8 +59,7 @@ TEST_CASE("report: the verdicts of a judged run, its judgement and its file, als
   CHECK(of.report({"1"}).code == 6);
   const std::string number = of.told({"1"}).at("number");
   CHECK(number.starts_with("1-"));
-  const Finished plain = of.report({"3", "--paper", "letter", "--units", "bar"});
-  CHECK(plain.code == 0);
+  CHECK(of.report({"3", "--paper", "letter", "--units", "bar"}).code == 0);
   // The judgement of one run, and its models by another run's.
   const Told one = of.told({"1"});
   CHECK(one.at("schema") == "tactbench.report");
@@ -86,8 +86,7 @@ TEST_CASE("report: the verdicts of a judged run, its judgement and its file, als
 
 TEST_CASE("report: two runs compared and a batch, with the judgement of each") {
   const RunsToReport of;
-  const Finished compared = of.report({"--compare", "1", "2"});
-  CHECK(compared.code == 6);
+  CHECK(of.report({"--compare", "1", "2"}).code == 6);
   const std::string number = of.told({"--compare", "1", "2"}).at("number");
   CHECK(number.starts_with("1-2-"));
   CHECK(of.report({"--compare", "1", "4"}).code == 6);  // of another sensor
@@ -120,8 +119,7 @@ TEST_CASE("report: signed once it keeps its number, its file and what replaced i
   // A file of somebody else ends it before anything is signed.
   of.refused({"3", "--approve-by", "K. Lee", "--without-verdict", "-o", "small.toml"}, "small.toml");
   CHECK(Told::parse(call(of.folder, {"reports", "list", "--json"}).out).at("reports").empty());
-  const Finished first = of.report({"3", "--approve-by", "K. Lee", "--without-verdict"});
-  REQUIRE(first.code == 0);
+  REQUIRE(of.report({"3", "--approve-by", "K. Lee", "--without-verdict"}).code == 0);
   const std::string number = of.told({"3"}).at("number"), path = "reports/run-" + number + ".html";
   CHECK_FALSE(of.exists("reports/run-3.html"));
   const std::string page = read_file(of.folder.path(path));
@@ -139,8 +137,7 @@ TEST_CASE("report: signed once it keeps its number, its file and what replaced i
   CHECK(twice.code == 5);
   CHECK(twice.out.empty());
   of.refused({"3", "--reason", "x"}, "[TB-REPORT-REASON]");
-  const Finished changed = of.report({"3", "2", "--approve-by", "M. Ito", "--without-verdict", "--reason", "one more"});
-  CHECK(changed.code == 0);
+  CHECK(of.report({"3", "2", "--approve-by", "M. Ito", "--without-verdict", "--reason", "one more"}).code == 0);
   const Told listed = Told::parse(call(of.folder, {"reports", "list", "3", "--json"}).out).at("reports");
   REQUIRE(listed.size() == 2);
   CHECK(listed.at(0).at("replaces") == "");
@@ -175,9 +172,7 @@ TEST_CASE("report: models and further runs that it cannot use") {
   of.refused({"1", "--studies", "9"}, "[TB-STORE-NOT-FOUND]");
   of.refused({"1", "9"}, "[TB-STORE-NOT-FOUND]");
   of.refused({"1", "--model", "9"}, "[TB-STORE-NOT-FOUND]");
-  const Finished other = of.report({"1", "4"});
-  CHECK(other.code == 6);
-  CHECK_THAT(other.err, Catch::Contains("[TB-ANALYSIS-OTHER-SENSOR]"));
+  check_refusal(of.report({"1", "4"}), 6, "TB-ANALYSIS-OTHER-SENSOR");
   of.refused({"1", "--batch", "--compare"}, "[TB-USAGE]");
   of.refused({"1", "--lab", "none.toml"}, "none.toml");
   of.refused({"1", "--issued-at", "31.1.2026"}, "[TB-USAGE]");

@@ -72,9 +72,8 @@ TEST_CASE("reports verify: what is neither a file nor a number, and numbers that
   for (const char* word : {"what", "1-0000000", "1-0000000aa", "-0000000a", "a-0000000a", "1-0000000g", "1-0000000A",
                            "10000000a", "", "1-"}) {
     INFO(word);
-    const Finished refused = verb_here(bench::add_reports, {"reports", "verify", "--db", store.path, "--", word});
-    CHECK(refused.code == 2);
-    CHECK_THAT(refused.err, Catch::Contains("[TB-USAGE]") && Catch::Contains("\n  at: reports verify\n"));
+    check_refusal(verb_here(bench::add_reports, {"reports", "verify", "--db", store.path, "--", word}), 2, "TB-USAGE",
+                  "reports verify");
   }
   const Finished unknown = store.reports({"verify", "1234567890-09afaf90"});
   CHECK(unknown.code == 1);
@@ -105,12 +104,10 @@ TEST_CASE("reports verify: a file that is unchanged, changed, of another time, o
   // Signed by a program that kept no hash of the file.
   const std::string old = store.folder.path("old");
   write_file(old, "1-0000000a, signed");
-  const Finished untold = store.reports({"verify", old});
-  CHECK(untold.code == 6);
+  CHECK(store.reports({"verify", old}).code == 6);
   const std::string letter = store.folder.path("letter");
   write_file(letter, "dear diary");
-  const Finished no_report = store.reports({"verify", letter});
-  CHECK(no_report.code == 6);
+  CHECK(store.reports({"verify", letter}).code == 6);
   const auto told = nlohmann::json::parse(store.reports({"verify", page, "--json"}).out);
   CHECK(told.at("files").at(0) ==
         nlohmann::json{{"file", page}, {"sha256", db::sha256_hex(read_file(page))}, {"state", "changed"}});
@@ -123,14 +120,12 @@ TEST_CASE("reports verify: a void run and a changed store outweigh an unchanged 
   SignedStore store;
   const std::string page = store.write_report_file(2, "run-2-0000000c.html", "2-0000000c");
   store.store.void_run(2, "gauge closed", "K. Lee", kUtc);
-  const Finished of_void = store.reports({"verify", page});
-  CHECK(of_void.code == 1);
+  CHECK(store.reports({"verify", page}).code == 1);
   db::sqlite::Connection(store.path, db::sqlite::Access::kReadWrite)
       .execute(
           "UPDATE frames SET status = 9 WHERE frame / 1000000000 = 2; UPDATE reports SET approved_by = 'B' WHERE run "
           "= 2");
-  const Finished changed = store.reports({"verify", page});
-  CHECK(changed.code == 1);
+  CHECK(store.reports({"verify", page}).code == 1);
 }
 
 TEST_CASE("the hash of a report's file is kept once, and of signed reports alone") {

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/bench/cli/check_refusal.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
@@ -71,8 +72,7 @@ TEST_CASE("calibrate-reference: each level is read on the way up and down") {
 TEST_CASE("calibrate-reference: in kPa it reads kPa, and the file keeps psi") {
   const TypedReadings of;
   constexpr double kKilopascals = 6.894757293168361;
-  const Finished done = of.calibrate("0\n206.8\n30psi\n0\n", "--levels 0,30 --units kPa -o k.toml");
-  REQUIRE(done.code == 0);
+  REQUIRE(of.calibrate("0\n206.8\n30psi\n0\n", "--levels 0,30 --units kPa -o k.toml").code == 0);
   const std::vector<Recorded> readings = recorded(of.file("k.toml"));
   REQUIRE(readings.size() == 4);
   CHECK(readings[1].level == 30.0);
@@ -103,9 +103,7 @@ TEST_CASE("calibrate-reference: the file's name comes from the reference's seria
   CHECK(std::filesystem::exists(of.folder.path("reference-SIM-REF-1.toml")));
   CHECK(of.calibrate("0\n30\n30\n0\n", "--levels 0,30 -q").code == 2);  // it has no such option
   write_file(of.folder.path("notes"), "mine");
-  const Finished refused = of.calibrate("0\n30\n30\n0\n", "--levels 0,30 -o notes");
-  CHECK(refused.code == 2);
-  CHECK_THAT(refused.err, Catch::Contains("[TB-FILE-EXISTS]") && Catch::Contains("\n  at: notes\n"));
+  check_refusal(of.calibrate("0\n30\n30\n0\n", "--levels 0,30 -o notes"), 2, "TB-FILE-EXISTS", "notes");
   CHECK(of.file("notes") == "mine");
   CHECK(of.calibrate("0\n30\n30\n0\n", "--levels 0,30 -o notes --replace").code == 0);
   CHECK(recorded(of.file("notes")).size() == 4);
@@ -167,9 +165,8 @@ TEST_CASE("calibrate-reference: a signal while it waits for a reading ends it ve
 
 TEST_CASE("calibrate-reference: as JSON it tells what the file has") {
   const TypedReadings of;
-  const Finished done = of.calibrate("0.1\n30.2\n60.3\n60.2\n30\n0\n", "--levels 0,30,60 -o ref.toml --json");
-  REQUIRE(done.code == 0);
-  const nlohmann::json told = nlohmann::json::parse(done.out);
+  const nlohmann::json told = nlohmann::json::parse(
+      well(of.calibrate("0.1\n30.2\n60.3\n60.2\n30\n0\n", "--levels 0,30,60 -o ref.toml --json")).out);
   CHECK(told.at("schema") == "tactbench.devices.calibrate-reference");
   CHECK(told.at("file") == "ref.toml");
   // Each correction is that of the means of its two readings.
@@ -182,10 +179,10 @@ TEST_CASE("calibrate-reference: as JSON it tells what the file has") {
           Approx(0.5 * (readings[i].gauge + readings[5 - i].gauge) - reading).margin(6e-4));
     CHECK(told.at("expanded_uncertainty_psi").at(i).get<double>() > 0.05);
   }
-  const Finished taken = run_program(
-      program_path(), {"devices", "check", "--bench", "bench.toml", "--set", "reference.correction_file=ref.toml"},
-      of.folder.path());
-  CHECK(taken.code == 0);
+  CHECK(run_program(program_path(),
+                    {"devices", "check", "--bench", "bench.toml", "--set", "reference.correction_file=ref.toml"},
+                    of.folder.path())
+            .code == 0);
   CHECK(told.at("largest_residual_psi").get<double>() >= 0.0);
   CHECK(told.at("hysteresis_psi").get<double>() >= 0.0);
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/bench/cli/check_refusal.h"
 #include "tests/support/answering_run.h"
 #include "tests/support/process.h"
 
@@ -98,9 +99,7 @@ TEST_CASE("panic: all runs must refuse for it to fail") {
     of.taken({"panic", "3"});  // the live one takes it
   }
   const AnsweringRun more("more", 3, of.store("more.db"), bench::RunState::kEnded);
-  const Finished none = of.give({"panic", "3"});
-  CHECK(none.code == 2);
-  CHECK_THAT(none.err, Catch::Contains("[TB-RUN-WORD]"));
+  check_refusal(of.give({"panic", "3"}), 2, "TB-RUN-WORD");
 }
 
 TEST_CASE("commands: a bench that does not answer is named, and holds up a stop but no panic") {

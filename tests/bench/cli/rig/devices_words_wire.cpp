@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "bench/common/utc.h"
+#include "tests/bench/cli/check_refusal.h"
 #include "tests/support/process.h"
 
 using namespace tactbench;
@@ -32,10 +33,11 @@ TEST_CASE("devices check: what was not filled in is warned of, and an instrument
   const Finished checked =
       call(folder, {"devices", "check", "--bench", "simulated.toml", "--set", "reference.certificate=\"FILL-IN\""});
   CHECK_THAT(checked.err, Catch::Contains("reference.certificate"));
-  const Finished told =
-      call(folder, {"devices", "check", "--bench", "simulated.toml", "--json", "--set", "reference.span_psi=[5, 105]"});
-  CHECK(told.code == 3);
-  const auto document = nlohmann::ordered_json::parse(told.out);
+  const auto document =
+      nlohmann::ordered_json::parse(well(call(folder, {"devices", "check", "--bench", "simulated.toml", "--json",
+                                                       "--set", "reference.span_psi=[5, 105]"}),
+                                         3)
+                                        .out);
   CHECK(document.at("schema") == "tactbench.devices.check");
   const auto& reference = document.at("devices").at(2);
   CHECK(reference.at("role") == "pressure reference");
@@ -46,7 +48,6 @@ TEST_CASE("devices check: what was not filled in is warned of, and an instrument
 
 TEST_CASE("devices reset: a person is named") {
   const TemporaryFolder folder;
-  const Finished nobody = call(folder, {"devices", "reset", "--bench", "simulated.toml", "--operator", " "});
-  CHECK(nobody.code == 2);
-  CHECK_THAT(nobody.err, Catch::Contains("[TB-USAGE]") && Catch::Contains("\n  at: --operator\n"));
+  check_refusal(call(folder, {"devices", "reset", "--bench", "simulated.toml", "--operator", " "}), 2, "TB-USAGE",
+                "--operator");
 }

@@ -41,9 +41,7 @@ TEST_CASE("init writes the files of a simulated bench or a real one, and none ov
   const nlohmann::json told = nlohmann::json::parse(init("told", {"--json"}).out);
   CHECK(told.at("files").size() == 4);
   CHECK(told.at("files").at(3) == folder.path("told/lab.toml"));
-  const Finished again = init("own", {});
-  CHECK(again.code == 2);
-  CHECK_THAT(again.err, Catch::Contains("[TB-FILE-EXISTS]"));
+  check_refusal(init("own", {}), 2, "TB-FILE-EXISTS");
   std::filesystem::remove(own + "/bench.toml");
   CHECK(init("own", {"--operator", "B"}).code == 2);
   for (const char* name : {"sensor.toml", "limits.toml", "lab.toml"}) std::filesystem::remove(own + "/" + name);
@@ -53,9 +51,7 @@ TEST_CASE("init writes the files of a simulated bench or a real one, and none ov
   CHECK_THAT(read_file(own + "/tactbench.toml"), Catch::Contains("\noperator = \"B\"\n"));
   CHECK(init("other", {"--operator", " "}).code == 2);
   write_file(folder.path("file"), "x");
-  const Finished blocked = init("file/sub", {});
-  CHECK(blocked.code == 2);
-  CHECK_THAT(blocked.err, Catch::Contains("[TB-FILE-WRITE]"));
+  check_refusal(init("file/sub", {}), 2, "TB-FILE-WRITE");
 }
 
 TEST_CASE("init writes the shipped files, also over its own in the current folder") {
@@ -85,9 +81,7 @@ TEST_CASE("recipes new: names of letters, digits, hyphens and underscores, and w
   CHECK(make({"aZ09-_", "--from", "noise", "-o", path}).code == 0);
   CHECK_THAT(read_file(path), Catch::Contains("\nname = \"aZ09-_\"\n"));
   for (const char* name : {"", "a b", "a.b", "a/b", "\xC3\xA4"}) {
-    const Finished refused = make({name, "-o", folder.path("none.toml")});
-    CHECK(refused.code == 2);
-    CHECK_THAT(refused.err, Catch::Contains("[TB-USAGE]") && Catch::Contains("\n  at: recipes new\n"));
+    check_refusal(make({name, "-o", folder.path("none.toml")}), 2, "TB-USAGE", "recipes new");
   }
   const Finished again = make({"b", "-o", path});
   CHECK_THAT(again.err, Catch::Contains("[TB-FILE-EXISTS]"));

@@ -36,15 +36,11 @@ TEST_CASE("resume: settings that cannot be read, and a bench that is another") {
   for (const char* broken : {"{", "7", R"([{"key":"a"}])", R"([{"key":1,"value":"1"}])"}) {
     INFO(broken);
     const StoreToResume store(broken);
-    const Finished refused = store.resume();
-    CHECK(refused.code == 5);
-    CHECK_THAT(refused.err, Catch::Contains("[TB-RESUME-SETTINGS]"));
+    check_refusal(store.resume(), 5, "TB-RESUME-SETTINGS");
   }
   const StoreToResume store("[]");
   CHECK_THAT(store.resume().err, Catch::Contains("[TB-RESUME-BENCH]"));
-  const Finished named = store.resume({"--bench", "simulated.toml"});
-  CHECK(named.code == 2);
-  CHECK_THAT(named.err, Catch::Contains("[TB-RESUME-BENCH]") && Catch::Contains("\n  at: simulated.toml\n"));
+  check_refusal(store.resume({"--bench", "simulated.toml"}), 2, "TB-RESUME-BENCH", "simulated.toml");
   const StoreToResume settings(R"([{"key":"limits.comand_psi","value":"1"}])");
   CHECK_THAT(settings.resume().err, Catch::Contains("[TB-FILE-KEY]") && Catch::Contains("limits.comand_psi"));
   CHECK_THAT(verb_here(bench::add_control, {"resume", "9", "--db", store.folder.path("runs.db")}).err,

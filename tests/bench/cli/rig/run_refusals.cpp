@@ -42,9 +42,7 @@ TEST_CASE("run: a film's state and a pace are of a bench that is simulated in th
   const Finished state = of.run(of.folder.path("far.toml"), {"--specimen-state", "film.bin"});
   CHECK(state.code == 2);
   CHECK_THAT(state.err, Catch::Contains("[TB-USAGE]") && Catch::Contains("\n  at: --specimen-state\n"));
-  const Finished pace = of.run(of.folder.path("far.toml"), {"--rate", "10"});
-  CHECK(pace.code == 2);
-  CHECK_THAT(pace.err, Catch::Contains("[TB-USAGE]") && Catch::Contains("\n  at: --rate\n"));
+  check_refusal(of.run(of.folder.path("far.toml"), {"--rate", "10"}), 2, "TB-USAGE", "--rate");
   CHECK_FALSE(std::filesystem::exists(of.folder.path("runs.db")));
   for (const std::vector<std::string>& more :
        std::vector<std::vector<std::string>>{{"--rate", "10"}, {"--specimen-state", "film.bin"}})
@@ -72,11 +70,9 @@ TEST_CASE("calibrate-reference: what is refused before a device is opened") {
   write_file(of.folder.path("none.toml"),
              "schema = 1\n[bench]\nid = \"b\"\norigin = \"simulated\"\n[module]\nprofile = \"beckhoff-ek9000\"\n"
              "[regulator]\nserial = \"R\"\n[reference]\nindependent = false\n");
-  const Finished none =
-      verb_here(bench::add_devices, {"devices", "calibrate-reference", "--bench", of.folder.path("none.toml"),
-                                     "--gauge", "g", "--uncertainty", "0.05"});
-  CHECK(none.code == 2);
-  CHECK_THAT(none.err, Catch::Contains("[TB-USAGE]"));
+  check_refusal(verb_here(bench::add_devices, {"devices", "calibrate-reference", "--bench", of.folder.path("none.toml"),
+                                               "--gauge", "g", "--uncertainty", "0.05"}),
+                2, "TB-USAGE");
   for (const char* levels : {"30", "0,20,20", "0,20,10", "0,60.5", "-0.5,5"})
     refused({std::string("--levels=") + levels});
   refused({"--levels=0,40", "--set", "limits.command_psi=39"});
@@ -99,6 +95,5 @@ TEST_CASE("calibrate-reference: what is refused before a device is opened") {
 }
 
 TEST_CASE("dead-man: it serves a socket that is named") {
-  const Finished unnamed = verb_here(bench::add_dead_man, {"dead-man"});
-  CHECK(unnamed.code == 2);
+  CHECK(verb_here(bench::add_dead_man, {"dead-man"}).code == 2);
 }

@@ -11,8 +11,7 @@ using namespace tactbench::tests;
 
 TEST_CASE("devices scan: its devices as JSON, and a host that does not answer") {
   const TemporaryFolder folder;
-  const Finished found = call(folder, {"devices", "scan"});
-  CHECK(found.code == 0);
+  CHECK(call(folder, {"devices", "scan"}).code == 0);
   const auto told = nlohmann::json::parse(call(folder, {"devices", "scan", "--json"}).out);
   CHECK(told.at("schema") == "tactbench.devices.scan");
   CHECK(told.at("devices").is_array());

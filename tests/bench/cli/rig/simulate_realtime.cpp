@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "tests/bench/cli/check_refusal.h"
 #include "tests/support/paths.h"
 #include "tests/support/served_rig.h"
 
@@ -18,22 +19,16 @@ const std::string kProgram = program_path();
 
 TEST_CASE("simulate: another process finds every instrument, watches them and carries out a run") {
   const ServedRig simulator(10.0);
-  const Finished checked = simulator.run({"devices", "check", "--bench", "bench.toml", "--json"});
-  INFO(checked.out << checked.err);
-  CHECK(checked.code == 0);
-  const json devices = json::parse(checked.out)["devices"];
+  const json devices =
+      json::parse(well(simulator.run({"devices", "check", "--bench", "bench.toml", "--json"})).out)["devices"];
   CHECK(devices.size() == 6);
   for (const json& device : devices) CHECK(device["state"] == "ok");
-  const Finished watched =
-      simulator.run({"devices", "watch", "--bench", "bench.toml", "--count", "2", "--interval", "0.1"});
-  CHECK(watched.code == 0);
+  CHECK(simulator.run({"devices", "watch", "--bench", "bench.toml", "--count", "2", "--interval", "0.1"}).code == 0);
   write_file(simulator.folder.path("small.toml"),
              "schema = 1\nname = \"small\"\nunit = \"psi\"\nturning_points = [0, 20, 0]\nstep = 10\ndwell_s = 1\n");
-  const Finished run = simulator.run(
-      {"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "t", "-q", "--json"});
-  INFO(run.err);
-  CHECK(run.code == 0);
-  const json row = json::parse(run.out);
+  const json row = json::parse(well(simulator.run({"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-1",
+                                                   "--operator", "t", "-q", "--json"}))
+                                   .out);
   CHECK(row["frames"] == 5);
   CHECK(row["origin"] == "simulated");
   CHECK(row["safe_state"] == "verified");

@@ -110,8 +110,7 @@ TEST_CASE("simulate: as JSON, without a bench file, and what cannot be simulated
   CHECK(hardware.out.empty());
   CHECK_THAT(hardware.err, Catch::Contains("[TB-USAGE]") && Catch::Contains("\n  at: paper-rig.example.toml\n"));
   write_file(folder.path("other.txt"), "mine\n");
-  const Finished kept = call(folder, {"simulate", "--for", "0.1", "--write-bench", "other.txt"});
-  CHECK(kept.code == 2);
+  CHECK(call(folder, {"simulate", "--for", "0.1", "--write-bench", "other.txt"}).code == 2);
   CHECK(read_file(folder.path("other.txt")) == "mine\n");
   CHECK(call(folder, {"simulate", "--for", "0.1", "--write-bench", "other.txt", "--replace"}).code == 0);
 }

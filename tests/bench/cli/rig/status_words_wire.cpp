@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bench/run/control/locks.h"
+#include "tests/bench/cli/check_refusal.h"
 #include "tests/db/store_example.h"
 #include "tests/support/answering_run.h"
 #include "tests/support/process.h"
@@ -83,9 +84,7 @@ TEST_CASE("watch: an ended run is told only where nothing else is meant, and one
   CHECK(of.say({"watch", "1"}).code == 0);
   {
     const SilentRun silent("a-frozen", "/run/1");
-    const Finished held = of.say({"watch", "1"});
-    CHECK(held.code == 2);
-    CHECK_THAT(held.err, Catch::Contains("[TB-RUN-SILENT]"));
+    check_refusal(of.say({"watch", "1"}), 2, "TB-RUN-SILENT");
   }
   const Finished ended = of.say({"watch", "2"});
   CHECK(ended.code == 3);  // its process died
@@ -99,9 +98,7 @@ TEST_CASE("watch: an ended run is told only where nothing else is meant, and one
 
 TEST_CASE("status: without --db the store of this folder is asked, and one that is not there only for a number") {
   const AskedForStatus of;
-  const Finished numbered = of.say({"status", "9"});
-  CHECK(numbered.code == 5);
-  CHECK_THAT(numbered.err, Catch::Contains("[TB-STORE-OPEN]"));
+  check_refusal(of.say({"status", "9"}), 5, "TB-STORE-OPEN");
   CHECK(of.say({"status", "--db", "none.db"}).code == 5);
   {
     db::RunStore store = db::RunStore::open(of.folder.path("runs.db"), db::Durability::kNormal);

@@ -46,9 +46,7 @@ TEST_CASE("baseline accept: what is no run or range is refused, and so are runs 
   }
   for (const char* word : {"0", "-1", "1-", "1-0", "x", "1x", "1-2x", "1-2-3", " 1", "1 ", "99999999999999999999"}) {
     INFO(word);
-    const Finished refused = store.accept({"--", word});
-    CHECK(refused.code == 2);
-    CHECK_THAT(refused.err, Catch::Contains("[TB-USAGE]") && Catch::Contains("\n  at: RUNS\n"));
+    check_refusal(store.accept({"--", word}), 2, "TB-USAGE", "RUNS");
   }
   for (const char* runs : {"2", "2-99", "5-4"}) {
     const Finished refused = store.accept({runs});
@@ -105,14 +103,11 @@ TEST_CASE("runs merge: stores without a night give no file of one, and what came
   };
   for (const char* file : {"--html", "--junit", "--metrics"}) {
     const std::string target = store.folder.path("night");
-    const Finished refused = merge({file, target});
-    CHECK(refused.code == 2);
-    CHECK_THAT(refused.err, Catch::Contains("[TB-MERGE-NIGHT]"));
+    check_refusal(merge({file, target}), 2, "TB-MERGE-NIGHT");
     CHECK_FALSE(std::filesystem::exists(target));
     std::filesystem::remove(all);
   }
-  const Finished merged = merge({});
-  CHECK(merged.code == 0);
+  CHECK(merge({}).code == 0);
   const nlohmann::json told = nlohmann::json::parse(merge({"--json"}).out);
   CHECK(told.at("parts") == nlohmann::json({store.path, other.path}));
   CHECK(told.at("nights").empty());

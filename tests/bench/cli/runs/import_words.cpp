@@ -34,8 +34,7 @@ struct TableToImport {
 
 TEST_CASE("import: what is printed, and the run that is stored") {
   const TableToImport table(kRowsOfTwo);
-  const Finished done = table.import({"--operator", "K. Lee", "--purpose", "as measured"});
-  CHECK(done.code == 0);
+  CHECK(table.import({"--operator", "K. Lee", "--purpose", "as measured"}).code == 0);
   const db::RunStore store = table.store();
   const db::RunRecord run = store.run(1);
   CHECK(run.origin == "imported");
@@ -103,16 +102,13 @@ TEST_CASE("import: rows that are left out are counted") {
   CHECK(refused.code == 2);
   CHECK(refused.out.empty());
   CHECK_THAT(refused.err, Catch::Contains("[TB-TABLE-ROW]") && Catch::Contains("own.csv:14"));
-  const Finished one = table.import({"--skip-bad-rows"});
-  CHECK(one.code == 0);
+  CHECK(table.import({"--skip-bad-rows"}).code == 0);
   CHECK(nlohmann::json::parse(table.store().run(1).devices.at(0).calibration_json).at("rows_left_out") == 1);
   CHECK(nlohmann::json::parse(table.import({"--skip-bad-rows", "--json"}).out).at("left_out") == 1);
 }
 
 TEST_CASE("import: a table on which no model can be fitted is refused, and nothing is stored") {
   const TableToImport table("sequence,input,output\na,0,0\n");
-  const Finished refused = table.import();
-  CHECK(refused.code == 2);
-  CHECK_THAT(refused.err, Catch::Contains("[TB-TABLE-SHORT]"));
+  check_refusal(table.import(), 2, "TB-TABLE-SHORT");
   CHECK_THROWS(table.store());
 }

@@ -50,16 +50,13 @@ TEST_CASE("sensors list and show: as JSON") {
 }
 
 TEST_CASE("sensors show: a sensor that is not registered") {
-  const Finished none = StoreOfSensors().sensors({"show", "S-2"});
-  CHECK(none.code == 2);
-  CHECK_THAT(none.err, Catch::Contains("[TB-SENSOR-UNKNOWN]"));
+  check_refusal(StoreOfSensors().sensors({"show", "S-2"}), 2, "TB-SENSOR-UNKNOWN");
 }
 
 TEST_CASE("sensors add: the sensor is stored with its type file and when it came") {
   const StoreOfSensors store;
   const std::string type = source_path("bench/config/sensor.toml");
-  const Finished added = store.sensors({"add", "S-9", "--type", type, "--scanner", "SC-9", "--note", "from lot A7"});
-  CHECK(added.code == 0);
+  CHECK(store.sensors({"add", "S-9", "--type", type, "--scanner", "SC-9", "--note", "from lot A7"}).code == 0);
   const db::RunStore open = db::RunStore::open_read_only(store.path);
   const auto sensor = open.sensor("S-9");
   REQUIRE(sensor);

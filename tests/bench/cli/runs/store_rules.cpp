@@ -49,9 +49,7 @@ TEST_CASE("db prune --keep takes days, weeks and dates, at their edges") {
         "1dd",        "1 d",        "1",          "99999999999d", "2026-01-3",  "2026-01-311", "/026-01-31",
         ":026-01-31", "2026-01-3/", "2026-01-3:", "2026/01-31",   "2026-01/31", "2026-1-311"}) {
     INFO(rule);
-    const Finished refused = store.prune(rule);
-    CHECK(refused.code == 2);
-    CHECK_THAT(refused.err, Catch::Contains("[TB-USAGE]") && Catch::Contains("\n  at: --keep\n"));
+    check_refusal(store.prune(rule), 2, "TB-USAGE", "--keep");
   }
   // Of a day of UTC, which may turn meanwhile.
   for (const auto& [rule, days] : std::vector<std::pair<std::string, int>>{{"3d", 3}, {"2w", 14}, {"1d", 1}}) {
@@ -80,9 +78,7 @@ TEST_CASE("runs list --since takes a date, with or without a time") {
   for (const char* date : {"2024-05-0", "2024-05", "/024-05-01", ":024-05-01", "2024-05-0/", "2024-05-0:", "2024/05-01",
                            "2024-05:01", "20240-5-01", "yesterday12"}) {
     INFO(date);
-    const Finished refused = store.since(date);
-    CHECK(refused.code == 2);
-    CHECK_THAT(refused.err, Catch::Contains("[TB-USAGE]") && Catch::Contains("\n  at: --since\n"));
+    check_refusal(store.since(date), 2, "TB-USAGE", "--since");
   }
 }
 
@@ -124,7 +120,6 @@ TEST_CASE("db prune leaves a damaged run whole") {
   }
   db::sqlite::Connection(store.path, db::sqlite::Access::kReadWrite)
       .execute("UPDATE frames SET reference_psi = reference_psi + 1e-9 WHERE rowid = (SELECT min(rowid) FROM frames)");
-  const Finished pruned = store.prune("2024-05-02", {"--yes"});
-  CHECK(pruned.code == 0);
+  CHECK(store.prune("2024-05-02", {"--yes"}).code == 0);
   CHECK(db::RunStore::open_read_only(store.path).frame_count(1) == 3);
 }

@@ -46,9 +46,7 @@ TEST_CASE("verify recomputes content, models and verdicts, and names what was ch
   const Finished well = call(folder, {"verify", "1"});
   INFO(well.out << well.err);
   CHECK(well.code == 0);
-  const Finished judged = call(folder, {"verify", "2", "--json"});
-  CHECK(judged.code == 0);
-  const json verified = json::parse(judged.out);
+  const json verified = json::parse(well(call(folder, {"verify", "2", "--json"})).out);
   CHECK(verified["holds"] == true);
   CHECK(verified["content"]["computed_sha256"] == verified["content"]["stored_sha256"]);
   REQUIRE(verified["analysis"].size() == 1);
@@ -61,19 +59,16 @@ TEST_CASE("verify recomputes content, models and verdicts, and names what was ch
   };
   // The hashes beside verdicts and fits tell that one was changed; recomputing tells which.
   change(folder, "UPDATE verdicts SET verdict = 'fail' WHERE criterion = 'unfit_taxels'");
-  const Finished word = call(folder, {"verify", "2"});
-  CHECK(word.code == 5);
+  CHECK(call(folder, {"verify", "2"}).code == 5);
   CHECK_THAT(first_difference("2"), Catch::Contains("unfit_taxels"));
   change(folder, "UPDATE verdicts SET value = value + 1e-9 WHERE criterion = 'worst_taxel_error'");
-  const Finished value = call(folder, {"verify", "2"});
-  CHECK(value.code == 5);
+  CHECK(call(folder, {"verify", "2"}).code == 5);
   CHECK_THAT(first_difference("2"), Catch::Contains("worst_taxel_error"));
 
   change(folder,
          "UPDATE fits SET document = json_set(document, '$.taxels[5].model.parameters', "
          "json_extract(document, '$.taxels[6].model.parameters'))");
-  const Finished fit = call(folder, {"verify", "1"});
-  CHECK(fit.code == 5);
+  CHECK(call(folder, {"verify", "1"}).code == 5);
   CHECK_THAT(first_difference("1"), Catch::Contains("taxel 5"));
   change(folder, "UPDATE fits SET document = json_remove(document, '$.taxels[3]')");
   CHECK_THAT(call(folder, {"verify", "1"}).out, Catch::Contains("TB-MODEL-STORED"));
@@ -83,11 +78,9 @@ TEST_CASE("verify recomputes content, models and verdicts, and names what was ch
   CHECK(frame.code == 5);
   CHECK_THAT(first_difference("1"), Catch::Contains("frame 4"));
   CHECK(json::parse(call(folder, {"verify", "1", "--json"}).out)["content"]["holds"] == false);
-  const Finished models = call(folder, {"verify", "2"});
-  CHECK(models.code == 5);
+  CHECK(call(folder, {"verify", "2"}).code == 5);
   CHECK_THAT(first_difference("2"), Catch::Contains("frame 4"));
-  const Finished check = call(folder, {"db", "check"});
-  CHECK(check.code == 5);
+  CHECK(call(folder, {"db", "check"}).code == 5);
   check_refusal(call(folder, {"verify", "7"}), 2, "TB-STORE-NOT-FOUND");
   change(folder, "UPDATE runs SET outcome = 'incomplete', state = 'running', content_sha256 = '' WHERE run = 2");
   check_refusal(call(folder, {"verify", "2"}), 6, "TB-VERIFY-NOT-ENDED");
@@ -116,8 +109,7 @@ TEST_CASE("a store with foreign objects is checked and read, not written") {
   check_refusal(call(folder, {"runs", "note", "1", std::string(10'001, 'x')}), 2, "TB-STORE-TOO-LONG");
   check_refusal(call(folder, {"runs", "note", "1", " "}), 2, "TB-STORE-BLANK");
   change(folder, "CREATE TRIGGER evil AFTER INSERT ON runs BEGIN DELETE FROM verdicts; END");
-  const Finished check = call(folder, {"db", "check"});
-  CHECK(check.code == 5);
+  CHECK(call(folder, {"db", "check"}).code == 5);
   CHECK(call(folder, {"runs", "list"}).code == 0);
   check_refusal(call(folder, {"runs", "note", "1", "x"}), 5, "TB-STORE-FOREIGN");
   check_refusal(
@@ -217,11 +209,8 @@ TEST_CASE("runs are tagged, noted, voided and found again") {
 TEST_CASE("runs are compared, exported and copied into another store") {
   const TemporaryFolder folder;
   prepare_store(folder);
-  const Finished same = call(folder, {"runs", "diff", "1", "1"});
-  CHECK(same.code == 0);
-  const Finished differ = call(folder, {"runs", "diff", "1", "2", "--json"});
-  CHECK(differ.code == 1);
-  const json differences = json::parse(differ.out);
+  CHECK(call(folder, {"runs", "diff", "1", "1"}).code == 0);
+  const json differences = json::parse(well(call(folder, {"runs", "diff", "1", "2", "--json"}), 1).out);
   CHECK(differences["same_content"] == false);
   CHECK(differences["frames_equal"].get<int>() < 11);
   CHECK(differences["first_frame"] == 1);
@@ -234,14 +223,11 @@ TEST_CASE("runs are compared, exported and copied into another store") {
   check_refusal(call(folder, {"runs", "export", "1", "--format", "xml", "-o", "x"}), 2, "TB-USAGE");
   check_refusal(call(folder, {"runs", "export", "9", "-o", "x"}), 2, "TB-STORE-NOT-FOUND");
 
-  const Finished copied = call(folder, {"runs", "copy", "2", "1", "--to", "archive.db"});
-  INFO(copied.err);
-  CHECK(copied.code == 0);
+  well(call(folder, {"runs", "copy", "2", "1", "--to", "archive.db"}));
   CHECK(call(folder, {"verify", "1", "--db", "archive.db"}).code == 0);
   CHECK(call(folder, {"verify", "2", "--db", "archive.db"}).code == 0);
   CHECK(call(folder, {"db", "check", "archive.db"}).code == 0);
-  const Finished models = call(folder, {"runs", "copy", "1", "--to", "models.db"});
-  CHECK(models.code == 0);
+  CHECK(call(folder, {"runs", "copy", "1", "--to", "models.db"}).code == 0);
   check_refusal(call(folder, {"runs", "copy", "1", "--to", "archive.db"}), 2, "TB-STORE-EXISTS");
   check_refusal(call(folder, {"runs", "copy", "9", "--to", "new.db"}), 2, "TB-STORE-NOT-FOUND");
   CHECK_FALSE(std::filesystem::exists(folder.path("new.db")));
@@ -252,12 +238,9 @@ TEST_CASE("an imported run is exported as its series and verified") {
   std::string table = "input,output\n";
   for (const char* row : {"0,1\n", "1,2.5\n", "2,3.25\n", "3,5\n", "2,4\n", "1,3\n", "0,1.1\n"}) table += row;
   write_file(folder.path("loop.csv"), table);
-  const Finished imported = call(folder, {"import", "loop.csv", "--map", "input=1,output=2"});
-  INFO(imported.err);
-  REQUIRE(imported.code == 0);
+  well(call(folder, {"import", "loop.csv", "--map", "input=1,output=2"}));
   CHECK(call(folder, {"runs", "export", "1", "-o", "run.csv"}).code == 0);
   CHECK_THAT(read_file(folder.path("run.csv")),
              Catch::StartsWith("sequence,name,taxel,position,input,output\n") && Catch::Contains(",0,2,2,3.25\n"));
-  const Finished verified = call(folder, {"verify", "1"});
-  CHECK(verified.code == 0);
+  CHECK(call(folder, {"verify", "1"}).code == 0);
 }
