@@ -7,6 +7,7 @@
 #include <set>
 
 #include "db/run_store.h"
+#include "tests/bench/cli/small_bench.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
@@ -17,44 +18,48 @@ using nlohmann::json;
 namespace {
 
 // Of run 1, in the middle of which this is.
-bool has_frames(const std::string& db_path) {
+bool has_frames(const TemporaryFolder& folder) {
   try {
-    return db::RunStore::open_read_only(db_path).frame_count(1) > 0;
+    return db::RunStore::open_read_only(folder.path("runs.db")).frame_count(1) > 0;
   } catch (const db::StoreError&) {  // it is being made
     return false;
   }
 }
 
+// 1000 repeats would take minutes: the run cannot end before a signal comes.
+struct LongRunHere {
+  LongRunHere() { begin_bench(folder, small_loop_text(2, 1000)); }
+  Finished run(const Signal& signal, const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> words = {"run", "small.toml", "--bench", "bench.toml", "--sensor",
+                                      "S-1", "--operator", "t",       "-q"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_program(program_path(), words, folder.path(), signal);
+  }
+  Finished signalled(int number) const {
+    return run({number, [&] { return has_frames(folder); }});
+  }
+  [[nodiscard]] json shown() const { return json::parse(call(folder, {"runs", "show", "1", "--json"}).out); }
+  TemporaryFolder folder;
+};
+
 }  // namespace
 
 // Ctrl-C pauses first: control_realtime.cpp.
-TEST_CASE("a request to terminate vents, closes the row and keeps the frames") {
-  const TemporaryFolder folder;
-  // 1000 repeats would take minutes: the run cannot end before the signal comes.
-  const std::string recipe =
-      "schema = 1\nname = \"long\"\nunit = \"psi\"\nturning_points = [0, 60, 0]\nstep = 2\nrepeats = 1000\n";
-  write_file(folder.path("long.toml"), recipe);
-  const std::string program = program_path();
-  REQUIRE(run_program(program, {"init"}, folder.path()).code == 0);
-  REQUIRE(run_program(program, {"sensors", "add", "S-1", "--type", "sensor.toml"}, folder.path()).code == 0);
-  const Finished run =
-      run_program(program, {"run", "long.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "t", "-q"},
-                  folder.path(), {SIGTERM, [&] { return has_frames(folder.path("runs.db")); }});
-  INFO(run.err);
-  CHECK(run.code == 143);
-  CHECK_THAT(run.err, Catch::Contains("[TB-RUN-STOPPED]") && Catch::Contains("vented, verified"));
-  const json row = json::parse(run_program(program, {"runs", "show", "1", "--json"}, folder.path()).out);
-  CHECK(row["outcome"] == "stopped");
-  CHECK(row["safe_state"] == "verified");
+TEST_CASE("SIGTERM vents, closes the row and keeps the frames") {
+  const LongRunHere of;
+  const Finished run = of.signalled(SIGTERM);
+  check_refusal(run, 143, "TB-RUN-STOPPED");
+  CHECK_THAT(run.err, Catch::Contains("vented, verified"));
+  const json row = of.shown();
+  CHECK((row["outcome"] == "stopped" && row["safe_state"] == "verified"));
   CHECK(row["frames"] > 0);
-  CHECK(row["frames"] < 61000);
 }
 
 TEST_CASE("demo: Ctrl-C ends it during or after the runs and leaves no partial files") {
   const TemporaryFolder folder;
   const bool in_run = GENERATE(true, false);
   const auto has_come = [&] {
-    if (in_run) return has_frames(folder.path("runs.db"));
+    if (in_run) return has_frames(folder);
     try {
       return db::RunStore::open_read_only(folder.path("runs.db")).run(5).outcome == db::Outcome::kCompleted;
     } catch (const db::StoreError&) {
@@ -70,32 +75,19 @@ TEST_CASE("demo: Ctrl-C ends it during or after the runs and leaves no partial f
   std::set<std::string> left;
   for (const auto& file : std::filesystem::directory_iterator(folder.path())) left.insert(file.path().filename());
   CHECK(left == std::set<std::string>{"runs.db", "runs.db-lock"});
-  CHECK(run_program(program_path(), {"db", "check"}, folder.path()).code == 0);
-  const json first = json::parse(run_program(program_path(), {"runs", "show", "1", "--json"}, folder.path()).out);
+  CHECK(call(folder, {"db", "check"}).code == 0);
+  const json first = json::parse(call(folder, {"runs", "show", "1", "--json"}).out);
   CHECK(first["sensor"] == (in_run ? "SIM-HARSH-0012" : "SIM-0001"));
   CHECK(first["specimen"] == (in_run ? "harsh" : "paper"));
 }
 
 TEST_CASE("a run whose process was killed is found and marked interrupted by the next start") {
-  const TemporaryFolder folder;
-  write_file(folder.path("long.toml"),
-             "schema = 1\nname = \"long\"\nunit = \"psi\"\nturning_points = [0, 60, 0]\nstep = 2\nrepeats = 1000\n");
-  const std::string program = program_path();
-  REQUIRE(run_program(program, {"init"}, folder.path()).code == 0);
-  REQUIRE(run_program(program, {"sensors", "add", "S-1", "--type", "sensor.toml"}, folder.path()).code == 0);
-  const std::vector<std::string> words = {"run", "long.toml",  "--bench", "bench.toml", "--sensor",
-                                          "S-1", "--operator", "t",       "-q"};
-  const Signal kill{SIGKILL, [&] { return has_frames(folder.path("runs.db")); }};
-  CHECK(run_program(program, words, folder.path(), kill).code == -SIGKILL);
-  const auto show = [&] {
-    return json::parse(run_program(program, {"runs", "show", "1", "--json"}, folder.path()).out);
-  };
-  const json dead = show();
+  const LongRunHere of;
+  CHECK(of.signalled(SIGKILL).code == -SIGKILL);
+  const json dead = of.shown();
   CHECK(dead["outcome"] == "incomplete");
   CHECK(dead["frames"] > 0);
-  std::vector<std::string> next = words;
-  next.insert(next.end(), {"--set", "recipe.repeats=1"});
-  REQUIRE(run_program(program, next, folder.path()).code == 0);
-  CHECK(show()["outcome"] == "interrupted");
-  CHECK(show()["frames"] == dead["frames"]);
+  well(of.run({}, {"--set", "recipe.repeats=1"}));
+  CHECK(of.shown()["outcome"] == "interrupted");
+  CHECK(of.shown()["frames"] == dead["frames"]);
 }

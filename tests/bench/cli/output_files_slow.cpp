@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
 
-#include "tests/bench/cli/check_refusal.h"
 #include "tests/bench/cli/play_table.h"
+#include "tests/bench/cli/small_bench.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::tests;
@@ -22,15 +22,9 @@ std::string loop_table() {
 
 // A store with a run and its fit, a table and a model.
 void prepare_files(const TemporaryFolder& folder) {
-  REQUIRE(call(folder, {"init"}).code == 0);
-  write_file(folder.path("small.toml"),
-             "schema = 1\nname = \"small\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0]\nstep = 20\n"
-             "repeats = 1\ndwell_s = 1.0\n");
+  begin_bench(folder);
   write_file(folder.path("t.csv"), loop_table());
-  REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
-  REQUIRE(
-      call(folder, {"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "t", "-q"}).code ==
-      0);
+  measure_small(folder);
   REQUIRE(call(folder, {"fit", "1"}).code == 0);
   REQUIRE(call(folder, {"fit", "t.csv", "--model", "mpi", "-o", "m.json"}).code == 0);
   write_file(folder.path("suite.toml"), "schema = 1\nname = \"s\"\n[[scenario]]\nname = \"a\"\nabout = \"b\"\n");
@@ -74,8 +68,7 @@ TEST_CASE("no verb overwrites a store, whatever its options") {
       words.insert(words.end(), {target, "--replace"});
       const Finished finished = call(folder, words);
       INFO(verb[0] << " " << verb[1] << ": " << finished.err << finished.out);
-      CHECK(finished.code == 2);
-      CHECK_THAT(finished.err, Catch::Contains("[TB-FILE-STORE]") && Catch::Contains("\n  try: "));
+      check_refusal(finished, 2, "TB-FILE-STORE");
       CHECK(read_file(folder.path("runs.db")) == before);
     }
   CHECK(std::filesystem::is_symlink(folder.path("link")));

@@ -47,7 +47,7 @@ constexpr const char* kProfile = "bench = \"file.toml\"\nrecipe = \"descending, 
 
 }  // namespace
 
-TEST_CASE("profile options: the command line precedes the environment, and that the file") {
+TEST_CASE("profile options: the command line before the environment before the file") {
   {
     ProgramOfTwoVerbs program(kProfile);
     program.parse({"run"});

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "tests/bench/cli/check_refusal.h"
+#include "tests/bench/cli/small_bench.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::tests;
@@ -19,10 +19,6 @@ struct SetVariable {
   SetVariable& operator=(const SetVariable&) = delete;
   const char* name;
 };
-
-const char* const kSmallRecipe =
-    "schema = 1\nname = \"small\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0, 30, 0]\nstep = 10\nrepeats = 2\n"
-    "dwell_s = 1.0\n";
 
 }  // namespace
 
@@ -86,20 +82,12 @@ TEST_CASE("a wrong profile is an error with its line, but keeps nobody from help
 
 TEST_CASE("fit judges held-out runs by the profile's limits, and nothing else by them") {
   const TemporaryFolder folder;
-  REQUIRE(call(folder, {"init"}).code == 0);
-  write_file(folder.path("small.toml"), kSmallRecipe);
-  write_file(folder.path("hard.toml"),
-             "schema = 1\nname = \"hard\"\nrule = \"simple\"\nmean_compensation_error_psi = 0.001\n"
-             "worst_taxel_error_psi = 60\ndistance_of_mean_percent_fs = 100\nunfit_taxels = 256\n");
-  REQUIRE(call(folder, {"sensors", "add", "S-1"}).code == 0);
-  for (const char* seed : {"1", "2"})
-    REQUIRE(call(folder, {"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "tester", "-q",
-                          "--seed", seed})
-                .code == 0);
+  begin_bench(folder, small_loop_text(10, 2));
+  write_file(folder.path("hard.toml"), limits_text("simple", 0.000001));
+  for (const char* seed : {"1", "2"}) measure_small(folder, seed);
   write_file(folder.path("tactbench.toml"), "limits = \"hard.toml\"\n");
-  CHECK(call(folder, {"fit", "1"}).code == 0);
-  const Finished judged = call(folder, {"fit", "1", "--held-out", "2"});
-  CHECK(judged.code == 1);
-  CHECK_THAT(judged.err, Catch::Contains("tactbench.toml:1"));
-  CHECK(call(folder, {"fit", "1", "--held-out", "2", "--model", "elam,poly"}).code == 0);
+  well(call(folder, {"fit", "1"}));
+  CHECK_THAT(well(call(folder, {"fit", "1", "--held-out", "2"}), 1).err, Catch::Contains("tactbench.toml:1"));
+  well(call(folder, {"report", "1"}), 1);
+  well(call(folder, {"fit", "1", "--held-out", "2", "--model", "elam,poly"}));
 }

@@ -5,7 +5,9 @@
 #include "analysis/identify/stored/model_document.h"
 #include "db/run_store.h"
 #include "tests/bench/cli/check_refusal.h"
+#include "tests/bench/cli/small_bench.h"
 #include "tests/support/process.h"
+#include "tests/support/run_recipe.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -13,26 +15,9 @@ using nlohmann::json;
 
 namespace {
 
-Finished carry_out(const TemporaryFolder& folder, const std::string& recipe,
-                   const std::vector<std::string>& more = {}) {
-  std::vector<std::string> words{"run",        recipe,   "--bench", "bench.toml",   "--sensor", "S-1",
-                                 "--operator", "tester", "-q",      "--no-seating", "--yes"};
-  words.insert(words.end(), more.begin(), more.end());
-  Finished run = call(folder, words);
-  INFO(run.err);
-  REQUIRE(run.code == 0);
-  return run;
-}
-
 void prepare_traced_run(const TemporaryFolder& folder) {
-  REQUIRE(call(folder, {"init"}).code == 0);
-  REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
-  write_file(folder.path("three.toml"),
-             "schema = 1\nname = \"three\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0]\nstep = 10\n"
-             "repeats = 3\ndwell_s = 1.0\n");
-  write_file(folder.path("far.toml"),
-             "schema = 1\nname = \"far\"\nrule = \"four-way\"\nmean_compensation_error_psi = 50\n"
-             "worst_taxel_error_psi = 60\ndistance_of_mean_percent_fs = 100\nunfit_taxels = 256\n");
+  begin_bench(folder, small_loop_text(10, 3));
+  write_file(folder.path("far.toml"), limits_text("four-way", 50));
 }
 
 json report_json(const TemporaryFolder& folder, const std::vector<std::string>& words, int code) {
@@ -59,18 +44,16 @@ TEST_CASE(
     return words;
   };
   well(call(folder, with({"devices", "check", "--bench", "bench.toml"})));
-  const Finished plan = call(folder, with({"plan", "three.toml", "--bench", "bench.toml"}));
-  CHECK(plan.code == 0);
+  CHECK(call(folder, with({"plan", "small.toml", "--bench", "bench.toml"})).code == 0);
   const json planned = json::parse(call(folder, with({"plan", "ring", "--bench", "bench.toml", "--json"})).out);
   CHECK(planned["instruments"].size() == 5);
   CHECK(planned["instruments"][0]["overdue"] == true);
   CHECK(planned["instruments"][4]["role"] == "force sensor");
-  const Finished run = carry_out(folder, "three.toml", overdue);
+  run_recipe(folder, "small.toml", overdue);
   CHECK_THAT(call(folder, {"runs", "show", "1"}).out, Catch::Contains("[TB-CALIBRATION]"));
 
-  carry_out(folder, "three.toml", overdue);
-  const Finished fit = call(folder, {"fit", "1", "--held-out", "2", "--limits", "far.toml"});
-  CHECK(fit.code == 6);
+  run_recipe(folder, "small.toml", overdue);
+  CHECK(call(folder, {"fit", "1", "--held-out", "2", "--limits", "far.toml"}).code == 6);
   CHECK(call(folder, {"verify", "1"}).code == 0);
   CHECK(call(folder, {"verify", "2"}).code == 0);
   const json report = report_json(folder, {"1"}, 6);
@@ -79,7 +62,7 @@ TEST_CASE(
   REQUIRE(call(folder, {"report", "1"}).code == 6);
 
   // The same run in date: U is smaller, and the verdict a pass.
-  for (int i = 0; i < 2; ++i) carry_out(folder, "three.toml", {"--set", "reference.due=2199-01-31"});
+  for (int i = 0; i < 2; ++i) run_recipe(folder, "small.toml", {"--set", "reference.due=2199-01-31"});
   REQUIRE(call(folder, {"fit", "3", "--held-out", "4", "--limits", "far.toml"}).code == 0);
   CHECK(expanded_mean_error(report_json(folder, {"3"}, 0)) < expanded_mean_error(report));
 }
@@ -88,7 +71,7 @@ TEST_CASE(
     "a laboratory file that contradicts the run changes no certificate, is named, and its earlier due date counts") {
   const TemporaryFolder folder;
   prepare_traced_run(folder);
-  for (int i = 0; i < 2; ++i) carry_out(folder, "three.toml");
+  for (int i = 0; i < 2; ++i) run_recipe(folder, "small.toml");
   REQUIRE(call(folder, {"fit", "1", "--held-out", "2", "--limits", "far.toml"}).code == 0);
   const json before = report_json(folder, {"1"}, 0);
   write_file(
@@ -107,8 +90,7 @@ TEST_CASE(
   REQUIRE(call(folder, {"report", "1", "--lab", "lab.toml"}).code == 6);
   CHECK_THAT(read_file(folder.path("reports/run-1.html")), Catch::Contains("[TB-30123-26]"));
   // fit sees the same dates, and what it found is kept.
-  const Finished fit = call(folder, {"fit", "1", "--held-out", "2", "--limits", "far.toml", "--lab", "lab.toml"});
-  CHECK(fit.code == 6);
+  CHECK(call(folder, {"fit", "1", "--held-out", "2", "--limits", "far.toml", "--lab", "lab.toml"}).code == 6);
   CHECK(report_json(folder, {"1"}, 6)["results"]["verdicts"][0]["verdict"] == "inconclusive");
   CHECK(call(folder, {"verify", "1"}).code == 0);
   CHECK(call(folder, {"verify", "2"}).code == 0);
@@ -122,10 +104,10 @@ TEST_CASE(
 TEST_CASE("the report of a ring is a test report that states the traceability of its forces") {
   const TemporaryFolder folder;
   prepare_traced_run(folder);
-  carry_out(folder, "three.toml");
+  run_recipe(folder, "small.toml");
   REQUIRE(call(folder, {"fit", "1"}).code == 0);
-  carry_out(folder, "ring", {"--set", "recipe.repeats=1"});
-  carry_out(folder, "ring", {"--set", "recipe.repeats=1", "--set", "force.certificate="});
+  run_recipe(folder, "ring", {"--set", "recipe.repeats=1"});
+  run_recipe(folder, "ring", {"--set", "recipe.repeats=1", "--set", "force.certificate="});
   const json traced = report_json(folder, {"2", "--model", "1"}, 0);
   CHECK(traced["document"] == "Test report");
   const json& force = traced["identification"]["traceability"][0];
@@ -157,7 +139,7 @@ TEST_CASE("the report of a ring is a test report that states the traceability of
 TEST_CASE("verify refuses a stored pass on an overdue reference") {
   const TemporaryFolder folder;
   prepare_traced_run(folder);
-  carry_out(folder, "three.toml", {"--set", "reference.due=2020-01-31"});
+  run_recipe(folder, "small.toml", {"--set", "reference.due=2020-01-31"});
   REQUIRE(call(folder, {"fit", "1", "--model", "elam", "--limits", "far.toml"}).code == 6);
   REQUIRE(call(folder, {"verify", "1"}).code == 0);
   {
@@ -170,15 +152,14 @@ TEST_CASE("verify refuses a stored pass on an overdue reference") {
   (void)report_json(folder, {"1"}, 6);  // no pass is printed
 }
 
-TEST_CASE("hardware is not touched while the bench file is not filled in") {
+TEST_CASE("hardware: FILL-IN in the bench file keeps every device closed") {
   const TemporaryFolder folder;
   REQUIRE(call(folder, {"init", "--rig"}).code == 0);
   REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
   const auto refused = [&](const std::vector<std::string>& words) {
     const Finished finished = call(folder, words);
-    INFO(finished.out << finished.err);
-    CHECK(finished.code == 2);
-    CHECK_THAT(finished.err, Catch::Contains("TB-BENCH-FILL-IN") && Catch::Contains("reference.certificate"));
+    check_refusal(finished, 2, "TB-BENCH-FILL-IN");
+    CHECK_THAT(finished.err, Catch::Contains("reference.certificate"));
   };
   refused({"run", "production", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "me"});
   refused({"devices", "check", "--bench", "bench.toml"});

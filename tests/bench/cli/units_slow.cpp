@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/bench/cli/small_bench.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::tests;
@@ -40,9 +41,7 @@ TEST_CASE("units of the profile, a run, its verdicts and its report") {
   const TemporaryFolder folder;
   REQUIRE(call(folder, {"init", "--operator", "tester"}).code == 0);
   write_file(folder.path("tactbench.toml"), read_file(folder.path("tactbench.toml")) + "units = \"kPa\"\n");
-  write_file(folder.path("small.toml"),
-             "schema = 1\nname = \"small\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0]\nstep = 20\n"
-             "repeats = 2\ndwell_s = 1.0\n");
+  write_file(folder.path("small.toml"), small_loop_text(20, 2));
   REQUIRE(call(folder, {"sensors", "add", "S-1"}).code == 0);
   for (const char* seed : {"1", "2"}) {
     const Finished run =
@@ -75,9 +74,7 @@ TEST_CASE("rig check and resume print kPa, and numbers that are those in psi") {
   const TemporaryFolder folder;
   REQUIRE(call(folder, {"init", "--operator", "tester"}).code == 0);
   REQUIRE(call(folder, {"sensors", "add", "S-1"}).code == 0);
-  write_file(folder.path("small.toml"),
-             "schema = 1\nname = \"small\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0]\nstep = 20\n"
-             "repeats = 2\ndwell_s = 1.0\n");
+  write_file(folder.path("small.toml"), small_loop_text(20, 2));
   const auto check = [&](const char* unit) {
     return call(folder, {"rig", "check", "--standard", "S-1", "--recipe", "small.toml", "-q", "--units", unit}).out;
   };
@@ -95,7 +92,6 @@ TEST_CASE("rig check and resume print kPa, and numbers that are those in psi") {
   CHECK(figure(kpa, "elam_alpha_a1_per_kpa") == Approx(figure(psi, "elam_alpha_a1_per_psi") / 6.894757).epsilon(0.002));
 
   // Runs 1 to 4 are those of the two checks.
-
   const std::string unplugged = R"(simulation.faults=[{kind="scanner_unplugged",at_s=45}])";
   REQUIRE(call(folder, {"run", "small.toml", "--sensor", "S-1", "-q", "--no-seating", "--set", unplugged}).code == 3);
   const Finished resumed = call(folder, {"resume", "5", "-q", "--units", "kPa"});

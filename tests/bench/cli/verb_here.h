@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "bench/cli/session.h"
+#include "tests/bench/cli/check_refusal.h"
 #include "tests/support/process.h"
 
 namespace tactbench::tests {

@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "tests/bench/cli/check_refusal.h"
+#include "tests/bench/cli/small_bench.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::tests;
@@ -10,28 +10,15 @@ using nlohmann::json;
 
 namespace {
 
-// Two runs of one sensor; the second is judged by models of the first.
-void judge_a_run(const TemporaryFolder& folder) {
-  REQUIRE(call(folder, {"init"}).code == 0);
-  write_file(folder.path("small.toml"),
-             "schema = 1\nname = \"small\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0]\nstep = 20\n"
-             "repeats = 1\ndwell_s = 1.0\n");
-  write_file(folder.path("wide.toml"),
-             "schema = 1\nname = \"wide\"\nrule = \"simple\"\nmean_compensation_error_psi = 60\n"
-             "worst_taxel_error_psi = 60\ndistance_of_mean_percent_fs = 100\nunfit_taxels = 256\n");
-  REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml", "--note", "first"}).code == 0);
-  for (const char* seed : {"1", "2"})
-    REQUIRE(call(folder, {"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "tester", "-q",
-                          "--seed", seed})
-                .code == 0);
+// Two runs of one sensor.
+void measure_twice(const TemporaryFolder& folder) {
+  begin_bench(folder);
+  for (const char* seed : {"1", "2"}) measure_small(folder, seed);
 }
 
 json answer_of(const TemporaryFolder& folder, std::vector<std::string> words) {
   words.emplace_back("--json");
-  const Finished finished = call(folder, words);
-  INFO(finished.err);
-  REQUIRE(finished.code == 0);
-  return json::parse(finished.out);
+  return json::parse(well(call(folder, words)).out);
 }
 
 json document_of(const TemporaryFolder& folder, std::vector<std::string> words) {
@@ -67,7 +54,7 @@ json without(json document, const std::vector<std::string>& keys) {
 
 TEST_CASE("show, list, export, run, tag and report use the same keys and values for a run") {
   const TemporaryFolder folder;
-  judge_a_run(folder);
+  measure_twice(folder);
   json tagged = answer_of(folder, {"runs", "tag", "1", "night"});
   for (const char* own : {"schema", "version"}) tagged.erase(own);
   CHECK(tagged.size() == 36);
@@ -102,7 +89,7 @@ TEST_CASE("show, list, export, run, tag and report use the same keys and values 
 
 TEST_CASE("fit and report have the same keys and values for figures and verdicts") {
   const TemporaryFolder folder;
-  judge_a_run(folder);
+  measure_twice(folder);
   const json fitted = answer_of(folder, {"fit", "1", "--held-out", "2", "--limits", "wide.toml"});
   const json results = document_of(folder, {"report", "1"})["results"];
   const std::vector<std::string> numbers = {"title", "run", "model_run", "shown"};

@@ -96,7 +96,7 @@ TEST_CASE("calibrate: a new sensor of a real bench needs the file of its type, a
   for (const char* option : {"--run", "--held-out"}) CHECK_THAT(said({option, "0"}), Catch::StartsWith("parse: "));
 }
 
-TEST_CASE("page: a night that is not there, and an address that others could listen on") {
+TEST_CASE("page: a missing night, and an address that others could listen on") {
   const TemporaryFolder folder;
   const std::string night = folder.path("none.html");
   check_each_refused(bench::add_page, {"page"},

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tests/bench/cli/check_refusal.h"
+#include "tests/bench/cli/small_bench.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::tests;
@@ -18,15 +19,10 @@ struct CalibrationFolder {
   CalibrationFolder() {
     REQUIRE(call(folder, {"init", "--operator", "tester"}).code == 0);
     std::filesystem::remove(folder.path("sensor.toml"));  // the shipped one serves
-    const std::string recipe =
-        "schema = 1\nname = \"small\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0]\nstep = 10\nrepeats = 1\n";
-    write_file(folder.path("a.toml"), recipe + "dwell_s = 1.0\n");
-    write_file(folder.path("b.toml"), recipe + "dwell_s = 1.5\n");
-    const std::string limits =
-        "mean_compensation_error_psi = 60\nworst_taxel_error_psi = 60\ndistance_of_mean_percent_fs = 100\nunfit_taxels "
-        "= 256\n";
-    write_file(folder.path("wide.toml"), "schema = 1\nname = \"wide\"\nrule = \"simple\"\n" + limits);
-    write_file(folder.path("only.toml"), "schema = 1\nname = \"only\"\nrule = \"report-only\"\n" + limits);
+    write_file(folder.path("a.toml"), small_loop_text(10));
+    write_file(folder.path("b.toml"), small_loop_text(10).replace(small_loop_text(10).find("1.0"), 3, "1.5"));
+    write_file(folder.path("wide.toml"), limits_text("simple", 60));
+    write_file(folder.path("only.toml"), limits_text("report-only", 60));
   }
   Finished calibrate(const CalibrateWords& more, const std::string& limits = "./wide.toml") const {
     CalibrateWords words = {"calibrate", "MY-1",     "--recipe", "./a.toml", "--held-out-recipe",
@@ -41,11 +37,9 @@ struct CalibrationFolder {
 
 TEST_CASE("calibrate: both runs are told the operator's words, the second another seed") {
   const CalibrationFolder of;
-  const Finished done = of.calibrate({"--no-seating", "--lot", "A7", "--order", "55", "--meta", "film=B12", "--seed",
-                                      "40", "--sensor-seed", "8", "--set", "recipe.step=20", "--set",
-                                      "simulation.temperature_c=24", "--on-event", "echo $TACTBENCH_EVENT >> events"});
-  INFO(done.err << done.out);
-  REQUIRE(done.code == 0);
+  well(of.calibrate({"--no-seating", "--lot", "A7", "--order", "55", "--meta", "film=B12", "--seed", "40",
+                     "--sensor-seed", "8", "--set", "recipe.step=20", "--set", "simulation.temperature_c=24",
+                     "--on-event", "echo $TACTBENCH_EVENT >> events"}));
   const nlohmann::json first = of.told({"runs", "show", "1", "--json"}),
                        second = of.told({"runs", "show", "2", "--json"});
   const nlohmann::json fits = of.told({"model", "list", "--json"}).at("models");
@@ -75,7 +69,7 @@ TEST_CASE("calibrate: the document alone, of a sensor that is known, with limits
   const nlohmann::json document = nlohmann::json::parse(well(of.calibrate({"--json"}, "./only.toml")).out);
   CHECK(document.at("registered") == false);
   CHECK((document.at("run") == 1 && document.at("held_out") == 2));
-  CHECK(document.at("limits") == "only");
+  CHECK(document.at("limits") == "of-a-test");
   CHECK(document.at("origin") == "simulated");
   CHECK(document.at("model") == "elam");
   CHECK(document.at("verdicts").size() == 4);

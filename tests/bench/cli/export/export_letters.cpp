@@ -1,28 +1,25 @@
-// runs export as CSV by the letter: signs and digits of times, numbers that are none, typed texts, remarks of a run.
+// runs export by the letter: signs and digits of times, numbers that are none, typed texts; and what it does to a file
+// that is there.
 #include <catch2/catch.hpp>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "db/sqlite.h"
-#include "tests/bench/cli/verb_here.h"
-#include "tests/db/store_example.h"
+#include "tests/bench/cli/store_here.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
 
 namespace {
 
-struct StoreToExport {
+struct StoreToExport : OpenStoreHere {
   Finished exported(const std::string& run, const std::string& format = "csv") const {
-    return verb_here(bench::add_runs,
-                     {"runs", "export", run, "--db", path, "--format", format, "-o", folder.path("out"), "--replace"});
+    return say(bench::add_runs, {"runs", "export", run, "--format", format, "-o", folder.path("out"), "--replace"});
   }
   [[nodiscard]] std::string text() const { return read_file(folder.path("out")); }
-  TemporaryFolder folder;
-  std::string path = folder.path("runs.db");
-  db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
 };
 
 db::FrameRecord plain_frame(std::int64_t branch) {
@@ -33,9 +30,29 @@ db::FrameRecord plain_frame(std::int64_t branch) {
   return frame;
 }
 
+// Run 1 has frames and no series, run 2 a series, run 3 neither, run 4 one frame.
+struct StoreOfKinds : OpenStoreHere {
+  StoreOfKinds() {
+    for (int kind = 1; kind <= 4; ++kind) {
+      const Begun begun = begin_example(store);
+      for (int i = 0; i < (kind == 1 ? 2 : kind == 4 ? 1 : 0); ++i)
+        store.append_frame(begun.run, example_frame(begun.branch, i));
+      if (kind == 2) store.append_series(begun.run, {{0, 3, {0.5}, {2.5}}});
+      store.end_run(begun.run, db::Outcome::kCompleted, "", db::SafeState::kVerified, kUtc);
+    }
+  }
+  Finished exported(const std::string& run, const std::string& format, const std::string& file) const {
+    return say(bench::add_runs, {"runs", "export", run, "--format", format, "-o", folder.path(file)});
+  }
+};
+
+struct KindOfExport {
+  std::string run, format;
+};
+
 }  // namespace
 
-TEST_CASE("export CSV: times in seconds with all their digits, and nothing for a number that is none") {
+TEST_CASE("export CSV: times in seconds with all their digits, and nothing for NaN") {
   StoreToExport store;
   db::RunRecord run = example_run();
   run.devices.clear();  // volts of a count are not known
@@ -138,9 +155,8 @@ TEST_CASE("export JSON: every list of a run, item by item") {
   // A series comes first as a table.
   REQUIRE(store.exported("1").code == 0);
   CHECK(store.text() == "sequence,name,taxel,position,input,output\n0,up,3,0,0.5,2.5\n0,up,3,1,1.5,3.5\n");
-  const auto json = nlohmann::json::parse(
-      verb_here(bench::add_runs, {"runs", "export", "1", "--db", store.path, "-o", store.folder.path("new"), "--json"})
-          .out);
+  const auto json =
+      store.told<nlohmann::json>(bench::add_runs, {"runs", "export", "1", "-o", store.folder.path("new")});
   CHECK(json.at("format") == "csv");
   CHECK(json.at("bytes") == store.text().size());
 }
@@ -157,11 +173,57 @@ TEST_CASE("runs copy: a run more into a store that is there") {
   const std::int64_t own = store.store.add_fit(fit);
   for (const std::int64_t judged : {2, 3}) store.store.replace_verdicts(judged, own, {verdict});
   const std::string to = store.folder.path("to.db");
-  CHECK(verb_here(bench::add_runs, {"runs", "copy", "2", "1", "2", "--db", store.path, "--to", to}).code == 0);
-  const auto told = nlohmann::json::parse(
-      verb_here(bench::add_runs, {"runs", "copy", "3", "--db", store.path, "--to", to, "--json"}).out);
+  CHECK(store.say(bench::add_runs, {"runs", "copy", "2", "1", "2", "--to", to}).code == 0);
+  const auto told = store.told<nlohmann::json>(bench::add_runs, {"runs", "copy", "3", "--to", to});
   CHECK(told.at("runs") == nlohmann::json::parse(R"([{"run": 3, "copy": 3}])"));
   CHECK(told.at("verdicts_left_behind").empty());
-  CHECK_THAT(verb_here(bench::add_runs, {"runs", "copy", "x", "--db", store.path, "--to", to}).err,
-             Catch::Contains("[TB-USAGE]") && Catch::Contains("\n  at: command line\n"));
+  check_refusal(store.say(bench::add_runs, {"runs", "copy", "x", "--to", to}), 2, "TB-USAGE", "command line");
+}
+
+TEST_CASE("export: a file of the same kind is written anew, one of another kind is left as it is") {
+  const StoreOfKinds of;
+  const std::map<std::string, KindOfExport> kinds = {
+      {"frames", {"1", "csv"}}, {"series", {"2", "csv"}}, {"json", {"1", "json"}}};
+  for (const auto& [there, first] : kinds)
+    for (const auto& [then, second] : kinds) {
+      INFO(then << " over " << there);
+      const std::string file = there + "-" + then;
+      REQUIRE(of.exported(first.run, first.format, file).code == 0);
+      const std::string before = read_file(of.folder.path(file));
+      const Finished again = of.exported(second.run, second.format, file);
+      CHECK(again.code == (there == then ? 0 : 2));
+      if (there == then) continue;
+      CHECK_THAT(again.err, Catch::Contains("--replace"));
+      CHECK(read_file(of.folder.path(file)) == before);
+    }
+}
+
+TEST_CASE("export CSV: the names of the columns stand once, also for one frame and for none") {
+  const StoreOfKinds of;
+  const auto table = [&](const std::string& run) {
+    REQUIRE(of.exported(run, "csv", "run-" + run).code == 0);
+    const std::string text = read_file(of.folder.path("run-" + run));
+    return text.substr(text.find("\nframe,") + 1);
+  };
+  CHECK_THAT(table("3"), Catch::StartsWith("frame,sequence,recipe,") && Catch::EndsWith(",flags,scan\n"));
+  CHECK(table("3").find('\n') == table("3").size() - 1);
+  for (const std::string run : {"1", "4"}) {
+    const std::string text = table(run);
+    CHECK(text.find("frame,sequence,recipe,", 1) == std::string::npos);
+    CHECK_THAT(text, Catch::Contains(",flags,scan,counts_r0_c0,counts_r0_c1,counts_r1_c0,") &&
+                         Catch::Contains("\n1,1,down,0,0,0,0,0,0,0.1,"));
+  }
+}
+
+TEST_CASE(
+    "export CSV: a line for each scan of a frame under force, with the wrench, its place and volts of each count") {
+  const StoreOfKinds of;
+  REQUIRE(of.exported("4", "csv", "one").code == 0);
+  const std::string text = read_file(of.folder.path("one")),
+                    frame =
+                        "1,1,down,0,0,0,0,0,0,0.1,0.3333333333333333,6.1,0.1,0.2,-6.2,1.5,2.5,3.5,20.1,30.2,40.3,2000,"
+                        "2.000000001,1.500000002,5000000000003,4,dwell,";
+  CHECK(text.substr(text.find("volts_r2_c1\n") + 12) ==
+        frame + "0,65535,65278,65021,64764,64507,64250,6553.5,6527.8,6502.1,6476.4,6450.7,6425\n" + frame +
+            "1,63993,63736,63479,63222,62965,62708,6399.3,6373.6,6347.9,6322.2,6296.5,6270.8\n");
 }

@@ -26,14 +26,13 @@ std::string rows_of_play(const std::string& sequence, const std::vector<double>&
 
 const std::vector<double> kLoops = {0, 10, 0, 10, 5, 10, 0};
 
-// s.csv: sequences "full", "inner" and "more"; t.csv: the first alone; f.csv: it falls.
+// s.csv: sequences "full", "inner" and "more"; t.csv: the first alone.
 struct FolderOfTables {
   FolderOfTables() {
     write_file(folder.path("s.csv"), "sequence,input,output\n" + rows_of_play("full,", kLoops) +
                                          rows_of_play("inner,", {0, 8, 2, 6, 3, 10, 0}) +
                                          rows_of_play("more,", {0, 10, 2, 9, 0}));
     write_file(folder.path("t.csv"), "input,output\n" + rows_of_play("", kLoops));
-    write_file(folder.path("f.csv"), "input,output\n" + rows_of_play("", kLoops, -1.0));
   }
   Finished fit(FitTableWords words) const {
     words.insert(words.begin(), "fit");

@@ -123,19 +123,15 @@ TEST_CASE("model adjust: zero and gain of every taxel, what it leaves, and a fil
   CHECK(analysis::load_model(steeper.folder.path("c.json"), nullptr).taxel(3).gain == Approx(1.25));
 }
 
-TEST_CASE("model show: a model whose last taxel is dead") {
-  const TemporaryFolder folder;
-  SensorModel last_dead = known_model(0.1, 0.0);
-  last_dead.taxels.resize(2);
-  write_model(folder, "dead.json", last_dead);
-  CHECK(model_verb(folder, {"model", "show", "dead.json"}).code == 0);
-}
-
 TEST_CASE("model show --json prints the model's document, and model export writes the same") {
   const FolderOfLines of(moved_table(0.08));
   const std::string document = model_verb(of.folder, {"model", "show", "m.json", "--json"}).out;
   REQUIRE(model_verb(of.folder, {"model", "export", "m.json", "-o", "c.json"}).code == 0);
   CHECK(read_file(of.folder.path("c.json")) == document);
+  SensorModel last_dead = known_model(0.1, 0.0);
+  last_dead.taxels.resize(2);
+  write_model(of.folder, "dead.json", last_dead);
+  CHECK(model_verb(of.folder, {"model", "show", "dead.json"}).code == 0);
 }
 
 TEST_CASE("model adjust needs --zero or --gain, and fit --check tells what lies outside the validity") {

@@ -4,8 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/cli/verb_here.h"
-#include "tests/db/store_example.h"
+#include "tests/bench/cli/store_here.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -13,7 +12,7 @@ using namespace tactbench::tests;
 namespace {
 
 // Runs 1 and 3 have models, run 2 none.
-struct StoreOfModels {
+struct StoreOfModels : OpenStoreHere {
   StoreOfModels() {
     for (int run = 0; run < 3; ++run) (void)store_example(store);
     add(1, "elam", 3);
@@ -25,13 +24,10 @@ struct StoreOfModels {
     (void)store.add_fit({0, run, model, true, fitted, "{}", "", "0.9.1", kUtc});
   }
   Finished list(const std::vector<std::string>& more) const {
-    std::vector<std::string> words = {"model", "list", "--db", path};
+    std::vector<std::string> words = {"model", "list"};
     words.insert(words.end(), more.begin(), more.end());
-    return verb_here(bench::add_model, words);
+    return say(bench::add_model, words);
   }
-  TemporaryFolder folder;
-  std::string path = folder.path("runs.db");
-  db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
 };
 
 }  // namespace
@@ -49,5 +45,5 @@ TEST_CASE("model list as JSON: each model with its run, its sensor and the progr
   CHECK(nlohmann::json::parse(of.list({"--json", "2"}).out).at("models").empty());
   check_refusal(of.list({"9"}), 2, "TB-STORE-NOT-FOUND");
   CHECK(of.list({}).code == 0);
-  check_refusal(verb_here(bench::add_model, {"model", "show", "2", "--db", of.path}), 6, "TB-ANALYSIS-NO-FIT");
+  check_refusal(of.say(bench::add_model, {"model", "show", "2"}), 6, "TB-ANALYSIS-NO-FIT");
 }

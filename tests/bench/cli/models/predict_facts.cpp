@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
+#include <iostream>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -17,12 +19,32 @@ using namespace tactbench::tests;
 
 namespace {
 
+// What std::cin reads within its scope.
+class TypedInput {
+ public:
+  explicit TypedInput(const std::string& text) : text_(text), kept_(std::cin.rdbuf(text_.rdbuf())) {}
+  ~TypedInput() {
+    std::cin.rdbuf(kept_);
+    std::cin.clear();
+  }
+  TypedInput(const TypedInput&) = delete;
+  TypedInput& operator=(const TypedInput&) = delete;
+
+ private:
+  std::istringstream text_;
+  std::streambuf* kept_;
+};
+
 struct FolderOfModel {
   explicit FolderOfModel(const SensorModel& model) { write_model(folder, "m.json", model); }
   Finished of_table(const std::string& verb, const std::string& text, std::vector<std::string> more = {}) const {
     write_file(folder.path("x.csv"), text);
     more.insert(more.begin(), {verb, "m.json", "x.csv"});
     return model_verb(folder, more);
+  }
+  Finished typed(const std::string& text, const std::vector<std::string>& words) const {
+    const TypedInput input(text);
+    return model_verb(folder, words);
   }
   TemporaryFolder folder;
 };
@@ -84,7 +106,7 @@ TEST_CASE("predict and compensate: a line of units, semicolons with decimal comm
   check_refusal(model_verb(of.folder, {"predict", "m.json", "none.csv"}), 2, "TB-TABLE-OPEN");
 }
 
-TEST_CASE("compensate: noise of the output over the slope, the ends of the loop, and an output that falls") {
+TEST_CASE("compensate: the noise over the slope, the ends of the loop, and an output that falls") {
   const FolderOfModel of(straight_model(0.0625));
   const Finished rising = of.of_table("compensate", "output\n0\n2\n4\n");
   CHECK(rising.code == 0);
@@ -158,4 +180,30 @@ TEST_CASE("compensate: a model of lag and creep asks for times that rise, and ta
   CHECK(late[0] != late[1]);
   CHECK_THAT(late[0], Catch::Contains("unknown\n"));
   CHECK(of.of_table("predict", "input\n10\n50\n").code == 0);
+}
+
+TEST_CASE("predict and compensate read standard input where no file is named, and where - is") {
+  const FolderOfModel of(straight_model(0.004));
+  const Finished predicted = of.typed("input\n8\n16\n", {"predict", "m.json"});
+  CHECK(predicted.code == 0);
+  CHECK(predicted.err.empty());
+  CHECK(predicted.out == "input,predicted\n8,1\n16,2\n");
+  CHECK(of.typed("input\n8\n16\n", {"predict", "m.json", "-"}).out == predicted.out);
+  CHECK(of.typed("output\n2\n", {"compensate", "m.json"}).out == "output,compensated,uncertainty,flags\n2,16,0.032,\n");
+  for (const char* verb : {"predict", "compensate"})
+    for (const char* text : {"", "what\n1\n"}) {
+      INFO(verb << " of " << text);
+      CHECK((of.typed(text, {verb, "m.json"}).code == 2 && of.of_table(verb, text).code == 2));
+    }
+  CHECK(of.typed("input,output\n1,x\n", {"compensate", "m.json"}).code == 2);
+  CHECK(of.typed("input,output\n1,x\n", {"predict", "m.json"}).code == 0);  // the outputs are not looked at
+}
+
+TEST_CASE("live: frames that cannot be written end it before a device is opened") {
+  const FolderOfModel of(straight_model());
+  const Finished refused =
+      verb_here(bench::add_live, {"live", "--bench", "simulated.toml", "--model", of.folder.path("m.json"), "--csv",
+                                  of.folder.path("none/f.csv")});
+  check_refusal(refused, 2, "TB-FILE-WRITE");
+  CHECK(refused.out.empty());
 }

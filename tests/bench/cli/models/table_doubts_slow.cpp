@@ -49,7 +49,7 @@ TEST_CASE("a table with decimal commas and a line of units gives the plain table
   CHECK(call(folder, {"compensate", "m.json", "p.csv", "--map", "output=predicted"}).code == 0);
 }
 
-TEST_CASE("bad rows end a fit with line and remedy, or are left out by --skip-bad-rows and recorded by import") {
+TEST_CASE("bad rows end a fit with their line, or --skip-bad-rows goes on without them") {
   const TemporaryFolder folder;
   std::string text = "input,output\n" + play_rows(kManyTurns);
   const std::size_t third = text.find('\n', text.find('\n') + 1) + 1;
@@ -61,23 +61,8 @@ TEST_CASE("bad rows end a fit with line and remedy, or are left out by --skip-ba
   const Finished fitted = call(folder, {"fit", "t.csv", "--skip-bad-rows"});
   CHECK(fitted.code == 0);
   CHECK_THAT(fitted.err, Catch::Contains("t.csv:3"));
-  const Finished imported = call(folder, {"import", "t.csv", "--skip-bad-rows", "--json"});
-  REQUIRE(imported.code == 0);
-  CHECK(json::parse(imported.out)["left_out"] == 1);
   write_file(folder.path("none.csv"), "input,output\n1,2\n,\n,\n");
   check_refusal(call(folder, {"fit", "none.csv", "--skip-bad-rows"}), 2, "TB-TABLE-SKIPPED");
-}
-
-TEST_CASE("a table without an external loop is fitted with the models that need none") {
-  const TemporaryFolder folder;
-  write_file(folder.path("t.csv"), "input,output\n" + play_rows({0, 10, 4, 8, 3, 9, 5, 7, 2, 8, 4}));
-  const json document = json::parse(well(call(folder, {"fit", "t.csv", "--model", "all", "--json"})).out);
-  std::vector<std::string> fitted, left_out;
-  for (const json& model : document["models"]) fitted.push_back(model["model"]);
-  for (const json& model : document["models_left_out"]) left_out.push_back(model["model"]);
-  CHECK(fitted == std::vector<std::string>{"gpi", "mpi", "preisach", "monotone"});
-  CHECK(left_out == std::vector<std::string>{"elam", "poly"});
-  check_refusal(call(folder, {"fit", "t.csv"}), 6, "TB-ANALYSIS-NO-LOOP");
 }
 
 TEST_CASE("turns can be stated, in units of the input") {

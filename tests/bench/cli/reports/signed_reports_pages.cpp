@@ -7,8 +7,8 @@
 
 #include "bench/cli/reports/reports_verify.h"
 #include "db/sqlite.h"
-#include "tests/bench/cli/verb_here.h"
-#include "tests/db/store_example.h"
+#include "tests/bench/cli/check_refusal.h"
+#include "tests/bench/cli/store_here.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -16,7 +16,7 @@ using namespace tactbench::tests;
 namespace {
 
 // Two runs; of the first two signed reports, of the second, which is hardware's, one.
-struct SignedStore {
+struct SignedStore : OpenStoreHere {
   SignedStore() {
     store_example(store);
     db::RunRecord other = example_run();
@@ -28,8 +28,7 @@ struct SignedStore {
   }
   Finished reports(std::vector<std::string> words) const {
     words.insert(words.begin(), "reports");
-    words.insert(words.end(), {"--db", path});
-    return verb_here(bench::add_reports, words);
+    return say(bench::add_reports, words);
   }
   // The file of a report where `report` puts it, and its hash in the notes of the run.
   std::string write_report_file(std::int64_t run, const std::string& name, const std::string& number) {
@@ -40,9 +39,6 @@ struct SignedStore {
     store.add_note(run, "2026-01-05T00:00:00Z " + bench::report_file_note(number, db::sha256_hex(text)));
     return file;
   }
-  TemporaryFolder folder;
-  std::string path = folder.path("runs.db");
-  db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
 };
 
 }  // namespace
@@ -75,8 +71,7 @@ TEST_CASE("reports verify: what is neither a file nor a number, and numbers that
     check_refusal(verb_here(bench::add_reports, {"reports", "verify", "--db", store.path, "--", word}), 2, "TB-USAGE",
                   "reports verify");
   }
-  const Finished unknown = store.reports({"verify", "1234567890-09afaf90"});
-  CHECK(unknown.code == 1);
+  CHECK(store.reports({"verify", "1234567890-09afaf90"}).code == 1);
   const auto told = nlohmann::json::parse(store.reports({"verify", "1-ffffffff", "--json"}).out);
   CHECK(told.at("signed") == false);
   CHECK(told.at("files").at(0).at("state") == "unknown");

@@ -1,5 +1,8 @@
-// devices check and reset: dates of calibration on their very day, values that nobody filled in, and who resets.
+// devices check, watch, reset and scan: dates of calibration on their very day, values that nobody filled in, what an
+// instrument reads, and who resets.
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -50,4 +53,39 @@ TEST_CASE("devices reset: a person is named") {
   const TemporaryFolder folder;
   check_refusal(call(folder, {"devices", "reset", "--bench", "simulated.toml", "--operator", " "}), 2, "TB-USAGE",
                 "--operator");
+}
+
+TEST_CASE("devices watch prints the pressures, places, forces and the array once a look") {
+  const TemporaryFolder folder;
+  const Finished seen =
+      call(folder, {"devices", "watch", "--bench", "simulated.toml", "--count", "2", "--interval", "0.05"});
+  CHECK(seen.code == 0);
+  for (const char* name : {"\nfeedback  ", "\nreference ", "\nforce     "}) {
+    INFO(name << " in " << seen.out);
+    const std::size_t first = seen.out.find(name);
+    REQUIRE(first != std::string::npos);
+    CHECK(seen.out.find(name, first + 1) != std::string::npos);
+    // Pressures within 0.2 psi of 0, forces within 0.05 N.
+    CHECK(std::abs(std::stod(seen.out.substr(first + 11))) < 0.2);
+  }
+  const auto told =
+      nlohmann::json::parse(call(folder, {"devices", "check", "--bench", "simulated.toml", "--json"}).out);
+  CHECK(told["bench"] == "simulated-rig");
+  REQUIRE(told["devices"].size() == 6);
+  CHECK(told["devices"][1]["role"] == "regulator");
+  CHECK(told["devices"][1]["state"] == "ok");
+  CHECK(told["devices"][4]["notes"].size() == 1);
+}
+
+TEST_CASE("devices scan: its devices as JSON, and a host that does not answer") {
+  const TemporaryFolder folder;
+  CHECK(call(folder, {"devices", "scan"}).code == 0);
+  const auto told = nlohmann::json::parse(call(folder, {"devices", "scan", "--json"}).out);
+  CHECK(told.at("schema") == "tactbench.devices.scan");
+  CHECK(told.at("devices").is_array());
+  // Nothing listens on this port, and the answer says so.
+  const auto one = nlohmann::json::parse(call(folder, {"devices", "scan", "--modbus", "127.0.0.1:1", "--json"}).out);
+  CHECK(std::ranges::any_of(one.at("devices"), [](const nlohmann::json& device) {
+    return device.at("kind") == "Modbus TCP" && device.at("where") == "127.0.0.1:1";
+  }));
 }

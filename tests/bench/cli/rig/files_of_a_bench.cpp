@@ -1,4 +1,5 @@
 // What init, recipes, config show and devices reset write and tell, and what they refuse.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -21,7 +22,7 @@ const std::vector<std::string> kFilesOfInit = {"bench.toml", "sensor.toml", "lim
 
 }  // namespace
 
-TEST_CASE("init writes the files of a simulated bench or a real one, and none over another") {
+TEST_CASE("init writes the files of each kind of bench, and none over another") {
   const TemporaryFolder folder;
   const auto init = [&](const std::string& name, const std::vector<std::string>& more) {
     std::vector<std::string> words = {"init", folder.path(name)};
@@ -79,12 +80,16 @@ TEST_CASE("recipes new: names of letters, digits, hyphens and underscores, and w
   };
   const std::string path = folder.path("out.toml");
   CHECK(make({"aZ09-_", "--from", "noise", "-o", path}).code == 0);
-  CHECK_THAT(read_file(path), Catch::Contains("\nname = \"aZ09-_\"\n"));
+  const std::string copy = read_file(path), shipped = read_file(bench::find_recipe("noise"));
+  CHECK(copy.size() == shipped.size() + 1);  // the name alone, and with all comments
+  CHECK(copy.starts_with(shipped.substr(0, shipped.find("\nname"))));
+  CHECK_THAT(copy, Catch::Contains("\nname = \"aZ09-_\"\n"));
   for (const char* name : {"", "a b", "a.b", "a/b", "\xC3\xA4"}) {
     check_refusal(make({name, "-o", folder.path("none.toml")}), 2, "TB-USAGE", "recipes new");
   }
   const Finished again = make({"b", "-o", path});
   CHECK_THAT(again.err, Catch::Contains("[TB-FILE-EXISTS]"));
+  CHECK(make({"c", "--from", "nois", "-o", folder.path("c.toml")}).code == 2);
   const nlohmann::json told = nlohmann::json::parse(make({"b", "-o", path, "--replace", "--json"}).out);
   CHECK(told.at("name") == "b");
   CHECK(told.at("from") == "production");
@@ -106,9 +111,16 @@ TEST_CASE("recipes check tells a good one's steps, frames and highest load, and 
       verb_here(bench::add_recipes, {"recipes", "check", folder.path("none.toml"), folder.path("two.toml"), "ring"});
   CHECK(checked.code == 2);
   CHECK_THAT(checked.err, Catch::Contains("none.toml") && Catch::Contains("\n  try: "));
-  const nlohmann::json told =
-      nlohmann::json::parse(verb_here(bench::add_recipes, {"recipes", "check", folder.path("two.toml"), "--json"}).out);
+  const Finished as_json =
+      verb_here(bench::add_recipes, {"recipes", "check", folder.path("two.toml"), folder.path("none.toml"), "--json"});
+  CHECK(as_json.code == 2);
+  CHECK(as_json.err.empty());
+  const nlohmann::json told = nlohmann::json::parse(as_json.out);
   CHECK(told.at("bench") == "simulated-rig");
+  REQUIRE(told.at("recipes").size() == 2);
+  CHECK(told.at("recipes").at(1).at("good") == false);
+  CHECK(told.at("recipes").at(1).at("file") == folder.path("none.toml"));
+  CHECK(told.at("recipes").at(1).at("error").at("exit_code") == 2);
   const nlohmann::json& two = told.at("recipes").at(0);
   CHECK(two.at("steps") == 12);
   CHECK(two.at("frames") == 10);
@@ -119,6 +131,19 @@ TEST_CASE("recipes check tells a good one's steps, frames and highest load, and 
   CHECK(shown.out == "# " + folder.path("two.toml") + "\n" + read_file(folder.path("two.toml")));
   CHECK(nlohmann::json::parse(verb_here(bench::add_recipes, {"recipes", "show", folder.path("two.toml"), "--json"}).out)
             .at("text") == read_file(folder.path("two.toml")));
+}
+
+TEST_CASE("recipes list knows the shipped recipes, and leaves out the suite beside them") {
+  const nlohmann::json recipes =
+      nlohmann::json::parse(verb_here(bench::add_recipes, {"recipes", "list", "--json"}).out).at("recipes");
+  const auto named = [&](const char* name) {
+    return std::ranges::find_if(recipes, [&](const nlohmann::json& recipe) { return recipe.at("name") == name; });
+  };
+  REQUIRE(named("production") != recipes.end());
+  CHECK(named("production")->at("frames") == 303);
+  CHECK(named("production")->at("highest") == "60.0 psi");
+  CHECK(named("nightly") == recipes.end());
+  CHECK(verb_here(bench::add_recipes, {"recipes", "show", "produktion"}).code == 2);
 }
 
 TEST_CASE("config show: each value, and where it comes from") {
@@ -157,21 +182,4 @@ TEST_CASE("devices reset tells the trip that it removes, and that there is none"
   CHECK(told.at("what") == "it broke");
   CHECK(told.at("run") == 7);
   CHECK_FALSE(file.read());
-}
-
-TEST_CASE("recipes check as JSON has a wrong recipe's error beside the good ones") {
-  const TemporaryFolder folder;
-  write_file(folder.path("one.toml"),
-             "schema = 1\nname = \"one\"\nunit = \"psi\"\nturning_points = [0, 10, 0]\nstep = 5\n");
-  const Finished done =
-      verb_here(bench::add_recipes, {"recipes", "check", folder.path("one.toml"), folder.path("none.toml"), "--json"});
-  CHECK(done.code == 2);
-  CHECK(done.err.empty());
-  const nlohmann::json recipes = nlohmann::json::parse(done.out).at("recipes");
-  REQUIRE(recipes.size() == 2);
-  CHECK(recipes.at(0).at("good") == true);
-  CHECK(recipes.at(0).at("name") == "one");
-  CHECK(recipes.at(1).at("good") == false);
-  CHECK(recipes.at(1).at("file") == folder.path("none.toml"));
-  CHECK(recipes.at(1).at("error").at("exit_code") == 2);
 }

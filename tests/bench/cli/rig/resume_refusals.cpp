@@ -4,8 +4,7 @@
 #include <vector>
 
 #include "bench/config/config.h"
-#include "tests/bench/cli/verb_here.h"
-#include "tests/db/store_example.h"
+#include "tests/bench/cli/store_here.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -13,7 +12,7 @@ using namespace tactbench::tests;
 namespace {
 
 // A store whose one run has these settings and is of the simulated bench.
-struct StoreToResume {
+struct StoreToResume : OpenStoreHere {
   explicit StoreToResume(const std::string& overrides) {
     db::RunRecord run = example_run();
     run.overrides_json = overrides;
@@ -22,17 +21,15 @@ struct StoreToResume {
     (void)begin_example(store, run);
   }
   Finished resume(const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> words = {"resume", "1", "--db", folder.path("runs.db")};
+    std::vector<std::string> words = {"resume", "1"};
     words.insert(words.end(), more.begin(), more.end());
-    return verb_here(bench::add_control, words);
+    return say(bench::add_control, words);
   }
-  TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
 };
 
 }  // namespace
 
-TEST_CASE("resume: settings that cannot be read, and a bench that is another") {
+TEST_CASE("resume: broken settings, and a bench that is another") {
   for (const char* broken : {"{", "7", R"([{"key":"a"}])", R"([{"key":1,"value":"1"}])"}) {
     INFO(broken);
     const StoreToResume store(broken);
@@ -43,6 +40,5 @@ TEST_CASE("resume: settings that cannot be read, and a bench that is another") {
   check_refusal(store.resume({"--bench", "simulated.toml"}), 2, "TB-RESUME-BENCH", "simulated.toml");
   const StoreToResume settings(R"([{"key":"limits.comand_psi","value":"1"}])");
   CHECK_THAT(settings.resume().err, Catch::Contains("[TB-FILE-KEY]") && Catch::Contains("limits.comand_psi"));
-  CHECK_THAT(verb_here(bench::add_control, {"resume", "9", "--db", store.folder.path("runs.db")}).err,
-             Catch::Contains("[TB-STORE-NOT-FOUND]"));
+  check_refusal(store.say(bench::add_control, {"resume", "9"}), 2, "TB-STORE-NOT-FOUND");
 }

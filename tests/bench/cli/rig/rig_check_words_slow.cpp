@@ -5,9 +5,12 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "tests/bench/cli/small_bench.h"
 #include "tests/db/store_example.h"
 #include "tests/support/process.h"
 
@@ -24,9 +27,7 @@ enum class PlaceInBand { kWithin, kShifted, kOutside };
 class CheckedRig {
  public:
   CheckedRig() {
-    write_file(folder.path("small.toml"),
-               "schema = 1\nname = \"small\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0]\nstep = 20\n"
-               "repeats = 1\ndwell_s = 1.0\n");
+    write_file(folder.path("small.toml"), small_loop_text());
     REQUIRE(call(folder, {"sensors", "add", "STD-1", "--type", "sensor.toml"}).code == 0);
   }
   // With seeds of its own each time.
@@ -94,32 +95,61 @@ TEST_CASE("rig check: what is concluded of rig and standard together") {
   const auto accept = [&](std::size_t subject, PlaceInBand place) {
     rig.accept(subjects[subject], checks.at(subject).at("figures"), place);
   };
-  const auto concluded = [&](const std::vector<std::string>& words, int code, const std::string& states,
-                             const std::string& said) {
-    const Finished done = rig.check(words);
-    const Told told = Told::parse(done.out);
-    CHECK(done.code == code);
+  // What is concluded depends on whether rig and standard moved, and on nothing else.
+  std::map<std::string, std::string> conclusions;
+  const auto concluded = [&](const std::string& what_moved, int code, const std::string& states, bool press = false) {
+    const Finished done =
+        rig.check(press ? std::vector<std::string>{"--json", "--press"} : std::vector<std::string>{"--json"});
+    const Told told = Told::parse(well(done, code).out);
     std::string found;
     for (const Told& one : told.at("checks")) found += one.at("state").get<std::string>() + ", ";
     CHECK(found == states);
-    CHECK_THAT(told.at("conclusion").get<std::string>(), Catch::StartsWith(said));
+    const std::string said = told.at("conclusion");
+    CHECK(conclusions.emplace(what_moved, said).first->second == said);
   };
   accept(0, PlaceInBand::kWithin);
-  concluded({"--json"}, 0, "within, no baseline, ", "not judged: ");
+  concluded("not judged", 0, "within, no baseline, ");
   accept(2, PlaceInBand::kWithin);
-  concluded({"--json"}, 0, "within, within, ", "rig and standard are unchanged");
+  concluded("nothing", 0, "within, within, ");
   accept(1, PlaceInBand::kOutside);
-  concluded({"--json"}, 0, "within, within, ", "rig and standard are unchanged");  // nothing was pressed
-  concluded({"--json", "--press"}, 1, "within, outside, within, ", "the rig changed, the standard's figures did not");
+  concluded("nothing", 0, "within, within, ");  // nothing was pressed
+  concluded("rig", 1, "within, outside, within, ", true);
   accept(1, PlaceInBand::kWithin);
   accept(0, PlaceInBand::kShifted);
-  concluded({"--json", "--press"}, 6, "shifted, within, within, ", "the rig changed, the standard's figures did not");
+  concluded("rig", 6, "shifted, within, within, ", true);
   accept(2, PlaceInBand::kShifted);
-  concluded({"--json"}, 6, "shifted, shifted, ", "the rig changed, and the standard's figures with it");
+  concluded("both", 6, "shifted, shifted, ");
   accept(0, PlaceInBand::kWithin);
-  concluded({"--json"}, 6, "within, shifted, ", "the standard changed on an unchanged rig");
+  concluded("standard", 6, "within, shifted, ");
   accept(2, PlaceInBand::kOutside);
   CHECK(rig.check().code == 1);
   accept(0, PlaceInBand::kShifted);
-  concluded({"--json"}, 1, "shifted, outside, ", "the rig changed, and the standard's figures with it");
+  concluded("both", 1, "shifted, outside, ");
+  std::set<std::string> different;
+  for (const auto& [what, said] : conclusions) different.insert(said);
+  CHECK(different.size() == 5);
+}
+
+// By eight checks as they are, and by faults of the rig and of the standard itself.
+TEST_CASE("rig check separates a changed rig from a changed standard") {
+  const TemporaryFolder folder;
+  REQUIRE(call(folder, {"sensors", "add", "STD-1", "--type", "sensor.toml"}).code == 0);
+  // The state of the chamber and of the standard.
+  const auto states = [&](const std::string& seed, int code, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> words = {"rig",    "check",      "--bench", "simulated.toml",  "--standard",
+                                      "STD-1",  "--operator", "t",       "--seed",          seed,
+                                      "--json", "-q",         "--set",   "recipe.repeats=2"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Told checks = Told::parse(well(call(folder, words), code).out).at("checks");
+    REQUIRE(checks.size() == 2);
+    return std::pair<std::string, std::string>(checks.at(0).at("state"), checks.at(1).at("state"));
+  };
+  for (const char* seed : {"1", "2", "3", "4", "5", "6", "7", "8"}) CHECK(states(seed, 0).first == "no baseline");
+  well(call(folder, {"baseline", "accept", "1-16", "--by", "K. Lee", "--reason", "after service"}));
+  const std::pair<std::string, std::string> unchanged = {"within", "within"}, standard_changed = {"within", "outside"};
+  CHECK(states("9", 0) == unchanged);
+  const std::string chamber = states("10", 1, {"--set", "simulation.chamber.hysteresis_share=0.01"}).first;
+  CHECK((chamber == "outside" || chamber == "shifted"));
+  CHECK(states("11", 1, {"--set", R"(simulation.defect=[{kind="dead",row=3,column=4}])"}) == standard_changed);
+  CHECK(call(folder, {"rig", "check", "--bench", "simulated.toml", "--standard", "none", "--operator", "t"}).code == 2);
 }

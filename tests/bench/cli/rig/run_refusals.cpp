@@ -39,9 +39,8 @@ struct RunToRefuse {
 
 TEST_CASE("run: a film's state and a pace are of a bench that is simulated in this process") {
   const RunToRefuse of;
-  const Finished state = of.run(of.folder.path("far.toml"), {"--specimen-state", "film.bin"});
-  CHECK(state.code == 2);
-  CHECK_THAT(state.err, Catch::Contains("[TB-USAGE]") && Catch::Contains("\n  at: --specimen-state\n"));
+  check_refusal(of.run(of.folder.path("far.toml"), {"--specimen-state", "film.bin"}), 2, "TB-USAGE",
+                "--specimen-state");
   check_refusal(of.run(of.folder.path("far.toml"), {"--rate", "10"}), 2, "TB-USAGE", "--rate");
   CHECK_FALSE(std::filesystem::exists(of.folder.path("runs.db")));
   for (const std::vector<std::string>& more :

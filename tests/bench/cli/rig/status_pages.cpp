@@ -4,8 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/cli/verb_here.h"
-#include "tests/db/store_example.h"
+#include "tests/bench/cli/store_here.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -13,7 +12,7 @@ using namespace tactbench::tests;
 namespace {
 
 // Runs of bench-a, bench-b, and one of bench-a that has not ended.
-struct StoreOfStatus {
+struct StoreOfStatus : OpenStoreHere {
   StoreOfStatus() {
     (void)store_example(store);
     db::RunRecord other = example_run();
@@ -24,40 +23,30 @@ struct StoreOfStatus {
     (void)begin_example(store);
     write_file(path + "-lock", "");  // of a program that ran here: nobody holds it
   }
-  Finished say(const std::vector<std::string>& words) const { return verb_here(bench::add_status, words); }
-  TemporaryFolder folder;
-  std::string path = folder.path("runs.db");
-  db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
+  Finished status(const std::vector<std::string>& words) const { return say(bench::add_status, words); }
 };
 
 }  // namespace
 
 TEST_CASE("status: the last run of the store, of a bench, or the one that is named") {
   const StoreOfStatus store;
-  CHECK(store.say({"status", "--db", store.path}).code == 0);
-  CHECK_THAT(store.say({"status", "9", "--db", store.path}).err, Catch::Contains("[TB-STORE-NOT-FOUND]"));
-  CHECK_THAT(store.say({"status", "--db", store.folder.path("none.db")}).err, Catch::Contains("[TB-STORE-OPEN]"));
-  const auto told = nlohmann::json::parse(store.say({"status", "--db", store.path, "--json"}).out);
-  CHECK(told.at("live") == false);
-  CHECK(told.at("runs").empty());
-  CHECK(told.at("silent").empty());
-  CHECK(told.at("last_run").at("run") == 3);
-  CHECK(told.at("last_run").at("lives") == false);
-  const auto last_run = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> words = {"status", "--db", store.path, "--json"};
-    words.insert(words.end(), more.begin(), more.end());
-    return nlohmann::json::parse(store.say(words).out).at("last_run").at("run");
+  CHECK(store.status({"status"}).code == 0);
+  check_refusal(store.status({"status", "9"}), 2, "TB-STORE-NOT-FOUND");
+  const auto told = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), "status");
+    return store.told<nlohmann::json>(bench::add_status, more);
   };
-  CHECK(last_run({"--bench", "bench-b"}) == 2);
-  CHECK(last_run({"1"}) == 1);
-  CHECK(nlohmann::json::parse(store.say({"status", "--db", store.path, "--bench", "bench-c", "--json"}).out)
-            .at("last_run")
-            .is_null());
+  const nlohmann::json last = told({});
+  CHECK((last.at("live") == false && last.at("runs").empty() && last.at("silent").empty()));
+  CHECK((last.at("last_run").at("run") == 3 && last.at("last_run").at("lives") == false));
+  CHECK(told({"--bench", "bench-b"}).at("last_run").at("run") == 2);
+  CHECK(told({"1"}).at("last_run").at("run") == 1);
+  CHECK(told({"--bench", "bench-c"}).at("last_run").is_null());
 }
 
 TEST_CASE("watch: of a named run that has ended it says how, with that run's exit code") {
   const StoreOfStatus store;
-  CHECK(store.say({"watch", "1", "--db", store.path}).code == 0);
-  CHECK(store.say({"watch", "2", "--db", store.path}).code == 3);
-  check_refusal(store.say({"watch", "--bench", "no-such-bench", "--db", store.path}), 2, "TB-RUN-NOT-LIVE");
+  CHECK(store.status({"watch", "1"}).code == 0);
+  CHECK(store.status({"watch", "2"}).code == 3);
+  check_refusal(store.status({"watch", "--bench", "no-such-bench"}), 2, "TB-RUN-NOT-LIVE");
 }

@@ -5,18 +5,17 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/cli/verb_here.h"
-#include "tests/db/store_example.h"
+#include "tests/bench/cli/store_here.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
 
 namespace {
 
-struct StoreOfFigures {
+struct StoreOfFigures : StoreHere {
   // Run after run, with its own content, and this figure of the subject.
   void add(const std::string& subject, std::size_t count) {
-    db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
+    db::RunStore store = open();
     for (std::size_t i = 0; i < count; ++i) {
       db::RunRecord run = example_run();
       run.seed = ++seed_;
@@ -28,8 +27,6 @@ struct StoreOfFigures {
     runs.insert(runs.end(), more.begin(), more.end());
     return verb_here(bench::add_baseline, runs);
   }
-  TemporaryFolder folder;
-  std::string path = folder.path("runs.db");
 
  private:
   std::int64_t seed_ = 0;
@@ -41,7 +38,7 @@ TEST_CASE("baseline accept: what is no run or range is refused, and so are runs 
   StoreOfFigures store;
   store.add("rig/a", 1);
   {
-    db::RunStore open = db::RunStore::open(store.path, db::Durability::kNormal);
+    db::RunStore open = store.open();
     store_example(open);  // run 2, without figures
   }
   for (const char* word : {"0", "-1", "1-", "1-0", "x", "1x", "1-2x", "1-2-3", " 1", "1 ", "99999999999999999999"}) {
@@ -56,12 +53,10 @@ TEST_CASE("baseline accept: what is no run or range is refused, and so are runs 
   }
   CHECK_THAT(store.accept({"99"}).err, Catch::Contains("[TB-STORE-NOT-FOUND]"));
   CHECK_THAT(store.accept({"1"}).err, Catch::Contains("[TB-BASELINE-SHORT]"));
-  db::RunStore::open(store.path, db::Durability::kNormal).void_run(2, "by hand", "K. Lee", kUtc);
+  store.open().void_run(2, "by hand", "K. Lee", kUtc);
   CHECK_THAT(store.accept({"2"}).err, Catch::Contains("[TB-RUN-VOID]"));
   CHECK(store.accept({"2", "--void-too"}).code == 2);
-  CHECK(nlohmann::json::parse(verb_here(bench::add_baseline, {"baseline", "list", "--db", store.path, "--json"}).out)
-            .at("baselines")
-            .empty());
+  CHECK(store.told<nlohmann::json>(bench::add_baseline, {"baseline", "list"}).at("baselines").empty());
 }
 
 TEST_CASE("baseline accept: each subject has its own runs of a range") {
@@ -74,19 +69,17 @@ TEST_CASE("baseline accept: each subject has its own runs of a range") {
   CHECK(store.accept({"1-8", "9-16", "3"}).code == 0);
   store.add("rig/a", 12);  // 17 to 28
   CHECK(store.accept({"1-8", "17-27"}).code == 0);
-  CHECK(store.accept({"1-8", "17-28"}).code == 0);
   const nlohmann::json told = nlohmann::json::parse(store.accept({"1-8", "17-28"}, {"--json"}).out);
   CHECK(told.at("store") == store.path);
   REQUIRE(told.at("baselines").size() == 1);
   const nlohmann::json& one = told.at("baselines").at(0);
-  CHECK(one.at("baseline") == 5);
+  CHECK(one.at("baseline") == 4);
   CHECK(one.at("subject") == "rig/a");
   CHECK(one.at("counted") == 20);
   CHECK(one.at("runs").size() == 20);
   CHECK(one.at("runs").at(8) == 17);
-  const nlohmann::json listed =
-      nlohmann::json::parse(verb_here(bench::add_baseline, {"baseline", "list", "--db", store.path, "--json"}).out);
-  CHECK(listed.at("baselines").size() == 5);
+  const auto listed = store.told<nlohmann::json>(bench::add_baseline, {"baseline", "list"});
+  CHECK(listed.at("baselines").size() == 4);
   CHECK(listed.at("baselines").at(0).at("accepted_by") == "K. Lee");
   CHECK(listed.at("baselines").at(0).at("reason") == "as made");
 }
@@ -128,8 +121,7 @@ TEST_CASE("nightly: one part of a night needs a store of its own, and no page") 
   };
   const auto refused = [&](const std::vector<std::string>& more, const std::string& id) {
     const Finished finished = night(more);
-    CHECK(finished.code == 2);
-    CHECK_THAT(finished.err, Catch::Contains("[" + id + "]"));
+    check_refusal(finished, 2, id);
     CHECK(finished.out.empty());
   };
   refused({"--shard", "1/2"}, "TB-USAGE");

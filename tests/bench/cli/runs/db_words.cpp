@@ -7,8 +7,8 @@
 
 #include "db/schema.h"
 #include "db/sqlite.h"
-#include "tests/bench/cli/verb_here.h"
-#include "tests/db/store_example.h"
+#include "tests/bench/cli/check_refusal.h"
+#include "tests/bench/cli/store_here.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -16,18 +16,15 @@ using Told = nlohmann::ordered_json;
 
 namespace {
 
-struct StoreForDb {
+struct StoreForDb : StoreHere {
   StoreForDb() {
-    db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
+    db::RunStore store = open();
     (void)store_example(store);
   }
   Finished db(std::vector<std::string> words) const {
     words.insert(words.begin(), "db");
-    words.insert(words.end(), {"--db", path});
-    return verb_here(bench::add_db, words);
+    return say(bench::add_db, words);
   }
-  TemporaryFolder folder;
-  std::string path = folder.path("runs.db");
 };
 
 }  // namespace
@@ -38,7 +35,7 @@ TEST_CASE("db snapshot: a copy with its length, never over a file that exists") 
   CHECK(of.db({"snapshot", copy}).code == 0);
   CHECK(db::RunStore::open_read_only(copy).run(1).content_sha256 ==
         db::RunStore::open_read_only(of.path).run(1).content_sha256);
-  CHECK(of.db({"snapshot", copy}).code != 0);
+  check_refusal(of.db({"snapshot", copy}), 2, "TB-STORE-EXISTS");
   const Told told = Told::parse(of.db({"snapshot", second, "--json"}).out);
   CHECK(told == Told{{"schema", "tactbench.db.snapshot"},
                      {"version", 1},
@@ -56,6 +53,14 @@ TEST_CASE("db migrate: a store of this program's schema stays as it is") {
   CHECK(told.at("backup") == "");
 }
 
+TEST_CASE("db: a store that is not there is not made") {
+  const TemporaryFolder folder;
+  const std::string none = folder.path("none.db");
+  check_refusal(verb_here(bench::add_db, {"db", "check", none}), 5, "TB-STORE-OPEN");
+  check_refusal(verb_here(bench::add_db, {"db", "migrate", "--db", none}), 5, "TB-STORE-OPEN");
+  CHECK_FALSE(std::filesystem::exists(none));
+}
+
 TEST_CASE("db migrate: a store whose making was cut off becomes one") {
   const TemporaryFolder folder;
   {  // as a process leaves it that is killed while it makes a store: the journal takes all of it back
@@ -67,8 +72,7 @@ TEST_CASE("db migrate: a store whose making was cut off becomes one") {
     made.execute("COMMIT");
     std::filesystem::copy_file(folder.path("made.db"), folder.path("cut.db"));
   }
-  const Finished cut = verb_here(bench::add_db, {"db", "migrate", "--db", folder.path("cut.db")});
-  CHECK(cut.code == 0);
+  CHECK(verb_here(bench::add_db, {"db", "migrate", "--db", folder.path("cut.db")}).code == 0);
   CHECK(db::RunStore::open_read_only(folder.path("cut.db")).runs().empty());
   CHECK_FALSE(std::filesystem::exists(folder.path("cut.db") + ".schema-0.backup"));
 }
@@ -76,7 +80,7 @@ TEST_CASE("db migrate: a store whose making was cut off becomes one") {
 TEST_CASE("db check: each run that differs, and runs that have not ended") {
   const StoreForDb of;
   {
-    db::RunStore store = db::RunStore::open(of.path, db::Durability::kNormal);
+    db::RunStore store = of.open();
     (void)store_example(store);
     (void)begin_example(store);
   }

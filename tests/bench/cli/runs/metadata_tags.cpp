@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "bench/cli/runs/metadata_options.h"
-#include "bench/common/error.h"
 #include "db/record.h"
+#include "tests/support/refusal.h"
 
 using namespace tactbench;
 using bench::MetadataOptions;
@@ -15,12 +15,8 @@ namespace {
 using Tags = std::vector<std::string>;
 
 std::string metadata_refusal(const MetadataOptions& options) {
-  try {
-    (void)bench::metadata_tags(options);
-  } catch (const bench::Error& error) {
-    return error.id() + " at " + error.where();
-  }
-  return {};
+  const auto error = tests::refusal_by([&] { (void)bench::metadata_tags(options); });
+  return error ? error->id() + " at " + error->where() : "";
 }
 
 MetadataOptions with_pairs(const Tags& pairs) {

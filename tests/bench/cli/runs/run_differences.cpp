@@ -6,15 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/cli/verb_here.h"
-#include "tests/db/store_example.h"
+#include "tests/bench/cli/store_here.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
 
 namespace {
 
-struct PairOfRuns {
+struct PairOfRuns : OpenStoreHere {
   std::int64_t add(const std::function<void(db::RunRecord&)>& change,
                    const std::function<void(db::FrameRecord&)>& change_frame = {}, const char* verdict = "pass") {
     db::RunRecord run = example_run();
@@ -53,9 +52,6 @@ struct PairOfRuns {
                 one.at("second").get<std::string>() + "\n";
     return text;
   }
-  TemporaryFolder folder;
-  std::string path = folder.path("runs.db");
-  db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
 };
 
 }  // namespace

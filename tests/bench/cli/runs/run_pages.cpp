@@ -8,28 +8,27 @@
 #include <vector>
 
 #include "bench/run/control/locks.h"
-#include "tests/bench/cli/verb_here.h"
-#include "tests/db/store_example.h"
+#include "tests/bench/cli/store_here.h"
+#include "tests/bench/config/bench_text.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
 
 namespace {
 
-struct StoreOfPages {
+struct StoreOfPages : OpenStoreHere {
   Finished runs(std::vector<std::string> words) const {
     words.insert(words.begin(), "runs");
-    words.insert(words.end(), {"--db", path});
-    return verb_here(bench::add_runs, words);
+    return say(bench::add_runs, words);
   }
   std::int64_t add(const std::function<void(db::RunRecord&)>& change = [](db::RunRecord&) {}) {
     db::RunRecord run = example_run();
     change(run);
     return store_example(store, run);
   }
-  TemporaryFolder folder;
-  std::string path = folder.path("runs.db");
-  db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
+  [[nodiscard]] nlohmann::json shown(std::int64_t run) const {
+    return nlohmann::json::parse(runs({"show", std::to_string(run), "--json"}).out);
+  }
 };
 
 }  // namespace
@@ -48,7 +47,7 @@ TEST_CASE("runs show: verdicts by several models and limits, and the word of all
   const std::string first(64, '1'), second(64, '2');
   store.store.replace_verdicts(2, own, {row("pass", first)});
   store.store.replace_verdicts(2, 0, {row("fail", second)});
-  const auto told = nlohmann::json::parse(store.runs({"show", "2", "--json"}).out);
+  const nlohmann::json told = store.shown(2);
   CHECK(told.at("verdict") == "simulated fail");
   CHECK(told.at("verdicts").size() == 2);
   CHECK(told.at("frames") == 3);
@@ -69,8 +68,10 @@ TEST_CASE("runs show: remarks of people, a run without bench, and where its fram
   store.store.set_tags(1, {"nightly"}, {});
   (void)store.store.prune_frames(1, "old nights", kUtc);
   store.store.void_run(1, "gauge closed", "K. Lee", kUtc);
-  const auto told = nlohmann::json::parse(store.runs({"show", "1", "--json"}).out);
+  const nlohmann::json told = store.shown(1);
   CHECK(told.at("pruned") == nlohmann::json{{"frames", 3}, {"rule", "old nights"}, {"pruned_utc", kUtc}});
+  const auto listed = nlohmann::json::parse(store.runs({"list", "--all", "--json"}).out).at("runs");
+  CHECK(listed.at(0).at("frames_pruned") == 3);
 }
 
 TEST_CASE("runs list: void runs are counted, and of one that has not ended whether it lives") {
@@ -147,4 +148,45 @@ TEST_CASE("runs diff: verdicts stand beside each other, and a run with fewer fra
   const auto less = nlohmann::json::parse(store.runs({"diff", "1", std::to_string(fewer.run), "--json"}).out);
   CHECK(less.at("frames_equal") == 1);
   CHECK(less.at("first_frame") == 0);
+}
+
+TEST_CASE("runs show: checks with their details, and events by their time") {
+  StoreOfPages store;
+  const std::int64_t run = begin_example(store.store).run;
+  const char* const detail = R"({"findings": [{"text": "first"}, {"text": "second"}], "n": 1})";
+  store.store.append_check(run, {run, 1'250'000'000, "tare", "pass", detail, {}});
+  store.store.append_check(run, {run, 3'000'000'000, "tare", "pass", R"({"findings":[]})", {}});
+  store.store.append_event(run, {1'250'000'000, "fault", "TB-X", "one"});
+  store.store.append_event(run, {2'500'000'000, "command", "", "two"});
+  store.store.end_run(run, db::Outcome::kCompleted, "done", db::SafeState::kVerified, kUtc);
+  const nlohmann::json told = store.shown(run);
+  REQUIRE(told.at("checks").size() == 2);
+  CHECK(told.at("checks").at(0) ==
+        nlohmann::json{
+            {"time_s", 1.25}, {"kind", "tare"}, {"verdict", "pass"}, {"detail", nlohmann::json::parse(detail)}});
+  CHECK(told.at("events") == nlohmann::json::parse(R"([{"time_s": 1.25, "kind": "fault", "id": "TB-X", "detail": "one"},
+                                  {"time_s": 2.5, "kind": "command", "id": "", "detail": "two"}])"));
+}
+
+TEST_CASE("runs show: the specimen of a simulated run alone") {
+  StoreOfPages store;
+  const auto simulated = [](db::RunRecord& run) {
+    run.bench_toml = bench_text("simulated") + "[simulation]\nspecimen = \"harsh\"\n";
+    run.overrides_json = "[]";
+  };
+  CHECK(store.shown(store.add(simulated)).at("specimen") == "harsh");
+  CHECK(store.runs({"show", "1"}).code == 0);
+  CHECK_FALSE(store
+                  .shown(store.add([&](db::RunRecord& run) {
+                    simulated(run);
+                    run.origin = "hardware";
+                  }))
+                  .contains("specimen"));
+  CHECK_FALSE(store
+                  .shown(store.add([&](db::RunRecord& run) {
+                    simulated(run);
+                    run.bench_toml = bench_text("hardware");
+                  }))
+                  .contains("specimen"));
+  CHECK(store.runs({}).code == 2);  // a verb is needed
 }

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/statistics/conformity/overall_verdict.h"
+#include "tests/bench/cli/check_refusal.h"
 #include "tests/db/store_example.h"
 #include "tests/support/process.h"
 
@@ -34,10 +35,7 @@ TEST_CASE("runs list: --verdict accepts each word of a verdict and finds its run
     }
   }
   const auto listed = [&](const std::string& word) {
-    const Finished list = call(folder, {"runs", "list", "--json", "--verdict", word});
-    INFO(word << ": " << list.err);
-    REQUIRE(list.code == 0);
-    const auto document = nlohmann::json::parse(list.out);
+    const auto document = nlohmann::json::parse(well(call(folder, {"runs", "list", "--json", "--verdict", word})).out);
     RunNumbers runs;
     for (const auto& run : document["runs"]) runs.push_back(run["run"].get<std::int64_t>());
     return runs;
@@ -59,9 +57,7 @@ TEST_CASE("runs list: --verdict accepts each word of a verdict and finds its run
   CHECK(listed("conditional-fail") == RunNumbers{3, 9});
   CHECK(listed("simulated-inconclusive") == RunNumbers{4});
   for (const char* wrong : {"good", "report only", "conditional", "condtional pass"}) {
-    const Finished refused = call(folder, {"runs", "list", "--verdict", wrong});
-    INFO(wrong << ": " << refused.err);
-    CHECK(refused.code == 2);
-    CHECK_THAT(refused.err, Catch::Contains("[TB-USAGE]") && Catch::Contains("at: --verdict"));
+    INFO(wrong);
+    check_refusal(call(folder, {"runs", "list", "--verdict", wrong}), 2, "TB-USAGE", "--verdict");
   }
 }

@@ -4,8 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/cli/verb_here.h"
-#include "tests/db/store_example.h"
+#include "tests/bench/cli/store_here.h"
 #include "tests/support/paths.h"
 
 using namespace tactbench;
@@ -14,9 +13,9 @@ using Told = nlohmann::ordered_json;
 
 namespace {
 
-struct StoreOfSensors {
+struct StoreOfSensors : StoreHere {
   StoreOfSensors() {
-    db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
+    db::RunStore store = open();
     store.add_sensor({"S-0", "a-very-long-name-of-a-type-of-32c", "rows = 2\n", "h0", "", "", kUtc});
     store_example(store);  // S-1
     db::RunRecord other = example_run();
@@ -26,11 +25,8 @@ struct StoreOfSensors {
   }
   Finished sensors(std::vector<std::string> words) const {
     words.insert(words.begin(), "sensors");
-    words.insert(words.end(), {"--db", path});
-    return verb_here(bench::add_sensors, words);
+    return say(bench::add_sensors, words);
   }
-  TemporaryFolder folder;
-  std::string path = folder.path("runs.db");
 };
 
 }  // namespace

@@ -8,15 +8,14 @@
 
 #include "bench/common/utc.h"
 #include "db/sqlite.h"
-#include "tests/bench/cli/verb_here.h"
-#include "tests/db/store_example.h"
+#include "tests/bench/cli/store_here.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
 
 namespace {
 
-struct StoreOfRules {
+struct StoreOfRules : StoreHere {
   Finished prune(const std::string& rule, const std::vector<std::string>& more = {}) const {
     std::vector<std::string> words = {"db", "prune", "--db", path, "--keep=" + rule};
     words.insert(words.end(), more.begin(), more.end());
@@ -25,8 +24,6 @@ struct StoreOfRules {
   Finished since(const std::string& date) const {
     return verb_here(bench::add_runs, {"runs", "list", "--json", "--db", path, "--since=" + date});
   }
-  TemporaryFolder folder;
-  std::string path = folder.path("runs.db");
 };
 
 void add_night_run(db::RunStore& store, const std::string& started, const std::vector<std::string>& tags) {
@@ -39,7 +36,7 @@ void add_night_run(db::RunStore& store, const std::string& started, const std::v
 
 TEST_CASE("db prune --keep takes days, weeks and dates, at their edges") {
   const StoreOfRules store;
-  db::RunStore::open(store.path, db::Durability::kNormal);
+  (void)store.open();
   for (const char* rule : {"1d", "36500d", "1w", "0000-00-00", "9999-99-99"}) {
     INFO(rule);
     CHECK(store.prune(rule).code == 0);
@@ -62,7 +59,7 @@ TEST_CASE("db prune --keep takes days, weeks and dates, at their edges") {
 TEST_CASE("runs list --since takes a date, with or without a time") {
   const StoreOfRules store;
   {
-    db::RunStore open = db::RunStore::open(store.path, db::Durability::kNormal);
+    db::RunStore open = store.open();
     add_night_run(open, "2024-05-01T09:00:00Z", {});
   }
   const auto lists = [&](const std::string& date) {
@@ -85,7 +82,7 @@ TEST_CASE("runs list --since takes a date, with or without a time") {
 TEST_CASE("db prune tells what would go, what went and what stays") {
   const StoreOfRules store;
   {
-    db::RunStore open = db::RunStore::open(store.path, db::Durability::kNormal);
+    db::RunStore open = store.open();
     add_night_run(open, "2024-05-01T09:00:00Z", {"nightly"});
     add_night_run(open, "2024-05-01T10:00:00Z", {"nightly", "pinned"});
     add_night_run(open, "2024-05-01T11:00:00Z", {"other"});
@@ -114,7 +111,7 @@ TEST_CASE("db prune tells what would go, what went and what stays") {
 TEST_CASE("db prune leaves a damaged run whole") {
   const StoreOfRules store;
   {
-    db::RunStore open = db::RunStore::open(store.path, db::Durability::kNormal);
+    db::RunStore open = store.open();
     add_night_run(open, "2024-05-01T09:00:00Z", {"nightly"});
     add_night_run(open, "2024-05-01T10:00:00Z", {"nightly"});
   }

@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/cli/verb_here.h"
-#include "tests/db/store_example.h"
+#include "tests/bench/cli/store_here.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -16,7 +15,7 @@ namespace {
 
 using Figures = std::map<std::string, double>;
 
-struct StoreOfTrends {
+struct StoreOfTrends : OpenStoreHere {
   std::int64_t add(const std::string& subject, const Figures& figures, const std::string& origin = "simulated",
                    std::int64_t seed = 0) {
     db::RunRecord run = example_run();
@@ -35,12 +34,9 @@ struct StoreOfTrends {
     store.add_baseline(baseline);
   }
   Finished trend(std::vector<std::string> more = {}) const {
-    more.insert(more.begin(), {"trend", "--db", path});
-    return verb_here(bench::add_trend, more);
+    more.insert(more.begin(), "trend");
+    return say(bench::add_trend, more);
   }
-  TemporaryFolder folder;
-  std::string path = folder.path("runs.db");
-  db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
 
  private:
   std::int64_t seed_ = 0;
@@ -118,9 +114,8 @@ TEST_CASE("trend: subjects that are chosen, and what is refused") {
   const auto refused = [&](const std::vector<std::string>& more) {
     const Finished finished = store.trend(more);
     CAPTURE(more);
-    CHECK(finished.code == 2);
+    check_refusal(finished, 2, "TB-TREND-NONE");
     CHECK(finished.out.empty());
-    CHECK_THAT(finished.err, Catch::Contains("[TB-TREND-NONE]"));
   };
   using Names = std::vector<std::string>;
   const auto subjects = [&](Names more = {}) {

@@ -5,34 +5,28 @@
 #include <vector>
 
 #include "db/sqlite.h"
-#include "tests/bench/cli/verb_here.h"
-#include "tests/db/store_example.h"
+#include "tests/bench/cli/check_refusal.h"
+#include "tests/bench/cli/store_here.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
 
 namespace {
 
-struct StoreToVerify {
+struct StoreToVerify : OpenStoreHere {
   StoreToVerify() { (void)store_example(store); }
-  Finished verify(const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> words = {"verify", "1", "--db", path};
-    words.insert(words.end(), more.begin(), more.end());
-    return verb_here(bench::add_verify, words);
-  }
+  Finished verify() const { return say(bench::add_verify, {"verify", "1"}); }
+  [[nodiscard]] nlohmann::json told_of_it() const { return told<nlohmann::json>(bench::add_verify, {"verify", "1"}); }
   void change(const char* sql) const { db::sqlite::Connection(path, db::sqlite::Access::kReadWrite).execute(sql); }
   [[nodiscard]] std::string hash() const { return store.run(1).content_sha256; }
-  TemporaryFolder folder;
-  std::string path = folder.path("runs.db");
-  db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
 };
 
 }  // namespace
 
-TEST_CASE("verify: a run as it was stored") {
+TEST_CASE("verify: a stored run holds") {
   const StoreToVerify store;
   CHECK(store.verify().code == 0);
-  const auto told = nlohmann::json::parse(store.verify({"--json"}).out);
+  const nlohmann::json told = store.told_of_it();
   CHECK(told.at("run") == 1);
   CHECK(told.at("origin") == "simulated");
   CHECK(told.at("holds") == true);
@@ -53,10 +47,10 @@ TEST_CASE("verify: changed content is 5, and so is a changed approval, with the 
   const Finished approval = store.verify();
   CHECK(approval.code == 5);
   CHECK_THAT(approval.out, Catch::Contains("NOT verified"));
-  CHECK(nlohmann::json::parse(store.verify({"--json"}).out).at("beside").size() == 1);
+  CHECK(store.told_of_it().at("beside").size() == 1);
   store.change("UPDATE frames SET status = 9 WHERE frame = (SELECT min(frame) FROM frames)");
   CHECK(store.verify().code == 5);
-  const auto told = nlohmann::json::parse(store.verify({"--json"}).out);
+  const nlohmann::json told = store.told_of_it();
   CHECK(told.at("holds") == false);
   CHECK(told.at("content").at("holds") == false);
   CHECK(told.at("content").at("computed_sha256") != store.hash());
@@ -66,9 +60,8 @@ TEST_CASE("verify: a run without its frames is 6, one that has not ended is refu
   StoreToVerify store;
   store.store.set_tags(1, {"nightly"}, {});
   (void)store.store.prune_frames(1, "old nights", kUtc);
-  const Finished pruned = store.verify();
-  CHECK(pruned.code == 6);
-  const auto told = nlohmann::json::parse(store.verify({"--json"}).out);
+  CHECK(store.verify().code == 6);
+  const nlohmann::json told = store.told_of_it();
   CHECK(told.at("pruned") == nlohmann::json{{"frames", 3}, {"rule", "old nights"}, {"pruned_utc", kUtc}});
   store.change("UPDATE runs SET seed = 8");
   CHECK(store.verify().code == 5);

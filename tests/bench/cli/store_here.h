@@ -1,0 +1,32 @@
+// A store of a test's own, and verbs on it in the process of the test.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/bench/cli/verb_here.h"
+#include "tests/db/store_example.h"
+
+namespace tactbench::tests {
+
+struct StoreHere {
+  Finished say(AddVerb add, std::vector<std::string> words) const {
+    words.insert(words.end(), {"--db", path});
+    return verb_here(add, std::move(words));
+  }
+  template <class Json>
+  [[nodiscard]] Json told(AddVerb add, std::vector<std::string> words) const {
+    words.emplace_back("--json");
+    return Json::parse(say(add, std::move(words)).out);
+  }
+  [[nodiscard]] db::RunStore open() const { return db::RunStore::open(path, db::Durability::kNormal); }
+  TemporaryFolder folder;
+  std::string path = folder.path("runs.db");
+};
+
+struct OpenStoreHere : StoreHere {
+  db::RunStore store = open();
+};
+
+}  // namespace tactbench::tests
