@@ -1,13 +1,19 @@
-// What a verb ends with: the exit code that it should have, or a refusal.
+// Words of a verb, and what it ends with: the exit code that it should have, or a refusal.
 #pragma once
 
 #include <catch2/catch.hpp>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "tests/support/process.h"
 
 namespace tactbench::tests {
+
+inline std::vector<std::string> joined_words(std::vector<std::string> words, const std::vector<std::string>& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
 
 // Identifier, place (where one is given) and a remedy.
 inline void check_refusal(const Finished& finished, int code, const std::string& id, const std::string& place = {}) {
@@ -22,6 +28,14 @@ inline Finished well(Finished finished, int code = 0) {
   INFO(finished.out << finished.err);
   REQUIRE(finished.code == code);
   return finished;
+}
+
+// The JSON has these members, among others.
+template <class Json>
+void check_members(const Json& told, const char* members) {
+  Json with_them = told;
+  with_them.merge_patch(Json::parse(members));
+  CHECK(with_them == told);
 }
 
 }  // namespace tactbench::tests

@@ -9,7 +9,6 @@
 #include "db/run_store.h"
 #include "tests/bench/cli/small_bench.h"
 #include "tests/support/paths.h"
-#include "tests/support/process.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -30,10 +29,10 @@ bool has_frames(const TemporaryFolder& folder) {
 struct LongRunHere {
   LongRunHere() { begin_bench(folder, small_loop_text(2, 1000)); }
   Finished run(const Signal& signal, const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> words = {"run", "small.toml", "--bench", "bench.toml", "--sensor",
-                                      "S-1", "--operator", "t",       "-q"};
-    words.insert(words.end(), more.begin(), more.end());
-    return run_program(program_path(), words, folder.path(), signal);
+    return run_program(
+        program_path(),
+        joined_words({"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "t", "-q"}, more),
+        folder.path(), signal);
   }
   Finished signalled(int number) const {
     return run({number, [&] { return has_frames(folder); }});

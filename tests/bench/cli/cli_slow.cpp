@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/bench/cli/small_bench.h"
-#include "tests/support/process.h"
 
 using namespace tactbench::tests;
 using nlohmann::json;
@@ -14,10 +13,8 @@ using nlohmann::json;
 namespace {
 
 std::vector<std::string> small_run(const std::vector<std::string>& more = {}) {
-  std::vector<std::string> words = {"run", "small.toml", "--bench", "bench.toml", "--sensor",
-                                    "S-1", "--operator", "tester",  "-q"};
-  words.insert(words.end(), more.begin(), more.end());
-  return words;
+  return joined_words({"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "tester", "-q"},
+                      more);
 }
 
 // The lines of an error, its exit code and identifier. `devices`: of a verb that could have touched some.
@@ -34,7 +31,10 @@ TEST_CASE("from init to a report by hand") {
   const TemporaryFolder folder;
   begin_bench(folder, small_loop_text(10, 2));
   CHECK_THAT(well(call(folder, small_run())).out, Catch::Contains("vented, verified"));
-  CHECK(json::parse(well(call(folder, small_run({"--seed", "2", "--json"}))).out)["run"] == 2);
+  const json second = json::parse(well(call(folder, small_run({"--seed", "2", "--json"}))).out);
+  check_members(second, R"({"schema": "tactbench.run", "run": 2, "branches_redone": 0})");
+  CHECK((second["process_seconds"] > 8.0 && second["most_exchanges_a_step"] > 0));
+  CHECK_FALSE(second["time_spent"].get<std::string>().empty());
   const json fitted = json::parse(well(call(folder, {"fit", "1", "--held-out", "2", "--json"})).out);
   CHECK(fitted["schema"] == "tactbench.fit");
   CHECK(fitted["fitted_taxels"] == 256);

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "tests/bench/cli/check_refusal.h"
-#include "tests/support/process.h"
 
 using namespace tactbench::tests;
 

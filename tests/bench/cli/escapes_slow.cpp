@@ -6,7 +6,6 @@
 #include "db/sqlite.h"
 #include "tests/bench/cli/check_refusal.h"
 #include "tests/support/paths.h"
-#include "tests/support/process.h"
 
 using namespace tactbench::tests;
 using tactbench::db::sqlite::Access;

@@ -4,7 +4,6 @@
 
 #include "tests/bench/cli/play_table.h"
 #include "tests/bench/cli/small_bench.h"
-#include "tests/support/process.h"
 
 using namespace tactbench::tests;
 

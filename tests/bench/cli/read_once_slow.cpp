@@ -3,8 +3,8 @@
 #include <sqlite3.h>
 
 #include <algorithm>
-#include <array>
 #include <catch2/catch.hpp>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,21 +20,11 @@ using namespace tactbench::tests;
 
 namespace {
 
-// How the store asks for a run's rows, up to the first bound value; `holds`: what such a statement has besides.
-struct RunQuery {
-  const char* rows;
-  std::string_view from, holds;
-};
-constexpr std::array kRunQueries = {
-    RunQuery{"frames", "FROM frames WHERE frame > ", ", counts,"},
-    RunQuery{"branches", "FROM branches WHERE run = ", "void_reason"},
-    RunQuery{"events", "FROM events WHERE run = ", "detail"},
-    RunQuery{"checks", "FROM checks c WHERE c.run = ", "detail_json"},
-    RunQuery{"row", "FROM runs WHERE run = ", "uuid"},
-};
+// How the store asks for the frames of a run, up to the first bound value; and what such a statement has besides.
+constexpr std::string_view kFramesFrom = "FROM frames WHERE frame > ", kWithCounts = ", counts,";
 
-// "frames of run 1" for each statement that reads them, on all connections opened while this lives; they must be
-// closed before it goes.
+// The run of each statement that reads frames, on all connections opened while this lives; they must be closed before
+// it goes.
 class ReadLog {
  public:
   ReadLog() {
@@ -47,10 +37,10 @@ class ReadLog {
   }
   ReadLog(const ReadLog&) = delete;
   ReadLog& operator=(const ReadLog&) = delete;
-  [[nodiscard]] std::vector<std::string> sorted() const {
-    std::vector<std::string> lines = lines_;
-    std::ranges::sort(lines);
-    return lines;
+  [[nodiscard]] std::vector<std::int64_t> sorted() const {
+    std::vector<std::int64_t> runs = runs_;
+    std::ranges::sort(runs);
+    return runs;
   }
 
  private:
@@ -65,23 +55,20 @@ class ReadLog {
   }
   void note(sqlite3_stmt* statement) {
     const std::string_view sql = sqlite3_sql(statement);
-    for (const RunQuery& query : kRunQueries) {
-      const std::size_t from = sql.find(query.from);
-      if (from == std::string_view::npos || sql.find(query.holds) == std::string_view::npos) continue;
-      char* const bound = sqlite3_expanded_sql(statement);
-      const std::int64_t number = std::stoll(std::string(bound).substr(from + query.from.size()));
-      sqlite3_free(bound);
-      const bool key = std::string_view(query.rows) == "frames";  // of the frame, which the run's number begins
-      lines_.push_back(std::string(query.rows) + " of run " +
-                       std::to_string(key ? number / db::kFramesPerRun : number));
-    }
+    const std::size_t from = sql.find(kFramesFrom);
+    if (from == std::string_view::npos || sql.find(kWithCounts) == std::string_view::npos) return;
+    char* const bound = sqlite3_expanded_sql(statement);
+    runs_.push_back(std::stoll(std::string(bound).substr(from + kFramesFrom.size())) / db::kFramesPerRun);
+    sqlite3_free(bound);
   }
   static inline ReadLog* current_ = nullptr;
-  std::vector<std::string> lines_;
+  std::vector<std::int64_t> runs_;
 };
 
-// What the verb reads of runs, in alphabetical order.
-std::vector<std::string> read_by(const TemporaryFolder& folder, std::vector<std::string> words) {
+using RunsRead = std::vector<std::int64_t>;
+
+// The runs whose frames the verb reads, in their order, each as often as it does.
+RunsRead frames_read_by(const TemporaryFolder& folder, std::vector<std::string> words) {
   words.insert(words.begin(), "tactbench");
   words.insert(words.end(), {"--db", folder.path("runs.db")});
   std::vector<char*> arguments;
@@ -91,26 +78,6 @@ std::vector<std::string> read_by(const TemporaryFolder& folder, std::vector<std:
   CAPTURE(words, code);
   REQUIRE((code == 0 || code == 1 || code == 6));  // by the verdicts
   return log.sorted();
-}
-
-std::vector<std::string> frames_read_by(const TemporaryFolder& folder, const std::vector<std::string>& words) {
-  std::vector<std::string> lines = read_by(folder, words);
-  std::erase_if(lines, [](const std::string& line) { return !line.starts_with("frames "); });
-  return lines;
-}
-
-std::vector<std::string> all_once(const std::vector<int>& runs) {
-  std::vector<std::string> lines;
-  for (const RunQuery& query : kRunQueries)
-    for (const int run : runs) lines.push_back(std::string(query.rows) + " of run " + std::to_string(run));
-  std::ranges::sort(lines);
-  return lines;
-}
-
-std::vector<std::string> frames_of(const std::vector<int>& runs) {
-  std::vector<std::string> lines;
-  for (const int run : runs) lines.push_back("frames of run " + std::to_string(run));
-  return lines;
 }
 
 }  // namespace
@@ -132,20 +99,20 @@ TEST_CASE("a verb reads the frames of each run once") {
   const std::string page = folder.path("r.html"), limits = folder.path("limits.toml");
 
   // Fitted, evaluated, judged with U, and the report of that.
-  CHECK(frames_read_by(folder, {"fit", "1", "--held-out", "2", "--limits", limits}) == frames_of({1, 2}));
-  CHECK(read_by(folder, {"report", "1", "--held-out", "2", "-o", page}) == all_once({1, 2}));
-  CHECK(read_by(folder, {"report", "1", "--held-out", "2", "3", "-o", page}) == all_once({1, 2, 3}));
+  CHECK(frames_read_by(folder, {"fit", "1", "--held-out", "2", "--limits", limits}) == RunsRead{1, 2});
+  CHECK(frames_read_by(folder, {"report", "1", "--held-out", "2", "-o", page}) == RunsRead{1, 2});
+  CHECK(frames_read_by(folder, {"report", "1", "--held-out", "2", "3", "-o", page}) == RunsRead{1, 2, 3});
   // The held-out run is the one that the fit was judged on; then by other limits, for which nothing is stored.
-  CHECK(read_by(folder, {"report", "1", "-o", page}) == all_once({1, 2}));
+  CHECK(frames_read_by(folder, {"report", "1", "-o", page}) == RunsRead{1, 2});
   write_file(limits, read_file(limits) + "# another file\n");
-  CHECK(read_by(folder, {"report", "1", "--limits", limits, "-o", page}) == all_once({1, 2}));
+  CHECK(frames_read_by(folder, {"report", "1", "--limits", limits, "-o", page}) == RunsRead{1, 2});
 
   // All that further runs tell: creep and temperature, a mount, an object, paces; and earlier models.
   CHECK(frames_read_by(folder, {"report", "1", "2", "--held-out", "2", "--previous", "2", "--studies", "3:mount", "4",
-                                "5", "-o", page}) == frames_of({1, 2, 3, 4, 5}));
-  CHECK(frames_read_by(folder, {"report", "--compare", "1", "2", "-o", folder.path("c.html")}) == frames_of({1, 2}));
+                                "5", "-o", page}) == RunsRead{1, 2, 3, 4, 5});
+  CHECK(frames_read_by(folder, {"report", "--compare", "1", "2", "-o", folder.path("c.html")}) == RunsRead{1, 2});
   CHECK(frames_read_by(folder, {"model", "show", "1"}).empty());
-  CHECK(frames_read_by(folder, {"fit", "1", "--check", "2"}) == frames_of({1}));
+  CHECK(frames_read_by(folder, {"fit", "1", "--check", "2"}) == RunsRead{1});
   // Once for the hash of what is stored, once for what follows from it.
-  CHECK(frames_read_by(folder, {"verify", "2"}) == frames_of({1, 1, 2, 2}));
+  CHECK(frames_read_by(folder, {"verify", "2"}) == RunsRead{1, 1, 2, 2});
 }

@@ -4,9 +4,7 @@
 
 #include "analysis/identify/stored/model_document.h"
 #include "db/run_store.h"
-#include "tests/bench/cli/check_refusal.h"
 #include "tests/bench/cli/small_bench.h"
-#include "tests/support/process.h"
 #include "tests/support/run_recipe.h"
 
 using namespace tactbench;

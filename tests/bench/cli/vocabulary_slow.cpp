@@ -3,7 +3,6 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/bench/cli/small_bench.h"
-#include "tests/support/process.h"
 
 using namespace tactbench::tests;
 using nlohmann::json;

@@ -26,8 +26,7 @@ void check_each_refused(AddVerb add, const WordsOfVerb& begin, const std::vector
     words.insert(words.end(), row.words.begin(), row.words.end());
     const Finished finished = verb_here(add, words);
     CAPTURE(words);
-    CHECK(finished.code == 2);
-    CHECK_THAT(finished.err, Catch::Contains("[" + row.id + "]\n"));
+    check_refusal(finished, 2, row.id);
     if (!row.place.empty()) CHECK_THAT(finished.err, Catch::Contains("\n  at: " + row.place));
     CHECK(finished.out.empty());
   }
@@ -46,11 +45,7 @@ TEST_CASE("calibrate: runs of another sensor, runs that did not complete, and re
     (void)begin_example(store);  // run 3 has not ended
   }
   const WordsOfVerb rest = {"--bench", "simulated.toml", "--operator", "me", "--db", path};
-  const auto of_sensor = [&](const std::string& serial) {
-    WordsOfVerb words = {"calibrate", serial};
-    words.insert(words.end(), rest.begin(), rest.end());
-    return words;
-  };
+  const auto of_sensor = [&](const std::string& serial) { return joined_words({"calibrate", serial}, rest); };
   check_each_refused(bench::add_calibrate, of_sensor("S-1"),
                      {{{"--held-out", "1"}, "TB-USAGE", "--held-out"},
                       {{"--run", "2"}, "TB-USAGE", "--run"},
@@ -75,10 +70,10 @@ TEST_CASE("calibrate: a new sensor of a real bench needs the file of its type, a
       {"calibrate", "NEW-1", "--bench", "paper-rig.example.toml", "--operator", "me", "--db", folder.path("runs.db")},
       {{{"--type", type}, "TB-SENSOR-UNKNOWN", "--type " + type + "\n"}});
   const auto said = [&](const WordsOfVerb& more) {
-    WordsOfVerb words = {"calibrate",  "S-1", "--bench", "simulated.toml",
-                         "--operator", "me",  "--db",    folder.path("runs.db")};
-    words.insert(words.end(), more.begin(), more.end());
-    const Finished finished = verb_here(bench::add_calibrate, words);
+    const Finished finished =
+        verb_here(bench::add_calibrate, joined_words({"calibrate", "S-1", "--bench", "simulated.toml", "--operator",
+                                                      "me", "--db", folder.path("runs.db")},
+                                                     more));
     CHECK(finished.code == (more.front() == "--run" && more.back() == "1" ? 5 : 2));
     CHECK(finished.out.empty());
     return finished.err;

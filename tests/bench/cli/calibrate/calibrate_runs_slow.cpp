@@ -1,13 +1,11 @@
-// `calibrate` on the simulated rig with a recipe of seconds: what its runs are told, and each stage that can fail.
+// `calibrate` on the simulated rig: what its runs are told, each stage that can fail, verdicts and ways on.
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "tests/bench/cli/check_refusal.h"
 #include "tests/bench/cli/small_bench.h"
-#include "tests/support/process.h"
 
 using namespace tactbench::tests;
 
@@ -25,14 +23,19 @@ struct CalibrationFolder {
     write_file(folder.path("only.toml"), limits_text("report-only", 60));
   }
   Finished calibrate(const CalibrateWords& more, const std::string& limits = "./wide.toml") const {
-    CalibrateWords words = {"calibrate", "MY-1",     "--recipe", "./a.toml", "--held-out-recipe",
-                            "./b.toml",  "--limits", limits,     "--model",  "elam"};
-    words.insert(words.end(), more.begin(), more.end());
-    return call(folder, words);
+    return call(folder, joined_words({"calibrate", "MY-1", "--recipe", "./a.toml", "--held-out-recipe", "./b.toml",
+                                      "--limits", limits, "--model", "elam"},
+                                     more));
   }
   nlohmann::json told(const CalibrateWords& words) const { return nlohmann::json::parse(call(folder, words).out); }
   TemporaryFolder folder;
 };
+
+// By the shipped recipe and limits, in a folder with a profile: only the serial has to be typed.
+Finished calibrated(const TemporaryFolder& folder, const std::vector<std::string>& more) {
+  return call(folder, joined_words({"calibrate", "MY-1", "-q"}, more));
+}
+
 }  // namespace
 
 TEST_CASE("calibrate: both runs are told the operator's words, the second another seed") {
@@ -101,4 +104,60 @@ TEST_CASE("calibrate: a report that cannot be written ends it, with runs of its 
   CHECK_THAT(written.out, !Catch::Contains("5/5"));
   CHECK(of.calibrate({"--run", "1", "--held-out", "2"}).code == 2);
   CHECK(of.calibrate({"--run", "1"}).code == 2);
+}
+
+TEST_CASE("calibrate: a good sensor passes by the shipped limits, with a report") {
+  const TemporaryFolder folder;
+  well(call(folder, {"init", "--operator", "tester"}));
+  const Finished done = well(calibrated(folder, {}));
+  CHECK_THAT(read_file(folder.path("reports/run-1.html")), Catch::Contains("SIMULATED"));
+  // The same verdict and the same report as by hand.
+  const auto report = nlohmann::json::parse(well(call(folder, {"report", "1", "--json"})).out);
+  CHECK_THAT(done.out, Catch::Contains(report.at("number").get<std::string>()));
+}
+
+TEST_CASE(
+    "calibrate: a dead taxel fails and is named by row and column, and the known sensor is not registered again") {
+  const TemporaryFolder folder;
+  well(call(folder, {"init", "--operator", "tester"}));
+  REQUIRE(call(folder, {"sensors", "add", "MY-1"}).code == 0);
+  const nlohmann::json result = nlohmann::json::parse(
+      well(calibrated(folder, {"--json", "--set", R"(simulation.defect=[{kind="dead",row=2,column=5}])"}), 1).out);
+  check_members(result, R"({"schema": "tactbench.calibrate", "registered": false, "origin": "simulated",
+                            "verdict": "fail", "shown": "simulated fail"})");
+  REQUIRE(result.at("bad_taxels").size() == 1);
+  CHECK(result.at("bad_taxels").at(0) == nlohmann::json{{"row", 2}, {"column", 5}, {"why", "dead"}});
+  CHECK(std::filesystem::exists(folder.path(result.at("report").at("path").get<std::string>())));
+  // From runs that exist: nothing is measured, the verdict is the same.
+  CHECK(calibrated(folder, {"--run", "1", "--held-out", "2"}).code == 1);
+  CHECK(nlohmann::json::parse(call(folder, {"runs", "list", "--json"}).out).at("runs").size() == 2);
+}
+
+TEST_CASE(
+    "calibrate: the shipped recipe and limits pass good sensors, not only conditionally, and few repeats keep k "
+    "small") {
+  // Sensors that nothing was chosen on.
+  for (const char* seed : {"71", "72"}) {
+    const TemporaryFolder folder;
+    well(call(folder, {"init", "--operator", "tester"}));
+    const Finished done = calibrated(folder, {"--sensor-seed", seed, "--seed", seed, "--json"});
+    INFO(seed << done.err);
+    const nlohmann::json result = nlohmann::json::parse(done.out);
+    for (const nlohmann::json& row : result.at("verdicts")) {
+      INFO(row);
+      if (row.at("criterion") != "worst_taxel_error") CHECK(row.at("verdict") == "pass");  // that is the sensor's
+    }
+  }
+  // Two repeats have four full sweeps a branch, and 256 taxels.
+  const TemporaryFolder folder;
+  well(call(folder, {"init", "--operator", "tester"}));
+  (void)calibrated(folder, {"--sensor-seed", "71", "--set", "recipe.repeats=2"});
+  (void)call(folder, {"report", "1", "--format", "json", "-o", "r.json"});
+  const nlohmann::json data = nlohmann::json::parse(read_file(folder.path("r.json")));
+  const nlohmann::json& figures = data.at("sections").at("uncertainty").at("judged_figures");
+  REQUIRE(figures.size() > 4);
+  for (const nlohmann::json& figure : figures) {
+    INFO(figure);
+    if (figure.at("not_known") == "") CHECK(figure.at("factor").get<double>() < 4.6);
+  }
 }

@@ -3,7 +3,6 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "bench/cli/calibrate/calibration.h"
@@ -111,33 +110,4 @@ TEST_CASE("calibrate words: the words that carry on leave out what the profile a
   CHECK(calibrate_again(options, session, 3, 0) ==
         "tactbench calibrate MY-1 --db b.db --operator 'A. O'\\''Neil' --recipe descending --recipe ascending --set "
         "recipe.repeats=1 --seed 7 --run 3");
-}
-
-TEST_CASE("calibrate words: a verdict as JSON") {
-  CalibrationResult result;
-  result.sensor = "MY-1";
-  result.origin = "simulated";
-  result.limits = "gripper";
-  result.registered = true;
-  result.run = 1;
-  result.held_out = 2;
-  result.fit = small_fit();
-  result.fit.model.model = "elam";
-  result.fit.model.run = 1;
-  result.fit.evaluations.back().evaluation.run = 2;
-  result.fit.evaluations.back().evaluation.mean_error_psi = 0.9031;
-  result.judgement = judgement_of({kGood, kDead});
-  result.judgement.notes.remarks = {"run 7 is void"};
-  result.report_number = "7-a";
-  result.report_path = "reports/run-1.html";
-  const auto json = calibration_json(result);
-  CHECK(json.at("sensor") == "MY-1");
-  CHECK(json.at("registered") == true);
-  CHECK((json.at("run") == 1 && json.at("held_out") == 2));
-  CHECK(json.at("verdict") == "fail");
-  CHECK(json.at("shown") == "simulated fail");
-  CHECK(json.at("bad_taxels").size() == 2);
-  CHECK(json.at("evaluations").size() == 2);
-  CHECK(json.at("verdicts").size() == 2);
-  CHECK(json.at("report").at("number") == "7-a");
 }

@@ -5,7 +5,6 @@
 
 #include <catch2/catch.hpp>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "tests/bench/run/stored_past.h"
 #include "tests/support/paths.h"
@@ -75,25 +74,4 @@ TEST_CASE("an export takes no more memory for a run of ten times as many frames"
     CHECK(std::filesystem::file_size(folder.path(file)) > 25'000'000);
     CHECK(lengthy < brief + 10.0);  // as one text 30 MB more, as one tree 150 MB
   }
-}
-
-TEST_CASE("an export written frame by frame is one document, and reports its length") {
-  const TemporaryFolder folder;
-  {
-    db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
-    REQUIRE(store_frames(store, 3) == 1);
-    REQUIRE(store_frames(store, 0) == 2);
-  }
-  for (const char* run : {"1", "2"}) {
-    const Finished told = run_program(
-        program_path(), {"runs", "export", run, "--format", "json", "-o", "run.json", "--json"}, folder.path());
-    REQUIRE(told.code == 0);
-    CHECK(nlohmann::json::parse(told.out)["bytes"] == std::filesystem::file_size(folder.path("run.json")));
-    const auto document = nlohmann::json::parse(read_file(folder.path("run.json")));
-    CHECK(document["schema"] == "tactbench.run");
-    CHECK(document["frames"].size() == (std::string(run) == "1" ? 3U : 0U));
-    for (const char* list : {"series", "events", "checks", "verdicts"}) CHECK(document[list].is_array());
-    if (!document["frames"].empty()) CHECK(document["frames"][2]["counts"][511] == 40'000 + 511 + 2);
-  }
-  CHECK(run_program(program_path(), {"runs", "export", "2", "-o", "empty.csv"}, folder.path()).code == 0);
 }

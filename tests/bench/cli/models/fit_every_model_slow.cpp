@@ -3,7 +3,6 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/bench/cli/small_bench.h"
-#include "tests/support/process.h"
 #include "tests/support/small_array.h"
 
 using namespace tactbench::tests;

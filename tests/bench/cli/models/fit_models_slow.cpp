@@ -9,7 +9,6 @@
 
 #include "tests/bench/cli/check_refusal.h"
 #include "tests/bench/cli/play_table.h"
-#include "tests/support/process.h"
 
 using namespace tactbench::tests;
 using nlohmann::json;
@@ -84,24 +83,6 @@ TEST_CASE("a stored model predicts and compensates in a pipe, full precision in 
   for (std::size_t i = 1; i < inputs.size(); ++i)
     near += std::abs(std::stod(inputs[i][5]) - std::stod(inputs[i][2])) < 0.3 ? 1 : 0;
   CHECK(near > 440);
-}
-
-TEST_CASE("a drifted model is distinguished from a good one, and an adjusted model corrects it") {
-  const TemporaryFolder folder;
-  write_file(folder.path("t.csv"), table());
-  std::string later = "sequence,step,input,output\n";
-  for (const auto& row : rows_of(table()))
-    if (row[0] != "sequence")
-      later += row[0] + "," + row[1] + "," + row[2] + "," + std::to_string(0.3 + 1.1 * std::stod(row[3])) + "\n";
-  write_file(folder.path("later.csv"), later);
-  REQUIRE(call(folder, {"fit", "t.csv", "--model", "preisach", "-o", "m.json"}).code == 0);
-  const auto verdict = [&](const std::string& of, const std::string& model) {
-    return json::parse(call(folder, {"fit", of, "--check", model, "--json"}).out).at("verdict");
-  };
-  CHECK(verdict("t.csv", "m.json") == "good");
-  CHECK(verdict("later.csv", "m.json") == "gain adjustment enough");
-  well(call(folder, {"model", "adjust", "m.json", "later.csv", "--zero", "--gain", "-o", "child.json"}));
-  CHECK(verdict("later.csv", "child.json") == "good");
 }
 
 TEST_CASE("a falling sensor is fitted and predicted with its own sign") {

@@ -19,9 +19,7 @@ namespace {
 using FitWords = std::vector<std::string>;
 
 void check_fit_refused(const FitWords& words, const std::string& id, const std::string& place) {
-  FitWords all = {"fit"};
-  all.insert(all.end(), words.begin(), words.end());
-  const Finished finished = verb_here(bench::add_fit, all);
+  const Finished finished = verb_here(bench::add_fit, joined_words({"fit"}, words));
   CAPTURE(words);
   CHECK(finished.code == 2);
   CHECK_THAT(finished.err, Catch::Contains("[" + id + "]\n  at: " + place + "\n"));
@@ -101,9 +99,7 @@ TEST_CASE("fit: a table is not judged, not scored on itself, and each target is 
   write_file(table, loop_rows("input,output"));
   write_file(other, loop_rows("input,output"));
   const auto said = [&](const FitWords& more) {
-    FitWords words = {"fit", table, "--db", store, "-q"};
-    words.insert(words.end(), more.begin(), more.end());
-    const Finished finished = verb_here(bench::add_fit, words);
+    const Finished finished = verb_here(bench::add_fit, joined_words({"fit", table, "--db", store, "-q"}, more));
     CHECK(finished.code == 2);
     return finished.err;
   };

@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "bench/common/build_info.h"
-#include "tests/bench/cli/check_refusal.h"
-#include "tests/support/process.h"
+#include "tests/bench/cli/small_bench.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -27,13 +26,8 @@ struct FolderOfRuns {
     for (const char* recipe : {"./a.toml", "./a.toml", "./b.toml"})
       REQUIRE(call(folder, {"run", recipe, "--bench", "bench.toml", "--sensor", "S-1", "-q", "--no-seating"}).code ==
               0);
-    write_file(folder.path("wide.toml"), limits("wide", 60));
-    write_file(folder.path("strict.toml"), limits("strict", 0.001));
-  }
-  static std::string limits(const std::string& name, double psi) {
-    return "schema = 1\nname = \"" + name +
-           "\"\nrule = \"simple\"\nmean_compensation_error_psi = " + std::to_string(psi) +
-           "\nworst_taxel_error_psi = 60\ndistance_of_mean_percent_fs = 100\nunfit_taxels = 256\n";
+    write_file(folder.path("wide.toml"), limits_text("simple", 60));
+    write_file(folder.path("strict.toml"), limits_text("simple", 0.001));
   }
   Finished fit(FitRunWords words) const {
     words.insert(words.begin(), "fit");
@@ -115,9 +109,7 @@ TEST_CASE("fit of runs: the dynamic model where none is named, ELAM without inne
   CHECK(of.fit({"3", "-q"}).err.empty());
   for (const FitRunWords& own :
        std::vector<FitRunWords>{{"--rate", "2", "--creep", "3"}, {"--rate", "3", "--creep", "2"}}) {
-    FitRunWords words = {"1", "--held-out", "2"};
-    words.insert(words.end(), own.begin(), own.end());
-    check_refusal(of.fit(words), 2, "TB-RUN-OWN", "--held-out");
+    check_refusal(of.fit(joined_words({"1", "--held-out", "2"}, own)), 2, "TB-RUN-OWN", "--held-out");
   }
   CHECK_THAT(of.fit({"1", "--rate", "9", "--creep", "2"}).err, Catch::Contains("[TB-STORE-NOT-FOUND]"));
 }

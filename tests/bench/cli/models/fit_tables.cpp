@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "bench/common/build_info.h"
-#include "tests/bench/cli/check_refusal.h"
 #include "tests/bench/cli/models/models_here.h"
 #include "tests/bench/cli/play_table.h"
 
@@ -122,9 +121,7 @@ TEST_CASE("fit of an imported run: its number and its models are stored, and the
 TEST_CASE("fit: options reach the models that they are of") {
   const FolderOfTables of;
   const auto label = [&](const FitTableWords& more) {
-    FitTableWords words = {"t.csv"};
-    words.insert(words.end(), more.begin(), more.end());
-    return of.told(words).at("models").at(0).at("model").get<std::string>();
+    return of.told(joined_words({"t.csv"}, more)).at("models").at(0).at("model").get<std::string>();
   };
   CHECK(label({"--model", "elam"}) == "elam");
   CHECK(label({"--model", "elam", "--mode", "paper", "--identify", "exact"}) == "elam");

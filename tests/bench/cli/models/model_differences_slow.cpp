@@ -8,7 +8,6 @@
 
 #include "tests/bench/cli/check_refusal.h"
 #include "tests/bench/cli/play_table.h"
-#include "tests/support/process.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;

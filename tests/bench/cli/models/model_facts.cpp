@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "analysis/models/linearised.h"
-#include "tests/bench/cli/check_refusal.h"
 #include "tests/bench/cli/models/known_model.h"
 #include "tests/bench/cli/models/models_here.h"
 

@@ -24,9 +24,7 @@ struct StoreOfModels : OpenStoreHere {
     (void)store.add_fit({0, run, model, true, fitted, "{}", "", "0.9.1", kUtc});
   }
   Finished list(const std::vector<std::string>& more) const {
-    std::vector<std::string> words = {"model", "list"};
-    words.insert(words.end(), more.begin(), more.end());
-    return say(bench::add_model, words);
+    return say(bench::add_model, joined_words({"model", "list"}, more));
   }
 };
 

@@ -2,17 +2,16 @@
 #include "bench/cli/models/model_table.h"
 
 #include <catch2/catch.hpp>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "analysis/error.h"
-#include "analysis/models/mpi.h"
 #include "bench/cli/runs/source.h"
+#include "tests/bench/cli/check_refusal.h"
+#include "tests/bench/cli/models/known_model.h"
 #include "tests/bench/cli/play_table.h"
-#include "tests/support/process.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -32,15 +31,7 @@ analysis::Histories histories_of(const std::vector<double>& turns) {
 }
 
 analysis::ModelTaxel fitted_taxel(int number) {
-  analysis::ModelTaxel taxel;
-  taxel.taxel = number;
-  taxel.status = analysis::TaxelStatus::kFitted;
-  taxel.fit.model =
-      std::make_unique<analysis::MpiModel>(analysis::MpiParameters{0.1, 0.0, 0.0, 3.0, 5.0}, 0.0, 60.0, 0.0);
-  taxel.fit.j = 2.5;
-  taxel.fit.mean_error = 0.02;
-  taxel.fit.max_error = 0.06;
-  taxel.fit.full_scale = 2.0;
+  analysis::ModelTaxel taxel = taxel_with(number, {0.1, 0.0, 0.0, 3.0, 5.0});
   taxel.fit.samples = 7;
   taxel.fit.starts = 3;
   return taxel;
@@ -81,23 +72,6 @@ ModelRow row_of_array() {
   return row;
 }
 
-ModelRow row_of_one(const std::string& label) {
-  ModelRow row;
-  row.label = label;
-  row.document.model = "mpi";
-  row.document.taxels.push_back(fitted_taxel(0));
-  analysis::ModelScore score;
-  score.count = 1;
-  score.full_scale = 2.0;
-  score.taxels.direct = {0.1, 0.1, 1};
-  score.taxels.free_running = {0.15, 0.15, 1};
-  score.taxels.compensated = {0.25, 0.25, 1};
-  score.taxels.raw = {0.5, 0.5, 1};
-  score.taxels.by_rate = {{1.0, 2.0, {0.25, 0.25, 1}}, {2.0, 4.0, {}}};
-  row.scores.push_back(score);
-  return row;
-}
-
 }  // namespace
 
 TEST_CASE("a row of models as JSON: the shown taxel, its parameters and its scores") {
@@ -106,11 +80,7 @@ TEST_CASE("a row of models as JSON: the shown taxel, its parameters and its scor
   CHECK(row["model"] == "mpi");
   CHECK(row["fit"] == 0);
   const auto& shown = row["shown_taxel"];
-  CHECK(shown["taxel"] == -1);
-  CHECK(shown["j"] == 2.5);
-  CHECK(shown["samples"] == 7);
-  CHECK(shown["starts"] == 3);
-  CHECK(shown["operations_per_sample"] == 56);
+  check_members(shown, R"({"taxel": -1, "j": 2.5, "samples": 7, "starts": 3, "operations_per_sample": 56})");
   CHECK(shown["cross_validated"]["mean"].get<double>() == Approx(0.1));
   CHECK(shown["cross_validated"]["max"] == 0.3);
   REQUIRE(shown["parameters"].size() == 5);
@@ -128,9 +98,9 @@ TEST_CASE("a row of models as JSON: the shown taxel, its parameters and its scor
   CHECK(score["all"]["by_hold_s"][1]["low"] == 1.0);
   CHECK(score["all"]["by_hold_s"][1]["compensated"]["mean"] == 0.5);
   CHECK(score["mean_taxel"]["raw"]["max"] == 0.75);
-  const nlohmann::ordered_json alone = model_row_json(row_of_one("alone"), {{"table", &histories, {}}});
-  CHECK_FALSE(alone["shown_taxel"].contains("cross_validated"));
-  CHECK(alone["shown_taxel"].contains("parameters"));
+  ModelRow alone = row_of_array();
+  alone.crossed = {};
+  CHECK_FALSE(model_row_json(alone, {{"run 2", &histories, {}}})["shown_taxel"].contains("cross_validated"));
 }
 
 TEST_CASE("rows of models: what the data cannot carry is left out as long as another model is there, no other error") {

@@ -10,7 +10,6 @@
 
 #include "analysis/identify/streams/recording_stream.h"
 #include "tests/analysis/support/creeping_film.h"
-#include "tests/bench/cli/check_refusal.h"
 #include "tests/bench/cli/models/known_model.h"
 #include "tests/bench/cli/models/models_here.h"
 

@@ -7,7 +7,6 @@
 
 #include "tests/bench/cli/check_refusal.h"
 #include "tests/bench/cli/play_table.h"
-#include "tests/support/process.h"
 
 using namespace tactbench::tests;
 using nlohmann::json;
@@ -69,9 +68,9 @@ TEST_CASE("turns can be stated, in units of the input") {
   const TemporaryFolder folder;
   write_file(folder.path("t.csv"), "input,output\n" + play_rows(kManyTurns));
   const auto turn = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> words = {"fit", "t.csv", "--model", "monotone", "--json"};
-    words.insert(words.end(), more.begin(), more.end());
-    return json::parse(call(folder, words).out).at("turn").get<double>();
+    return json::parse(call(folder, joined_words({"fit", "t.csv", "--model", "monotone", "--json"}, more)).out)
+        .at("turn")
+        .get<double>();
   };
   CHECK(turn({}) == Approx(0.01).epsilon(0.1));
   CHECK(turn({"--turn", "4.5"}) == Approx(4.5));

@@ -9,7 +9,6 @@
 #include "db/run_store.h"
 #include "tests/bench/cli/check_refusal.h"
 #include "tests/support/paths.h"
-#include "tests/support/process.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -75,9 +74,7 @@ TEST_CASE("nightly: the parts of a night are put together, printed as one and co
   CHECK(of.night({"--shard", "1/2", "--db", "p1.db", "-q"}).code == 0);
   CHECK(of.night({"--shard", "2/2", "--db", "p2.db", "-q"}).code == 1);
   const auto merge = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> words = {"runs", "merge", "p1.db", "p2.db", "--db", "all.db"};
-    words.insert(words.end(), more.begin(), more.end());
-    return call(of.folder, words);
+    return call(of.folder, joined_words({"runs", "merge", "p1.db", "p2.db", "--db", "all.db"}, more));
   };
   CHECK(merge({"--html", "night.html", "--junit", "night.xml"}).code == 1);
   CHECK_THAT(read_file(of.folder.path("night.xml")), Catch::Contains("failures=\"1\""));

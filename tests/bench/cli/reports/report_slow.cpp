@@ -9,10 +9,8 @@
 #include <utility>
 
 #include "analysis/report/gather.h"
-#include "tests/bench/cli/check_refusal.h"
 #include "tests/bench/cli/small_bench.h"
 #include "tests/support/paths.h"
-#include "tests/support/process.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;

@@ -8,7 +8,6 @@
 
 #include "tests/bench/cli/small_bench.h"
 #include "tests/support/in_terminal.h"
-#include "tests/support/process.h"
 
 using namespace tactbench::tests;
 using Told = nlohmann::ordered_json;

@@ -10,7 +10,6 @@
 
 #include "tests/bench/cli/check_refusal.h"
 #include "tests/support/paths.h"
-#include "tests/support/process.h"
 
 using namespace tactbench::tests;
 

@@ -9,7 +9,6 @@
 
 #include "bench/common/utc.h"
 #include "tests/bench/cli/check_refusal.h"
-#include "tests/support/process.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;

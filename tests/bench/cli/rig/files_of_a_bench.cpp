@@ -18,21 +18,18 @@ namespace {
 // Without comments.
 std::string values_of_file(const std::string& path) { return sequences::TomlDocument::from_file(path).to_text(); }
 
-const std::vector<std::string> kFilesOfInit = {"bench.toml", "sensor.toml", "limits.toml", "lab.toml"};
-
 }  // namespace
 
 TEST_CASE("init writes the files of each kind of bench, and none over another") {
   const TemporaryFolder folder;
   const auto init = [&](const std::string& name, const std::vector<std::string>& more) {
-    std::vector<std::string> words = {"init", folder.path(name)};
-    words.insert(words.end(), more.begin(), more.end());
-    return verb_here(bench::add_init, words);
+    return verb_here(bench::add_init, joined_words({"init", folder.path(name)}, more));
   };
   const std::string plain = folder.path("deep/plain");
   CHECK(init("deep/plain", {}).code == 0);
   CHECK(values_of_file(plain + "/bench.toml") == values_of_file(bench::find_config("simulated.toml")));
-  CHECK(values_of_file(plain + "/limits.toml") == values_of_file(bench::find_config("limits.toml")));
+  for (const std::string name : {"/sensor.toml", "/limits.toml", "/lab.toml"})
+    CHECK(values_of_file(plain + name) == values_of_file(bench::find_config(name.substr(1))));
   const std::string rig = folder.path("rig");
   CHECK(init("rig", {"--rig"}).code == 0);
   CHECK(values_of_file(rig + "/bench.toml") == values_of_file(bench::find_config("paper-rig.example.toml")));
@@ -55,28 +52,10 @@ TEST_CASE("init writes the files of each kind of bench, and none over another") 
   check_refusal(init("file/sub", {}), 2, "TB-FILE-WRITE");
 }
 
-TEST_CASE("init writes the shipped files, also over its own in the current folder") {
-  const TemporaryFolder folder;
-  const auto before = std::filesystem::current_path();
-  std::filesystem::current_path(folder.path());
-  CHECK(verb_here(bench::add_init, {"init"}).code == 0);
-  for (const std::string& name : kFilesOfInit) write_file(folder.path(name), "changed = true\n");
-  const Finished again = verb_here(bench::add_init, {"init", "--replace"});
-  CHECK(verb_here(bench::add_init, {"init", "beside"}).code == 0);
-  std::filesystem::current_path(before);
-  CHECK(again.code == 0);
-  for (const char* name : {"sensor.toml", "limits.toml", "lab.toml"}) {
-    CHECK(values_of_file(folder.path(name)) == values_of_file(bench::find_config(name)));
-    CHECK(values_of_file(folder.path("beside/") + name) == values_of_file(bench::find_config(name)));
-  }
-}
-
 TEST_CASE("recipes new: names of letters, digits, hyphens and underscores, and where the copy goes") {
   const TemporaryFolder folder;
   const auto make = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> words = {"recipes", "new"};
-    words.insert(words.end(), more.begin(), more.end());
-    return verb_here(bench::add_recipes, words);
+    return verb_here(bench::add_recipes, joined_words({"recipes", "new"}, more));
   };
   const std::string path = folder.path("out.toml");
   CHECK(make({"aZ09-_", "--from", "noise", "-o", path}).code == 0);
@@ -122,11 +101,7 @@ TEST_CASE("recipes check tells a good one's steps, frames and highest load, and 
   CHECK(told.at("recipes").at(1).at("file") == folder.path("none.toml"));
   CHECK(told.at("recipes").at(1).at("error").at("exit_code") == 2);
   const nlohmann::json& two = told.at("recipes").at(0);
-  CHECK(two.at("steps") == 12);
-  CHECK(two.at("frames") == 10);
-  CHECK(two.at("highest") == "20.0 psi");
-  CHECK(two.at("repeats") == 2);
-  CHECK(two.at("good") == true);
+  check_members(two, R"({"steps": 12, "frames": 10, "highest": "20.0 psi", "repeats": 2, "good": true})");
   const Finished shown = verb_here(bench::add_recipes, {"recipes", "show", folder.path("two.toml")});
   CHECK(shown.out == "# " + folder.path("two.toml") + "\n" + read_file(folder.path("two.toml")));
   CHECK(nlohmann::json::parse(verb_here(bench::add_recipes, {"recipes", "show", folder.path("two.toml"), "--json"}).out)
@@ -148,9 +123,7 @@ TEST_CASE("recipes list knows the shipped recipes, and leaves out the suite besi
 
 TEST_CASE("config show: each value, and where it comes from") {
   const auto show = [](const std::vector<std::string>& more) {
-    std::vector<std::string> words = {"config", "show", "--bench", "simulated.toml"};
-    words.insert(words.end(), more.begin(), more.end());
-    return verb_here(bench::add_config, words);
+    return verb_here(bench::add_config, joined_words({"config", "show", "--bench", "simulated.toml"}, more));
   };
   const Finished plain = show({"--set", "bench.location=\"here\""});
   CHECK(plain.code == 0);
@@ -166,10 +139,9 @@ TEST_CASE("config show: each value, and where it comes from") {
 TEST_CASE("devices reset tells the trip that it removes, and that there is none") {
   const std::string id = "bench-to-reset";
   const auto reset = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> words = {
-        "devices", "reset", "--bench", "simulated.toml", "--set", "bench.id=\"" + id + "\"", "--operator", "K. Lee"};
-    words.insert(words.end(), more.begin(), more.end());
-    return verb_here(bench::add_devices, words);
+    return verb_here(bench::add_devices, joined_words({"devices", "reset", "--bench", "simulated.toml", "--set",
+                                                       "bench.id=\"" + id + "\"", "--operator", "K. Lee"},
+                                                      more));
   };
   const nlohmann::json none = nlohmann::json::parse(reset({"--json"}).out);
   CHECK(none.at("tripped") == false);
@@ -177,9 +149,6 @@ TEST_CASE("devices reset tells the trip that it removes, and that there is none"
   const bench::TripFile file(id);
   REQUIRE(file.store({"TB-X", "it broke", 7, ""}));
   const nlohmann::json told = nlohmann::json::parse(reset({"--json"}).out);
-  CHECK(told.at("tripped") == true);
-  CHECK(told.at("id") == "TB-X");
-  CHECK(told.at("what") == "it broke");
-  CHECK(told.at("run") == 7);
+  check_members(told, R"({"tripped": true, "id": "TB-X", "what": "it broke", "run": 7})");
   CHECK_FALSE(file.read());
 }

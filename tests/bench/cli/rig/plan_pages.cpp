@@ -62,12 +62,8 @@ TEST_CASE("plan as JSON has every figure, and each step where steps are asked fo
   CHECK(told.at("axes") ==
         nlohmann::json::parse(R"([{"axis": "pressure", "unit": "psi", "lowest": 0.0, "highest": 20.0, "limit": 60.0,
                                   "margin": 40.0}])"));
-  CHECK(told.at("lowest_psi") == 0.0);
-  CHECK(told.at("highest_psi") == 20.0);
-  CHECK(told.at("largest_force_n") == 0.0);
-  CHECK(told.at("command_limit_psi") == 60.0);
-  CHECK(told.at("margin_psi") == 40.0);
-  CHECK(told.at("store_bytes") == 12440.0);
+  check_members(told, R"({"lowest_psi": 0.0, "highest_psi": 20.0, "largest_force_n": 0.0,
+                          "command_limit_psi": 60.0, "margin_psi": 40.0, "store_bytes": 12440.0})");
   CHECK(told.at("devices") == nlohmann::json({"pressure source", "pressure reference", "tactile array"}));
   CHECK(told.at("instruments") == nlohmann::json::parse(R"json([{"role": "pressure reference",
       "model": "simulated transducer, 100 psi", "serial": "SIM-REF-1",

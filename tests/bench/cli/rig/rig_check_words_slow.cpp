@@ -12,7 +12,6 @@
 
 #include "tests/bench/cli/small_bench.h"
 #include "tests/db/store_example.h"
-#include "tests/support/process.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -32,15 +31,9 @@ class CheckedRig {
   }
   // With seeds of its own each time.
   Finished check(const std::vector<std::string>& more = {}) {
-    std::vector<std::string> words = {"rig",        "check",
-                                      "--bench",    "simulated.toml",
-                                      "--standard", "STD-1",
-                                      "--operator", "t",
-                                      "--recipe",   "small.toml",
-                                      "-q",         "--yes",
-                                      "--seed",     std::to_string(++seed_)};
-    words.insert(words.end(), more.begin(), more.end());
-    return call(folder, words);
+    return call(folder, joined_words({"rig", "check", "--bench", "simulated.toml", "--standard", "STD-1", "--operator",
+                                      "t", "--recipe", "small.toml", "-q", "--yes", "--seed", std::to_string(++seed_)},
+                                     more));
   }
   // Accepts eight runs as the subject's baseline, so that these figures lie at this place of it.
   void accept(const std::string& subject, const Told& figures, PlaceInBand place) {
@@ -136,11 +129,13 @@ TEST_CASE("rig check separates a changed rig from a changed standard") {
   REQUIRE(call(folder, {"sensors", "add", "STD-1", "--type", "sensor.toml"}).code == 0);
   // The state of the chamber and of the standard.
   const auto states = [&](const std::string& seed, int code, const std::vector<std::string>& more = {}) {
-    std::vector<std::string> words = {"rig",    "check",      "--bench", "simulated.toml",  "--standard",
-                                      "STD-1",  "--operator", "t",       "--seed",          seed,
-                                      "--json", "-q",         "--set",   "recipe.repeats=2"};
-    words.insert(words.end(), more.begin(), more.end());
-    const Told checks = Told::parse(well(call(folder, words), code).out).at("checks");
+    const Told checks = Told::parse(well(call(folder, joined_words({"rig", "check", "--bench", "simulated.toml",
+                                                                    "--standard", "STD-1", "--operator", "t", "--seed",
+                                                                    seed, "--json", "-q", "--set", "recipe.repeats=2"},
+                                                                   more)),
+                                         code)
+                                        .out)
+                            .at("checks");
     REQUIRE(checks.size() == 2);
     return std::pair<std::string, std::string>(checks.at(0).at("state"), checks.at(1).at("state"));
   };

@@ -1,10 +1,11 @@
-// run and devices calibrate-reference: what is refused, or warned of, before a device is opened.
+// run, resume and devices calibrate-reference: what is refused, or warned of, before a device is opened.
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <string>
 #include <vector>
 
-#include "tests/bench/cli/verb_here.h"
+#include "bench/config/config.h"
+#include "tests/bench/cli/store_here.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -20,19 +21,30 @@ constexpr const char* kFarRig =
 struct RunToRefuse {
   RunToRefuse() { write_file(folder.path("far.toml"), kFarRig); }
   [[nodiscard]] Finished run(const std::string& bench, const std::vector<std::string>& more) const {
-    std::vector<std::string> words = {
-        "run",  "equilibration",       "--bench", bench, "--sensor", "S-9", "--operator", "me", "-q",
-        "--db", folder.path("runs.db")};
-    words.insert(words.end(), more.begin(), more.end());
-    return verb_here(bench::add_run, words);
+    return verb_here(bench::add_run, joined_words({"run", "equilibration", "--bench", bench, "--sensor", "S-9",
+                                                   "--operator", "me", "-q", "--db", folder.path("runs.db")},
+                                                  more));
   }
   [[nodiscard]] Finished calibrate(const std::vector<std::string>& more) const {
-    std::vector<std::string> words = {"devices", "calibrate-reference", "--bench", "simulated.toml", "--gauge",
-                                      "g",       "--uncertainty",       "0.05"};
-    words.insert(words.end(), more.begin(), more.end());
-    return verb_here(bench::add_devices, words);
+    return verb_here(bench::add_devices, joined_words({"devices", "calibrate-reference", "--bench", "simulated.toml",
+                                                       "--gauge", "g", "--uncertainty", "0.05"},
+                                                      more));
   }
   TemporaryFolder folder;
+};
+
+// A store whose one run has these settings and is of the simulated bench.
+struct StoreToResume : OpenStoreHere {
+  explicit StoreToResume(const std::string& overrides) {
+    db::RunRecord run = example_run();
+    run.overrides_json = overrides;
+    run.bench_id = "another-rig";
+    run.bench_toml = read_file(bench::find_config("simulated.toml"));
+    (void)begin_example(store, run);
+  }
+  Finished resume(const std::vector<std::string>& more = {}) const {
+    return say(bench::add_control, joined_words({"resume", "1"}, more));
+  }
 };
 
 }  // namespace
@@ -81,18 +93,26 @@ TEST_CASE("calibrate-reference: what is refused before a device is opened") {
   CHECK(kept.code == 2);
   CHECK_THAT(kept.err, Catch::Contains("[TB-FILE-EXISTS]") && Catch::Contains("\n  at: " + mine + "\n"));
   CHECK(read_file(mine) == "mine\n");
-  for (const char* wrong : {"-0.1", "10.1", "x"}) {
-    std::vector<std::string> words = {"devices",
-                                      "calibrate-reference",
-                                      "--bench",
-                                      "simulated.toml",
-                                      "--gauge",
-                                      "g",
-                                      std::string("--uncertainty=") + wrong};
-    CHECK(verb_here(bench::add_devices, words).code == 2);
-  }
+  for (const char* wrong : {"-0.1", "10.1", "x"})
+    CHECK(verb_here(bench::add_devices, {"devices", "calibrate-reference", "--bench", "simulated.toml", "--gauge", "g",
+                                         std::string("--uncertainty=") + wrong})
+              .code == 2);
 }
 
 TEST_CASE("dead-man: it serves a socket that is named") {
   CHECK(verb_here(bench::add_dead_man, {"dead-man"}).code == 2);
+}
+
+TEST_CASE("resume: broken settings, and a bench that is another") {
+  for (const char* broken : {"{", "7", R"([{"key":"a"}])", R"([{"key":1,"value":"1"}])"}) {
+    INFO(broken);
+    const StoreToResume store(broken);
+    check_refusal(store.resume(), 5, "TB-RESUME-SETTINGS");
+  }
+  const StoreToResume store("[]");
+  CHECK_THAT(store.resume().err, Catch::Contains("[TB-RESUME-BENCH]"));
+  check_refusal(store.resume({"--bench", "simulated.toml"}), 2, "TB-RESUME-BENCH", "simulated.toml");
+  const StoreToResume settings(R"([{"key":"limits.comand_psi","value":"1"}])");
+  CHECK_THAT(settings.resume().err, Catch::Contains("[TB-FILE-KEY]") && Catch::Contains("limits.comand_psi"));
+  check_refusal(store.say(bench::add_control, {"resume", "9"}), 2, "TB-STORE-NOT-FOUND");
 }

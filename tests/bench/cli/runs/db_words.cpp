@@ -7,7 +7,6 @@
 
 #include "db/schema.h"
 #include "db/sqlite.h"
-#include "tests/bench/cli/check_refusal.h"
 #include "tests/bench/cli/store_here.h"
 
 using namespace tactbench;

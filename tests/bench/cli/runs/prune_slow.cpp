@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "db/run_store.h"
-#include "tests/support/process.h"
+#include "tests/bench/cli/check_refusal.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -30,17 +30,13 @@ TEST_CASE("the frames of old nights are removed by a rule, and verify, report an
   const TemporaryFolder folder;
   write_file(folder.path("small.toml"), kNight);
   const auto night = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> words = {"nightly", "./small.toml", "--db", "night.db", "--json"};
-    words.insert(words.end(), more.begin(), more.end());
-    return call(folder, words);
+    return call(folder, joined_words({"nightly", "./small.toml", "--db", "night.db", "--json"}, more));
   };
   REQUIRE(night({"--seeds", "3"}).code == 0);
   REQUIRE(call(folder, {"runs", "tag", "3", "pinned", "--db", "night.db"}).code == 0);
   const std::string trend = call(folder, {"trend", "--db", "night.db"}).out;
   const auto prune = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> words = {"db", "prune", "--db", "night.db"};
-    words.insert(words.end(), more.begin(), more.end());
-    return call(folder, words);
+    return call(folder, joined_words({"db", "prune", "--db", "night.db"}, more));
   };
   // Nothing is old yet, and nothing is done without --yes.
   CHECK(json_printed_by(prune({"--keep", "1d", "--yes", "--json"})).at("runs").empty());

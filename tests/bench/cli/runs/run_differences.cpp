@@ -35,9 +35,8 @@ struct PairOfRuns : OpenStoreHere {
     return add([](db::RunRecord&) {}, change);
   }
   Finished diff(std::int64_t first, std::int64_t second, const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> words = {"runs", "diff", std::to_string(first), std::to_string(second), "--db", path};
-    words.insert(words.end(), more.begin(), more.end());
-    return verb_here(bench::add_runs, words);
+    return verb_here(bench::add_runs,
+                     joined_words({"runs", "diff", std::to_string(first), std::to_string(second), "--db", path}, more));
   }
   [[nodiscard]] nlohmann::json told(std::int64_t first, std::int64_t second) const {
     return nlohmann::json::parse(diff(first, second, {"--json"}).out);

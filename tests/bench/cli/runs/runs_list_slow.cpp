@@ -6,7 +6,6 @@
 #include "analysis/statistics/conformity/overall_verdict.h"
 #include "tests/bench/cli/check_refusal.h"
 #include "tests/db/store_example.h"
-#include "tests/support/process.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;

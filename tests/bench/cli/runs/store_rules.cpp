@@ -17,9 +17,7 @@ namespace {
 
 struct StoreOfRules : StoreHere {
   Finished prune(const std::string& rule, const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> words = {"db", "prune", "--db", path, "--keep=" + rule};
-    words.insert(words.end(), more.begin(), more.end());
-    return verb_here(bench::add_db, words);
+    return verb_here(bench::add_db, joined_words({"db", "prune", "--db", path, "--keep=" + rule}, more));
   }
   Finished since(const std::string& date) const {
     return verb_here(bench::add_runs, {"runs", "list", "--json", "--db", path, "--since=" + date});

@@ -104,6 +104,9 @@ TEST_CASE("trend: all that JSON has of a figure") {
   CHECK(ewma.at("value").get<double>() == Approx(10.4));
   CHECK(ewma.at("deviations").get<double>() == Approx(0.4 / 1.0690450));
   CHECK(ewma.at("probability").get<double>() > 0.5);
+  const std::string page = store.folder.path("trend.html");
+  CHECK(store.trend({"--html", page, "--json"}).code == 0);
+  CHECK_THAT(read_file(page), Catch::Contains("rig/a"));
   const Told frames = all.at("subjects").at(0).at("figures").at(0);
   CHECK(frames.at("name") == "frames");
   CHECK(frames.at("baseline").at("constant") == true);
@@ -145,12 +148,4 @@ TEST_CASE("trend: subjects that are chosen, and what is refused") {
   CHECK(subjects() == Names{"rig/a", one});
   CHECK(Told::parse(store.trend({"--json"}).out).at("origin") == "simulated");
   CHECK(Told::parse(store.trend({"--json", "--sensor", "S-1"}).out).at("origin") == "hardware");
-}
-
-TEST_CASE("trend: a page beside what it tells") {
-  StoreOfTrends store;
-  store.add_baseline("rig/a", "mean_error_psi");
-  const std::string page = store.folder.path("trend.html");
-  CHECK(store.trend({"--html", page, "--json"}).code == 0);
-  CHECK_THAT(read_file(page), Catch::Contains("rig/a"));
 }

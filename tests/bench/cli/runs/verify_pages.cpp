@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "db/sqlite.h"
-#include "tests/bench/cli/check_refusal.h"
 #include "tests/bench/cli/store_here.h"
 
 using namespace tactbench;
