@@ -1,12 +1,12 @@
 // The program as a person uses it: words, exit codes, files.
-#include <sqlite3.h>
-
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "db/sqlite.h"
 #include "tests/bench/cli/small_bench.h"
 
+using namespace tactbench;
 using namespace tactbench::tests;
 using nlohmann::json;
 
@@ -33,7 +33,8 @@ TEST_CASE("from init to a report by hand") {
   CHECK_THAT(well(call(folder, small_run())).out, Catch::Contains("vented, verified"));
   const json second = json::parse(well(call(folder, small_run({"--seed", "2", "--json"}))).out);
   check_members(second, R"({"schema": "tactbench.run", "run": 2, "branches_redone": 0})");
-  CHECK((second["process_seconds"] > 8.0 && second["most_exchanges_a_step"] > 0));
+  CHECK((second["process_seconds"] > 8.0 && second["most_exchanges_a_step"] > 0 &&
+         second["most_exchanges_a_step"] <= 20));
   CHECK_FALSE(second["time_spent"].get<std::string>().empty());
   const json fitted = json::parse(well(call(folder, {"fit", "1", "--held-out", "2", "--json"})).out);
   CHECK(fitted["schema"] == "tactbench.fit");
@@ -103,10 +104,7 @@ TEST_CASE("device faults end with 3, unproved safety with 7, and the frames stay
 TEST_CASE("a store of another build's schema, a foreign file and a missing store are refused with 5") {
   const TemporaryFolder folder;
   begin_bench(folder);
-  sqlite3* db = nullptr;
-  REQUIRE(sqlite3_open(folder.path("runs.db").c_str(), &db) == SQLITE_OK);
-  REQUIRE(sqlite3_exec(db, "PRAGMA user_version = 9999", nullptr, nullptr, nullptr) == SQLITE_OK);
-  sqlite3_close(db);
+  db::sqlite::Connection(folder.path("runs.db"), db::sqlite::Access::kReadWrite).execute("PRAGMA user_version = 9999");
   check_error(call(folder, small_run()), 5, "TB-STORE-OTHER-SCHEMA", true);
   check_error(call(folder, {"runs", "list"}), 5, "TB-STORE-OTHER-SCHEMA");
   write_file(folder.path("text.db"), std::string(5000, 'x'));
@@ -149,19 +147,5 @@ TEST_CASE("demo: the paper's characterization, and models that hold on runs they
   CHECK(result["judgement"]["overall"] == "fail");
   CHECK(result["judgement"]["decided_by"] == json::array({5}));
   CHECK_FALSE(result["on_purpose"].get<std::string>().empty());
-  sqlite3* db = nullptr;
-  REQUIRE(sqlite3_open(folder.path("runs.db").c_str(), &db) == SQLITE_OK);
-  const auto integer = [&](const char* sql) {
-    sqlite3_stmt* statement = nullptr;
-    REQUIRE(sqlite3_prepare_v2(db, sql, -1, &statement, nullptr) == SQLITE_OK);
-    REQUIRE(sqlite3_step(statement) == SQLITE_ROW);
-    const int value = sqlite3_column_int(statement, 0);
-    sqlite3_finalize(statement);
-    return value;
-  };
-  CHECK(integer("SELECT count(*) FROM v_frames WHERE run = 1") == 3310);
-  CHECK(integer("SELECT max(exchanges) FROM frames") <= 20);
   CHECK(result["model"] == "dynamic");
-  CHECK(integer("SELECT count(*) FROM fits WHERE run = 1 AND model = 'dynamic'") == 1);
-  sqlite3_close(db);
 }

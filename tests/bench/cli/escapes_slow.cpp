@@ -53,16 +53,15 @@ TEST_CASE("escape sequences in arguments and stored texts are printed visibly, n
   CHECK(terminal.run({"plan", "small.toml"}).code == 0);
   const std::vector<std::string> set = {"--set", "bench.location=\"a\\u001b[31m\"", "--set",
                                         "reference.serial=\"r\\u001b]0;t\\u0007\""};
-  std::vector<std::string> words = {"run", "small.toml", "--bench", "bench.toml", "--sensor",
-                                    evil,  "--operator", evil,      "--purpose",  evil};
-  words.insert(words.end(), set.begin(), set.end());
-  well(terminal.run(words));
-  words = {"devices", "check", "--bench", "bench.toml"};
-  words.insert(words.end(), set.begin(), set.end());
-  CHECK_THAT(terminal.run(words).out, Catch::Contains("r\\x1b]0;t\\x07"));
-  words = {"config", "show", "--origin", "--bench", "bench.toml"};
-  words.insert(words.end(), set.begin(), set.end());
-  CHECK_THAT(terminal.run(words).out, Catch::Contains("a\\x1b[31m"));
+  REQUIRE(terminal
+              .run(joined_words({"run", "small.toml", "--bench", "bench.toml", "--sensor", evil, "--operator", evil,
+                                 "--purpose", evil},
+                                set))
+              .code == 0);
+  CHECK_THAT(terminal.run(joined_words({"devices", "check", "--bench", "bench.toml"}, set)).out,
+             Catch::Contains("r\\x1b]0;t\\x07"));
+  CHECK_THAT(terminal.run(joined_words({"config", "show", "--origin", "--bench", "bench.toml"}, set)).out,
+             Catch::Contains("a\\x1b[31m"));
   CHECK(terminal.run({"runs", "note", "1", evil}).code == 0);
   CHECK(terminal.run({"runs", "void", "1", "--reason", evil, "--by", evil}).code == 0);
   Connection(terminal.folder.path("runs.db"), Access::kReadWrite)
@@ -96,9 +95,7 @@ TEST_CASE("escape sequences in refused input are printed visibly in the error") 
   CHECK(terminal.run({"plan", "bad.toml"}).code == 2);
   CHECK(terminal.run({"nightly", "bad.toml", "--list"}).code == 2);
   write_file(terminal.folder.path("columns.csv"), evil + "," + evil + "b\n1,2\n");
-  const Finished columns = terminal.run({"fit", "columns.csv"});
-  CHECK(columns.code == 2);
-  CHECK_THAT(columns.err, Catch::Contains("x\\x1b[31m"));
+  CHECK_THAT(well(terminal.run({"fit", "columns.csv"}), 2).err, Catch::Contains("x\\x1b[31m"));
   write_file(terminal.folder.path("wide.csv"), std::string(900'000, '\x1b') + ",b\n1,2\n");
   CHECK(terminal.run({"fit", "wide.csv"}).err.size() < 5000);
   write_file(terminal.folder.path("cell.csv"), "input,output\n1," + evil + "\n");

@@ -63,11 +63,8 @@ TEST_CASE("no verb overwrites a store, whatever its options") {
   std::filesystem::create_symlink("runs.db", folder.path("link"));
   for (const Words& verb : writing_verbs())
     for (const char* target : {"runs.db", "link"}) {
-      Words words = verb;
-      words.insert(words.end(), {target, "--replace"});
-      const Finished finished = call(folder, words);
-      INFO(verb[0] << " " << verb[1] << ": " << finished.err << finished.out);
-      check_refusal(finished, 2, "TB-FILE-STORE");
+      INFO(verb[0] << " " << verb[1]);
+      check_refusal(call(folder, joined_words(verb, {target, "--replace"})), 2, "TB-FILE-STORE");
       CHECK(read_file(folder.path("runs.db")) == before);
     }
   CHECK(std::filesystem::is_symlink(folder.path("link")));
@@ -87,10 +84,7 @@ TEST_CASE("a verb overwrites its own earlier output, and another file only on re
     INFO(verb[0] << " " << verb[1]);
     if (verb == Words{"report", "1", "--approve-by", "C. Chief", "-o"}) continue;  // once only
     const auto written = [&](bool replace) {
-      Words words = verb;
-      words.push_back("target");
-      if (replace) words.push_back("--replace");
-      return call(folder, words);
+      return call(folder, joined_words(verb, replace ? Words{"target", "--replace"} : Words{"target"}));
     };
     write_file(target, "dear diary\n");
     const Finished refused = written(false);

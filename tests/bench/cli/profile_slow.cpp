@@ -43,9 +43,7 @@ TEST_CASE("the environment's store precedes the file's, and a typed one both, wh
   const SetVariable db("TACTBENCH_DB", "environment.db");
   REQUIRE(call(folder, add).code == 0);
   CHECK(made("environment.db"));
-  std::vector<std::string> typed = add;
-  typed.insert(typed.end(), {"--db", "typed.db"});
-  REQUIRE(call(folder, typed).code == 0);
+  REQUIRE(call(folder, joined_words(add, {"--db", "typed.db"})).code == 0);
   CHECK(made("typed.db"));
   CHECK(!made("runs.db"));
   CHECK_THAT(call(folder, {"demo", "--help"}).out, Catch::Contains("runs.db") && !Catch::Contains("environment.db"));

@@ -19,10 +19,7 @@ void prepare_traced_run(const TemporaryFolder& folder) {
 }
 
 json report_json(const TemporaryFolder& folder, const std::vector<std::string>& words, int code) {
-  std::vector<std::string> all = {"report"};
-  all.insert(all.end(), words.begin(), words.end());
-  for (const char* word : {"--format", "json", "-o", "r.json"}) all.emplace_back(word);
-  well(call(folder, all), code);
+  well(call(folder, joined_words({"report", "--format", "json", "-o", "r.json"}, words)), code);
   return json::parse(read_file(folder.path("r.json")));
 }
 

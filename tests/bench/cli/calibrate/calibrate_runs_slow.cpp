@@ -72,9 +72,7 @@ TEST_CASE("calibrate: the document alone, of a sensor that is known, with limits
   const nlohmann::json document = nlohmann::json::parse(well(of.calibrate({"--json"}, "./only.toml")).out);
   CHECK(document.at("registered") == false);
   CHECK((document.at("run") == 1 && document.at("held_out") == 2));
-  CHECK(document.at("limits") == "of-a-test");
-  CHECK(document.at("origin") == "simulated");
-  CHECK(document.at("model") == "elam");
+  check_members(document, R"({"limits": "of-a-test", "origin": "simulated", "model": "elam"})");
   CHECK(document.at("verdicts").size() == 4);
   CHECK(document.at("judgement").is_object());
   CHECK(document.at("report").at("path") == "reports/run-1.html");

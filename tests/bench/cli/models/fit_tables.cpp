@@ -54,9 +54,7 @@ TEST_CASE("fit of a table: the models' numbers and scores in the order of their 
   const nlohmann::json told =
       of.told({"s.csv", "--fit", "full", "--model", "poly,monotone", "--input-unit", "psi", "--output-unit", "V"});
   CHECK(of.told({"t.csv"}).at("models").at(0).at("model") == "elam");  // where none is named
-  CHECK(told.at("schema") == "tactbench.fit");
-  CHECK(told.at("source") == "s.csv");
-  CHECK(told.at("origin") == "imported");
+  check_members(told, R"({"schema": "tactbench.fit", "source": "s.csv", "origin": "imported"})");
   CHECK((told.at("input_unit") == "psi" && told.at("output_unit") == "V"));
   CHECK(told.at("falling") == false);
   CHECK(told.at("fitted") == nlohmann::json{"full"});

@@ -63,9 +63,7 @@ TEST_CASE("fit words: the JSON of a fit") {
   fitted.evaluations.emplace_back();
   nlohmann::ordered_json json;
   add_fitted_json(fitted, json);
-  CHECK(json.at("run") == 3);
-  CHECK(json.at("taxels") == 16);
-  CHECK(json.at("fitted_taxels") == 2);
+  tests::check_members(json, R"({"run": 3, "taxels": 16, "fitted_taxels": 2})");
   CHECK(json.at("left_out").size() == 14);
   CHECK(json.at("left_out").at(0) ==
         nlohmann::ordered_json::parse(R"({"taxel": 2, "row": 0, "column": 2, "status": "dead"})"));

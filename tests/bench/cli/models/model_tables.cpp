@@ -88,9 +88,7 @@ TEST_CASE("a row of models as JSON: the shown taxel, its parameters and its scor
   CHECK(shown["parameters"][4]["at_bound"] == true);
   CHECK(shown["parameters"][3]["at_bound"] == false);
   const auto& score = row["scores"][0];
-  CHECK(score["on"] == "run 2");
-  CHECK(score["taxels"] == 2);
-  CHECK(score["full_scale"] == 2.0);
+  check_members(score, R"({"on": "run 2", "taxels": 2, "full_scale": 2.0})");
   CHECK(score["all"]["direct"]["mean"].get<double>() == Approx(0.05));
   CHECK(score["all"]["free_running"]["mean"].get<double>() == Approx(0.1));
   CHECK(score["all"]["free_running"]["max"] == 0.3);

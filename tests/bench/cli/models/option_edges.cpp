@@ -19,9 +19,7 @@ struct EdgesOfOption {
 // `words` fail for another reason than their form: a file that is not there, a server that is away.
 void check_edges(AddVerb add, const std::vector<std::string>& words, const std::vector<EdgesOfOption>& options) {
   const auto is_of_form = [&](const std::string& name, const std::string& value) {
-    std::vector<std::string> all = words;
-    all.insert(all.end(), {name, value});
-    const Finished finished = verb_here(add, all);
+    const Finished finished = verb_here(add, joined_words(words, {name, value}));
     CHECK(finished.code != 0);
     return !finished.err.starts_with("parse: ");
   };

@@ -47,9 +47,7 @@ TEST_CASE("nightly: its page, a line a scenario meanwhile, and no store that sta
   const Finished told = of.night({"--only", "whole", "--json"});
   CHECK(told.err.empty());
   const Told document = Told::parse(told.out);
-  CHECK(document.at("schema") == "tactbench.nightly");
-  CHECK(document.at("suite") == "small");
-  CHECK(document.at("red") == 0);
+  check_members(document, R"({"schema": "tactbench.nightly", "suite": "small", "red": 0})");
   CHECK(document.at("scenarios").size() == 1);
 }
 

@@ -58,9 +58,7 @@ TEST_CASE("report: the verdicts of a judged run, its judgement and its file, als
   CHECK(one.at("run") == 1);
   CHECK(one.at("runs") == Told::array({1}));
   CHECK(one.at("number") == number);
-  CHECK(one.at("path") == "reports/run-1.html");
-  CHECK(one.at("written") == true);
-  CHECK(one.at("origin") == "simulated");
+  check_members(one, R"({"path": "reports/run-1.html", "written": true, "origin": "simulated"})");
   CHECK(one.at("verdicts").size() == 8);
   CHECK(one.at("judgement").at("overall") == "inconclusive");
   CHECK_FALSE(one.contains("judgements"));
@@ -154,13 +152,11 @@ TEST_CASE("report: without a verdict a person at the terminal is asked whether t
 
 TEST_CASE("report: models and further runs that it cannot use") {
   const RunsToReport of;
-  of.refused({"9"}, "[TB-STORE-NOT-FOUND]");
+  for (const auto& words : std::vector<std::vector<std::string>>{
+           {"9"}, {"1", "--previous", "9"}, {"1", "--studies", "9"}, {"1", "9"}, {"1", "--model", "9"}})
+    of.refused(words, "[TB-STORE-NOT-FOUND]");
   of.refused({"1", "--held-out", "1"}, "[TB-RUN-OWN]\n  at: --held-out\n");
   of.refused({"2", "--model", "1", "--held-out", "2"}, "[TB-RUN-TWICE]\n  at: --held-out\n");
-  of.refused({"1", "--previous", "9"}, "[TB-STORE-NOT-FOUND]");
-  of.refused({"1", "--studies", "9"}, "[TB-STORE-NOT-FOUND]");
-  of.refused({"1", "9"}, "[TB-STORE-NOT-FOUND]");
-  of.refused({"1", "--model", "9"}, "[TB-STORE-NOT-FOUND]");
   check_refusal(of.report({"1", "4"}), 6, "TB-ANALYSIS-OTHER-SENSOR");
   of.refused({"1", "--lab", "none.toml"}, "none.toml");
   of.refused({"1", "--studies", "1"}, "\n  at: --studies 1\n");

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "bench/common/utc.h"
 #include "tests/bench/cli/verb_here.h"
 #include "tests/bench/run/stored_past.h"
 
@@ -102,19 +101,6 @@ TEST_CASE("plan names the levels of limits that no recipe measures, and their ne
   CHECK(here.plan({"two"}, given).code == 6);
   CHECK(here.json({"two"}, given).at("limits").at("levels_lacking") ==
         nlohmann::json::parse(R"([{"pressure_psi": 7.0, "nearest_psi": [5.0, 10.0]}])"));
-}
-
-TEST_CASE("plan warns of an instrument that is overdue, from the day after") {
-  const PlanFolder here;
-  const auto due = [&](const std::string& day) { return "reference.due=\"" + day + "\""; };
-  CHECK(here.plan({"two"}, {"--set", due("2020-01-31")}).code == 0);
-  CHECK(here.json({"two"}, {"--set", due("2020-01-31")}).at("instruments").at(0).at("overdue") == true);
-  const std::string tomorrow = bench::utc_days_ago(-1).substr(0, 10);
-  const Finished in_time = here.plan({"two"}, {"--set", due(tomorrow)});
-  CHECK(in_time.err.empty());
-  const nlohmann::json told = here.json({"two"}, {"--set", due(tomorrow)}).at("instruments").at(0);
-  CHECK(told.at("overdue") == false);
-  CHECK(told.at("due") == tomorrow);
 }
 
 TEST_CASE("plan lists parameters with their values, defaults and ranges") {

@@ -41,11 +41,8 @@ TEST_CASE("plan lists what is shipped, and refuses another name") {
   const TemporaryFolder folder;
   CHECK(call(folder, {"plan"}).code == 0);
   CHECK(json::parse(call(folder, {"plan", "--json"}).out)["recipes"].size() == 15);
-  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
-           {"plan", "produktion"},
-           {"run", "produktion", "--bench", "simulated.toml", "--sensor", "S", "--operator", "o"}}) {
-    CHECK(call(folder, words).code == 2);
-  }
+  CHECK(call(folder, {"plan", "produktion"}).code == 2);
+  CHECK(call(folder, {"run", "produktion", "--bench", "simulated.toml", "--sensor", "S", "--operator", "o"}).code == 2);
 }
 
 TEST_CASE("plan refuses at once a step that would use all memory") {

@@ -29,9 +29,7 @@ TEST_CASE("simulate: another process finds every instrument, watches them and ca
   const json row = json::parse(well(simulator.run({"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-1",
                                                    "--operator", "t", "-q", "--json"}))
                                    .out);
-  CHECK(row["frames"] == 5);
-  CHECK(row["origin"] == "simulated");
-  CHECK(row["safe_state"] == "verified");
+  check_members(row, R"({"frames": 5, "origin": "simulated", "safe_state": "verified"})");
 }
 
 TEST_CASE("simulate: a killed sequencer leaves a chamber that the module's own watchdog vents") {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/bench/cli/check_refusal.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::tests;
@@ -100,9 +101,7 @@ TEST_CASE("simulate: a bench file that names no host gets the one that is served
 TEST_CASE("simulate: as JSON, without a bench file, and what cannot be simulated") {
   const TemporaryFolder folder;
   const auto told = nlohmann::ordered_json::parse(call(folder, {"simulate", "--for", "0.1", "--json"}).out);
-  CHECK(told.at("schema") == "tactbench.simulate");
-  CHECK(told.at("rate") == 1.0);
-  CHECK(told.at("bench") == "");
+  check_members(told, R"({"schema": "tactbench.simulate", "rate": 1.0, "bench": ""})");
   REQUIRE(told.at("served").size() == 8);
   CHECK_THAT(told.at("served").at(4).at("where").get<std::string>(), Catch::StartsWith("/dev/"));
   const Finished hardware = call(folder, {"simulate", "--for", "0.1", "--bench", "paper-rig.example.toml"});

@@ -73,9 +73,7 @@ TEST_CASE("baseline accept: each subject has its own runs of a range") {
   CHECK(told.at("store") == store.path);
   REQUIRE(told.at("baselines").size() == 1);
   const nlohmann::json& one = told.at("baselines").at(0);
-  CHECK(one.at("baseline") == 4);
-  CHECK(one.at("subject") == "rig/a");
-  CHECK(one.at("counted") == 20);
+  check_members(one, R"({"baseline": 4, "subject": "rig/a", "counted": 20})");
   CHECK(one.at("runs").size() == 20);
   CHECK(one.at("runs").at(8) == 17);
   const auto listed = store.told<nlohmann::json>(bench::add_baseline, {"baseline", "list"});

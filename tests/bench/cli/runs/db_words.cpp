@@ -52,7 +52,7 @@ TEST_CASE("db migrate: a store of this program's schema stays as it is") {
   CHECK(told.at("backup") == "");
 }
 
-TEST_CASE("db: a store that is not there is not made") {
+TEST_CASE("db: a missing store is refused, and not made") {
   const TemporaryFolder folder;
   const std::string none = folder.path("none.db");
   check_refusal(verb_here(bench::add_db, {"db", "check", none}), 5, "TB-STORE-OPEN");

@@ -55,12 +55,8 @@ TEST_CASE("the frames of old nights are removed by a rule, and verify, report an
                                              {"fit", "1"},
                                              {"runs", "export", "1", "-o", "r.csv"},
                                              {"runs", "export", "1", "--format", "json", "-o", "r.json"}}) {
-    std::vector<std::string> all = words;
-    all.insert(all.end(), {"--db", "night.db"});
-    const Finished refused = call(folder, all);
-    CAPTURE(words.front(), refused.err);
-    CHECK(refused.code == 2);
-    CHECK_THAT(refused.err, Catch::Contains("TB-STORE-PRUNED"));
+    INFO(words.front());
+    check_refusal(call(folder, joined_words(words, {"--db", "night.db"})), 2, "TB-STORE-PRUNED");
   }
   CHECK(call(folder, {"db", "check", "--db", "night.db"}).code == 0);
   // The next night is still compared, frame by frame, with one whose frames are gone.

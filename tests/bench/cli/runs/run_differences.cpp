@@ -105,9 +105,7 @@ TEST_CASE("runs diff: each value of a frame is compared") {
   for (std::size_t i = 0; i < changes.size(); ++i) {
     INFO(i);
     const nlohmann::json told = runs.told(first, runs.add_frame(changes[i]));
-    CHECK(told.at("same_content") == false);
-    CHECK(told.at("frames_equal") == 0);
-    CHECK(told.at("first_frame") == 1);
+    check_members(told, R"({"same_content": false, "frames_equal": 0, "first_frame": 1})");
   }
   const std::int64_t gap = runs.add_frame([](db::FrameRecord& f) { f.feedback_psi = NAN; });
   const std::int64_t gap_too = runs.add_frame([](db::FrameRecord& f) { f.feedback_psi = NAN; });

@@ -62,8 +62,6 @@ TEST_CASE("sensors add: the sensor is stored with its type file and when it came
   CHECK(sensor->note == "from lot A7");
   CHECK(sensor->added_utc > "2026");
   const Told told = Told::parse(store.sensors({"add", "S-8", "--type", type, "--json"}).out);
-  CHECK(told.at("schema") == "tactbench.sensors.add");
-  CHECK(told.at("serial") == "S-8");
-  CHECK(told.at("scanner") == "");
+  check_members(told, R"({"schema": "tactbench.sensors.add", "serial": "S-8", "scanner": ""})");
   CHECK(store.sensors({"add", "S-7", "--type", store.folder.path("none.toml")}).code == 2);
 }

@@ -1,5 +1,4 @@
 // The store's verbs as a person uses them: verify, db check, snapshot, migrate, runs tag, note, void, list.
-#include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -36,9 +35,7 @@ TEST_CASE("verify recomputes content, models and verdicts, and names what was ch
   CHECK(verified["holds"] == true);
   CHECK(verified["content"]["computed_sha256"] == verified["content"]["stored_sha256"]);
   REQUIRE(verified["analysis"].size() == 1);
-  CHECK(verified["analysis"][0]["what"] == "verdicts");
-  CHECK(verified["analysis"][0]["recomputed"] == true);
-  CHECK(verified["analysis"][0]["fit_run"] == 1);
+  check_members(verified["analysis"][0], R"({"what": "verdicts", "recomputed": true, "fit_run": 1})");
 
   const auto first_difference = [&](const std::string& run) {
     return json::parse(call(folder, {"verify", run, "--json"}).out)["first_difference"].get<std::string>();
@@ -77,9 +74,7 @@ TEST_CASE("verify and db check report deleted verdicts, fits and approvals with 
   REQUIRE(call(folder, {"report", "1", "--approve-by", "C. Chief"}).code == 0);
   CHECK(call(folder, {"db", "check"}).code == 0);
   change(folder, "DELETE FROM verdicts; DELETE FROM reports");
-  const Finished second = call(folder, {"verify", "2"});
-  CHECK(second.code == 5);
-  CHECK_THAT(second.out, Catch::Contains("NOT verified"));
+  CHECK(call(folder, {"verify", "2"}).code == 5);
   CHECK(call(folder, {"db", "check"}).code == 5);
   const json document = json::parse(call(folder, {"db", "check", "--json"}).out);
   CHECK(document["runs"][1]["holds"] == false);
@@ -171,11 +166,7 @@ TEST_CASE("runs are compared, and copied into another store") {
   const TemporaryFolder folder;
   prepare_store(folder);
   CHECK(call(folder, {"runs", "diff", "1", "1"}).code == 0);
-  const json differ = json::parse(well(call(folder, {"runs", "diff", "1", "2", "--json"}), 1).out);
-  CHECK((differ["same_content"] == false && differ["first_frame"] == 1));
-  CHECK(std::ranges::any_of(differ["differences"], [](const json& one) {
-    return one["what"] == "seed" && one["first"] == "1" && one["second"] == "2";
-  }));
+  CHECK(call(folder, {"runs", "diff", "1", "2"}).code == 1);
   check_refusal(call(folder, {"runs", "export", "1", "--format", "xml", "-o", "x"}), 2, "TB-USAGE");
   check_refusal(call(folder, {"runs", "export", "9", "-o", "x"}), 2, "TB-STORE-NOT-FOUND");
   well(call(folder, {"runs", "copy", "2", "1", "--to", "archive.db"}));

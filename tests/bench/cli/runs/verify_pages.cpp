@@ -26,9 +26,7 @@ TEST_CASE("verify: a stored run holds") {
   const StoreToVerify store;
   CHECK(store.verify().code == 0);
   const nlohmann::json told = store.told_of_it();
-  CHECK(told.at("run") == 1);
-  CHECK(told.at("origin") == "simulated");
-  CHECK(told.at("holds") == true);
+  check_members(told, R"({"run": 1, "origin": "simulated", "holds": true})");
   CHECK(told.at("pruned").is_null());
   CHECK(told.at("first_difference") == "");
   CHECK(told.at("content") ==
@@ -43,9 +41,7 @@ TEST_CASE("verify: changed content is 5, and so is a changed approval, with the 
   StoreToVerify store;
   store.store.add_report({1, "1-a", "h", "K. Lee", kUtc, "", ""});
   store.change("UPDATE reports SET approved_by = 'B'");
-  const Finished approval = store.verify();
-  CHECK(approval.code == 5);
-  CHECK_THAT(approval.out, Catch::Contains("NOT verified"));
+  CHECK(store.verify().code == 5);
   CHECK(store.told_of_it().at("beside").size() == 1);
   store.change("UPDATE frames SET status = 9 WHERE frame = (SELECT min(frame) FROM frames)");
   CHECK(store.verify().code == 5);
