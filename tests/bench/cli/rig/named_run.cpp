@@ -43,7 +43,7 @@ SilentBench silent_bench(std::int64_t run, bool stranger, bool with_process) {
 
 // The identifier of what `choose` refuses; "taken" where it refuses nothing.
 template <class Choose>
-std::string refusal_of(const Choose& choose) {
+std::string named_run_refusal(const Choose& choose) {
   const auto error = tests::refusal_by(choose);
   if (!error) return "taken";
   CHECK(error->code() == ExitCode::kUsage);
@@ -69,11 +69,11 @@ TEST_CASE("named run: the one run that answers is meant, and beside silent bench
   CHECK(only_one(found, unnamed, "panic", true).status.run == 7);
   found.silent = {silent_bench(9, false, false)};
   for (const NamedRun& named : {unnamed, by_number})
-    CHECK(refusal_of([&] { (void)only_one(found, named, "stop", false); }) == "TB-RUN-AMBIGUOUS");
+    CHECK(named_run_refusal([&] { (void)only_one(found, named, "stop", false); }) == "TB-RUN-AMBIGUOUS");
   found.silent.clear();
   found.runs.push_back(live_run(8, "b-3"));
   for (const bool urgent : {false, true})
-    CHECK(refusal_of([&] { (void)only_one(found, by_bench, "pause", urgent); }) == "TB-RUN-AMBIGUOUS");
+    CHECK(named_run_refusal([&] { (void)only_one(found, by_bench, "pause", urgent); }) == "TB-RUN-AMBIGUOUS");
 }
 
 TEST_CASE("named run: what does not answer is told before that nothing is live") {
@@ -81,12 +81,12 @@ TEST_CASE("named run: what does not answer is told before that nothing is live")
   NamedRun by_number;
   by_number.run = 12;
   Candidates found;
-  CHECK(refusal_of([&] { (void)only_one(found, unnamed, "stop", false); }) == "TB-RUN-NOT-LIVE");
+  CHECK(named_run_refusal([&] { (void)only_one(found, unnamed, "stop", false); }) == "TB-RUN-NOT-LIVE");
   found.others = {live_run(7, "b-1")};
-  CHECK(refusal_of([&] { (void)only_one(found, by_number, "stop", false); }) == "TB-RUN-NOT-LIVE");
+  CHECK(named_run_refusal([&] { (void)only_one(found, by_number, "stop", false); }) == "TB-RUN-NOT-LIVE");
   found.silent = {silent_bench(9, false, true), silent_bench(0, false, false)};
-  CHECK(refusal_of([&] { (void)only_one(found, by_number, "stop", true); }) == "TB-RUN-SILENT");
-  const std::string stranger = refusal_of([&] { refuse_silent({silent_bench(9, true, true)}); });
+  CHECK(named_run_refusal([&] { (void)only_one(found, by_number, "stop", true); }) == "TB-RUN-SILENT");
+  const std::string stranger = named_run_refusal([&] { refuse_silent({silent_bench(9, true, true)}); });
   if (::geteuid() == 0) {
     CHECK(stranger == "TB-RUN-SILENT");
   } else {
