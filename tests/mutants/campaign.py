@@ -119,12 +119,12 @@ def table(results):
     return "\n".join(lines)
 
 
-def write_table(path, text, begin=BEGIN, end=END):
+def write_table(path, text):
     """Between the two marks of a file that has them, else as the whole file."""
     before = path.read_text() if path.exists() else ""
-    if begin in before and end in before:
-        head, rest = before.split(begin, 1)
-        text = f"{head}{begin}\n{text}\n{end}{rest.split(end, 1)[1]}"
+    if BEGIN in before and END in before:
+        head, rest = before.split(BEGIN, 1)
+        text = f"{head}{BEGIN}\n{text}\n{END}{rest.split(END, 1)[1]}"
     else:
         text += "\n"
     path.write_text(text)
