@@ -49,8 +49,6 @@ set(may_be_heavy
   devices/force/ati_matrix.h      # the matrices of a calibration; two drivers, their simulated ends and tests
   devices/force/daq_ft.h          # keeps such a matrix; bench/rig/rig.cpp and its test
   devices/force/digital_ft.h      # likewise
-  tests/analysis/support/gpi_reference.h  # the tests of GPI's search
-  tests/devices/force/scripted_digital.h  # the tests of that driver
   sequences/toml/strict_toml_view.h)   # what strict_toml*.cpp share
 
 # All that bench/config/config.h may reach: option structs and what they are made of. No driver, no plant, no statistics.
@@ -132,7 +130,7 @@ endif()
 
 # A header that includes a heavy one is heavy.
 set(headers "")
-foreach(room devices db sequences analysis bench tests)
+foreach(room devices db sequences analysis bench)
   file(GLOB_RECURSE files RELATIVE ${root} ${root}/${room}/*.h)
   list(APPEND headers ${files})
 endforeach()

@@ -114,7 +114,7 @@ TEST_CASE("follow: a follower that reads nothing delays nobody, and finds little
   CHECK(unread < 40);  // of about 60 that were told, and of any number in an hour
 }
 
-TEST_CASE("follow: sixteen may follow, the next is told so until one leaves; who reads nothing holds up no sequencer") {
+TEST_CASE("follow: sixteen may follow, the next is told so until one leaves, who reads nothing holds up no sequencer") {
   Answering run("followed");
   std::vector<std::unique_ptr<RunConnection>> followers;
   for (int i = 0; i < 16; ++i) {
