@@ -100,7 +100,7 @@ TEST_CASE("samples of a fit by hand: outputs are taken of the same inputs and br
   const auto refused = [&](const auto& change) {
     FitData data = up_and_down();
     change(data);
-    return why_invalid([&] { REQUIRE(samples.outputs(data).size() == 8); });
+    return why_invalid([&] { (void)samples.outputs(data); });
   };
   CHECK(refused([](FitData& d) { d.histories[0].y[1] = 7.0; }).empty());
   CHECK_FALSE(refused([](FitData& d) { d.histories.pop_back(); }).empty());

@@ -45,7 +45,7 @@ TEST_CASE(
   CHECK(planned["instruments"][0]["overdue"] == true);
   CHECK(planned["instruments"][4]["role"] == "force sensor");
   run_recipe(folder, "small.toml", overdue);
-  CHECK_THAT(call(folder, {"runs", "show", "1"}).out, Catch::Contains("[TB-CALIBRATION]"));
+  CHECK_THAT(call(folder, {"runs", "show", "1"}).out, Catch::Contains("TB-CALIBRATION"));
 
   run_recipe(folder, "small.toml", overdue);
   CHECK(call(folder, {"fit", "1", "--held-out", "2", "--limits", "far.toml"}).code == 6);
@@ -83,7 +83,7 @@ TEST_CASE(
   CHECK(reference["overdue"] == true);
   CHECK(device["remarks"].size() == 1);
   REQUIRE(call(folder, {"report", "1", "--lab", "lab.toml"}).code == 6);
-  CHECK_THAT(read_file(folder.path("reports/run-1.html")), Catch::Contains("[TB-30123-26]"));
+  CHECK_THAT(read_file(folder.path("reports/run-1.html")), Catch::Contains("PTB-30123-26"));
   // fit sees the same dates, and what it found is kept.
   CHECK(call(folder, {"fit", "1", "--held-out", "2", "--limits", "far.toml", "--lab", "lab.toml"}).code == 6);
   CHECK(report_json(folder, {"1"}, 6)["results"]["verdicts"][0]["verdict"] == "inconclusive");

@@ -331,7 +331,7 @@ TEST_CASE("guard: a refusal names what was asked for and the numbers that refuse
 }
 
 TEST_CASE(
-    "guard limits: a reading ages with the clock, no slower than in real time; axes and force are those of the bench") {
+    "guard limits: a reading ages with the clock, no slower than in real time, axes and force are those of the bench") {
   BenchConfig config;
   config.limits.stale_s = 0.8;
   config.limits.command_psi = 55.0;

@@ -93,10 +93,10 @@ TEST_CASE("budget runs: more than a day apart is another day, before or after, i
     const char* utc;
     const char* days;  // null: the same state
   };
-  for (const Row& row : {Row{"2026-03-01T00:00:00Z", nullptr}, Row{"2026-03-02T00:00:00Z", nullptr},
-                         Row{"2026-02-28T00:00:00Z", nullptr}, Row{"2026-03-02T00:00:01Z", " 1 "},
-                         Row{"2026-02-27T23:59:59Z", " 1 "}, Row{"2026-03-02T12:00:01Z", " 2 "},
-                         Row{"2026-03-11T00:00:00Z", " 10 "}}) {
+  for (const Row& row :
+       {Row{"2026-03-01T00:00:00Z", nullptr}, Row{"2026-03-02T00:00:00Z", nullptr},
+        Row{"2026-02-28T00:00:00Z", nullptr}, Row{"2026-03-02T00:00:01Z", " 1 "}, Row{"2026-02-27T23:59:59Z", " 1 "},
+        Row{"2026-03-02T12:00:01Z", " 2 "}, Row{"2026-03-11T00:00:00Z", " 10 "}}) {
     FilmRun other = film_at(row.utc);
     other.origin = "hardware";
     const bench::StateChange change = made.change(other);

@@ -145,7 +145,8 @@ TEST_CASE("noted conditions: an undated reference, and one that was overdue, are
   CHECK_THAT(made.notes({good, second}).overdue, Catch::EndsWith("2021-01-31"));
 }
 
-TEST_CASE("noted conditions: dwell as it was set, the mean of the repeats', and of a changed recipe as the frames say") {
+TEST_CASE(
+    "noted conditions: dwell as it was set, the mean of the repeats', and of a changed recipe as the frames say") {
   NotedRuns made;
   (void)made.add();
   const auto dwells = [&](std::int64_t run) {

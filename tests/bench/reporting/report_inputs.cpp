@@ -135,4 +135,3 @@ TEST_CASE("charted of a sensor: figures of the models that stand for a run, unde
   bench::follow_fit(made.store, runs, dynamic, {});
   CHECK(made.store.figures_of(1, "sensor/S-1/up") == figures);
 }
-

@@ -217,4 +217,3 @@ TEST_CASE("void runs, a run's own models and a run named twice are refused where
   REQUIRE(bench.call({"fit", "7", "--held-out", "8", "--limits", "limits-a.toml"}).code == 0);
   REQUIRE(bench.call({"report", "--batch", "4", "5", "7", "8", "-o", "batch.html"}).code == 1);
 }
-

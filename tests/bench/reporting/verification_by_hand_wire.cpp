@@ -19,8 +19,8 @@ TEST_CASE("verified by hand: fits follow from their run, to the bit") {
   analysis::FitOptions outer;
   outer.identify.exact_outer = true;
   (void)made.fitted(1, outer);
-  CHECK(made.verified(1) == VerifiedLines{"1 of 1, elam, 3: holds", "2 of 1, monotone, 3: holds",
-                                          "3 of 1, elam, exact outer, 3: holds"});
+  CHECK(made.verified(1) ==
+        VerifiedLines{"1 of 1, elam, 3: holds", "2 of 1, monotone, 3: holds", "3 of 1, elam, exact outer, 3: holds"});
   const bool modified = bench::this_build().find("modified") != std::string::npos;
   for (const bench::VerifiedResult& result : made.results(1)) CHECK(result.compared.starts_with("1e-12") == modified);
 }

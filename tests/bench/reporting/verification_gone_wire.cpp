@@ -75,8 +75,7 @@ TEST_CASE("verified by hand: a dynamic model rests on the runs of its lag and cr
   };
   for (const Row& row : {Row{77, none, false, {"lag", "run 77", "000000000000"}},
                          Row{78, none, true, {"creep", "run 78", "000000000000"}},
-                         Row{77, third, false, {"lag", "run 3"}},
-                         Row{3, "", true, {"creep", "run 3"}}}) {
+                         Row{77, third, false, {"lag", "run 3"}}, Row{3, "", true, {"creep", "run 3"}}}) {
     const bench::VerifiedResult result = verified_with(row.run, row.content, row.creep);
     INFO(result.compared);
     CHECK((result.what == "dynamic" && !result.recomputed && result.difference.empty()));

@@ -81,7 +81,7 @@ TEST_CASE("fit of runs: several models beside each other, with figures where the
   REQUIRE(told.at("models").size() == 2);
   for (std::size_t i = 0; i < 2; ++i) {
     const nlohmann::json& model = told.at("models").at(i);
-    CHECK(model.at("fit") == 5 + i);
+    CHECK(model.at("fit") == 3 + i);
     CHECK(model.at("figures").at("evaluations").size() == 2);
     CHECK(model.at("figures").at("model") == (i == 0 ? "mpi" : "poly"));
     REQUIRE(model.at("scores").size() == 2);

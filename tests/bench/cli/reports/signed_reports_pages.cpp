@@ -83,8 +83,8 @@ TEST_CASE("reports verify: a file that is unchanged, changed, of another time, o
   const auto states = [&](const std::string& named) {
     const Finished verified = store.reports({"verify", named, "--json"});
     std::string text = std::to_string(verified.code);
-    for (const auto& file : nlohmann::json::parse(verified.out).at("files"))
-      text += " " + file.at("state").get<std::string>();
+    const nlohmann::json told = nlohmann::json::parse(verified.out);
+    for (const auto& file : told.at("files")) text += " " + file.at("state").get<std::string>();
     return text;
   };
   CHECK(store.reports({"verify", "1-0000000a"}).code == 6);
