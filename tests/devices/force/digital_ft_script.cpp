@@ -215,7 +215,7 @@ TEST_CASE("Digital F/T line: short, damaged, refused and foreign replies are dis
   check_opened([](Bytes answer) { return Bytes(answer.begin(), answer.begin() + 4); }, late, "4 of 255");
   check_opened([](const Bytes&) { return Bytes{kUnit, 0x83, 2, 0}; }, late, "4 of 255");
   check_opened([](const Bytes&) { return Bytes(); }, late, "0 of 255");
-  for (const std::uint8_t exception : {1, 2, 4}) {
+  for (const std::uint8_t exception : {std::uint8_t{1}, std::uint8_t{2}, std::uint8_t{4}}) {
     const Bytes refusal = rtu_frame(Bytes{kUnit, 0x83, exception});
     check_opened([&](const Bytes&) { return refusal; }, wrong, "exception " + std::to_string(exception));
   }

@@ -67,14 +67,14 @@ std::vector<int> counts_asked(const std::function<void(const ModbusEndpoint& lin
 }  // namespace
 
 TEST_CASE("over RTU readings of values and spare registers alternate as far as the map goes") {
-  using Counts = std::vector<int>;
+  using AskedCounts = std::vector<int>;
   TurnedClock clock;
   for (const int spare : {0, 1, 2}) {
     CHECK(counts_asked([&](const ModbusEndpoint& line) {
             ModbusLink link(line, "gauge", clock);
             for (const int function : {3, 4, 3, 4})
               CHECK(read_quantity(link, {function, 0, spare, {RegisterType::kU16, false}, {0, 1, 0, 1}}).value == 5.0);
-          }) == (spare == 0 ? Counts{1, 1, 1, 1} : Counts{1, 2, 1, 2}));
+          }) == (spare == 0 ? AskedCounts{1, 1, 1, 1} : AskedCounts{1, 2, 1, 2}));
     for (const int function : {3, 4}) {
       ModuleProfile profile;
       profile.inputs.function = function;
@@ -86,7 +86,7 @@ TEST_CASE("over RTU readings of values and spare registers alternate as far as t
                 module.forget_image();
                 module.refresh();
               }
-            }) == (spare == 0 ? Counts{2, 2, 2} : Counts{2, 3, 2}));
+            }) == (spare == 0 ? AskedCounts{2, 2, 2} : AskedCounts{2, 3, 2}));
     }
   }
 }
