@@ -16,7 +16,7 @@
 #include "tests/devices/test_chamber.h"
 
 using namespace tactbench::devices;
-using Octets = std::vector<std::uint8_t>;
+using Bytes = std::vector<std::uint8_t>;
 
 namespace {
 
@@ -196,8 +196,8 @@ TEST_CASE("Digital F/T: texts fill their fields and no more, and each number of 
     CHECK(refused([&](DigitalCalibration& c) { c.force_unit = static_cast<decltype(c.force_unit)>(unit); }));
   CHECK(refused([](DigitalCalibration& c) { c.torque_unit = 2; }));
   // A frame is a body and two bytes of check sum.
-  CHECK(rtu_frame_is_whole(rtu_frame(Octets{1, 2})));
-  CHECK_FALSE(rtu_frame_is_whole(rtu_frame(Octets{1})));
+  CHECK(rtu_frame_is_whole(rtu_frame(Bytes{1, 2})));
+  CHECK_FALSE(rtu_frame_is_whole(rtu_frame(Bytes{1})));
 }
 
 TEST_CASE("Net F/T page: 262144 bytes, ranges below a thousand million, and no element without a text") {
@@ -225,17 +225,17 @@ TEST_CASE("Net F/T page: 262144 bytes, ranges below a thousand million, and no e
 }
 
 TEST_CASE("Digital F/T: the start frame and Modbus frames are the published bytes") {
-  CHECK(digital_start_stream(10) == Octets{0x0A, 0x46, 0x55, 0xA3, 0x9D});
+  CHECK(digital_start_stream(10) == Bytes{0x0A, 0x46, 0x55, 0xA3, 0x9D});
   // The example of the Modbus specification's annex on RTU reads: unit 17, registers 0x6B to 0x6D.
-  CHECK(rtu_read_holding(0x11, 0x006B, 3) == Octets{0x11, 0x03, 0x00, 0x6B, 0x00, 0x03, 0x76, 0x87});
-  CHECK(rtu_frame_is_whole(Octets{0x11, 0x03, 0x00, 0x6B, 0x00, 0x03, 0x76, 0x87}));
-  CHECK_FALSE(rtu_frame_is_whole(Octets{0x11, 0x03, 0x00, 0x6B, 0x00, 0x02, 0x76, 0x87}));
-  CHECK_FALSE(rtu_frame_is_whole(Octets{0xFF, 0xFF}));
+  CHECK(rtu_read_holding(0x11, 0x006B, 3) == Bytes{0x11, 0x03, 0x00, 0x6B, 0x00, 0x03, 0x76, 0x87});
+  CHECK(rtu_frame_is_whole(Bytes{0x11, 0x03, 0x00, 0x6B, 0x00, 0x03, 0x76, 0x87}));
+  CHECK_FALSE(rtu_frame_is_whole(Bytes{0x11, 0x03, 0x00, 0x6B, 0x00, 0x02, 0x76, 0x87}));
+  CHECK_FALSE(rtu_frame_is_whole(Bytes{0xFF, 0xFF}));
 }
 
 TEST_CASE("Digital F/T: a sample's bytes, gauge order and sum") {
-  const auto decoded = [](const Octets& bytes) { return decode_digital_sample(bytes); };
-  Octets bytes{0x00, 0x01, 0xFF, 0xFE, 0x7F, 0xFF, 0x01, 0x00, 0x80, 0x00, 0x00, 0x05, 0x02};
+  const auto decoded = [](const Bytes& bytes) { return decode_digital_sample(bytes); };
+  Bytes bytes{0x00, 0x01, 0xFF, 0xFE, 0x7F, 0xFF, 0x01, 0x00, 0x80, 0x00, 0x00, 0x05, 0x02};
   // 1 + 0xFF + 0xFE + 0x7F + 0xFF + 1 + 0x80 + 5 = 0x502
   DigitalSample sample{{1, 256, -2, -32768, 32767, 5}, false};
   const auto encoded = [](const DigitalSample& one) { return encode(one); };

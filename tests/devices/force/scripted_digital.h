@@ -15,10 +15,11 @@
 #include "devices/force/digital_ft.h"
 #include "tests/devices/force/invented_digital.h"
 
+using Bytes = std::vector<std::uint8_t>;
+
 namespace tactbench::tests {
 
 using namespace devices;
-using Bytes = std::vector<std::uint8_t>;
 
 inline constexpr std::uint8_t kUnit = 10;
 
