@@ -60,7 +60,12 @@ TEST_CASE("RDT: every bit of the status is an error, but the tripped monitor's a
     const std::uint32_t status = 1U << bit;
     CHECK(rdt_status_is_error(status) == (bit != 16));  // the summary alone is an error that no bit names
     CHECK(rdt_status_is_error(status | 0x80010000U) == (bit != 16 && bit != 31));
+    CHECK((rdt_status_text(status) != "bit " + std::to_string(bit)) ==
+          (bit != 0 && bit != 15));  // these two are reserved
   }
+  CHECK(rdt_status_text(0x00008001) == "bit 15, bit 0");
+  CHECK(rdt_status_text(0x00000020) == "supply low");
+  CHECK(rdt_status_text(0x00000040) == "supply high");
 }
 
 TEST_CASE("RDT: each command has its number, and numbers beside them are none") {

@@ -199,3 +199,20 @@ TEST_CASE("a position converts to microsteps and back within half a microstep, n
   CHECK(whole.microsteps(Millimetres(8388607.0)) == 8388607);
   CHECK(whole.microsteps(Millimetres(-8388608.0)) == -8388608);
 }
+
+TEST_CASE("the Zaber commands and errors that have a name are those of the manual of firmware 5") {
+  const std::set<int> commands{0,  1,  2,  8,  9,  10, 16, 17, 18, 20, 21, 22, 23, 35, 36, 37, 38, 39,
+                               40, 41, 42, 43, 44, 45, 46, 47, 48, 49, 50, 51, 52, 53, 54, 55, 60, 255};
+  for (int number = 0; number < 256; ++number) {
+    CAPTURE(number);
+    CHECK((name(static_cast<ZaberCommand>(number)) != "command " + std::to_string(number)) ==
+          commands.contains(number));
+  }
+  const std::set<int> errors{1,    2,    14,   15,   18,   20,   21,   22,   36,   37,   38,   39,   40,   41,
+                             42,   43,   44,   45,   46,   47,   48,   49,   50,   53,   64,   255,  1600, 1601,
+                             1700, 1800, 1801, 2146, 3600, 4001, 4002, 4008, 4010, 4011, 4012, 4013, 4014, 4015};
+  for (int code = 0; code < 5000; ++code) {
+    CAPTURE(code);
+    CHECK(zaber_error_text(code).starts_with("error " + std::to_string(code) + ": ") == errors.contains(code));
+  }
+}
