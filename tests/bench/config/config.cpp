@@ -25,11 +25,13 @@ namespace {
 
 const std::string kBench = find_config("simulated.toml");
 
-void refused(const sequences::Override& change) {
+// `place`: what the error points at, where that is not the key that was changed.
+void refused(const sequences::Override& change, const std::string& place = {}) {
   INFO(change.key << " = " << change.value);
   const tests::Refusal refusal = tests::file_refusal([&] { (void)read_bench(kBench, {change}); });
   CHECK(refusal.id.starts_with("TB-"));
-  CHECK_FALSE(refusal.where.empty());
+  CHECK(refusal.id != "TB-FILE-KEY");  // the key is known, its value is not taken
+  CHECK_THAT(refusal.where, Catch::Contains(place.empty() ? change.key : place));
   CHECK_FALSE(refusal.remedy.empty());
 }
 
@@ -75,22 +77,22 @@ TEST_CASE("bad bench values are refused with place and remedy") {
   refused({"reference.channel", "0"});
   refused({"bench.id", "\" \""});
   refused({"bench.origin", "real"});
-  refused({"bench.origin", "hardware"});
+  refused({"bench.origin", "hardware"}, "simulation");
   refused({"regulator.span_v", "[10, 0]"});
   refused({"settling.trace_s", "1e-9"});
-  refused({"module.profile", "beckhof"});
-  refused({"module.profile", std::string(300, 'a')});
-  refused({"module.profile", "\".\""});
+  refused({"module.profile", "beckhof"}, "[module] profile");
+  refused({"module.profile", std::string(300, 'a')}, "[module] profile");
+  refused({"module.profile", "\".\""}, "[module] profile");
   refused({"scanner.kind", "daqmx"});
   refused({"scanner.kind", "camera"});
   refused({"stage.x.device_id", "7"});
-  refused({"stage.z.low_mm", "60"});
+  refused({"stage.z.low_mm", "60"}, "stage.z.high_mm");
   refused({"force.kind", "daq"});
   refused({"bench.simulator", "somewhere"});
   refused({"environment.sensor", "[{quantity = 'humidity', address = 1}]"});
 }
 
-TEST_CASE("dates are refused unless they are dates, with place and form") {
+TEST_CASE("dates are refused unless they are dates, each at its key") {
   for (const char* table : {"reference", "force", "stage"}) {
     for (const char* key : {"due", "calibrated"}) {
       const std::string dotted = fmt::format("{}.{}", table, key);
@@ -125,7 +127,9 @@ TEST_CASE("force sensor and stage take certificate, dates and U, and config show
     for (const char* key : {"certificate", "calibrated", "due"}) CHECK(keys.contains(fmt::format("{}.{}", table, key)));
   CHECK(keys.contains("force.expanded_uncertainty_n"));
   CHECK(keys.contains("stage.expanded_uncertainty_mm"));
-  refused({"force.expanded_uncertainty_psi", "0.1"});
+  CHECK(tests::file_refusal([] {
+          (void)read_bench(kBench, {{"force.expanded_uncertainty_psi", "0.1"}});
+        }).id == "TB-FILE-KEY");
 }
 
 TEST_CASE("a bench that drives hardware is refused until it is filled in, a simulated one is only named") {
