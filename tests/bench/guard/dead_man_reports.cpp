@@ -35,7 +35,7 @@ TEST_CASE("dead-man's answers: an answer overdue beyond its time makes it silent
   CHECK(lost_id(reports) == "");
   reports.judge(seconds(40.4) + devices::Nanoseconds(1));
   REQUIRE(lost_id(reports) == "TB-DEADMAN-SILENT");
-  CHECK_THAT(reports.lost()->what, Catch::Contains("0.40 s") && Catch::Contains("0.4 s"));
+  CHECK_THAT(reports.lost()->what, Catch::Contains(" 0.40 s") && Catch::Contains(" 0.4 s"));
   reports.heard("fed");
   CHECK(lost_id(reports) == "TB-DEADMAN-SILENT");
   CHECK_FALSE(reports.fired());

@@ -63,6 +63,10 @@ TEST_CASE("whole run: warmed up, seated, conditioned, suspended, broken and comp
   REQUIRE(run.branches.size() == 5);
   CHECK_THAT(run.branches[0].void_reason, Catch::StartsWith("suspended") && Catch::Contains("supply_bar"));
   CHECK_THAT(run.branches[1].void_reason, Catch::StartsWith("TB-BRANCH-BROKEN"));
+  CHECK(std::ranges::any_of(run.told, [](const bench::RunStatus& status) {
+    return status.phase.find("branch 1 of repeat 1: conditioning") !=
+           std::string::npos;  // the way back names its branch
+  }));
   CHECK((run.branches[2].attempt == 2 && run.branches[2].from_psi == 0.0 && run.branches[2].to_psi == 6.0));
   check_settled(run, 2.0);
   std::vector<double> levels;
