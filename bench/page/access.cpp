@@ -1,5 +1,6 @@
 #include "bench/page/access.h"
 
+#include <fmt/format.h>
 #include <openssl/crypto.h>
 #include <openssl/rand.h>
 
@@ -24,14 +25,28 @@ std::string token_of(const HttpRequest& request) {
 }
 
 bool is_own_origin(const std::string& origin, const PageAccess& access) {
-  return std::ranges::any_of(access.hosts,
-                             [&](const std::string& host) { return origin == access.scheme + "://" + host; });
+  return std::ranges::any_of(
+      access.hosts, [&](const std::string& host) { return lower_case(origin) == access.scheme + "://" + host; });
 }
 
 }  // namespace
 
 bool may_command(const HttpRequest& request, const PageAccess& access) {
   return !access.command_token.empty() && equal(token_of(request), access.command_token);
+}
+
+bool may_read(const HttpRequest& request, const PageAccess& access) {
+  return equal(token_of(request), access.read_token) || may_command(request, access);
+}
+
+std::vector<std::string> hosts_of(const std::vector<std::string>& names, std::uint16_t port,
+                                  const std::string& scheme) {
+  std::vector<std::string> hosts;
+  for (const std::string& name : names) {
+    hosts.push_back(lower_case(fmt::format("{}:{}", name, port)));
+    if (port == (scheme == "https" ? 443 : 80)) hosts.push_back(lower_case(name));
+  }
+  return hosts;
 }
 
 std::optional<HttpResponse> refusal(const HttpRequest& request, PageNeeds needs, const PageAccess& access) {
@@ -51,9 +66,7 @@ std::optional<HttpResponse> refusal(const HttpRequest& request, PageNeeds needs,
     return text_response(405, "only GET here\n");
   }
   if (needs == PageNeeds::kNothing) return std::nullopt;
-  const bool commands = may_command(request, access);
-  const bool reads = equal(token_of(request), access.read_token);
-  if (commands || (reads && needs == PageNeeds::kRead)) return std::nullopt;
+  if (needs == PageNeeds::kCommand ? may_command(request, access) : may_read(request, access)) return std::nullopt;
   HttpResponse refused = text_response(401, needs == PageNeeds::kCommand
                                                 ? "commands need the operator's link\n"
                                                 : "open the whole link that tactbench printed: its end is the key\n");

@@ -1,6 +1,7 @@
 // Who may read and who may command: two secrets, and the marks by which a browser tells whose page asks. Pure.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,7 +14,7 @@ struct PageAccess {
   std::string read_token;          // of the link; also opens nothing but reading
   std::string command_token;       // empty: nobody may command
   std::string operator_name;       // to whom the command token belongs
-  std::vector<std::string> hosts;  // "127.0.0.1:8765": all names of this server that a browser may use
+  std::vector<std::string> hosts;  // "127.0.0.1:8765": all names of this server that a browser may use, as hosts_of
   std::string scheme = "http";
 };
 
@@ -28,8 +29,12 @@ enum class PageNeeds {
 // wrong token 401. Never says which token would have been right.
 std::optional<HttpResponse> refusal(const HttpRequest& request, PageNeeds needs, const PageAccess& access);
 
-// Whether the request carries the operator's token.
+// Whether the request carries the operator's token, or at least one that reads.
 bool may_command(const HttpRequest& request, const PageAccess& access);
+bool may_read(const HttpRequest& request, const PageAccess& access);
+
+// As a browser writes them: in lower case, and without the port where it is the scheme's own.
+std::vector<std::string> hosts_of(const std::vector<std::string>& names, std::uint16_t port, const std::string& scheme);
 
 // 128 random bits as 32 hex digits.
 std::string new_token();

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <array>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
@@ -16,7 +16,8 @@ namespace tactbench::bench {
 namespace {
 
 constexpr std::chrono::seconds kLongestWait{5};
-constexpr std::size_t kMostUnderWay = 16;
+constexpr std::size_t kMostUnderWay = 16;  // a panic has as many places of its own
+constexpr int kLargestNumber = std::numeric_limits<int>::max();
 
 HttpResponse told(int status, bool taken, const std::string& text) {
   return {.status = status,
@@ -28,12 +29,16 @@ HttpResponse told(int status, bool taken, const std::string& text) {
 struct Asked {
   std::int64_t run = 0;
   std::string words;  // for the control socket
+  bool panics = false;
 };
 
 // None: it is no command of the page.
 std::optional<Asked> read_command(const std::string& body, const std::string& behalf) {
   const nlohmann::json json = analysis::try_json(body);
   if (!json.is_object()) return std::nullopt;
+  for (const char* number : {"run", "question"})
+    if (json.contains(number) && !(json[number].is_number_integer() && json[number] <= kLargestNumber))
+      return std::nullopt;
   try {
     Asked asked;
     asked.run = json.value("run", std::int64_t{0});
@@ -46,6 +51,7 @@ std::optional<Asked> read_command(const std::string& body, const std::string& be
          {Command::kPause, Command::kResume, Command::kStop, Command::kAbort, Command::kPanic}) {
       if (word != to_string(command)) continue;
       asked.words = command_words(command, behalf);
+      asked.panics = command == Command::kPanic;
       return asked;
     }
   } catch (const nlohmann::json::exception&) {  // a member of another type
@@ -61,7 +67,8 @@ void Commands::send(const std::string& body, const LiveRun* live, const std::str
   if (live == nullptr) return reply(told(200, false, "no run is live"));
   if (asked->run != live->status.run)
     return reply(told(200, false, fmt::format("run {} is live now, not run {}", live->status.run, asked->run)));
-  if (sent_.size() >= kMostUnderWay) return reply(told(200, false, "too many commands wait for the run"));
+  if (sent_.size() >= (asked->panics ? 2 : 1) * kMostUnderWay)
+    return reply(told(200, false, "too many commands wait for the run"));
   auto connection = std::make_unique<RunConnection>(live->name, asked->words);
   if (!connection->open()) return reply(told(200, false, fmt::format("run {} does not answer", asked->run)));
   Sent& sent = sent_.emplace_back();

@@ -38,7 +38,11 @@ std::string address_in_link(const HttpOptions& http) {
 struct PageServer::Parts {
   explicit Parts(const PageOptions& given)
       : options(given),
-        server(given.http, [this](const HttpRequest& request, Reply reply) { answer(request, std::move(reply)); }),
+        server(
+            given.http, [this](const HttpRequest& request, Reply reply) { answer(request, std::move(reply)); },
+            [this](const HttpRequest& request) {
+              return may_command(request, access) ? kKeepsItsPlace : may_read(request, access) ? 1 : 0;
+            }),
         show(given.db, given.bench),
         documents(given.db),
         commands(server),
@@ -49,7 +53,7 @@ struct PageServer::Parts {
     access.scheme = options.http.certificate.empty() ? "http" : "https";
     std::vector<std::string> names = {"127.0.0.1", "localhost", "[::1]", address_in_link(options.http)};
     names.insert(names.end(), options.names.begin(), options.names.end());
-    for (const std::string& name : names) access.hosts.push_back(fmt::format("{}:{}", name, server.port()));
+    access.hosts = hosts_of(names, server.port(), access.scheme);
     server.every(kTick, [this] { tick(); });
   }
 

@@ -101,6 +101,7 @@ void Connection::handle() {
   request.body = message.body();
   error_code ignored;
   request.from = wire_->socket().remote_endpoint(ignored).address().to_string();
+  if (host_.rank) rank_ = std::max(rank_, host_.rank(request));
   const bool goes_on = message.keep_alive();
   host_.handler(request, [self = shared_from_this(), goes_on](HttpResponse response) {
     if (!self->closed_) self->answer(std::move(response), goes_on);

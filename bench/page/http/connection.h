@@ -21,6 +21,7 @@ namespace tactbench::bench {
 struct ConnectionHost {
   HttpOptions options;
   HttpServer::Handler handler;
+  HttpServer::Rank rank;
   std::size_t viewers = 0;
   std::uint64_t skipped = 0;
 };
@@ -31,7 +32,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   ~Connection();
   void start();
   void close();
-  [[nodiscard]] bool is_viewer() const { return viewer_; }
+  [[nodiscard]] int rank() const { return closed_ ? -1 : rank_; }
   void offer(int kind, const SharedText& event);  // to a viewer
 
  private:
@@ -59,6 +60,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   SharedText body_;  // under way
   bool closed_ = false, viewer_ = false, writing_ = false, due_ = false;
   std::size_t dropped_ = 0;
+  int rank_ = 0;                                            // the highest that its requests had
   std::vector<std::pair<int, SharedText>> waiting_, sent_;  // one of a kind at most
 };
 

@@ -18,7 +18,8 @@ using boost::asio::ip::tcp;
 using boost::system::error_code;
 
 struct HttpServer::Server {
-  Server(const HttpOptions& options, Handler handler) : host{options, std::move(handler)}, acceptor(context) {
+  Server(const HttpOptions& options, Handler handler, Rank rank)
+      : host{options, std::move(handler), std::move(rank)}, acceptor(context) {
     if (!options.certificate.empty()) tls = tls_context(options.certificate, options.key);
     listen();
   }
@@ -56,12 +57,22 @@ struct HttpServer::Server {
   }
 
   void take(tcp::socket socket) {
-    connections.remove_if([](const std::weak_ptr<Connection>& one) { return one.expired(); });
-    if (connections.size() >= host.options.most_connections) return;
+    connections.remove_if([](const std::weak_ptr<Connection>& one) { return rank_of(one) < 0; });
+    if (connections.size() >= host.options.most_connections) {
+      const auto least = std::ranges::min_element(connections, {}, rank_of);  // of equal ones the oldest
+      if (rank_of(*least) >= kKeepsItsPlace) return;
+      least->lock()->close();
+      connections.erase(least);
+    }
     auto made = std::make_shared<Connection>(
         host, tls ? encrypted_wire(std::move(socket), *tls) : plain_wire(std::move(socket)), context);
     connections.push_back(made);
     made->start();
+  }
+
+  static int rank_of(const std::weak_ptr<Connection>& one) {
+    const auto connection = one.lock();
+    return connection ? connection->rank() : -1;
   }
 
   void each(const std::function<void(Connection&)>& act) {
@@ -120,8 +131,8 @@ struct WatchedDescriptor : std::enable_shared_from_this<WatchedDescriptor> {
 
 }  // namespace
 
-HttpServer::HttpServer(const HttpOptions& options, Handler handler)
-    : server_(std::make_unique<Server>(options, std::move(handler))) {
+HttpServer::HttpServer(const HttpOptions& options, Handler handler, Rank rank)
+    : server_(std::make_unique<Server>(options, std::move(handler), std::move(rank))) {
   server_->accept();
 }
 

@@ -21,16 +21,20 @@ struct HttpOptions {
   std::size_t longest_head = 8 * 1024;  // bytes; more: 431
   std::size_t longest_body = 4 * 1024;  // more: 413
   std::size_t most_viewers = 32;        // streams; more: 503
-  std::size_t most_connections = 96;    // further ones are closed at once
+  std::size_t most_connections = 96;    // then the oldest of the lowest rank makes room
   std::chrono::milliseconds longest_request{10'000};  // from its first moment to its last byte, and between two
   std::chrono::milliseconds longest_write{30'000};    // a viewer that takes nothing for so long is dropped
 };
 
+inline constexpr int kKeepsItsPlace = 2;  // a connection of this rank never makes room for another
+
 class HttpServer {
  public:
   using Handler = std::function<void(const HttpRequest&, Reply)>;
+  // What a request's key makes its connection: 0, a stranger, as long as none has come, up to kKeepsItsPlace.
+  using Rank = std::function<int(const HttpRequest&)>;
   // Listens from now on. Throws Error TB-PAGE-ADDRESS, TB-PAGE-CERTIFICATE.
-  HttpServer(const HttpOptions& options, Handler handler);
+  HttpServer(const HttpOptions& options, Handler handler, Rank rank = {});
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;

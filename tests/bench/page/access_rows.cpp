@@ -10,6 +10,7 @@
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 using namespace tactbench::bench;
 
@@ -74,6 +75,17 @@ TEST_CASE("page refusals: hosts, origins and sites, whatever is needed") {
     CHECK(page_refused(PageNeeds::kCommand, "GET", {{"sec-fetch-site", other}}) == kOtherSite);
     CHECK(page_refused(PageNeeds::kNothing, "GET", {{"sec-fetch-site", other}}) == kMay);
   }
+}
+
+TEST_CASE("page hosts: as browsers write them, in lower case and without the scheme's own port") {
+  using Hosts = std::vector<std::string>;
+  CHECK(hosts_of({"127.0.0.1", "Bench.Upper"}, 8765, "https") == Hosts{"127.0.0.1:8765", "bench.upper:8765"});
+  CHECK(hosts_of({"Rig"}, 443, "https") == Hosts{"rig:443", "rig"});
+  CHECK(hosts_of({"Rig", "[FE80::1]"}, 80, "http") == Hosts{"rig:80", "rig", "[fe80::1]:80", "[fe80::1]"});
+  CHECK(hosts_of({"rig"}, 80, "https") == Hosts{"rig:80"});
+  CHECK(hosts_of({"rig"}, 443, "http") == Hosts{"rig:443"});
+  CHECK(page_refused(PageNeeds::kRead, "GET",
+                     {{"authorization", "Bearer read"}, {"host", "B:2"}, {"origin", "https://B:2"}}) == kMay);
 }
 
 TEST_CASE("page refusals: the way of asking before the token, and which token opens what") {

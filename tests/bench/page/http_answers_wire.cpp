@@ -33,7 +33,9 @@ class AnsweringServer {
  public:
   // `set_up`: before it serves.
   explicit AnsweringServer(const HttpOptions& options = {}, const std::function<void(HttpServer&)>& set_up = {})
-      : server_(options, [](const HttpRequest& request, const Reply& reply) { answer(request, reply); }) {
+      : server_(
+            options, [](const HttpRequest& request, const Reply& reply) { answer(request, reply); },
+            [](const HttpRequest& request) { return std::atoi(request.field("rank").c_str()); }) {
     server_.every(milliseconds(5), [this] {
       viewers = server_.viewers();
       skipped = server_.skipped();
@@ -198,11 +200,32 @@ TEST_CASE("http answers: a connection without a whole request is closed in its t
   CHECK(idle.read() == whole_answer("200 OK", true, "GET /;  from 127.0.0.1"));
 }
 
-TEST_CASE("http answers: connections beyond the most are closed at once, and a place that is left is free") {
+TEST_CASE("http answers: strangers take no place from those who have shown a key, however many come") {
+  HttpOptions options;
+  options.most_connections = 4;
+  const AnsweringServer server(options);
+  RawClient operates(server.port()), reads(server.port());
+  const auto is_served = [](RawClient& client, const std::string& rank) {
+    REQUIRE(client.send("GET /" + rank + " HTTP/1.1\r\nrank: " + rank + "\r\n\r\n"));
+    return status_of(client.read(20'000, "127.0.0.1")) == 200;
+  };
+  REQUIRE((is_served(operates, "2") && is_served(reads, "1")));
+  std::vector<std::unique_ptr<RawClient>> strangers;
+  for (int i = 0; i < 50; ++i) strangers.push_back(std::make_unique<RawClient>(server.port()));
+  RawClient late(server.port());
+  CHECK(is_served(late, "2"));
+  CHECK(strangers.front()->closed(20'000));
+  CHECK_FALSE(strangers.back()->closed(100));
+  for (RawClient* client : {&operates, &reads}) CHECK_FALSE(client->closed(100));
+  CHECK(is_served(operates, "2"));
+}
+
+TEST_CASE(
+    "http answers: where all have a rank that keeps its place, one more is closed, and a place that is left is free") {
   HttpOptions options;
   options.most_connections = 2;
   const AnsweringServer server(options);
-  const std::string get = "GET / HTTP/1.1\r\n\r\n";
+  const std::string get = "GET / HTTP/1.1\r\nrank: 2\r\n\r\n";
   auto first = std::make_unique<RawClient>(server.port());
   RawClient second(server.port());
   for (RawClient* client : {first.get(), &second}) {

@@ -110,6 +110,12 @@ TEST_CASE("live page: each command goes to the run that the person saw, and its 
     return page.command({{"word", word}, {"run", number}});
   };
   CHECK(say("pause", 2)["taken"] == false);
+  for (const json& no_number : json::array({1.5, "1", nullptr, true, 4294967297}))
+    for (const char* member : {"run", "question"}) {
+      json words = {{"word", "pause"}, {"run", 1}, {"question", 1}};
+      words[member] = no_number;
+      CHECK(status_of(page.send_command(words)->read()) == 400);
+    }
   CHECK_FALSE(run.control.pause_wanted());
   CHECK(say("resume")["taken"] == false);
   CHECK(say("pause")["taken"] == true);

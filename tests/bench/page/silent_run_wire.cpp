@@ -71,7 +71,7 @@ bool is_live(const WordsPage& page) {
 
 }  // namespace
 
-TEST_CASE("silent run: sixteen commands wait, one more is refused, and each is told what became of it") {
+TEST_CASE("silent run: sixteen commands wait, one more is refused but a panic, and each is told what became of it") {
   SocketRun run("page-words");
   WordsPage page;
   CHECK(run.accept() == "follow");
@@ -79,18 +79,20 @@ TEST_CASE("silent run: sixteen commands wait, one more is refused, and each is t
   REQUIRE(comes_true([&] { return is_live(page); }));
   std::vector<std::unique_ptr<RawClient>> waiting;
   for (int i = 0; i < 16; ++i) {
-    waiting.push_back(send_word(page, i == 0 ? "pause" : "panic"));
+    waiting.push_back(send_word(page, i == 0 ? "pause" : "abort"));
     const std::string words = run.accept();
-    CHECK_THAT(words, Catch::StartsWith(i == 0 ? "pause\n" : "panic\n") && Catch::Contains("bob"));
+    CHECK_THAT(words, Catch::StartsWith(i == 0 ? "pause\n" : "abort\n") && Catch::Contains("bob"));
   }
   CHECK(WordsPage::answer_to(*send_word(page, "stop"))["taken"] == false);
+  waiting.push_back(send_word(page, "panic"));
+  CHECK_THAT(run.accept(), Catch::StartsWith("panic\n"));
   run.hang_up(1);
   CHECK(WordsPage::answer_to(*waiting[0])["taken"] == false);
   run.tell(2, {{"bench", "page-words"}, {"run", 4}, {"taken", true}, {"text", "it\nends"}});
   const json answered = WordsPage::answer_to(*waiting[1]);
   CHECK(answered["taken"] == true);
   CHECK_THAT(answered["text"].get<std::string>(), Catch::StartsWith("it") && Catch::EndsWith("ends"));
-  for (std::size_t i = 2; i < 16; ++i) CHECK(WordsPage::answer_to(*waiting[i])["taken"] == false);
+  for (std::size_t i = 2; i < 17; ++i) CHECK(WordsPage::answer_to(*waiting[i])["taken"] == false);
   auto again = send_word(page, "stop");  // there is room again
   CHECK_THAT(run.accept(), Catch::StartsWith("stop\n"));
 }
