@@ -125,8 +125,8 @@ std::vector<Step> compile(const std::vector<Recipe>& recipes) {
     names += (names.empty() ? "" : ", ") + recipe.name;
   }
   if (count > kMostSteps) {
-    throw FileError("TB-FILE-VALUE", fmt::format("the recipes together have {:.0f} steps", count), "recipes " + names,
-                    fmt::format("a run may have {:.0f} steps: use several runs", kMostSteps));
+    throw FileError("TB-FILE-VALUE", fmt::format("the recipes together have {:.12g} steps", count), "recipes " + names,
+                    fmt::format("a run may have {:.12g} steps: use several runs", kMostSteps));
   }
   std::vector<Step> steps;
   steps.reserve(static_cast<std::size_t>(count));

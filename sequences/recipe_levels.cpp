@@ -87,8 +87,8 @@ std::vector<double> random_points(const TomlTable& root, InFile& in) {
                "0 <= low, and at least two steps from low to high");
   }
   if (high / step > kMostSteps) {
-    table.fail("high", fmt::format("{:g} is {:.0f} steps of {:g}", high, high / step, step),
-               fmt::format("a larger step: a run may have {:.0f} steps", kMostSteps));
+    table.fail("high", fmt::format("{:g} is {:.12g} steps of {:g}", high, high / step, step),
+               fmt::format("a larger step: a run may have {:.12g} steps", kMostSteps));
   }
   std::vector<double> points;
   for (const long point : draw(static_cast<std::uint64_t>(in.seed), static_cast<int>(count), std::lround(low / step),

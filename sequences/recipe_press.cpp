@@ -20,7 +20,7 @@ std::vector<double> grid_axis(const TomlTable& grid, const std::string& key) {
   }
   const double count = std::floor((range[1] - range[0]) / range[2] + 1e-9) + 1.0;
   if (count > static_cast<double>(kMostPositions)) {
-    grid.fail(key, fmt::format("'{}' has {:.0f} positions", key, count),
+    grid.fail(key, fmt::format("'{}' has {:.12g} positions", key, count),
               fmt::format("a larger step: a recipe may have {}", kMostPositions));
   }
   std::vector<double> values;

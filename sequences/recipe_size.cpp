@@ -45,12 +45,12 @@ void refuse_steps(const TomlTable& root, const Recipe& recipe, double steps) {
   const double stops = press ? positions_of(recipe) : levels_of(recipe);
   const double frames = press ? forces_of(recipe) : recipe.frames_per_level;
   const std::string message =
-      press ? fmt::format("the recipe has {:.0f} steps ({:.0f} positions, {:.0f} forces up and down, {} repeats)",
+      press ? fmt::format("the recipe has {:.12g} steps ({:.12g} positions, {:.12g} forces up and down, {} repeats)",
                           steps, stops, frames, recipe.repeats)
-            : fmt::format("the recipe has {:.0f} steps ({:.0f} levels a repeat, {} frames a level, {} repeats)", steps,
-                          stops, recipe.frames_per_level, recipe.repeats);
+            : fmt::format("the recipe has {:.12g} steps ({:.12g} levels a repeat, {} frames a level, {} repeats)",
+                          steps, stops, recipe.frames_per_level, recipe.repeats);
   const std::string remedy =
-      fmt::format("a run may have {:.0f} steps: {}", kMostSteps,
+      fmt::format("a run may have {:.12g} steps: {}", kMostSteps,
                   press ? "fewer positions, forces or repeats" : "a larger step, or fewer frames a level or repeats");
   if (recipe.repeats > stops && recipe.repeats > frames) root.fail("repeats", message, remedy);
   if (!press) root.fail(frames > stops ? "frames_per_level" : "step", message, remedy);
@@ -72,8 +72,8 @@ void check_size(const TomlTable& root, const Recipe& recipe) {
   if (seconds <= kMostSeconds) return;
   const bool held = (recipe.frames_per_level - 1.0) * recipe.frame_interval_s > recipe.dwell_s.front();
   root.fail(held ? "frame_interval_s" : "dwell_s",
-            fmt::format("the recipe dwells for {:.0f} days in {:.0f} steps", seconds / 86400.0, step_count(recipe)),
-            fmt::format("a recipe may dwell for {:.0f} days", kMostSeconds / 86400.0));
+            fmt::format("the recipe dwells for {:.12g} days in {:.12g} steps", seconds / 86400.0, step_count(recipe)),
+            fmt::format("a recipe may dwell for {:.12g} days", kMostSeconds / 86400.0));
 }
 
 }  // namespace tactbench::sequences

@@ -147,6 +147,7 @@ TEST_CASE("a recipe's steps are counted without making them") {
 TEST_CASE("a recipe with more than a million steps is refused with file, line, key, number and bound") {
   const std::string sweep = kHead + "turning_points = [0, 60, 0]\n";
   check_refused(sweep + "step = 0.0001\n", "1200001 steps", "big.toml:5:8, step");
+  check_refused(sweep + "step = 1e-300\n", "e+", "big.toml:5:8, step");  // no 300 digits
   check_refused(sweep + "step = 2\nframes_per_level = 100000\n", "6100000 steps", "big.toml:6:20, frames_per_level");
   check_refused(sweep + "step = 2\nframes_per_level = 30\nrepeats = 1000\n", "1830000 steps", "big.toml:7:11, repeats");
   const std::string random = "[random]\nseed = 1\nreversals = 9999\nlow = 0\nhigh = 60\n";

@@ -10,7 +10,8 @@ let heard = 0;
 let refused = '';
 
 function showView() {
-  const place = location.hash.replace(/^#\//, '').split('/').map(decodeURIComponent);
+  let place = [''];
+  try { place = location.hash.replace(/^#\//, '').split('/').map(decodeURIComponent); } catch { /* no place of this page */ }
   const stored = store.isPlace(place[0]);
   $('view-now').hidden = stored;
   $('view-store').hidden = !stored;

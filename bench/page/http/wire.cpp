@@ -10,7 +10,6 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 
 #include "bench/common/error.h"
 
@@ -75,6 +74,8 @@ namespace {
   throw Error("TB-PAGE-CERTIFICATE", "cannot be used for TLS: " + why, file, remedy);
 }
 
+constexpr std::size_t kLongestPem = 1'000'000;
+
 // OpenSSL's words are about its own parts ("no start line"), and about a file that cannot be opened it has none.
 std::string pem_in(const std::string& file, const char* what) {
   std::error_code unknown;
@@ -86,7 +87,11 @@ std::string pem_in(const std::string& file, const char* what) {
     refuse_for_tls(file, fmt::format("it cannot be read: {}", std::strerror(number)),
                    number == EACCES ? fmt::format("let the user who starts the page read it (ls -l {})", file)
                                     : fmt::format("check the name: --tls takes the {} as a file in PEM", what));
-  std::string text(std::istreambuf_iterator<char>(stream), {});
+  std::string text(kLongestPem + 1, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  if (text.size() > kLongestPem)
+    refuse_for_tls(file, "it is longer than 1 MB", fmt::format("check the name: it is no {} in PEM", what));
   if (text.find("-----BEGIN ") == std::string::npos)
     refuse_for_tls(file, "it is not in PEM: it has no line -----BEGIN",
                    fmt::format("of a {} in DER: openssl x509 or pkey -inform DER -in {} -out NAME.pem", what, file));

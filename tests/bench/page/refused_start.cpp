@@ -67,6 +67,7 @@ TEST_CASE("page: a certificate or a key that does not serve is refused by its fi
   const std::vector<std::array<std::string, 3>> pairs = {{place, key, place},
                                                          {certificate, place, place},
                                                          {place + "/none", key, place + "/none"},
+                                                         {"/dev/zero", key, "/dev/zero"},
                                                          {certificate, place + "/none", place + "/none"},
                                                          {plain, key, plain},
                                                          {key, key, key},
