@@ -157,6 +157,8 @@ try {
     await fits(phone, 'the sensors on the phone');
     await phone.page.click('[data-view=night]');
     await phone.page.waitForFunction(() => document.querySelector('#view-store h1')?.textContent === 'Night');
+    await phone.page.evaluate(() => { location.hash = '#/%E0%A4%A'; });  // a broken escape is no place
+    await phone.shown('view-now');
   });
 
   for (const [one, name] of [[desk, 'desk'], [second, 'second'], [phone, 'phone']]) assert.deepEqual(one.complaints, [], `the console of ${name}`);
