@@ -94,7 +94,9 @@ typedef struct tb_compensator_taxel {
 
 TB_COMPENSATOR_API uint32_t tb_compensator_abi_version(void);
 
-/* Copies all that it needs. `message` (may be null) gets a text of at most message_size bytes with its final 0, empty
+/* TB_COMPENSATOR_VALUE also for what single precision cannot go on with: pressures beyond 1e9 or less than 1e-9 apart, a
+ * full output not within 1e-3 and 1e12 of the noise (at least a count's rounding), a zero beyond 1e12 counts.
+ * Copies all that it needs. `message` (may be null) gets a text of at most message_size bytes with its final 0, empty
  * when all is well. */
 TB_COMPENSATOR_API int tb_compensator_create(const tb_compensator_setup* setup, const tb_compensator_taxel* taxels,
                                              tb_compensator** handle, char* message, size_t message_size);
@@ -106,8 +108,8 @@ TB_COMPENSATOR_API int tb_compensator_counts(tb_compensator* handle, const uint1
                                              float* pressure, float* uncertainty, uint16_t* status);
 TB_COMPENSATOR_API int tb_compensator_counts_double(tb_compensator* handle, const uint16_t* counts, size_t count,
                                                     double* pressure, double* uncertainty, uint16_t* status);
-/* The same from volts; a voltage that is not a finite number marks its taxel TB_TAXEL_LOST and leaves its state alone.
- */
+/* The same from volts; a voltage that is not a finite number, or beyond 1e12 counts, marks its taxel TB_TAXEL_LOST and
+ * leaves its state alone. */
 TB_COMPENSATOR_API int tb_compensator_volts(tb_compensator* handle, const float* volts, size_t count, float* pressure,
                                             float* uncertainty, uint16_t* status);
 TB_COMPENSATOR_API int tb_compensator_volts_double(tb_compensator* handle, const double* volts, size_t count,

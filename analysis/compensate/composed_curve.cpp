@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/models/interval.h"
+
 namespace tactbench::analysis {
 
 // Halving without branches: outputs carry noise, so branches on them could not be predicted.
@@ -28,7 +30,7 @@ double TaxelPattern::output(const Side& side, double x_at) const {
   // Grids are uniform or nearly so: the proportional guess is right or one off.
   const std::size_t last = x.size() - 2;
   const double share = (x_at - x.front()) / (x.back() - x.front());
-  std::size_t i = std::min(last, static_cast<std::size_t>(share * static_cast<double>(last + 1)));
+  std::size_t i = interval_of(share * static_cast<double>(last + 1), last + 1);
   while (i > 0 && x_at < x[i]) --i;
   while (i < last && x_at >= x[i + 1]) ++i;
   return side.y[i] + (side.y[i + 1] - side.y[i]) * ((x_at - x[i]) / (x[i + 1] - x[i]));

@@ -173,7 +173,7 @@ Compensated DynamicTaxelCompensator::read(const Staircase<double>& memory, Readi
 double DynamicTaxelCompensator::residual() const {
   const std::size_t n = setup_->intervals;
   if (setup_->residual_psi.empty()) return 0.0;
-  const std::size_t at = std::min(n - 1, static_cast<std::size_t>(std::max(last_x_, 0.0)));
+  const std::size_t at = interval_of(last_x_, n);
   const double changed =
       setup_->observer.doubt * std::abs(1.0 - gain_) * (static_cast<double>(at) + 0.5) * per_interval_;
   return std::hypot(taxel_->residual_scale * setup_->residual_psi.at(ascending_ ? at : n + at), changed);

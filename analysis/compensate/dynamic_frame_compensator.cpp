@@ -95,8 +95,9 @@ void DynamicFrameCompensator<Real>::State::frame(std::span<const Sample> from, c
     if constexpr (std::is_integral_v<Sample>) {
       samples[taxel] = static_cast<Real>(from[taxel]);
     } else {
-      const bool number = std::isfinite(from[taxel]);
-      samples[taxel] = number ? from[taxel] * counts_per_volt : Real(0);
+      const Real counts = from[taxel] * counts_per_volt;
+      const bool number = std::abs(counts) <= static_cast<Real>(kMostOutput);
+      samples[taxel] = number ? counts : Real(0);
       if (number) continue;
       any_lost = true;
       lost[taxel / kLanes] |= static_cast<std::uint16_t>(1U << taxel % kLanes);

@@ -66,7 +66,7 @@ typename DynamicFrameCompensator<Real>::State::Reading DynamicFrameCompensator<R
   const Real x = piece.along(u);
   const Reading here{per_interval * x, b.slope[i] * per * per};
   if (residuals.empty()) return here;
-  const std::size_t at = std::min(intervals - 1, static_cast<std::size_t>(std::max(x, Real(0))));
+  const std::size_t at = interval_of(x, intervals);
   const Real residual = b.residual_scale[i] * residuals[b.rising[i] > Real(0) ? at : intervals + at];
   const Real changed = b.doubted[i] * (static_cast<Real>(at) + Real(0.5));
   b.residual[i] = changed > Real(0) ? std::sqrt(residual * residual + changed * changed) : residual;

@@ -21,11 +21,13 @@ template <class Real>
 DynamicFrameCompensator<Real>::State::State(const DynamicSetup& setup) {
   check_setup(setup);
   demand(!setup.taxels.empty(), "no taxels");
-  demand(std::isfinite(setup.volts_per_count) && setup.volts_per_count > 0.0, "volts_per_count is not positive");
+  demand(setup.volts_per_count >= 1.0 / kMostOutput && setup.volts_per_count <= kMostOutput,
+         "volts_per_count is not within 1e-12 and 1e12");
   demand(setup.longest_gap >= 0 && setup.tare_share >= 0.0, "longest_gap or tare_share is negative");
   count = setup.taxels.size();
   intervals = setup.intervals;
   table_size = Everett<Real>::size(intervals);
+  demand(count <= std::numeric_limits<std::int32_t>::max() / table_size, "too many taxels");
   for (const double residual : setup.residual_psi) residuals.push_back(static_cast<Real>(residual));
   dynamics = setup.dynamics;
   work_unseen(dynamics, begin, setup.worked_s, setup.x_high - setup.x_low);
@@ -84,20 +86,24 @@ DynamicFrameCompensator<Real>::State::State(const DynamicSetup& setup) {
       dead.push_back(t);
       continue;
     }
+    // Half a count of rounding is noise, too, and the least possible.
+    const double noise = std::hypot(taxel.noise_v, setup.volts_per_count / std::sqrt(12.0));
+    double top = 0.0;
     try {
       check_taxel(setup, taxel);
+      top = Divider{0.0, taxel.divider.per_amplitude}.output(taxel.everett[table_size - 1 - intervals]);
+      demand(top >= kLeastOutput * noise && taxel.everett[table_size - 1 - intervals] <= kMostOutput * noise,
+             "its full output is not within 1e-3 and 1e12 of its noise");
+      demand(std::abs(taxel.divider.zero) <= kMostOutput * setup.volts_per_count, "its zero is beyond 1e12 counts");
     } catch (const std::invalid_argument& fault) {
       throw std::invalid_argument("taxel " + std::to_string(t) + ": " + fault.what());
     }
-    // Half a count of rounding is noise, too, and the least possible.
-    const double noise = std::hypot(taxel.noise_v, setup.volts_per_count / std::sqrt(12.0));
     const double sign = taxel.falling ? -1.0 : 1.0;
     Taxel& own = taxels[t];
     own.usable = true;
     own.plain_gain = static_cast<Real>(sign * setup.volts_per_count / noise);
     for (std::size_t k = 0; k < table_size; ++k)
       tables[t * table_size + k] = static_cast<Real>(taxel.everett[k] / noise);
-    const double top = Divider{0.0, taxel.divider.per_amplitude}.output(taxel.everett[table_size - 1 - intervals]);
     own.top = static_cast<Real>(top / noise);
     b.zero[i] = static_cast<Real>(sign * taxel.divider.zero / setup.volts_per_count);
     b.divider[i] = static_cast<Real>(taxel.divider.per_amplitude * noise);

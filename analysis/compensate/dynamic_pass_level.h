@@ -107,11 +107,12 @@ TACTBENCH_PASS_TARGET void DynamicPasses<Real>::TACTBENCH_PASS_LOCATE(DynamicBlo
   const DynamicTables<Real> t = tables;
   const Real* const __restrict everett = t.everett;
   const Index n = t.intervals;
+  const Real last = static_cast<Real>(n - 1);  // held before the cast: what is no number becomes no index
   alignas(64) Index place[kLanes], lines[kLanes], passed[kLanes];
   alignas(64) Real share[kLanes], way[kLanes], far[kLanes], root[kLanes];
   alignas(64) Real piece_low[kLanes], piece_high[kLanes], piece_u[kLanes], piece_x[kLanes], piece_slope[kLanes];
   for (std::size_t i = 0; i < kLanes; ++i) {
-    const Index p = std::min(n - 1, static_cast<Index>(std::max(s.x[i], zero)));
+    const auto p = static_cast<Index>(std::min(std::max(zero, s.x[i]), last));
     place[i] = p;
     lines[i] = s.rises[i] > zero ? n - p : p + 1;  // ahead
     share[i] = s.x[i] - static_cast<Real>(p);
@@ -160,7 +161,7 @@ TACTBENCH_PASS_TARGET void DynamicPasses<Real>::TACTBENCH_PASS_LOCATE(DynamicBlo
     const Real xa = first ? x0 : behind ? kink_x : line_x, ea = first ? zero : behind ? kink : last_e;
     const Real xb = to_line ? line_x + sign : kink_x, eb = to_line ? next_e : kink;
     const Real ua = u0 + sign * ea, ub = u0 + sign * eb;
-    const Real steep = eb > ea ? (xb - xa) / (ub - ua) : zero;
+    const Real steep = sign * (ub - ua) > Real(kLeastRise) ? (xb - xa) / (ub - ua) : zero;
     const Real u_whole = u0 + sign * whole;
     // Before the corner and beyond the end the branch is constant.
     const bool beyond = along > whole, inside = (along <= whole) & (along >= zero);
@@ -202,7 +203,7 @@ TACTBENCH_PASS_TARGET void DynamicPasses<Real>::TACTBENCH_PASS_LOCATE(DynamicBlo
   if (t.residuals == nullptr) return;
   const Real* const __restrict residuals = t.residuals;
   for (std::size_t i = 0; i < kLanes; ++i) {
-    const Index at = std::min(n - 1, static_cast<Index>(std::max(way[i], zero)));
+    const auto at = static_cast<Index>(std::min(std::max(zero, way[i]), last));
     const Real own = b.residual_scale[i] * residuals[b.rising[i] > zero ? at : n + at];
     const Real changed = b.doubted[i] * (static_cast<Real>(at) + Real(0.5));
     root[i] = std::sqrt(own * own + changed * changed);

@@ -22,7 +22,7 @@ void check_dynamics(const Dynamics& d) {
     sum += d.creep_share[j];
   }
   demand(sum <= kMostCreep, "the creep shares exceed 0.9 together");
-  demand(std::isfinite(d.creep_half) && d.creep_half > 0.0, "creep_half is not positive");
+  demand(d.creep_half >= kLeastSpan && d.creep_half <= kMostPressure, "creep_half is not within 1e-9 and 1e9");
   demand(std::isfinite(d.lag_s) && d.lag_s > 0.0, "the lag's time is not positive");
 }
 
@@ -42,8 +42,7 @@ void check_numbers(const DynamicTaxel& taxel, std::size_t intervals, const Dynam
   demand(Divider{0.0, taxel.divider.per_amplitude}.output(e.top()) * taxel.divider.per_amplitude <= Divider::kMost,
          "its full output exceeds its divider's");
   demand(std::isfinite(taxel.noise_v) && taxel.noise_v >= 0.0, "its noise is negative or not a finite number");
-  demand(std::isfinite(taxel.residual_scale) && taxel.residual_scale >= 0.0,
-         "its residual_scale is negative or not finite");
+  demand(taxel.residual_scale >= 0.0 && taxel.residual_scale <= 1e6, "its residual_scale is not within 0 and 1e6");
   demand(taxel.creep_scale >= 0.0 && taxel.creep_scale <= kMostCreepScale, "its creep is not within 0 and 10");
   double creep = 0.0;
   for (const double share : d.creep_share) creep += taxel.creep_scale * share;
@@ -56,16 +55,17 @@ void check_numbers(const DynamicTaxel& taxel, std::size_t intervals, const Dynam
 void check_setup(const DynamicSetup& setup) {
   check_options(setup.options);
   check_dynamics(setup.dynamics);
-  demand(std::isfinite(setup.x_low) && std::isfinite(setup.x_high) && setup.x_low < setup.x_high,
-         "x_low is not below x_high");
+  demand(setup.x_low >= -kMostPressure && setup.x_high <= kMostPressure && setup.x_high - setup.x_low >= kLeastSpan,
+         "x_low is not below x_high by 1e-9, or one of them beyond 1e9");
   demand(setup.intervals >= 1 && setup.intervals <= 100, "intervals is not within 1 and 100");
   demand(setup.observer.share >= 0.0 && setup.observer.share < 0.2 && setup.observer.forget >= 0.0 &&
-             setup.observer.forget <= 1.0 && setup.observer.doubt >= 0.0 && std::isfinite(setup.observer.doubt),
-         "the observer's share is not within 0 and 0.2, what it forgets not within 0 and 1, or its doubt negative");
+             setup.observer.forget <= 1.0 && setup.observer.doubt >= 0.0 && setup.observer.doubt <= 1e9,
+         "the observer's share is not within 0 and 0.2, what it forgets not within 0 and 1, or its doubt not within 0 "
+         "and 1e9");
   demand(setup.residual_psi.empty() || setup.residual_psi.size() == 2 * setup.intervals,
          "residual_psi does not have two values an interval");
   for (const double residual : setup.residual_psi)
-    demand(std::isfinite(residual) && residual >= 0.0, "a residual is negative or not a finite number");
+    demand(residual >= 0.0 && residual <= kMostPressure, "a residual is not within 0 and 1e9");
   demand(std::isfinite(setup.worked_s) && setup.worked_s >= 0.0, "worked_s is negative or not a finite number");
 }
 

@@ -7,6 +7,9 @@
 #include <cstdint>
 #include <limits>
 
+#include "analysis/compensate/options.h"
+#include "analysis/models/interval.h"
+
 namespace tactbench::analysis {
 
 // Everett's function at grid points, (high i, low j), j <= i <= n: the output's rise from j to i. A view: the table has
@@ -45,12 +48,12 @@ template <class Real>
 BranchPiece<Real> piece_of(const Everett<Real>& e, bool rises, Real x0, Real u0, Real u) {
   constexpr Real kFar = std::numeric_limits<Real>::max();
   const auto n = e.n;
-  const auto place = std::min(n - 1, static_cast<std::size_t>(std::max(x0, Real(0))));
+  const std::size_t place = interval_of(x0, n);
   const Real share = x0 - static_cast<Real>(place);
   const auto between = [&](Real xa, Real ea, Real xb, Real eb) {
     // From (xa, ea) to (xb, eb), ea <= eb: Everett's function on the way from the corner.
     const Real sign = rises ? Real(1) : Real(-1), ua = u0 + sign * ea, ub = u0 + sign * eb;
-    const Real slope = eb > ea ? (xb - xa) / (ub - ua) : Real(0);
+    const Real slope = sign * (ub - ua) > Real(kLeastRise) ? (xb - xa) / (ub - ua) : Real(0);
     return BranchPiece<Real>{std::min(ua, ub), std::max(ua, ub), ua, xa, slope};
   };
   if (rises) {

@@ -202,7 +202,7 @@ struct Pass : Vectors<Real> {
 
     Mask number{};
     if constexpr (!std::is_integral_v<Sample>) {
-      number = at_most(counts - counts, zero);
+      number = at_most(counts * counts, all(static_cast<Real>(kMostOutput * kMostOutput)));
       event = both(event, number);
       found.lost |= Base::bits(no(number)) << at;
     }

@@ -33,9 +33,10 @@ TaxelPattern pattern_of(const FrameSetup& setup, const TaxelSetup& taxel, double
   for (const double value : {p.alpha_d, p.beta_d, p.beta_a})
     demand(value >= 0.0 && value <= 1.0, "alpha_d, beta_d or beta_a is not within 0 and 1");
   demand(std::isfinite(p.alpha_a1) && std::isfinite(p.alpha_a0), "alpha_a1 or alpha_a0 is not a finite number");
+  demand(std::abs(up.front()) <= kMostOutput * setup.volts_per_count, "its zero is beyond 1e12 counts");
   demand(std::isfinite(taxel.noise_v) && taxel.noise_v >= 0.0, "its noise is negative or not a finite number");
   for (const double residual : taxel.residual_psi)
-    demand(std::isfinite(residual) && residual >= 0.0, "its residual is negative or not a finite number");
+    demand(residual >= 0.0 && residual <= kMostPressure, "its residual is not within 0 and 1e9");
   TaxelPattern pattern;
   pattern.x = setup.pressure_psi;
   pattern.ascending = side_of(PatternCurve(setup.pressure_psi, up, up.front(), up.back()), noise_v);
@@ -44,6 +45,8 @@ TaxelPattern pattern_of(const FrameSetup& setup, const TaxelSetup& taxel, double
   pattern.exact_outer = setup.elam.exact_outer;
   pattern.noise_v = noise_v;
   pattern.span = pattern.ascending.y.back();
+  demand(pattern.span >= kLeastOutput && pattern.span <= kMostOutput,
+         "its full output is not within 1e-3 and 1e12 of its noise");
   pattern.drift = setup.options.drift_share * pattern.span;
   pattern.step = setup.options.flat_in_noises;
   pattern.saturated = kSaturatedShare * pattern.span;
@@ -83,11 +86,13 @@ FrameCompensator<Real>::State::State(const FrameSetup& setup) {
   check_options(setup.options);
   demand(setup.pressure_psi.size() >= 2, "fewer than two pressures");
   demand(!setup.taxels.empty(), "no taxels");
-  demand(std::isfinite(setup.volts_per_count) && setup.volts_per_count > 0.0, "volts_per_count is not positive");
+  demand(setup.volts_per_count >= 1.0 / kMostOutput && setup.volts_per_count <= kMostOutput,
+         "volts_per_count is not within 1e-12 and 1e12");
   demand(setup.longest_gap >= 0 && setup.tare_share >= 0.0, "longest_gap or tare_share is negative");
   for (std::size_t i = 0; i < setup.pressure_psi.size(); ++i)
-    demand(std::isfinite(setup.pressure_psi[i]) && (i == 0 || setup.pressure_psi[i] > setup.pressure_psi[i - 1]),
-           "pressures do not increase");
+    demand(std::abs(setup.pressure_psi[i]) <= kMostPressure &&
+               (i == 0 || setup.pressure_psi[i] - setup.pressure_psi[i - 1] >= kLeastSpan),
+           "pressures do not increase by 1e-9 each, or one is beyond 1e9");
   count = setup.taxels.size();
   knots = setup.pressure_psi.size();
   options = setup.options;

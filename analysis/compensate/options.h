@@ -30,7 +30,13 @@ inline constexpr double kStepCeiling = 14.0;
 // Stands for 1 / 0 where there is no noise: any step is a move.
 inline constexpr double kNoNoise = 1e30;
 
-// Throws std::invalid_argument when an option is negative, not a finite number, or longest_mean is below 1.
+// What a compensator takes, so that no number overflows in single precision, squares and the slopes of branches
+// included: outputs in noises and in counts, pressures and their span in the caller's unit.
+inline constexpr double kMostOutput = 1e12, kLeastOutput = 1e-3, kMostPressure = 1e9, kLeastSpan = 1e-9;
+// A piece of a branch that rises by less, or by nothing once its corner's output is added, is a step: no slope.
+inline constexpr double kLeastRise = 1e-20;
+
+// Throws std::invalid_argument when an option is not within 0 and 1e9, or longest_mean is below 1.
 void check_options(const CompensatorOptions& options);
 
 }  // namespace tactbench::analysis

@@ -1,9 +1,10 @@
 // What a taxel's model leaves of the pressure, by level and direction: root mean squares of its stream's errors.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <span>
+
+#include "analysis/models/interval.h"
 
 namespace tactbench::analysis {
 
@@ -16,7 +17,7 @@ struct BinsOf {
   [[nodiscard]] std::size_t place(double x, bool rising) const {
     const std::size_t levels = psi.size() / 2;
     const double at = (x - x_low) / (x_high - x_low) * static_cast<double>(levels);
-    const std::size_t level = std::min(levels - 1, static_cast<std::size_t>(std::max(at, 0.0)));
+    const std::size_t level = interval_of(at, levels);
     return rising ? level : levels + level;
   }
   [[nodiscard]] Value at(double x, bool rising) const { return psi.empty() ? Value(0) : psi[place(x, rising)]; }

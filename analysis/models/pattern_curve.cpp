@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "analysis/models/interval.h"
+
 namespace tactbench::analysis {
 namespace {
 
@@ -68,7 +70,7 @@ std::size_t PatternCurve::segment(double x) const {
   // Grids are uniform or nearly so: the proportional guess is right or one off.
   const std::size_t last = x_.size() - 2;
   const double share = (x - x_.front()) / (x_.back() - x_.front());
-  std::size_t i = share <= 0.0 ? 0 : std::min(last, static_cast<std::size_t>(share * static_cast<double>(last + 1)));
+  std::size_t i = interval_of(share * static_cast<double>(last + 1), last + 1);
   while (i > 0 && x < x_[i]) --i;
   while (i < last && x >= x_[i + 1]) ++i;
   return i;

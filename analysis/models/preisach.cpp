@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "analysis/models/interval.h"
 #include "analysis/models/invert.h"
 #include "analysis/models/json_members.h"
 
@@ -116,7 +117,7 @@ double PreisachModel::everett(double high, double low) const {
   const double per_interval = static_cast<double>(n_) / (x_high_ - x_low_);
   const auto place = [&](double x) {
     const double at = (x - x_low_) * per_interval;
-    const auto interval = std::min(n_ - 1, static_cast<std::size_t>(std::max(at, 0.0)));
+    const std::size_t interval = interval_of(at, n_);
     return std::pair{interval, at - static_cast<double>(interval)};
   };
   const auto [i, on] = place(high);

@@ -76,8 +76,10 @@ class Compensator(_streams.Compensator):
         name = path if run is None else f"the model of run {run} in {path}"
         try:
             return _stream_of(document, name, volts_per_count, scans, options)
-        except (KeyError, IndexError, ValueError) as error:
-            raise TactbenchError(f"{name} is no model that this package reads: {error!r}") from error
+        except (TactbenchError, _streams.CompensatorError):
+            raise
+        except Exception as error:  # a document may have anything in any place
+            raise TactbenchError(f"{name} with these options is no model that this package reads: {error!r}") from error
 
 
 def _document_in(path):
@@ -89,7 +91,7 @@ def _document_in(path):
             document = json.loads((start + file.read()).decode())
     except OSError as error:
         raise TactbenchError(f"cannot read the model {path}: {error.strerror}") from error
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise TactbenchError(f"{path} is no model: {error}; give a file that tactbench fit -o or model export wrote") from error
     return _checked(document, path)
 
@@ -112,7 +114,7 @@ def _document_of(store, run, fit, void_too):
     name = f"fit {found[0]['fit']} of {store.path}"
     try:
         return _checked(json.loads(found[0]["document"]), name)
-    except ValueError as error:
+    except (TypeError, ValueError, RecursionError) as error:
         raise TactbenchError(f"{name} cannot be read: {error!r}; fit the run again: tactbench fit {run}") from error
 
 

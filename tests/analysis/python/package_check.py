@@ -122,6 +122,16 @@ def check_models(store):
     assert numpy.median(by_volts.uncertainty / alone[2]) > 2
 
 
+def taken_or_refused(name, **options):
+    """Whatever a document and options say: numbers, or one of the package's own errors."""
+    try:
+        frame = Compensator.load(name, **options).volts([2.0] * 256)
+    except (tactbench.TactbenchError, tactbench.CompensatorError):
+        return
+    valid = (frame.status & tactbench.VALID) > 0
+    assert numpy.isfinite(frame.pressure[valid]).all() and numpy.isfinite(frame.uncertainty[valid]).all()
+
+
 def check_refusals(store):
     with open("text.db", "w") as file:
         file.write("no store" * 1000)
@@ -144,6 +154,28 @@ def check_refusals(store):
     with open("broken.json", "w") as file:
         json.dump(document, file)
     refused("version 1", lambda: Compensator.load("broken.json"))
+    # A document may have anything in any place: what cannot be streamed is refused by the package's own errors alone.
+    call("model", "export", "1:2", "-o", "dynamic.json")
+    for name, places in (("model.json", (("sensor", "rows"), ("taxels",), ("taxels", 3, "model"), ("taxels", 3, "gain"), ("taxels", 3, "noise"),
+                                         ("taxels", 3, "model", "x"), ("taxels", 3, "model", "descending", 0), ("output", "scans"))),
+                         ("dynamic.json", (("dynamics", "creep_s"), ("dynamics", "lag_s"), ("taxels", 3, "zero"), ("taxels", 3, "lag_share"),
+                                           ("taxels", 3, "model", "of", "weights"), ("taxels", 3, "model", "of", "x_high")))):
+        for *path, last in places:
+            for value in (None, "x", {}, [[]], -1e300, 1e38, 10 ** 400, [1e308] * 3):
+                with open(name) as file:
+                    document = holder = json.load(file)
+                for key in path:
+                    holder = holder[key]
+                holder[last] = value
+                with open("broken.json", "w") as file:
+                    json.dump(document, file)
+                taken_or_refused("broken.json", volts_per_count=5 / 65536)
+    with open("broken.json", "w") as file:
+        file.write("[" * 100_000)
+    refused("broken.json", lambda: Compensator.load("broken.json"))
+    for options in ({"longest_gap": "x"}, {"longest_gap": -1}, {"scans": 10 ** 400}, {"scans": "x"}, {"volts_per_count": "x"},
+                    {"volts_per_count": 1e-300}, {"worked_seconds": -1.0}, {"nothing": 1}):
+        taken_or_refused("dynamic.json", **options)
     call("runs", "void", "2", "--reason", "gauge closed", "--by", "test")
     refused("gauge closed", lambda: store.frames(2))
     assert len(store.frames(2, "numpy", void_too=True)["time_s"]) > 400
