@@ -47,7 +47,8 @@ class FrameCompensator {
   // One frame. Throws std::invalid_argument when a span's length is not taxels(); the state is then as before. Bounded:
   // no more than one turn, or two curves of an unknown history, a taxel.
   void frame(std::span<const std::uint16_t> counts, const Output& output);
-  // The same in volts. A taxel whose voltage is not a finite number is marked kTaxelLost, its state is as before.
+  // The same in volts. A taxel whose voltage is not a finite number, or beyond 1e12 counts, is marked kTaxelLost, its
+  // state is as before.
   void frame(std::span<const Real> volts, const Output& output);
   // A frame was lost: every taxel is marked kTaxelLost. After longest_gap of them in a row all histories are unknown.
   void lost_frame(const Output& output);
