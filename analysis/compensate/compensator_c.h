@@ -94,10 +94,10 @@ typedef struct tb_compensator_taxel {
 
 TB_COMPENSATOR_API uint32_t tb_compensator_abi_version(void);
 
-/* TB_COMPENSATOR_VALUE also for what single precision cannot go on with: pressures beyond 1e9 or less than 1e-9 apart, a
- * full output not within 1e-3 and 1e12 of the noise (at least a count's rounding), a zero beyond 1e12 counts.
- * Copies all that it needs. `message` (may be null) gets a text of at most message_size bytes with its final 0, empty
- * when all is well. */
+/* TB_COMPENSATOR_VALUE also for what single precision cannot go on with: pressures beyond 1e9 or less than 1e-9 apart,
+ * a full output not within 1e-3 and 1e12 of the noise (at least a count's rounding), a zero beyond 1e12 counts. Copies
+ * all that it needs. `message` (may be null) gets a text of at most message_size bytes with its final 0, empty when all
+ * is well. */
 TB_COMPENSATOR_API int tb_compensator_create(const tb_compensator_setup* setup, const tb_compensator_taxel* taxels,
                                              tb_compensator** handle, char* message, size_t message_size);
 TB_COMPENSATOR_API void tb_compensator_destroy(tb_compensator* handle);
