@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
+#include <new>
 #include <nlohmann/json.hpp>
+#include <system_error>
 
 #include "analysis/error.h"
 #include "analysis/json_io.h"
@@ -85,6 +88,12 @@ Error as_error(const std::exception_ptr& exception, const std::string& where) {
     return Error::by_text(error.id(), error.what(), where, error.remedy());
   } catch (const analysis::AnalysisError& error) {
     return Error::by_text(error.id(), error.what(), where, error.remedy());
+  } catch (const std::bad_alloc&) {
+    return {"TB-SYSTEM-LIMIT", "too little memory", where};
+  } catch (const std::system_error& error) {
+    const int number = error.code().value();  // of a thread or process that could not be made
+    const bool limit = number == EAGAIN || number == ENOMEM || number == EMFILE || number == ENFILE;
+    return {limit ? ErrorId("TB-SYSTEM-LIMIT") : ErrorId("TB-INTERNAL"), error.what(), where};
   } catch (const std::exception& error) {
     return {"TB-INTERNAL", error.what(), where};
   } catch (...) {

@@ -472,6 +472,9 @@ inline constexpr ErrorRow kErrorTable[] = {
     {"TB-STORE-TOO-LARGE", kStore, "a text or blob is larger than a store takes",
      "keep less in one piece; if it came from the store, the file is damaged: take your last snapshot"},
     {"TB-STORE-TOO-LONG", kUsage, "a text is longer than the store takes", "shorten it; nothing was stored"},
+    {"TB-SYSTEM-LIMIT", kInternal, "the system gives this process no further memory, thread or file",
+     "end other programs, or raise the limit (ulimit -v, -u, -n; MemoryMax of a service), then repeat; a run that had "
+     "begun can be resumed"},
     {"TB-TABLE-COLUMN", kUsage, "the table lacks a column that is needed",
      "name the columns in the first line, or say which they are with --map role=COLUMN"},
     {"TB-TABLE-CONSTANT", kUsage, "an input is the same in all rows",

@@ -1,5 +1,6 @@
 #include "bench/run/control/control_socket.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/eventfd.h>
@@ -9,8 +10,10 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstring>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "analysis/json_io.h"
 #include "bench/common/error.h"
@@ -57,6 +60,7 @@ ControlSocket::ControlSocket(const BenchConfig& bench, Control& control, std::in
       group_(commanding_group()),
       run_name_(fmt::format("{}/run/{}", listener_.text(), run)),
       stop_(::eventfd(0, EFD_CLOEXEC)) {
+  if (stop_ < 0) throw Error("TB-SYSTEM-LIMIT", fmt::format("the run's socket: {}", std::strerror(errno)), bench_);
   thread_ = std::thread([this] { serve(); });
 }
 
@@ -65,6 +69,7 @@ ControlSocket::~ControlSocket() {
   (void)!::write(stop_, &one, sizeof(one));
   thread_.join();
   ::close(stop_);
+  if (spare_ >= 0) ::close(spare_);
   for (const Client& client : clients_) ::close(client.descriptor);
 }
 
@@ -73,6 +78,7 @@ void ControlSocket::serve() {
     std::vector<pollfd> ready{{stop_, POLLIN, 0}, {listener_.descriptor(), POLLIN, 0}};
     for (const Client& client : clients_) ready.push_back({client.descriptor, POLLIN, 0});
     const bool followed = std::ranges::any_of(clients_, &Client::follows);
+    if (spare_ < 0) spare_ = ::fcntl(stop_, F_DUPFD_CLOEXEC, 0);
     if (::poll(ready.data(), ready.size(), followed ? kFollowMs : -1) < 0) continue;
     if (ready[0].revents != 0) return;
     std::vector<Client> waiting;
@@ -117,7 +123,14 @@ void ControlSocket::begin_following(Client& client) {
 // A few per round: a client that keeps connecting does not block the others.
 void ControlSocket::accept_some() {
   for (int i = 0; i < kAcceptedAtOnce; ++i) {
-    const int descriptor = ::accept4(listener_.descriptor(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
+    const auto accept = [this] {
+      return ::accept4(listener_.descriptor(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
+    };
+    int descriptor = accept();
+    if (descriptor < 0 && errno == EMFILE && spare_ >= 0) {
+      ::close(std::exchange(spare_, -1));
+      descriptor = accept();
+    }
     if (descriptor < 0) {
       if (errno == EMFILE || errno == ENFILE || errno == ENOMEM) (void)::poll(nullptr, 0, kShortOfDescriptorsMs);
       return;

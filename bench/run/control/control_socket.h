@@ -24,7 +24,8 @@ class ControlSocket {
  public:
   // `bench_name`: held by the caller, must outlive this. None: takes a name itself; for a bench simulated in this
   // process, which shares no rig, the name carries the process's number. A second name shows the number `run` even
-  // while the process is stopped. Throws Error TB-BENCH-LOCKED, TB-BENCH-NAME.
+  // while the process is stopped. Throws Error TB-BENCH-LOCKED, TB-BENCH-NAME,
+  // TB-SYSTEM-LIMIT.
   ControlSocket(const BenchConfig& bench, Control& control, std::int64_t run, const MachineName* bench_name = nullptr);
   ~ControlSocket();
   ControlSocket(const ControlSocket&) = delete;
@@ -54,6 +55,7 @@ class ControlSocket {
   std::optional<gid_t> group_;  // looked up once: slow where users are kept on a server
   MachineName run_name_;
   int stop_ = -1;
+  int spare_ = -1;               // given up for a client when this process may open no more
   std::vector<Client> clients_;  // oldest first
   std::thread thread_;
 };

@@ -3,13 +3,16 @@
 #include "bench/common/error_table.h"
 
 #include <catch2/catch.hpp>
+#include <cerrno>
 #include <ctime>
 #include <filesystem>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -166,6 +169,13 @@ TEST_CASE("the errors of each room keep their words, and get a place where they 
         ErrorParts{"TB-ANALYSIS-NO-LOOP", "flat", "run 3", "again"});
   const std::string report(bench::error_row("TB-INTERNAL")->remedy);
   CHECK(parts_when(std::runtime_error("odd"), "run 3") == ErrorParts{"TB-INTERNAL", "odd", "run 3", report});
+  const std::string limit(bench::error_row("TB-SYSTEM-LIMIT")->remedy);
+  CHECK(limit.find("report") == std::string::npos);
+  CHECK(parts_when(std::bad_alloc(), "run 3") == ErrorParts{"TB-SYSTEM-LIMIT", "too little memory", "run 3", limit});
+  for (const int number : {EAGAIN, ENOMEM, EMFILE, ENFILE, EPERM}) {
+    const ErrorParts parts = parts_when(std::system_error(number, std::generic_category()), "run 3");
+    CHECK(std::get<0>(parts) == (number == EPERM ? "TB-INTERNAL" : "TB-SYSTEM-LIMIT"));
+  }
   CHECK(parts_when(7, "run 3") == ErrorParts{"TB-INTERNAL", "unknown failure", "run 3", report});
   CHECK(parts_when(Error("TB-USAGE", "m", "w", "r"), "run 3") == ErrorParts{"TB-USAGE", "m", "w", "r"});
 }

@@ -3,11 +3,15 @@
 #include <filesystem>
 #include <iterator>
 #include <memory>
+#include <string>
+#include <vector>
 
+#include "bench/common/error.h"
 #include "bench/run/control/client_words.h"
 #include "bench/run/control/control_socket.h"
 #include "bench/run/control/machine_name.h"
 #include "bench/run/control/run_connection.h"
+#include "tests/devices/few_descriptors.h"
 #include "tests/support/endless_run.h"
 
 using namespace tactbench::bench;
@@ -35,8 +39,8 @@ TEST_CASE("descriptors: asking, commanding, following and answering a run leave 
     const ControlSocket socket(config, control, 3);
     REQUIRE(send_command("thrifty", Command::kStatus));
     std::ptrdiff_t before = 0;
-    CHECK(
-        comes_true([&] { return (before = open_descriptors()) == before_run + 3; }));  // two names and the word to stop
+    CHECK(comes_true(
+        [&] { return (before = open_descriptors()) == before_run + 4; }));  // two names, the word to stop, the spare
     for (int i = 0; i < 5; ++i) {
       CHECK(send_command("thrifty", Command::kStatus));
       CHECK(send_command("thrifty", Command::kPause));
@@ -52,4 +56,44 @@ TEST_CASE("descriptors: asking, commanding, following and answering a run leave 
     CHECK(comes_true([&] { return open_descriptors() == before; }));
   }
   CHECK(open_descriptors() == before_run);
+}
+
+TEST_CASE("descriptors: a run whose process may open no more still hears commands, one after the other") {
+  BenchConfig config;
+  config.id = "thrifty";
+  Control control;
+  RunStatus status;
+  status.run = 3;
+  status.state = RunState::kRunning;
+  control.publish(status);
+  const ControlSocket socket(config, control, 3);
+  REQUIRE(send_command("thrifty", Command::kStatus));
+  std::vector<bool> taken;
+  {
+    const FewDescriptors for_the_client(1);
+    for (const Command command :
+         {Command::kPause, Command::kResume, Command::kPause, Command::kStop, Command::kPanic}) {
+      const auto answer = send_command("thrifty", command);
+      taken.push_back(answer && answer->taken);
+    }
+  }
+  CHECK(taken == std::vector<bool>(5, true));
+}
+
+TEST_CASE("descriptors: a run that finds too few to be commanded says so, and ends") {
+  BenchConfig config;
+  config.id = "starved";
+  Control control;
+  for (int left = 0; left < 6; ++left) {
+    std::string id = "none";
+    try {
+      const FewDescriptors few(left);
+      const ControlSocket socket(config, control, 3);
+    } catch (const Error& error) {
+      id = error.id();
+    }
+    INFO(left << " descriptors left: " << id);
+    CHECK((id == "none" || id == "TB-SYSTEM-LIMIT" || id == "TB-BENCH-NAME"));
+    CHECK((id == "none") == (left >= 3));
+  }
 }
