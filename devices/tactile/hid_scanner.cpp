@@ -22,16 +22,6 @@ using Buffer = std::array<std::uint8_t, kScanReportBytes + 1>;  // one more show
               "Read again; if it recurs, check the scanner's cable and its firmware.");
 }
 
-// Real time: waiting on a wire takes real time, whatever the process clock does.
-class Deadline {
- public:
-  explicit Deadline(Nanoseconds span) : end_(std::chrono::steady_clock::now() + span) {}
-  [[nodiscard]] Nanoseconds left() const { return left_until(end_); }
-
- private:
-  RealTime end_;
-};
-
 // Runs `talk`; a lost transport becomes TB-SCANNER-LOST.
 template <class Talk>
 void with_scanner(Talk&& talk) {
@@ -91,12 +81,25 @@ void HidScanner::timed_out(const std::string& asked, const std::string& came) {
               "Check the scanner's power and cable, then start again.");
 }
 
+// The next report of that id; 0: none came by `end`, in real time. Of those that lie there then no more are looked at
+// than a kernel keeps: a device that sends others without end does not extend the wait.
+std::size_t HidScanner::receive(std::span<std::uint8_t> into, RealTime end, std::uint8_t id) {
+  constexpr int kMostKept = 64;
+  for (int late = 0; late < kMostKept;) {
+    const Nanoseconds left = left_until(end);
+    const std::size_t size = link_->read(into, left);
+    if (size == 0 || into[0] == id) return size;
+    late += left > Nanoseconds(0) ? 0 : 1;
+  }
+  return 0;
+}
+
 void HidScanner::identify() {
   const std::uint16_t tag = send(ScanCommand::kIdentify);
-  const Deadline deadline(options_.frame_timeout);
+  const RealTime end = std::chrono::steady_clock::now() + options_.frame_timeout;
   Buffer buffer{};
   // A report that does not decode here may belong to an older exchange: only the answer counts.
-  while (const std::size_t size = link_->read(buffer, deadline.left())) {
+  while (const std::size_t size = receive(buffer, end, kIdentityId)) {
     const auto report = decode_identity(std::span(buffer).first(size));
     if (report && report->tag == tag) {
       described_ = *report;
@@ -122,7 +125,7 @@ ScanSet HidScanner::read(int scans) {
 
 void HidScanner::read_scan(ScanSet& set, int index) {
   const std::uint16_t tag = send(ScanCommand::kScan);
-  const Deadline deadline(options_.frame_timeout);
+  const RealTime end = std::chrono::steady_clock::now() + options_.frame_timeout;
   const auto rows = static_cast<std::size_t>(options_.rows);
   const auto columns = static_cast<std::size_t>(options_.columns);
   std::vector<bool> seen(rows);
@@ -130,7 +133,7 @@ void HidScanner::read_scan(ScanSet& set, int index) {
   std::uint16_t sequence = 0;
   Buffer buffer{};
   while (complete < rows) {
-    const std::size_t size = link_->read(buffer, deadline.left());
+    const std::size_t size = receive(buffer, end, kRowId);
     if (size == 0) {
       if (complete == 0) timed_out(fmt::format("asking scan {} (tag {})", index, tag), "no report");
       clock_.reply_lost(options_.frame_timeout);

@@ -1,14 +1,17 @@
 // Driver of the HID scanner over any ReportLink: assembles frames from row reports, detects gaps, duplicates and damage
-// by sequence number, tag and CRC, and discards queued reports before each request.
+// by sequence number, tag and CRC, and discards queued reports before each request. Reports of other ids, which other
+// functions of the same device send unasked, are passed over.
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 
 #include "devices/tactile/options.h"
 #include "devices/tactile/scan_report.h"
 #include "devices/tactile/tactile_array.h"
 #include "devices/wire/report_link.h"
+#include "devices/wire/wait.h"
 
 namespace tactbench::devices {
 
@@ -26,6 +29,7 @@ class HidScanner final : public TactileArray {
 
  private:
   std::uint16_t send(ScanCommand command);  // drains, sends, returns the tag that the answers carry
+  std::size_t receive(std::span<std::uint8_t> into, RealTime end, std::uint8_t id);
   void identify();
   void read_scan(ScanSet& set, int index);
   [[noreturn]] void timed_out(const std::string& asked, const std::string& came);

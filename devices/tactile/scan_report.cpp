@@ -7,9 +7,6 @@
 namespace tactbench::devices {
 namespace {
 
-constexpr std::uint8_t kRowId = 0x01;
-constexpr std::uint8_t kCommandId = 0x02;
-constexpr std::uint8_t kIdentityId = 0x03;
 constexpr std::size_t kTextBytes = 16;
 constexpr std::size_t kSamplesAt = 15;
 

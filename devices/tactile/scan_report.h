@@ -22,6 +22,7 @@ namespace tactbench::devices {
 inline constexpr std::size_t kScanReportBytes = 64;
 inline constexpr std::size_t kScanCommandBytes = 8;
 inline constexpr int kScanColumns = 16;
+inline constexpr std::uint8_t kRowId = 0x01, kCommandId = 0x02, kIdentityId = 0x03;
 inline constexpr std::uint8_t kStatusAtLimit = 1U << 0;
 inline constexpr std::uint8_t kStatusNotSettled = 1U << 1;
 inline constexpr std::uint8_t kStatusSupply = 1U << 2;

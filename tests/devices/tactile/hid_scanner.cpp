@@ -190,6 +190,31 @@ TEST_CASE("hid scanner told: another serial, a scanner that is gone, and one tha
   CHECK(told.clock.now() == 500ms);
 }
 
+TEST_CASE("hid scanner told: reports of other ids are passed over, of any length, and do not extend the wait") {
+  Told told;
+  const auto usual = told.wire.answers;
+  const auto among_others = [&](const CommandReport& command) {
+    std::vector<Report> reports;
+    for (const Report& own : usual(command)) {
+      reports.push_back({0x05});
+      reports.push_back(Report(kScanReportBytes + 9, std::uint8_t{0x7F}));
+      reports.push_back(own);
+      reports.push_back({command.command == ScanCommand::kScan ? kIdentityId : kRowId, 1, 2});
+    }
+    return reports;
+  };
+  told.wire.answers = among_others;
+  auto scanner = told.open();
+  CHECK(scanner.read(2).counts == std::vector<std::uint16_t>{0, 1, 10, 11, 20, 21, 0, 1, 10, 11, 20, 21});
+  CHECK(told.clock.now() == 0s);
+  told.options.frame_timeout = 20ms;
+  auto impatient = told.open();
+  told.wire.answers = [](const CommandReport&) { return std::vector<Report>(1'000'000, Report{0x05}); };
+  CHECK(fault_id_of([&] { (void)impatient.read(1); }) == "TB-SCANNER-TIMEOUT");
+  CHECK(told.clock.now() == 20ms);
+  CHECK_FALSE(told.wire.coming.empty());
+}
+
 TEST_CASE("hid scanner told: only the answer to its own question is the identity") {
   Told told;
   told.wire.answers = [&](const CommandReport& command) {
