@@ -13,6 +13,7 @@ enum class InjectedFault {
   kCorrupt,    // a bit of the reply is flipped
   kStale,      // the reply carries old values
   kRefused,    // the device refuses the request
+  kBusy,       // the device does nothing and asks to be asked again
   kTorn,       // a part of the reply is missing
   kSaturated,  // the device reports an overloaded transducer
   kUnplugged,  // the wire is disconnected; each end states what that means on its wire

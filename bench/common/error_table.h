@@ -240,8 +240,14 @@ inline constexpr ErrorRow kErrorTable[] = {
     {"TB-MERGE-NIGHT", kUsage, "the stores to be merged hold no night", "leave out --html, --junit and --metrics"},
     {"TB-MERGE-SHARD", kUsage, "of a night in parts, one is missing or is there twice",
      "carry the missing part out (tactbench nightly SUITE --shard K/N --db FILE), and merge each night by itself"},
+    {"TB-MODBUS-BUSY", kDevice, "the module answered for too long that it is busy",
+     "see what keeps it busy (another master, its own web page, a firmware update); [module] response_timeout_ms, "
+     "within "
+     "the watchdog's time, is how long it is asked again"},
     {"TB-MODBUS-CONNECT", kDevice, "there is no connection to the module, or it broke",
      "check that the module is on and that its address or port in the bench file is its own"},
+    {"TB-MODBUS-ECHO", kDevice, "the serial adapter returns what is sent, or does not although local_echo says so",
+     "switch off the adapter's echo, or correct local_echo beside serial_port in the bench file"},
     {"TB-MODBUS-EXCEPTION", kDevice, "the module refused the request",
      "check that the profile in the bench file fits the module, that no other master holds it, and that its watchdog "
      "has not tripped"},

@@ -283,17 +283,19 @@ KeyTable digital_keys(ForceConfig& force) {
   devices::DigitalFtOptions& digital = force.digital;
   force.address.baud = 1250000;
   force.address.parity = 'E';
-  return {key::text("port", force.address.port, "Digital F/T: the serial line (a text)"),
-          key::text("usb_serial", force.address.usb_serial,
-                    "Digital F/T: serial number of the USB adapter; finds the line instead of port, or checks it"),
-          key::number("baud", force.address.baud, {"bit/s"}, {9600, 3000000}, "Digital F/T: speed of the serial line"),
-          key::word("parity", force.address.parity, {"N", "E", "O"},
-                    "Digital F/T: parity of the serial line: none, even or odd"),
-          key::number("unit", digital.unit, kOne, {1, 247}, "Digital F/T: Modbus unit number"),
-          key::flag("low_word_first", digital.low_word_first,
-                    "Digital F/T: whether the lower of two calibration registers comes first"),
-          key::number("samples_per_second", digital.samples_per_second, {"1/s"}, {1.0, 20000.0},
-                      "Digital F/T: rate of its stream")};
+  return {
+      key::text("port", force.address.port, "Digital F/T: the serial line (a text)"),
+      key::text("usb_serial", force.address.usb_serial,
+                "Digital F/T: serial number of the USB adapter; finds the line instead of port, or checks it"),
+      key::number("baud", force.address.baud, {"bit/s"}, {9600, 3000000}, "Digital F/T: speed of the serial line"),
+      key::word("parity", force.address.parity, {"N", "E", "O"},
+                "Digital F/T: parity of the serial line: none, even or odd"),
+      key::number("unit", digital.unit, kOne, {1, 247}, "Digital F/T: Modbus unit number"),
+      key::flag("low_word_first", digital.low_word_first,
+                "Digital F/T: whether the lower of two calibration registers comes first"),
+      key::flag("local_echo", digital.local_echo, "Digital F/T: whether the adapter of the line returns what it sends"),
+      key::number("samples_per_second", digital.samples_per_second, {"1/s"}, {1.0, 20000.0},
+                  "Digital F/T: rate of its stream")};
 }
 
 void read_digital(const TomlTable& table, const BenchConfig& config, ForceConfig& force) {

@@ -27,6 +27,8 @@ KeyTable rtu_keys(devices::ModbusEndpoint& endpoint, bool simulated) {
           key::word("parity", endpoint.parity, {"N", "E", "O"}, "Parity of the serial line: none, even or odd"),
           key::number("stop_bits", endpoint.stop_bits, kOne, {1, 2}, "Stop bits of the serial line"),
           key::number("unit", endpoint.unit, kOne, {1, 247}, ""),
+          key::flag("local_echo", endpoint.local_echo,
+                    "The adapter of the serial line returns what it sends: that much is read first and compared"),
           key::number("max_reply_delay_ms", endpoint.max_reply_delay, kMilliseconds, {1.0, 60000.0},
                       "The latest that an answer can still come on a serial line; after an error the line rests for "
                       "this long")};
@@ -56,12 +58,13 @@ devices::ModbusEndpoint read_endpoint(const TomlTable& table, bool simulated, de
     read_keys(table, rtu_keys(endpoint, simulated));
     if (endpoint.serial_port.empty()) table.fail("serial_port", "no serial port is named", "e.g. \"/dev/ttyUSB0\"");
   } else {
-    for (const char* key : {"serial_port", "baud", "parity", "stop_bits", "max_reply_delay_ms"}) {
+    for (const char* key : {"serial_port", "baud", "parity", "stop_bits", "local_echo", "max_reply_delay_ms"}) {
       if (table.has(key)) table.fail(key, fmt::format("'{}' belongs to a serial line", key), "add transport = \"rtu\"");
     }
     read_keys(table, tcp_keys(endpoint));
   }
   read_keys(table, response_keys(endpoint));
+  endpoint.busy_time = endpoint.response_timeout;
   return endpoint;
 }
 

@@ -12,8 +12,9 @@
 
 namespace tactbench::bench {
 
-// Keys transport ("tcp" unless "rtu"), host, port | serial_port, baud, parity, stop_bits; unit, response_timeout_ms,
-// max_reply_delay_ms. On a simulated bench serial_port may be left out: the simulated line is used.
+// Keys transport ("tcp" unless "rtu"), host, port | serial_port, baud, parity, stop_bits, local_echo; unit,
+// response_timeout_ms, max_reply_delay_ms. On a simulated bench serial_port may be left out: the simulated line is
+// used.
 devices::ModbusEndpoint read_endpoint(const sequences::TomlTable& table, bool simulated,
                                       devices::Nanoseconds max_reply_delay);
 void add_endpoint_keys(std::vector<sequences::KeyFacts>& all, const std::string& path);

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "bench/common/process_time.h"
 #include "bench/config/config_calibration.h"
 #include "bench/config/config_modbus.h"
 #include "bench/config/config_profile.h"
@@ -100,6 +101,8 @@ void read_modules(const TomlTable& root, BenchConfig& config) {
   }
   if (config.module.profile.fail_safe.watchdog_address >= 0) {
     read_keys(table, watchdog_keys(config));
+    // A feeding begins by 0.6 of the watchdog's time, so a module that was busy is still fed in time.
+    config.module.endpoint.busy_time = std::min(config.module.endpoint.busy_time, seconds(0.4 * config.watchdog_s));
   } else if (table.has("watchdog_ms")) {
     table.fail("watchdog_ms", fmt::format("'{}' has no watchdog that can be set", config.module.profile.name),
                "omit it; `tactbench plan` and `devices check` print the fail-safe layers");

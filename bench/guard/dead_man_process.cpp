@@ -31,8 +31,11 @@ constexpr Nanoseconds kEndPoll = std::chrono::milliseconds(50);
 constexpr int kSignsATimeout = 8;
 constexpr double kOwnShare = 0.9;  // of the timeout: this process counts itself as stopped before the dead-man fires
 
+// `why` and, in a second line, what to try.
 [[noreturn]] void fail(const std::string& why) {
-  throw Fault("TB-DEADMAN-START", "dead-man", fmt::format("starting the dead-man: {}", why));
+  const std::size_t end = std::min(why.find('\n'), why.size());
+  throw Fault("TB-DEADMAN-START", "dead-man", fmt::format("starting the dead-man: {}", why.substr(0, end)),
+              why.substr(std::min(end + 1, why.size())));
 }
 
 // Between fork() and exec(): system calls only.

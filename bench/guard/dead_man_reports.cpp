@@ -12,7 +12,7 @@ using devices::Nanoseconds;
 namespace {
 
 constexpr int kFailedReadsToBeBlind = 2;
-constexpr std::string_view kBlindWord = "blind: ";
+constexpr std::string_view kBlindWord = "blind: ", kBusyWord = "busy: ";
 
 }  // namespace
 
@@ -34,6 +34,8 @@ void DeadManReports::heard(const std::string& word) {
     fired_ = true;
   } else if (word.starts_with(kBlindWord)) {
     heard_blind(word.substr(kBlindWord.size()));
+  } else if (word.starts_with(kBusyWord)) {
+    news_.push_back({"TB-MODBUS-BUSY", word.substr(kBusyWord.size())});
   } else if (word == "sees") {
     if (failed_reads_ > 0) news_.push_back({"", "the dead-man reaches the module again"});
     failed_reads_ = 0;

@@ -23,7 +23,8 @@ class DeadManReports {
   DeadManReports(devices::Nanoseconds timeout, bool blind_ends) : timeout_(timeout), blind_ends_(blind_ends) {}
 
   void asked(devices::Nanoseconds now);  // a feeding was sent, which it answers
-  // The dead-man's messages: "fed", "fired", "blind: REASON" at each failed reading, "sees". Others are ignored here.
+  // The dead-man's messages: "fed", "fired", "blind: REASON" at each failed reading, "sees", "busy: WHAT" of a module
+  // that let it wait. Others are ignored here.
   void heard(const std::string& word);
   void ended();  // the other end of its channel is closed
   // To be called once everything received by `now` was passed on: checks whether an answer is overdue.

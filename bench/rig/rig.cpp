@@ -221,10 +221,22 @@ Plant* Rig::plant() { return simulated_ ? &simulated_->plant() : nullptr; }
 
 std::uint64_t Rig::exchanges() const {
   std::uint64_t sum = module_->exchanges() + (input_module_ ? input_module_->exchanges() : 0) +
-                      (gauge_ != nullptr ? gauge_->exchanges() : 0) + (array_ ? array_->exchanges() : 0) +
+                      (gauge_ != nullptr ? gauge_->link().exchanges() : 0) + (array_ ? array_->exchanges() : 0) +
                       (stage_ ? stage_->exchanges() : 0) + (force_ ? force_->exchanges() : 0);
   for (const auto& link : environment_) sum += link->exchanges();
   return sum;
+}
+
+std::vector<std::string> Rig::take_busy() const {
+  std::vector<const devices::ModbusLink*> links{&module_->link()};
+  if (input_module_) links.push_back(&input_module_->link());
+  if (gauge_ != nullptr) links.push_back(&gauge_->link());
+  for (const auto& link : environment_) links.push_back(link.get());
+  std::vector<std::string> all;
+  for (const devices::ModbusLink* link : links) {
+    if (std::string words = link->take_busy(); !words.empty()) all.push_back(std::move(words));
+  }
+  return all;
 }
 
 }  // namespace tactbench::bench

@@ -87,6 +87,7 @@ class Rig {
   // How often each row's relay closed in this run; empty where the scanner does not count.
   [[nodiscard]] std::vector<std::uint64_t> relay_operations() const;
   [[nodiscard]] std::uint64_t exchanges() const;                       // on all wires so far
+  [[nodiscard]] std::vector<std::string> take_busy() const;            // ModbusLine::take_busy() of each line
   [[nodiscard]] Plant* plant();                                        // null: not simulated in this process
   [[nodiscard]] std::string as_stored(const std::string& text) const;  // with names of simulated ends that last
 

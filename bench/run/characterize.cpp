@@ -218,7 +218,7 @@ class RunLifecycle {
       recorder_->event("relays", "",
                        fmt::format("closed {} times, row by row", fmt::join(rig_->relay_operations(), " ")));
     }
-    if (rig_) record_dead_man_news(*rig_, *recorder_, progress_);
+    if (rig_) record_news(*rig_, *recorder_, progress_);
     ending_.write(*recorder_);
     if (!result_.time_spent.empty()) recorder_->event("time", "", result_.time_spent);
     if (conductor_) {

@@ -234,7 +234,7 @@ void Conductor::set_state(RunState state, const std::string& reason) {
 
 // Shows at once that a pause was asked for or taken back.
 void Conductor::listen() {
-  record_dead_man_news(sequencer_.rig(), recorder_, board_.progress());
+  record_news(sequencer_.rig(), recorder_, board_.progress());
   check_dead_man(sequencer_.rig());
   if (control_.pause_wanted() && recorder_.state() == RunState::kRunning) {
     set_state(RunState::kPausing, "asked by " + control_.who());

@@ -18,12 +18,14 @@ std::string news_in_words(const DeadManNews& news) {
 
 }  // namespace
 
-void record_dead_man_news(Rig& rig, Recorder& recorder, Progress& progress) {
-  if (rig.dead_man() == nullptr) return;
-  for (const DeadManNews& news : rig.dead_man()->take_news()) {
-    recorder.event("dead-man", news.id, news.what);
+void record_news(Rig& rig, Recorder& recorder, Progress& progress) {
+  const auto record = [&](const char* kind, const DeadManNews& news) {
+    recorder.event(kind, news.id, news.what);
     progress.note(news_in_words(news));
-  }
+  };
+  for (const std::string& words : rig.take_busy()) record("warning", {"TB-MODBUS-BUSY", words});
+  if (rig.dead_man() == nullptr) return;
+  for (const DeadManNews& news : rig.dead_man()->take_news()) record("dead-man", news);
 }
 
 void tell_dead_man_news(Rig& rig) {

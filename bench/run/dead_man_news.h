@@ -1,4 +1,4 @@
-// Reports the dead-man's state while an actuator is held: to the record and to people.
+// Reports the dead-man's state while an actuator is held, and modules that were busy: to the record and to people.
 #pragma once
 
 namespace tactbench::bench {
@@ -7,9 +7,10 @@ class Progress;
 class Recorder;
 class Rig;
 
-// Reports what came since the last call: an event of kind "dead-man" and a note each. Nothing without a dead-man.
-void record_dead_man_news(Rig& rig, Recorder& recorder, Progress& progress);
-// The same for verbs that keep no record: one line each on standard error.
+// Reports what came since the last call: of the dead-man an event of kind "dead-man" and a note each, of a module that
+// was busy one of kind "warning" (TB-MODBUS-BUSY).
+void record_news(Rig& rig, Recorder& recorder, Progress& progress);
+// The dead-man's for verbs that keep no record: one line each on standard error.
 void tell_dead_man_news(Rig& rig);
 // Throws Fault TB-DEADMAN-SILENT, TB-DEADMAN-ENDED, TB-DEADMAN-BLIND when it no longer watches.
 void check_dead_man(Rig& rig);

@@ -131,6 +131,10 @@ void StageSteps::press(const Step& step, const sequences::Recipe& recipe) {
   if (std::abs(dwelt - step.dwell_s) > recipe.dwell_tolerance_s) {
     readings.flags += readings.flags.empty() ? "dwell" : " dwell";
   }
+  // Then the mean hides that most of its records were not at the level.
+  if (reading.spread_n > press_->options().tolerance(level.force_n)) {
+    readings.flags += readings.flags.empty() ? "force-spread" : " force-spread";
+  }
   db::WrenchRecord wrench;
   wrench.target_n = step.force_n;
   wrench.force_start_n = reading.start.force_n;

@@ -122,6 +122,7 @@ class Server {
       }
       try {
         read_module();
+        for (const std::string& words : rig_.take_busy()) (void)channel_.send("busy: " + words);
         if (blind) (void)channel_.send("sees");
         blind = false;
       } catch (const std::exception& error) {  // firing opens a new connection
@@ -246,7 +247,11 @@ int serve_dead_man(int socket) {
     if (!lock->held()) throw std::runtime_error("an earlier one (" + lock->owner() + ") still makes the bench safe");
     server = std::make_unique<Server>(channel, config);
   } catch (const std::exception& error) {
-    (void)channel.send(error.what());
+    // The advice for a dead-man that does not start fits a module that cannot be reached, no other fault.
+    const auto* const fault = dynamic_cast<const devices::Fault*>(&error);
+    const bool reached = fault != nullptr && fault->id() != "TB-MODBUS-CONNECT" && fault->id() != "TB-MODBUS-TIMEOUT";
+    const std::string remedy = reached ? as_error(std::current_exception()).remedy() : std::string();
+    (void)channel.send(remedy.empty() ? error.what() : fmt::format("{}\n{}", error.what(), remedy));
     return static_cast<int>(ExitCode::kDevice);
   }
   (void)channel.send("ready");

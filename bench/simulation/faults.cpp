@@ -31,6 +31,7 @@ constexpr std::array<Kind, kFaultKinds> kKinds{{
     {"module_corrupt", 0.0, Instrument::kModule, InjectedFault::kCorrupt},
     {"module_stale", 0.0, Instrument::kModule, InjectedFault::kStale},
     {"module_exception", 0.0, Instrument::kModule, InjectedFault::kRefused},
+    {"module_busy", 0.0, Instrument::kModule, InjectedFault::kBusy},
     {"module_unplugged", 0.0, Instrument::kModule, InjectedFault::kUnplugged},
     {"stage_stalled", 0.0, std::nullopt, InjectedFault::kNone},
     {"stage_silent", 0.0, Instrument::kStage, InjectedFault::kSilent},

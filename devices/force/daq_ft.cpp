@@ -54,6 +54,7 @@ DaqFt::Means DaqFt::acquire(int records, const Vector6& bias) {
   const double limit = options_.saturation_share * options_.converter_limit.value();
   Vector6 raw = Vector6::Zero();
   double thermistor = 0.0;
+  ForceSpread spread;
   for (std::size_t sample = 0; sample < static_cast<std::size_t>(records); ++sample) {
     const double* row = samples.volts.data() + sample * channels;
     for (int gauge = 0; gauge < 6; ++gauge) {
@@ -69,8 +70,11 @@ DaqFt::Means DaqFt::acquire(int records, const Vector6& bias) {
     const bool compensate = options_.temperature_compensation && calibration_.temperature;
     const Vector6 used = compensate ? compensated(*calibration_.temperature, gauges, row[6]) : gauges;
     means.gauges += used;
-    check_overload(wrench_of(six_axes(matrix_ * (used - bias))), range_, options_.overload_share);
+    const Wrench load = wrench_of(six_axes(matrix_ * (used - bias)));
+    check_overload(load, range_, options_.overload_share);
+    spread.add(load);
   }
+  means.reading.spread_n = spread.standard_deviation_n();
   means.gauges /= records;
   means.reading.raw = six_axes(raw / records);
   if (channels == 7) means.reading.thermistor_v = thermistor / records;

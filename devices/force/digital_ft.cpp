@@ -15,6 +15,8 @@ namespace {
 constexpr int kMostRegisters = 125;  // of one Modbus read
 constexpr int kStatusRegister = 0x001D;
 constexpr std::size_t kStartReplyBytes = 5;
+constexpr std::size_t kExceptionBytes = 5;
+constexpr std::uint8_t kAcknowledged = 5, kBusy = 6;  // exceptions that say: ask again
 constexpr std::size_t kJamBytes = 14;
 constexpr auto kLongestStop = std::chrono::seconds(2);
 constexpr double kNewtonMetre = 1000.0;  // in N*mm
@@ -81,7 +83,8 @@ void DigitalFt::stop() {
   timed_out("asking the stream to stop", "it continues", kLongestStop);
 }
 
-std::vector<std::uint8_t> DigitalFt::answer(std::size_t size, const std::string& asked) {
+// `size` bytes, or the five of an exception.
+std::vector<std::uint8_t> DigitalFt::receive(std::size_t size, const std::string& asked) {
   const auto end = std::chrono::steady_clock::now() + options_.reply_timeout;
   std::vector<std::uint8_t> bytes(size);
   std::size_t came = 0;
@@ -89,23 +92,51 @@ std::vector<std::uint8_t> DigitalFt::answer(std::size_t size, const std::string&
     const std::size_t got = stream_->read(std::span(bytes).subspan(came), left_until(end));
     if (got == 0) timed_out(asked, fmt::format("{} of {} bytes came", came, size), options_.reply_timeout);
     came += got;
-    if (came >= 5 && (bytes[1] & 0x80U) != 0) bytes.resize(size = 5);  // an exception is shorter
+    if (came >= kExceptionBytes && (bytes[1] & 0x80U) != 0) bytes.resize(size = kExceptionBytes);
   }
-  const bool own = rtu_frame_is_whole(bytes) && bytes[0] == options_.unit;
-  const bool refused = own && (bytes[1] & 0x80U) != 0;
-  if (own && !refused) return bytes;
-  throw Fault("TB-FORCE-PROTOCOL", kForceDevice,
-              fmt::format("{} of the sensor on {}: {}", asked, stream_->description(),
-                          refused ? fmt::format("refused with exception {}", bytes[2]) : "a damaged reply came"),
-              "Check the RS-485 wires and their termination, and the unit number in the bench file.");
+  return bytes;
+}
+
+std::vector<std::uint8_t> DigitalFt::answer(std::span<const std::uint8_t> request, std::size_t size,
+                                            const std::string& asked) {
+  const auto fail = [&](const std::string& why, const char* remedy) {
+    throw Fault("TB-FORCE-PROTOCOL", kForceDevice,
+                fmt::format("{} of the sensor on {}: {}", asked, stream_->description(), why), remedy);
+  };
+  const auto is_request = [&](std::span<const std::uint8_t> bytes) {
+    return std::equal(bytes.begin(),
+                      bytes.begin() + static_cast<std::ptrdiff_t>(std::min(bytes.size(), request.size())),
+                      request.begin());
+  };
+  for (const Nanoseconds begun = clock_.now();;) {
+    stream_->discard();
+    stream_->write(request);
+    ++exchanges_;
+    if (options_.local_echo && !is_request(receive(request.size(), asked))) {
+      fail("local_echo is set, and what was sent did not come back",
+           "Remove local_echo from [force] where the adapter has no echo; else check the RS-485 wires.");
+    }
+    std::vector<std::uint8_t> bytes = receive(size, asked);
+    if (is_request(bytes)) {
+      fail(fmt::format("the first {} bytes of the answer are the request itself: the adapter echoes",
+                       std::min(bytes.size(), request.size())),
+           "Switch off the adapter's echo, or write local_echo = true in [force] of the bench file.");
+    }
+    const bool own = rtu_frame_is_whole(bytes) && bytes[0] == options_.unit;
+    const bool refused = own && (bytes[1] & 0x80U) != 0;
+    if (own && !refused) return bytes;
+    const bool busy = refused && (bytes[2] == kAcknowledged || bytes[2] == kBusy);
+    if (!busy || clock_.now() - begun >= options_.reply_timeout) {
+      fail(refused ? fmt::format("refused with exception {}", bytes[2]) : "a damaged reply came",
+           "Check the RS-485 wires and their termination, and the unit number in the bench file.");
+    }
+    clock_.wait_until(clock_.now() + options_.quiet);
+  }
 }
 
 std::vector<std::uint8_t> DigitalFt::read_registers(int address, int count) {
-  stream_->discard();
-  stream_->write(rtu_read_holding(options_.unit, address, count));
-  ++exchanges_;
-  const auto size = static_cast<std::size_t>(count) * 2;
-  auto bytes = answer(size + 5, fmt::format("reading {} registers from 0x{:04X}", count, address));
+  auto bytes = answer(rtu_read_holding(options_.unit, address, count), static_cast<std::size_t>(count) * 2 + 5,
+                      fmt::format("reading {} registers from 0x{:04X}", count, address));
   return {bytes.begin() + 3, bytes.end() - 2};
 }
 
@@ -127,8 +158,9 @@ ForceReading DigitalFt::measure(int records, const Wrench& bias) {
   ForceReading reading;
   reading.time = clock_.now();
   Vector6 sum = Vector6::Zero();
+  ForceSpread spread;
   try {
-    stream_samples(records, bias, sum);
+    stream_samples(records, bias, sum, spread);
   } catch (const Fault& fault) {
     if (!fault.id().starts_with("TB-SERIAL-")) stop();  // the next reading needs a quiet line
     if (fault.id() != "TB-FORCE-STATUS") throw;
@@ -141,16 +173,14 @@ ForceReading DigitalFt::measure(int records, const Wrench& bias) {
   sum /= records;
   Vector6::Map(reading.raw.data()) = sum;
   reading.wrench = wrench_of(scaled(sum)) - bias;
+  reading.spread_n = spread.standard_deviation_n();
   reading.records = records;
   reading.lost = lost_;
   return reading;
 }
 
-void DigitalFt::stream_samples(int records, const Wrench& bias, Vector6& sum) {
-  stream_->discard();
-  stream_->write(digital_start_stream(options_.unit));
-  ++exchanges_;
-  (void)answer(kStartReplyBytes, "starting the stream");
+void DigitalFt::stream_samples(int records, const Wrench& bias, Vector6& sum, ForceSpread& spread) {
+  (void)answer(digital_start_stream(options_.unit), kStartReplyBytes, "starting the stream");
   const Nanoseconds nominal =
       options_.reply_timeout + Nanoseconds(static_cast<Nanoseconds::rep>(1e9 * records / options_.samples_per_second));
   const auto end = std::chrono::steady_clock::now() + nominal;
@@ -172,7 +202,11 @@ void DigitalFt::stream_samples(int records, const Wrench& bias, Vector6& sum) {
       const auto sample = decode_digital_sample(rest.first(kDigitalSampleBytes));
       if (sample && (aligned || decode_digital_sample(rest.subspan(kDigitalSampleBytes, kDigitalSampleBytes)))) {
         aligned = true;
-        take(*sample, bias, sum);
+        const Vector6 gauges = gauges_of(*sample);
+        const Wrench load = wrench_of(scaled(gauges)) - bias;
+        check_overload(load, range_, options_.overload_share);
+        spread.add(load);
+        sum += gauges;
         ++came;
         at += kDigitalSampleBytes;
       } else {
@@ -184,7 +218,7 @@ void DigitalFt::stream_samples(int records, const Wrench& bias, Vector6& sum) {
   }
 }
 
-void DigitalFt::take(const DigitalSample& sample, const Wrench& bias, Vector6& sum) const {
+Vector6 DigitalFt::gauges_of(const DigitalSample& sample) const {
   if (sample.error) {
     throw Fault("TB-FORCE-STATUS", kForceDevice,
                 fmt::format("the sensor on {} reports an error with a sample", stream_->description()),
@@ -201,8 +235,7 @@ void DigitalFt::take(const DigitalSample& sample, const Wrench& bias, Vector6& s
     }
     gauges[i] = gauge;
   }
-  check_overload(wrench_of(scaled(gauges)) - bias, range_, options_.overload_share);
-  sum += gauges;
+  return gauges;
 }
 
 }  // namespace tactbench::devices

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -33,11 +34,12 @@ class DigitalFt final : public ForceSensor {
 
  private:
   ForceReading measure(int records, const Wrench& bias);
-  void stream_samples(int records, const Wrench& bias, Vector6& sum);
-  void take(const DigitalSample& sample, const Wrench& bias, Vector6& sum) const;
+  void stream_samples(int records, const Wrench& bias, Vector6& sum, ForceSpread& spread);
+  [[nodiscard]] Vector6 gauges_of(const DigitalSample& sample) const;
   void stop();
   std::vector<std::uint8_t> read_registers(int address, int count);
-  std::vector<std::uint8_t> answer(std::size_t size, const std::string& asked);
+  std::vector<std::uint8_t> answer(std::span<const std::uint8_t> request, std::size_t size, const std::string& asked);
+  std::vector<std::uint8_t> receive(std::size_t size, const std::string& asked);
   [[nodiscard]] SixAxes scaled(const Vector6& gauges) const;
   [[noreturn]] void timed_out(const std::string& asked, const std::string& came, Nanoseconds nominal);
   std::unique_ptr<ByteStream> stream_;

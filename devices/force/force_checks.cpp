@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "devices/fault.h"
@@ -18,6 +19,20 @@ Wrench operator-(const Wrench& wrench, const Wrench& bias) {
     difference.torque_nmm[i] -= bias.torque_nmm[i];
   }
   return difference;
+}
+
+void ForceSpread::add(const Wrench& record) {
+  ++records_;
+  for (std::size_t i = 0; i < mean_.size(); ++i) {
+    const double off = record.force_n[i] - mean_[i];
+    mean_[i] += off / records_;
+    squares_[i] += off * (record.force_n[i] - mean_[i]);
+  }
+}
+
+double ForceSpread::standard_deviation_n() const {
+  if (records_ < 2) return 0.0;
+  return std::sqrt(*std::max_element(squares_.begin(), squares_.end()) / (records_ - 1));
 }
 
 void check_records(int records) {

@@ -1,4 +1,4 @@
-// Checks and means shared by all force drivers: number of records, load against the rated range, serial number.
+// Checks, means and spread shared by all force drivers: number of records, load against the rated range, serial number.
 #pragma once
 
 #include <array>
@@ -13,6 +13,17 @@ inline constexpr const char* kForceDevice = "force sensor";
 
 Wrench wrench_of(const SixAxes& axes);
 Wrench operator-(const Wrench& wrench, const Wrench& bias);
+
+// The spread of records that are averaged (Welford).
+class ForceSpread {
+ public:
+  void add(const Wrench& record);
+  [[nodiscard]] double standard_deviation_n() const;  // of the force axis with the largest; 0 below two records
+
+ private:
+  int records_ = 0;
+  std::array<double, 3> mean_{}, squares_{};
+};
 
 // Throws Fault TB-FORCE-RECORDS unless 1 <= records <= kMostForceRecords.
 void check_records(int records);

@@ -21,6 +21,7 @@ struct Wrench {                        // in the sensor's frame, or the tool's w
 struct ForceReading {
   Wrench wrench;                          // mean of the records, bias removed
   std::array<double, 6> raw{};            // mean as acquired: counts (Net, Digital) or gauge volts (DAQ)
+  double spread_n = 0.0;                  // standard deviation of the records, of the force axis with the largest
   int records = 0;                        // number averaged
   std::uint32_t status = 0;               // of all records, or-ed; 0: healthy
   std::uint64_t lost = 0, reordered = 0;  // records, since the sensor was opened

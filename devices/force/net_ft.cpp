@@ -91,6 +91,7 @@ ForceReading NetFt::measure(int records, const Wrench& bias) {
   reading.wrench = wrench_of(scaled(reading.raw)) - bias;
   reading.records = sum.records;
   reading.status = sum.status;
+  reading.spread_n = sum.spread.standard_deviation_n();
   reading.lost = lost_;
   reading.reordered = reordered_;
   return reading;
@@ -181,7 +182,9 @@ void NetFt::take(const RdtRecord& record, Sum& sum) const {
     counts[i] = record.counts[i];
     sum.counts[i] += record.counts[i];
   }
-  check_overload(wrench_of(scaled(counts)) - sum.bias, range_, options_.overload_share);
+  const Wrench load = wrench_of(scaled(counts)) - sum.bias;
+  check_overload(load, range_, options_.overload_share);
+  sum.spread.add(load);
   sum.status |= record.status;
   ++sum.records;
 }

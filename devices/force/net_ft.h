@@ -36,6 +36,7 @@ class NetFt final : public ForceSensor {
     SixAxes counts{};
     int records = 0;
     std::uint32_t status = 0;
+    ForceSpread spread;
   };
   ForceReading measure(int records, const Wrench& bias);
   void request(int records, Sum& sum);

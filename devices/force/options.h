@@ -63,6 +63,7 @@ struct DigitalFtOptions {
   std::string model = "ATI Nano17, Digital F/T";
   int unit = 10;                // Modbus
   bool low_word_first = false;  // of 32-bit values in the calibration registers: not verified
+  bool local_echo = false;      // the adapter returns what is sent; that much is read first and compared
   std::string expected_serial;  // of the transducer; empty: any
   double overload_share = 1.0;  // of the range
   double samples_per_second = 7000.0;

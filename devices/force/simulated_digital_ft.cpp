@@ -81,6 +81,7 @@ class SimulatedDigitalFt::Server {
     std::array<std::uint8_t, 256> bytes{};
     const ssize_t got = ::read(line_.master(), bytes.data(), bytes.size());
     if (got <= 0) return;
+    if (faults_.echoes) send(std::span(bytes).first(static_cast<std::size_t>(got)));
     received_.insert(received_.end(), bytes.begin(), bytes.begin() + got);
     if (streaming_) {
       if (received_.size() < kSentJamBytes) return;  // only a jam is received

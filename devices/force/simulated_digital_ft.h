@@ -15,6 +15,7 @@ struct SimulatedDigitalFtFaults {  // test and nightly switches, all off by defa
   long silent_after_samples = -1;
   long damaged_sample = -1;   // this sample loses a byte
   long error_sample = -1;     // this sample carries the status error
+  bool echoes = false;        // the line returns what the client sends
   FaultInjector inject = {};  // for the samples of one wrench: silent, saturated (the status error)
 };
 

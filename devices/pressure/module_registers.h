@@ -23,7 +23,7 @@
 namespace tactbench::devices {
 
 // Modbus exception codes; kNone: carried out.
-enum class Refusal { kNone = 0, kFunction = 1, kAddress = 2, kValue = 3, kFailure = 4 };
+enum class Refusal { kNone = 0, kFunction = 1, kAddress = 2, kValue = 3, kFailure = 4, kBusy = 6 };
 
 class ModuleRegisters {
  public:

@@ -73,8 +73,9 @@ struct PressureCorrection {
 struct SimulatedModuleFaults {      // test and nightly switches, all off by default
   long silent_after_requests = -1;  // answers this many requests, then none (the connection stays open)
   long dead_after_requests = -1;    // closes connections and refuses new ones; a serial line hangs up
-  FaultInjector inject = {};  // silent, late, corrupt, stale, refused (failure); unplugged: TCP closes connections
-                              // when asked, a serial line is silent
+  bool echoes = false;              // a serial line returns what the client sends, as some adapters do
+  FaultInjector inject = {};        // silent, late, corrupt, stale, refused (failure), busy; unplugged: TCP closes
+                                    // connections when asked, a serial line is silent
 };
 
 }  // namespace tactbench::devices

@@ -32,7 +32,7 @@ class ModbusGauge final : public PressureReference {
   ModbusGauge(std::unique_ptr<ModbusLink> link, GaugeOptions options, Clock& clock);
   [[nodiscard]] PressureReading read() override;
   [[nodiscard]] Identity identity() const override;
-  [[nodiscard]] std::uint64_t exchanges() const { return link_->exchanges(); }
+  [[nodiscard]] const ModbusLink& link() const { return *link_; }
 
  private:
   std::unique_ptr<ModbusLink> link_;

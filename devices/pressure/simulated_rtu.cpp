@@ -29,7 +29,7 @@ std::size_t request_size(std::span<const std::uint8_t> bytes) {
 
 SimulatedModule::RtuServer::RtuServer(std::vector<SimulatedUnit> units, ChamberPort& chamber, const Clock& clock,
                                       SimulatedModuleFaults faults)
-    : Server(std::move(units), chamber, clock, std::move(faults)) {
+    : Server(std::move(units), chamber, clock, faults), echoes_(faults.echoes) {
   modbus_ = modbus_new_rtu(terminal_.path().c_str(), 9600, 'N', 8, 1);
   if (modbus_ == nullptr || stop_ < 0) fail_to_listen("serving " + terminal_.path(), errno);
   connected();
@@ -56,6 +56,7 @@ bool SimulatedModule::RtuServer::attend() {
   std::array<std::uint8_t, MODBUS_RTU_MAX_ADU_LENGTH> bytes{};
   const ssize_t got = ::read(terminal_.master(), bytes.data(), bytes.size());
   if (got <= 0) return got < 0 && (errno == EAGAIN || errno == EINTR);
+  if (echoes_) (void)!::write(terminal_.master(), bytes.data(), static_cast<std::size_t>(got));
   received_.insert(received_.end(), bytes.begin(), bytes.begin() + got);
   for (;;) {
     const std::size_t size = request_size(received_);

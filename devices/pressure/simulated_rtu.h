@@ -18,6 +18,7 @@ class SimulatedModule::RtuServer final : public SimulatedModule::Server {
   void serve() override;
   [[nodiscard]] bool attend();
   PseudoTerminal terminal_;
+  bool echoes_;
   std::vector<std::uint8_t> received_;
 };
 

@@ -69,10 +69,10 @@ SimulatedModule::Server::Answer SimulatedModule::Server::answer(int client, int 
   injected_ = faults_.inject ? faults_.inject() : InjectedFault::kNone;
   if (injected_ == InjectedFault::kUnplugged) return Answer::kBroken;
   if (injected_ == InjectedFault::kSilent) return Answer::kNone;
-  Refusal refusal = Refusal::kFailure;
+  Refusal refusal = injected_ == InjectedFault::kBusy ? Refusal::kBusy : Refusal::kFailure;
   try {
     for (const auto& each : units_) each->turn();
-    if (injected_ != InjectedFault::kRefused) {
+    if (injected_ != InjectedFault::kRefused && injected_ != InjectedFault::kBusy) {
       refusal = carry_out(**unit, client, frame.subspan(header + 1, frame.size() - header - 1 - trailer));
     }
   } catch (...) {

@@ -15,11 +15,14 @@ struct ModbusEndpoint {
   int port = 502;
   int unit = 1;
   Nanoseconds response_timeout = std::chrono::milliseconds(500);
+  // A device that answers "busy, ask again" is asked again for so long, in process time.
+  Nanoseconds busy_time = std::chrono::milliseconds(500);
   std::string serial_port = {};  // not empty: RTU on this port instead of TCP
   int baud = 9600;               // RTU: a rate that libmodbus knows (it takes 9600 for all others, silently)
   char parity = 'N';             // N, E or O
   int stop_bits = 1;
   Nanoseconds max_reply_delay = std::chrono::milliseconds(1000);  // RTU: no answer comes later than this
+  bool local_echo = false;  // RTU: the adapter returns what is sent; that much is read first and compared
   // RTU: protects the open port against other programs. A dead-man must reach the line of a hung program: the program
   // then sets no `exclusive` (its lock still keeps other tactbench programs out), the dead-man sets neither.
   bool lock = true;       // flock()

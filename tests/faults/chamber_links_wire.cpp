@@ -15,6 +15,8 @@ TEST_CASE("chamber: module corrupt, once") { check_row(Bench::kChamber, once(Fau
 TEST_CASE("chamber: module stale") { check_row(Bench::kChamber, breakage(FaultKind::kModuleStale)); }
 TEST_CASE("chamber: module stale, once") { check_row(Bench::kChamber, once(FaultKind::kModuleStale)); }
 TEST_CASE("chamber: module exception") { check_row(Bench::kChamber, breakage(FaultKind::kModuleException)); }
+TEST_CASE("chamber: module busy") { check_row(Bench::kChamber, breakage(FaultKind::kModuleBusy)); }
+TEST_CASE("chamber: module busy, once") { check_row(Bench::kChamber, once(FaultKind::kModuleBusy)); }
 TEST_CASE("chamber: module exception, once") { check_row(Bench::kChamber, once(FaultKind::kModuleException)); }
 TEST_CASE("chamber: module unplugged") { check_row(Bench::kChamber, breakage(FaultKind::kModuleUnplugged)); }
 TEST_CASE("chamber: module unplugged, once") { check_row(Bench::kChamber, once(FaultKind::kModuleUnplugged)); }

@@ -170,6 +170,7 @@ PressReading Press::press(const PressLevel& level, const std::function<void()>& 
     reading.after = reading.before;
   }
   reading.wrench = combined(0.5, reading.before.wrench, 0.5, reading.after.wrench);
+  reading.spread_n = std::max(reading.before.spread_n, reading.after.spread_n);
   reading.force_n = (reading.before.force_n + reading.after.force_n) / 2.0;
   reading.relaxation_n = reading.start.force_n - reading.before.force_n;
   reading.z_mm = axis_.z_mm();

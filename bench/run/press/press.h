@@ -36,6 +36,7 @@ struct PressReading {
   devices::Wrench wrench;     // their mean
   double force_n = 0.0;       // the level: pressing force at frame time, their mean
   double z_mm = 0.0;          // at frame time
+  double spread_n = 0.0;      // the larger one of the samples before and after
   double relaxation_n = 0.0;  // force at the start minus force at the end of the dwell, z at rest
   double stiffness_n_per_mm = 0.0;
   int moves = 0;

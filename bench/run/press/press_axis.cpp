@@ -42,7 +42,8 @@ double PressAxis::find() {
 ForceSample PressAxis::read(int records, bool moving) {
   const devices::ForceReading reading = force_.read(records);
   const ForceSample taken{
-      reading.time, z_mm_, moving, reading.wrench, options_.pressing_sign * reading.wrench.force_n[2], reading.raw};
+      reading.time, z_mm_,           moving, reading.wrench, options_.pressing_sign * reading.wrench.force_n[2],
+      reading.raw,  reading.spread_n};
   last_n_ = taken.force_n;
   if (hooks_.sample) hooks_.sample(taken);
   if (!(std::abs(taken.force_n) <= options_.force_limit_n)) {  // NaN is beyond

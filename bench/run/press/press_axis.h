@@ -53,6 +53,7 @@ struct ForceSample {
   devices::Wrench wrench;
   double force_n = 0.0;         // Fz, positive when it presses
   std::array<double, 6> raw{};  // ForceReading::raw
+  double spread_n = 0.0;        // ForceReading::spread_n
 };
 
 struct PressHooks {

@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "devices/fault.h"
+#include "devices/wire/modbus/modbus_crc.h"
 #include "devices/wire/stream_link.h"
 #include "devices/wire/wait.h"
 
@@ -28,6 +29,7 @@ using RealClock = std::chrono::steady_clock;
 
 constexpr std::size_t kTcpHeader = 6;  // transaction, protocol, length
 constexpr std::size_t kCheckSum = 2;
+constexpr Nanoseconds kRestOfEcho = std::chrono::milliseconds(50);
 // Rates of which libmodbus 3.1.6 knows the constant.
 constexpr std::array kRates{110,   300,   600,    1200,   2400,   4800,   9600,   19200,
                             38400, 57600, 115200, 230400, 460800, 500000, 576000, 921600};
@@ -179,6 +181,49 @@ int ModbusLine::receive(std::span<std::uint8_t> answer) {
   return modbus_receive_confirmation(context_->modbus, answer.data());
 }
 
+// Fills `into` as far as bytes come in time; returns their number.
+std::size_t ModbusLine::read(std::span<std::uint8_t> into, Nanoseconds timeout) {
+  const RealTime end = RealClock::now() + timeout;
+  const int descriptor = modbus_get_socket(context_->modbus);
+  std::size_t came = 0;
+  while (came < into.size() && (wait_for(descriptor, POLLIN, left_until(end)) & POLLIN) != 0) {
+    const ssize_t got = ::read(descriptor, into.data() + came, into.size() - came);
+    if (got <= 0) break;
+    came += static_cast<std::size_t>(got);
+  }
+  return came;
+}
+
+// An echo that differs is another sender's, or the answer itself of an adapter that does not echo.
+bool ModbusLine::take_echo(std::span<const std::uint8_t> sent) {
+  std::vector<std::uint8_t> echo(sent.size());
+  errno = read(echo, endpoint_.response_timeout) < echo.size() ? ETIMEDOUT : EMBBADDATA;
+  if (std::equal(echo.begin(), echo.end(), sent.begin())) return true;
+  echo_ = Echo::kMissing;
+  return false;
+}
+
+// Whether what came begins with the whole request. Of it libmodbus has read as much as an answer would have.
+bool ModbusLine::is_echo(std::span<const std::uint8_t> sent, std::span<std::uint8_t> came) {
+  if (came[0] != sent[0] || came[1] != sent[1]) return false;
+  constexpr std::size_t kAnswerToWriting = 8, kHead = 3;
+  std::size_t begun = sent[1] == 5 || sent[1] == 6 || sent[1] == 16 ? kAnswerToWriting : kHead + kCheckSum + came[2];
+  if (begun > MODBUS_RTU_MAX_ADU_LENGTH) begun = kHead;  // an answer cannot be as long
+  if (begun < sent.size()) (void)read(came.subspan(begun, sent.size() - begun), kRestOfEcho);
+  return std::equal(sent.begin(), sent.end(), came.begin());
+}
+
+void ModbusLine::was_busy(std::string words) {
+  ++busy_;
+  busy_words_ = fmt::format("{}{}", std::move(words), busy_ > 1 ? fmt::format("; for the {}. time", busy_) : "");
+}
+
+std::string ModbusLine::take_busy() {
+  if (busy_ < busy_told_at_) return {};
+  busy_told_at_ = 2 * busy_;
+  return busy_words_;
+}
+
 std::vector<std::uint8_t> ModbusLine::exchange(std::span<const std::uint8_t> request) {
   modbus_t* modbus = context_->modbus;
   if (is_rtu()) wait_for_gap();
@@ -187,8 +232,12 @@ std::vector<std::uint8_t> ModbusLine::exchange(std::span<const std::uint8_t> req
   modbus_set_slave(modbus, request[0]);
   int length = is_rtu() ? modbus_send_raw_request(modbus, request.data(), static_cast<int>(request.size()))
                         : send_tcp(modbus_get_socket(modbus), ++transaction_, request);
+  echo_ = Echo::kAsExpected;
+  const std::vector<std::uint8_t> sent = is_rtu() ? rtu_frame(request) : std::vector<std::uint8_t>();
+  if (length > 0 && endpoint_.local_echo && is_rtu() && !take_echo(sent)) length = -1;
   if (length > 0) length = receive(answer);
   error_ = length == 0 ? EMBBADSLAVE : errno;  // 0: libmodbus ignores another unit's answer
+  if (length <= 0 && is_rtu() && !endpoint_.local_echo && is_echo(sent, answer)) echo_ = Echo::kCame;
   if (is_rtu()) quiet_until_ = RealClock::now() + frame_gap(endpoint_.baud);
   if (length > 0) {  // then libmodbus has found unit, function and more
     const auto bytes = std::span(answer).first(static_cast<std::size_t>(length));

@@ -22,6 +22,9 @@ class ModbusLine {
   // Sends unit and PDU and returns unit and PDU of the answer without header and checksum. Empty: the exchange failed,
   // `error()` is the reason (an errno value or one of libmodbus), and the line is then closed.
   std::vector<std::uint8_t> exchange(std::span<const std::uint8_t> request);
+  // Of an exchange that failed on a serial line: the request came back although no echo is expected, or did not.
+  enum class Echo { kAsExpected, kCame, kMissing };
+  [[nodiscard]] Echo echo() const { return echo_; }
   [[nodiscard]] bool is_open() const { return context_ != nullptr; }
   // Call only while closed. Throws Fault TB-MODBUS-CONNECT or TB-MODBUS-TIMEOUT on behalf of `device`.
   void open(const std::string& device, const std::string& peer);
@@ -30,6 +33,10 @@ class ModbusLine {
   [[nodiscard]] int error() const { return error_; }
   [[nodiscard]] bool is_rtu() const { return !endpoint_.serial_port.empty(); }
   [[nodiscard]] const ModbusEndpoint& endpoint() const { return endpoint_; }
+  // How often a device on this line was busy, with the last time in words; take_busy() gives the words after the first
+  // time, the second, the fourth and so on, else nothing.
+  void was_busy(std::string words);
+  [[nodiscard]] std::string take_busy();
   [[nodiscard]] Clock& clock() { return clock_; }
 
  private:
@@ -38,12 +45,18 @@ class ModbusLine {
   [[noreturn]] void fail(int error, const std::string& device, const std::string& peer);
   void wait_for_gap();
   int receive(std::span<std::uint8_t> answer);
+  std::size_t read(std::span<std::uint8_t> into, Nanoseconds timeout);
+  [[nodiscard]] bool take_echo(std::span<const std::uint8_t> sent);
+  [[nodiscard]] bool is_echo(std::span<const std::uint8_t> sent, std::span<std::uint8_t> came);
   ModbusEndpoint endpoint_;
   Clock& clock_;
   std::string address_;  // the numeric host, once known
   std::unique_ptr<Context> context_;
   std::uint16_t transaction_ = 0;  // of the last request on this connection
   int error_ = 0;
+  Echo echo_ = Echo::kAsExpected;
+  long busy_ = 0, busy_told_at_ = 1;
+  std::string busy_words_;
   // No request before this time; real time, since bytes on a line take real time.
   std::chrono::steady_clock::time_point quiet_until_{};
 };

@@ -12,7 +12,10 @@
 namespace tactbench::devices {
 namespace {
 
+constexpr const char* kMisfitRemedy =
+    "Check that the address belongs to the module and that no other program shares its wire.";
 constexpr std::uint8_t kExceptionBit = 0x80;
+constexpr Nanoseconds kBusyPause = std::chrono::milliseconds(20);
 
 void put(std::vector<std::uint8_t>& bytes, std::size_t word) {
   bytes.push_back(static_cast<std::uint8_t>(word >> 8U & 0xFFU));
@@ -54,6 +57,37 @@ std::string ModbusLink::peer() const {
                          : fmt::format("{} at {}:{} unit {}", device_, at.host, at.port, unit_);
 }
 
+std::string ModbusLink::take_busy() const { return line_->take_busy(); }
+
+void ModbusLink::fail_without_answer(const std::string& what, std::size_t sent) {
+  const int error = line_->error();
+  if (error == ETIMEDOUT) line_->clock().reply_lost(endpoint().response_timeout);
+  if (line_->echo() == ModbusLine::Echo::kCame) {
+    throw Fault(
+        "TB-MODBUS-ECHO", device_,
+        what + fmt::format("the first {} bytes of the answer are the request itself: the adapter echoes", sent),
+        "Switch off the adapter's echo (its receiver must rest while it sends), or write local_echo = true beside "
+        "serial_port in the bench file.");
+  }
+  if (line_->echo() == ModbusLine::Echo::kMissing) {
+    throw Fault(
+        "TB-MODBUS-ECHO", device_,
+        what + fmt::format("local_echo is set, and the {} bytes that were sent did not come back as they were", sent),
+        "Remove local_echo from the bench file where the adapter has no echo; else another program or master sends "
+        "on this line, or its wires are crossed.");
+  }
+  if (error == ETIMEDOUT) {
+    throw Fault("TB-MODBUS-TIMEOUT", device_,
+                what + fmt::format("no complete reply within {:g} ms", in_milliseconds(endpoint().response_timeout)),
+                "Check the module's power, cable and unit number.");
+  }
+  if (error > MODBUS_ENOBASE) {
+    throw Fault("TB-MODBUS-PROTOCOL", device_, what + modbus_strerror(error), kMisfitRemedy);
+  }
+  throw Fault("TB-MODBUS-CONNECT", device_, what + fmt::format("the connection broke ({})", modbus_strerror(error)),
+              "Check the module's power and cable; the next request reconnects.");
+}
+
 // Returns the answer's bytes after the function code.
 std::vector<std::uint8_t> ModbusLink::exchange(const Request& request) {
   const auto what = [&] {  // only for faults: a good exchange formats nothing
@@ -61,39 +95,43 @@ std::vector<std::uint8_t> ModbusLink::exchange(const Request& request) {
                        request.count == 1 ? "" : "s", request.address, request.function, peer());
   };
   const auto misfit = [&](const std::string& why) {
-    return Fault("TB-MODBUS-PROTOCOL", device_, what() + why,
-                 "Check that the address belongs to the module and that no other program shares its wire.");
+    return Fault("TB-MODBUS-PROTOCOL", device_, what() + why, kMisfitRemedy);
   };
   if (!request.fits) throw misfit("more than one frame can hold, or nothing");
-  if (!line_->is_open()) line_->open(device_, peer());
-  ++exchanges_;
   std::vector<std::uint8_t> bytes{static_cast<std::uint8_t>(unit_), static_cast<std::uint8_t>(request.function)};
   bytes.insert(bytes.end(), request.body.begin(), request.body.end());
-  std::vector<std::uint8_t> answer = line_->exchange(bytes);
-  if (answer.empty()) {
-    const int error = line_->error();
-    if (error == ETIMEDOUT) {
-      line_->clock().reply_lost(endpoint().response_timeout);
-      throw Fault("TB-MODBUS-TIMEOUT", device_,
-                  what() + fmt::format("no complete reply within {:g} ms",
-                                       std::chrono::duration<double, std::milli>(endpoint().response_timeout).count()),
-                  "Check the module's power, cable and unit number.");
-    }
-    if (error > MODBUS_ENOBASE) throw misfit(modbus_strerror(error));
-    throw Fault("TB-MODBUS-CONNECT", device_, what() + fmt::format("the connection broke ({})", modbus_strerror(error)),
-                "Check the module's power and cable; the next request reconnects.");
-  }
   const auto fail = [&](const std::string& why) {
     line_->close_after_error();
     throw misfit(why);
   };
-  if (answer[0] != unit_) fail(fmt::format("unit {} answered", answer[0]));
-  if (answer[1] == (request.function | kExceptionBit) && answer.size() == 3) {  // a complete answer to this request
-    throw Fault(
-        "TB-MODBUS-EXCEPTION", device_,
-        what() + fmt::format("refused with exception {} ({})", answer[2], modbus_strerror(MODBUS_ENOBASE + answer[2])),
-        "Check that the profile in the bench file fits the module, that no other master holds it, and that "
-        "its watchdog has not tripped.");
+  Clock& clock = line_->clock();
+  const Nanoseconds begun = clock.now();
+  std::vector<std::uint8_t> answer;
+  for (std::uint8_t busy = 0;;) {
+    if (!line_->is_open()) line_->open(device_, peer());
+    ++exchanges_;
+    answer = line_->exchange(bytes);
+    if (answer.empty()) fail_without_answer(what(), bytes.size() + 2);
+    if (answer[0] != unit_) fail(fmt::format("unit {} answered", answer[0]));
+    const bool refused = answer[1] == (request.function | kExceptionBit) && answer.size() == 3;  // and complete
+    const auto refusal = [&](std::uint8_t number) {
+      return fmt::format("exception {} ({})", number, modbus_strerror(MODBUS_ENOBASE + number));
+    };
+    const double waited_ms = in_milliseconds(clock.now() - begun);
+    if (refused && (answer[2] == MODBUS_EXCEPTION_ACKNOWLEDGE || answer[2] == MODBUS_EXCEPTION_SLAVE_OR_SERVER_BUSY)) {
+      busy = answer[2];
+      if (clock.now() - begun >= endpoint().busy_time)
+        throw Fault("TB-MODBUS-BUSY", device_, what() + fmt::format("busy for {:g} ms: {}", waited_ms, refusal(busy)));
+      clock.wait_until(clock.now() + kBusyPause);
+      continue;
+    }
+    if (refused) {
+      throw Fault("TB-MODBUS-EXCEPTION", device_, what() + "refused with " + refusal(answer[2]),
+                  "Check that the profile in the bench file fits the module, that no other master holds it, and that "
+                  "its watchdog has not tripped.");
+    }
+    if (busy != 0) line_->was_busy(what() + fmt::format("{}, asked again for {:g} ms", refusal(busy), waited_ms));
+    break;
   }
   if (answer[1] != request.function) fail(fmt::format("the answer is to function {}", answer[1]));
   answer.erase(answer.begin(), answer.begin() + 2);

@@ -30,11 +30,14 @@ class ModbusLink {
   ModbusLink& operator=(const ModbusLink&) = delete;
 
   // Each of these is one exchange and blocks for at most response_timeout (plus the same again to connect; RTU plus
-  // max_reply_delay after an error; a host name is resolved once, at the first connect, in the resolver's time). Throws
-  // Fault TB-MODBUS-CONNECT (no connection, or it broke), TB-MODBUS-TIMEOUT (no reply, or no connection, in time;
-  // process time has then advanced by response_timeout), TB-MODBUS-EXCEPTION (the device refused) or TB-MODBUS-PROTOCOL
-  // (the answer does not match, or no frame can hold the request). `readable`: number of registers that may be read
-  // from `address` on; more than into.size() lets RTU alternate.
+  // max_reply_delay after an error; a host name is resolved once, at the first connect, in the resolver's time). A
+  // device that is busy (exceptions 5 and 6) is asked again for busy_time. This is safe because every request states
+  // absolute values, so that twice does what once does, and because the owner waits here: no newer value is overtaken.
+  // Throws Fault TB-MODBUS-CONNECT (no connection, or it broke), TB-MODBUS-TIMEOUT (no reply, or no connection, in
+  // time; process time has then advanced by response_timeout), TB-MODBUS-EXCEPTION (the device refused),
+  // TB-MODBUS-BUSY (for longer than busy_time), TB-MODBUS-ECHO (RTU: the adapter returns the request, or local_echo is
+  // set and it does not) or TB-MODBUS-PROTOCOL (the answer does not match, or no frame can hold the request).
+  // `readable`: number of registers that may be read from `address` on; more than into.size() lets RTU alternate.
   void read_input_registers(int address, std::span<std::uint16_t> into, std::size_t readable = 0);    // FC 4
   void read_holding_registers(int address, std::span<std::uint16_t> into, std::size_t readable = 0);  // FC 3
   [[nodiscard]] std::vector<bool> read_discrete_inputs(int address, int count);                       // FC 2
@@ -47,12 +50,14 @@ class ModbusLink {
   void close() noexcept;
   [[nodiscard]] std::uint64_t exchanges() const { return exchanges_; }
   [[nodiscard]] const ModbusEndpoint& endpoint() const;
+  [[nodiscard]] std::string take_busy() const;  // ModbusLine's
   // "analog module at 127.0.0.1:502 unit 1", as faults name it.
   [[nodiscard]] std::string peer() const;
 
  private:
   struct Request;
   std::vector<std::uint8_t> exchange(const Request& request);
+  [[noreturn]] void fail_without_answer(const std::string& what, std::size_t sent);
   void read_registers(int function, int address, std::span<std::uint16_t> into, std::size_t readable);
   std::shared_ptr<ModbusLine> line_;
   int unit_;

@@ -105,6 +105,11 @@ TEST_CASE("dead-man process: what keeps it from starting is said in its own word
   CHECK_THAT(start_failure("say('no module there')\n"),
              Catch::StartsWith("TB-DEADMAN-START ") && Catch::EndsWith("no module there"));
   CHECK_THAT(start_failure("sys.exit()\n"), Catch::StartsWith("TB-DEADMAN-START "));
+  const ScriptedDeadMan advised(kAnswers, "say('it refuses\\nreset it')\n");
+  const auto fault = devices::fault_of([&] { const bench::DeadManProcess process(advised.config); });
+  REQUIRE(fault);
+  CHECK_THAT(fault->what(), Catch::EndsWith("it refuses"));
+  CHECK(fault->remedy() == "reset it");
 }
 
 TEST_CASE("dead-man process: it is fired by command, by its own word, and lost when it ends") {

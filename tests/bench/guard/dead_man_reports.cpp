@@ -57,6 +57,11 @@ TEST_CASE("dead-man's answers: blind is reported once, and ends the run at the s
   news = reports.take_news();
   REQUIRE(news.size() == 1);
   CHECK(news[0].id == "");
+  reports.heard("busy: for 20 ms");
+  news = reports.take_news();
+  REQUIRE(news.size() == 1);
+  CHECK((news[0].id == "TB-MODBUS-BUSY" && news[0].what == "for 20 ms"));
+  CHECK(lost_id(reports) == "");
   reports.heard("blind: a");  // not in a row with the first
   CHECK(lost_id(reports) == "");
   reports.heard("blind: b");

@@ -184,6 +184,20 @@ TEST_CASE("whole run: a row that is stuck and a feedback that leaves its band fl
   CHECK(run.flags() == Strings{"", "row-stuck left-band", "", ""});
 }
 
+TEST_CASE("whole run: a module that is busy for a moment costs no branch and is recorded, one that stays so does") {
+  for (const double lasts_s : {0.1, 2.0}) {
+    const FinishedRun run(
+        two_branches({}, "[retry]\nbranch = 1\n", {planned_fault(FaultKind::kModuleBusy, 4.0, lasts_s, 0.0)}));
+    INFO("busy for " << lasts_s << " s");
+    REQUIRE_FALSE(run.result.error);
+    CHECK(run.result.safe == db::SafeState::kVerified);
+    CHECK(run.voids() == (lasts_s < 1.0 ? 0 : 1));
+    const Strings course = run.course({"warning", "attempt"});
+    CHECK(std::ranges::count(course, "warning TB-MODBUS-BUSY") >= (lasts_s < 1.0 ? 1 : 0));
+    CHECK(std::ranges::count(course, "attempt TB-MODBUS-BUSY") == (lasts_s < 1.0 ? 0 : 1));
+  }
+}
+
 TEST_CASE("whole run: a wait shorter than the rest that its recipe allows costs its own branch alone") {
   const FinishedRun run(two_branches(kSupplySensor, "dwell_s = 4.0\nrest_restart_s = 15\n" + kSupplyRule,
                                      {planned_fault(FaultKind::kSupplyLost, 14.0, 5.0, 0.001)}));
@@ -191,6 +205,18 @@ TEST_CASE("whole run: a wait shorter than the rest that its recipe allows costs 
   REQUIRE(run.branches.size() == 3);
   CHECK((!run.branches[0].is_void && run.branches[1].is_void && !run.branches[2].is_void));
   CHECK((run.branches[1].ordinal == 1 && run.branches[2].ordinal == 1));
+}
+
+TEST_CASE("whole press run: frames whose force records scatter beyond the level's tolerance are flagged, no others") {
+  for (const char* noise_n : {"0.005", "0.08"}) {
+    bench::RunRequest request = small_request({{"simulation.contact.force_noise_n", noise_n}});
+    request.recipes = {recipe_of(press_text(1))};
+    const FinishedRun run(request);
+    REQUIRE_FALSE(run.result.error);
+    const std::string flag = noise_n == std::string("0.08") ? "force-spread" : "";
+    // The tolerance is 0.05 N of 5 N, 0.3 N of 30 N.
+    CHECK(run.flags() == Strings{flag, "", flag});
+  }
 }
 
 TEST_CASE("whole press run: z is homed first, forces are reached and held, and z is proved to be off at the end") {

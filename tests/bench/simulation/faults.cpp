@@ -170,6 +170,7 @@ TEST_CASE("faults: each kind maps to a defect of one instrument") {
                                                   {K::kModuleCorrupt, I::kModule, T::kCorrupt},
                                                   {K::kModuleStale, I::kModule, T::kStale},
                                                   {K::kModuleException, I::kModule, T::kRefused},
+                                                  {K::kModuleBusy, I::kModule, T::kBusy},
                                                   {K::kModuleUnplugged, I::kModule, T::kUnplugged},
                                                   {K::kStageSilent, I::kStage, T::kSilent},
                                                   {K::kStageLate, I::kStage, T::kLate},

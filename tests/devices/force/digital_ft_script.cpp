@@ -289,6 +289,25 @@ TEST_CASE("Digital F/T line: each wait is for the quiet, for the reply, or for t
   CHECK((waits[4] <= 30s && waits[4] > 20s));
 }
 
+TEST_CASE("Digital F/T line: a sensor that is busy is asked again for the reply's time") {
+  for (const std::uint8_t exception : {std::uint8_t{5}, std::uint8_t{6}}) {
+    Script script;
+    script.options.reply_timeout = 300ms;
+    int left = 3;
+    script.line.change = [&](const Bytes& request, const Bytes& answer) {
+      return left-- > 0 ? rtu_frame(Bytes{kUnit, static_cast<std::uint8_t>(request[1] | 0x80U), exception}) : answer;
+    };
+    auto sensor = script.open();
+    CHECK(script.clock.now() > 0ms);
+    CHECK(script.clock.now() < 300ms);
+    left = 1'000'000;
+    const Nanoseconds begun = script.clock.now();
+    check_fault([&] { (void)sensor.read(1); }, "TB-FORCE-PROTOCOL", {}, "exception " + std::to_string(exception));
+    CHECK(script.clock.now() - begun >= 300ms);
+    CHECK(script.clock.now() - begun < 400ms);
+  }
+}
+
 TEST_CASE("Digital F/T line: a refusal that comes in pieces is a refusal, to a start as to a reading") {
   Script script;
   auto sensor = script.open();

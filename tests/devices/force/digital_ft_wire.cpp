@@ -81,6 +81,27 @@ TEST_CASE("Digital F/T: calibration and readings over a line") {
   CHECK(sensor.exchanges() == 6);
 }
 
+TEST_CASE("Digital F/T: an adapter that echoes is recognised, and with its option the readings are the same") {
+  for (const bool echoes : {true, false}) {
+    for (const bool expected : {true, false}) {
+      INFO("echoes " << echoes << ", expected " << expected);
+      DigitalFtRig rig({.echoes = echoes});
+      rig.options.local_echo = expected;
+      if (echoes != expected) {
+        check_fault([&] { (void)rig.open(); }, "TB-FORCE-PROTOCOL", {}, echoes ? "echo" : "local_echo");
+        continue;
+      }
+      auto sensor = rig.open();
+      for (int i = 0; i < 2; ++i) {
+        const ForceReading reading = sensor.read(20);
+        check_near(reading.wrench, {{1.0, -2.0, 4.0}, {80.0, -40.0, 8.0}});
+        CHECK(reading.lost == 0);
+        CHECK(reading.spread_n == 0.0);
+      }
+    }
+  }
+}
+
 TEST_CASE("Digital F/T: on a turned clock each reading has one load, however long its stream lasts") {
   DigitalFtRig rig;
   auto sensor = rig.open();

@@ -150,6 +150,16 @@ TEST_CASE("overload: only values beyond the range count, and each axis reports i
     check_fault([&] { check_overload({{11, 0, 0}, {0, 0, -301}}, range, 1.0); }, "TB-FORCE-OVERLOAD", {}, excess);
 }
 
+TEST_CASE("spread: the standard deviation of the force axis that has the largest, wherever their mean lies") {
+  ForceSpread spread;
+  CHECK(spread.standard_deviation_n() == 0.0);
+  for (const double z : {2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0}) {  // deviations from 5: squares sum up to 32
+    spread.add({{1e6, 0.5 * z, -1000.0 + z}, {100.0 * z, 0, 0}});
+    if (z == 2.0) CHECK(spread.standard_deviation_n() == 0.0);
+  }
+  CHECK(spread.standard_deviation_n() == Approx(std::sqrt(32.0 / 7.0)));
+}
+
 TEST_CASE("a wrench less another, records that can be asked for, and serials") {
   const Wrench left = Wrench{{1, 2, 3}, {4, 5, 6}} - Wrench{{10, 200, 3000}, {40, 500, 6000}};
   CHECK(left.force_n == std::array<double, 3>{-9, -198, -2997});

@@ -107,7 +107,7 @@ TEST_CASE("gauge: pressure, counts and time of a reading, then corrected by its 
   CHECK(reading.voltage == Volts(0.0));
   CHECK(reading.counts == 400);
   CHECK(reading.time == 7ms);
-  CHECK(gauge->exchanges() == 1);
+  CHECK(gauge->link().exchanges() == 1);
   CHECK(gauge->identity().role == "pressure reference");
   CHECK(gauge->identity().serial == "G1");
   PressureCorrection correction;

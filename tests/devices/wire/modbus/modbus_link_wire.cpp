@@ -1,8 +1,10 @@
 #include <array>
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <map>
 #include <mutex>
 #include <numeric>
+#include <string>
 #include <thread>
 
 #include "devices/pressure/simulated_module.h"
@@ -41,6 +43,73 @@ TEST_CASE("modbus link: silence costs one response timeout of process time, and 
   CHECK(read_one(link, 1) == 0);
   check_fault([&] { read_one(link, 1); }, "TB-MODBUS-TIMEOUT", "module", "0x0001");
   CHECK(module.clock.now() == kShort);
+}
+
+// Every kind of request, the module's register of the first output, and the plant behind it.
+TEST_CASE("modbus link: a busy module is asked again until it answers, and what was asked is then done once") {
+  std::map<std::string, int> drives;  // of the module that was never busy
+  for (const int times : {0, 1, 2, 7}) {
+    for (const std::string kind : {"one", "several", "both", "reading"}) {
+      INFO(kind << ", busy " << times << " times");
+      std::atomic<int> left{0};
+      ModbusModule module({.inject = [&] { return left-- > 0 ? InjectedFault::kBusy : InjectedFault::kNone; }});
+      ModbusLink link(at(module.server.port()), "module", module.clock);
+      const std::array<std::uint16_t, 1> outputs{0x4000};
+      std::array<std::uint16_t, 1> input{};
+      module.chamber.reference_volts = Volts(10.0);
+      left = times;
+      if (kind == "one") link.write_register(0x0800, outputs[0]);
+      if (kind == "several") link.write_registers(0x0800, outputs);
+      if (kind == "both") link.write_and_read_registers(0x0800, outputs, 1, input);
+      if (kind == "reading") link.read_input_registers(1, input);
+      CHECK(link.exchanges() == static_cast<std::uint64_t>(times) + 1);
+      CHECK(module.chamber.drives == drives.emplace(kind, module.chamber.drives).first->second);
+      if (kind != "reading") CHECK(module.chamber.output().value() == Approx(5.0).margin(0.001));
+      if (kind == "both" || kind == "reading") CHECK(input[0] == 0x7FFF);
+      CHECK((module.clock.now() > 0ms) == (times > 0));
+      CHECK(module.clock.now() <= 500ms);
+      CHECK_THAT(link.take_busy(), Catch::Contains(times > 0 ? "exception 6" : ""));
+      CHECK(link.take_busy().empty());
+    }
+  }
+}
+
+TEST_CASE("modbus link: a module that stays busy is given up after the time allowed, and has done nothing") {
+  ModbusModule module({.inject = [] { return InjectedFault::kBusy; }});
+  ModbusEndpoint endpoint = at(module.server.port());
+  endpoint.busy_time = 300ms;
+  ModbusLink link(endpoint, "module", module.clock);
+  check_fault([&] { link.write_register(0x0800, 0x4000); }, "TB-MODBUS-BUSY", "module", "0x0800");
+  CHECK(module.clock.now() >= 300ms);
+  CHECK(module.clock.now() < 350ms);
+  CHECK(module.chamber.drives == 0);
+}
+
+TEST_CASE("modbus link: an acknowledgement without an answer is asked again, too") {
+  ScriptedServer server([](int number, int socket, const Bytes& request) {
+    if (number > 2) return ScriptedServer::send(socket, ScriptedServer::answer(request, {7}));
+    Bytes refusal(request.begin(), request.begin() + 8);
+    refusal[5] = 3;
+    refusal[7] |= 0x80U;
+    refusal.push_back(5);
+    ScriptedServer::send(socket, refusal);
+  });
+  TurnedClock clock;
+  ModbusLink link(at(server.port()), "module", clock);
+  CHECK(read_one(link, 0) == 7);
+  CHECK(link.exchanges() == 4);
+}
+
+TEST_CASE("modbus link: of a module that is busy again and again each doubling of the number is news") {
+  std::atomic<int> asked{0};
+  ModbusModule module({.inject = [&] { return asked++ % 2 == 0 ? InjectedFault::kBusy : InjectedFault::kNone; }});
+  ModbusLink link(at(module.server.port()), "module", module.clock);
+  int news = 0;
+  for (int i = 0; i < 64; ++i) {
+    (void)read_one(link, 1);
+    news += link.take_busy().empty() ? 0 : 1;
+  }
+  CHECK(news == 7);  // 1, 2, 4 ... 64
 }
 
 TEST_CASE("modbus link: after a lost reply the next request gets its own answer") {
@@ -311,7 +380,7 @@ TEST_CASE("modbus frames: each exception by its number, of this function alone")
   std::array<std::uint16_t, 1> one{};
   const auto read = [&](ModbusLink& link) { link.read_holding_registers(0x10, one); };
   for (const std::uint8_t code :
-       {std::uint8_t{1}, std::uint8_t{2}, std::uint8_t{3}, std::uint8_t{4}, std::uint8_t{6}}) {
+       {std::uint8_t{1}, std::uint8_t{2}, std::uint8_t{3}, std::uint8_t{4}, std::uint8_t{7}}) {
     CannedModule module({1, 0x83, code});
     for (int i = 0; i < 2; ++i) {
       check_fault([&] { read(module.link); }, "TB-MODBUS-EXCEPTION", "device", "exception " + std::to_string(code));

@@ -2,6 +2,8 @@
 // another unit.
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <functional>
+#include <vector>
 
 #include "devices/pressure/analog_module.h"
 #include "devices/pressure/regulator.h"
@@ -116,7 +118,7 @@ TEST_CASE("modbus rtu: wrong unit, wrong function, damaged, short and absent ans
       return answer;
     }
     if (kind == 4) return {};
-    return rtu_frame(Bytes{1, 0x84, 6});  // exception: busy
+    return rtu_frame(Bytes{1, 0x84, 4});  // exception: failure
   };
   const char* expected[] = {"TB-MODBUS-PROTOCOL", "TB-MODBUS-PROTOCOL", "TB-MODBUS-PROTOCOL",
                             "TB-MODBUS-TIMEOUT",  "TB-MODBUS-TIMEOUT",  "TB-MODBUS-EXCEPTION"};
@@ -132,6 +134,58 @@ TEST_CASE("modbus rtu: wrong unit, wrong function, damaged, short and absent ans
     link.read_input_registers(0, in);
     CHECK(in[0] == 42);
   }
+}
+
+TEST_CASE("modbus rtu: an adapter that echoes is recognised, and with its option everything passes through it") {
+  for (const bool echoes : {true, false}) {
+    for (const bool expected : {true, false}) {
+      INFO("echoes " << echoes << ", expected " << expected);
+      TurnedClock clock;
+      TestChamber chamber(clock);
+      SimulatedModule line({{1, module_profile("waveshare-analog-output-8ch-b"), {}},
+                            {2, module_profile("waveshare-analog-input-8ch-b"), {}},
+                            {3, module_profile("beckhoff-ek9000"), {}}},
+                           SimulatedModule::Wire::kRtu, 0, chamber, clock, {.echoes = echoes});
+      ModbusEndpoint endpoint = rtu_endpoint(line.serial_port(), 1, kShort);
+      endpoint.local_echo = expected;
+      ModbusLink outputs(endpoint, "output module", clock);
+      ModbusLink inputs(outputs, 2, "input module");
+      ModbusLink far(outputs, 3, "module with addresses of two bytes");
+      chamber.reference_volts = Volts(3.0);
+      std::array<std::uint16_t, 8> out{};
+      std::array<std::uint16_t, 2> in{};
+      std::array<std::uint16_t, 1> watchdog{};
+      const std::array<std::uint16_t, 1> time{900};
+      const std::vector<std::function<void()>> acts{
+          [&] { outputs.read_holding_registers(0, out); }, [&] { inputs.read_input_registers(0, in, 8); },
+          [&] { far.read_holding_registers(0x1120, watchdog); }, [&] { far.write_registers(0x1120, time); },
+          [&] { far.write_and_read_registers(0x1120, time, 0x1120, watchdog); }};
+      for (const auto& act : acts) CHECK(fault_id_of(act) == (echoes == expected ? "none" : "TB-MODBUS-ECHO"));
+      if (echoes != expected) continue;
+      outputs.write_register(0, 4596);
+      outputs.read_holding_registers(0, out);
+      CHECK(out[0] == 4596);
+      CHECK(in[1] == 3000);
+      CHECK(watchdog[0] == 900);
+      CHECK(clock.now() == 0s);  // nothing was lost
+    }
+  }
+}
+
+TEST_CASE("modbus rtu: a damaged answer of each kind is no echo") {
+  TurnedClock clock;
+  ScriptedLine line([&](int, const Bytes& request) {
+    Bytes answer = request[1] == 16 ? rtu_frame(Bytes(request.begin(), request.begin() + 6))
+                                    : rtu_reading(1, request[1], request[5], 0);
+    answer.back() ^= 1U;
+    return answer;
+  });
+  ModbusLink link(rtu_endpoint(line.path(), 1, kShort), "module", clock);
+  const std::array<std::uint16_t, 2> out{};
+  std::array<std::uint16_t, 4> in{};
+  CHECK(fault_id_of([&] { link.read_holding_registers(0x0800, in); }) == "TB-MODBUS-PROTOCOL");
+  CHECK(fault_id_of([&] { link.read_holding_registers(0, in); }) == "TB-MODBUS-PROTOCOL");
+  CHECK(fault_id_of([&] { link.write_registers(0, out); }) == "TB-MODBUS-PROTOCOL");
 }
 
 TEST_CASE("modbus rtu: a port that hangs up is no connection") {
