@@ -2,6 +2,7 @@
 // transaction, so a dying process loses nothing acknowledged. Not thread-safe: one owner; other processes may read.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -81,6 +82,10 @@ class RunStore {
   RunStore(RunStore&&) noexcept;
   RunStore& operator=(RunStore&&) noexcept;
   ~RunStore();
+
+  // How long each call waits for the lock of another writer before it throws TB-STORE-LOCKED and has done nothing, so
+  // that it may be repeated. 5 s without this.
+  void wait_for_locks(std::chrono::milliseconds at_most);
 
   // Sensors. add_sensor: TB-STORE-CONFLICT when the serial exists with another type file or scanner.
   void add_sensor(const SensorRecord& sensor);

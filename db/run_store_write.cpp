@@ -123,6 +123,10 @@ void RunStore::Database::lengthen_log() {
   connection.execute(fmt::format("PRAGMA cache_size = {}", cache));
 }
 
+void RunStore::wait_for_locks(std::chrono::milliseconds at_most) {
+  database_->connection.wait_for_locks(static_cast<int>(at_most.count()));
+}
+
 std::int64_t RunStore::begin_run(const RunRecord& run) {
   if (!run.operator_name.empty()) check_said("the operator's name", run.operator_name, kLongestName);
   check_words("the purpose", run.purpose, kLongestText);

@@ -7,8 +7,10 @@
 #include <cerrno>
 #include <cstring>
 #include <limits>
+#include <new>
 
 #include "db/run_store.h"
+#include "db/store_file.h"
 
 namespace tactbench::db::sqlite {
 
@@ -54,8 +56,7 @@ Meaning meaning_of(int code, int system_error) {
       return kFull;
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
-      return {"TB-STORE-LOCKED", "another process is writing and did not finish in time",
-              "see who holds it (fuser FILE), let it end, and try again"};
+      return {"TB-STORE-LOCKED", "another process", "let it end, or close its database browser, and try again"};
     case SQLITE_NOTADB:
       return {"TB-STORE-OPEN", "this is not a store of tactbench", "name another file with --db"};
     case SQLITE_CORRUPT:
@@ -105,6 +106,7 @@ void Connection::fail(int code, const std::string& doing) const {
   std::string detail = own_message ? sqlite3_errmsg(handle_) : sqlite3_errstr(code);
   // These numbers may be from an earlier call: they belong to this one only if a file failed.
   const int base = code & 0xff;
+  if (base == SQLITE_NOMEM) throw std::bad_alloc();
   int system_error = 0;
   if (handle_ != nullptr && (base == SQLITE_IOERR || base == SQLITE_CANTOPEN)) {
     system_error = sqlite3_system_errno(handle_);
@@ -112,10 +114,19 @@ void Connection::fail(int code, const std::string& doing) const {
   }
   if (system_error != 0) detail += fmt::format("; {}", std::strerror(system_error));
   const Meaning meaning = meaning_of(code, system_error);
+  if (base == SQLITE_BUSY || base == SQLITE_LOCKED) {
+    const std::string holder = who_writes(path_);
+    throw StoreError(meaning.id,
+                     fmt::format("store {}: {} is writing to it and did not finish in time (SQLite code {})", path_,
+                                 holder.empty() ? meaning.what : holder, code),
+                     meaning.remedy);
+  }
   throw StoreError(meaning.id,
                    fmt::format("store {}: {} ({}, SQLite code {}; {})", path_, meaning.what, detail, code, doing),
                    meaning.remedy);
 }
+
+void Connection::wait_for_locks(int at_most_ms) { sqlite3_busy_timeout(handle_, at_most_ms); }
 
 void Connection::trust_no_schema() {
   for (const int option : {SQLITE_DBCONFIG_ENABLE_TRIGGER, SQLITE_DBCONFIG_ENABLE_VIEW}) {

@@ -45,6 +45,7 @@ class Connection {
   void execute(const std::string& sql);                        // one or more statements; result rows are discarded
   [[nodiscard]] std::int64_t integer(const std::string& sql);  // first column of the one row
   [[nodiscard]] std::string text(const std::string& sql);
+  void wait_for_locks(int at_most_ms);
   // Copies the present state of the database into that of `target`, page by page; others may write meanwhile.
   void copy_to(Connection& target) const;
   [[nodiscard]] std::int64_t last_row() const;

@@ -12,6 +12,7 @@
 #include <fstream>
 #include <functional>
 #include <set>
+#include <sstream>
 #include <string_view>
 #include <utility>
 
@@ -165,6 +166,26 @@ bool lies_still_on_network(const std::string& path) {
 }
 
 void tell_warnings_to(std::function<void(const std::string&)> tell) { listener() = std::move(tell); }
+
+std::string who_writes(const std::string& path) {
+  std::set<std::string> inodes;
+  for (const char* file : {"", "-shm"}) {  // with a write-ahead log the locks lie on its index
+    struct stat status {};
+    if (stat((path + file).c_str(), &status) == 0) inodes.insert(std::to_string(status.st_ino));
+  }
+  std::ifstream locks("/proc/locks");
+  for (std::string line; std::getline(locks, line);) {
+    // number: kind ADVISORY READ|WRITE pid major:minor:inode from to; "->" before the kind: waits for it
+    std::istringstream words(line);
+    std::string number, kind, strictness, access, pid, file;
+    words >> number >> kind >> strictness >> access >> pid >> file;
+    if (access != "WRITE" || !inodes.contains(file.substr(file.rfind(':') + 1))) continue;
+    std::string name;
+    std::getline(std::ifstream("/proc/" + pid + "/comm"), name);
+    if (!name.empty()) return fmt::format("{} (pid {})", name, pid);
+  }
+  return {};
+}
 
 FileKind look_at_file(const std::string& path) {
   const auto refuse = [&](const std::string& what, const std::string& remedy) {

@@ -19,6 +19,10 @@ void refuse_network(const std::string& path);
 // (tell_warnings_to), once per store. With a log TB-STORE-NETWORK. False on a local disk.
 bool lies_still_on_network(const std::string& path);
 
+// Who has locked the store for writing, as the kernel lists it: "python3 (pid 812)"; empty: not known. Opens no file of
+// the store, since closing one would take away this process's own locks (fcntl(2)).
+std::string who_writes(const std::string& path);
+
 // Name of a network file system, from statfs's magic number and the type in the mount table (for FUSE, where the number
 // does not suffice). Empty for a local one.
 std::optional<std::string> network_file_system(std::uint64_t magic, const std::string& mount_type);

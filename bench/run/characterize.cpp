@@ -6,6 +6,7 @@
 #include <atomic>
 #include <filesystem>
 #include <memory>
+#include <thread>
 
 #include "analysis/counted.h"
 #include "bench/common/utc.h"
@@ -133,14 +134,7 @@ class RunLifecycle {
     conductor_ =
         std::make_unique<Conductor>(*sequencer_, *recorder_, control_, board_, notify_, std::move(work_), baseline_);
     conductor_->set_state(RunState::kRunning, "devices open, chamber unloaded");
-    for (bool ready = false; !ready;) {
-      try {
-        prepare_sensor(*sequencer_, *recorder_, store_, request_, baseline_, board_);
-        ready = true;
-      } catch (const Suspended& suspended) {
-        conductor_->suspend(suspended);
-      }
-    }
+    conductor_->outlast([&] { prepare_sensor(*sequencer_, *recorder_, store_, request_, baseline_, board_); });
   }
 
   void keep_devices() {
@@ -151,11 +145,11 @@ class RunLifecycle {
       recorder_->event("warning", "TB-CALIBRATION", line);
   }
 
-  // A store that cannot be written ends the run at its next frame or step; it never delays a command.
+  // A store that cannot be written delays or ends the run at its next frame or step, never a command.
   void log_command(const std::string& kind, const std::string& actuator, const std::string& text) {
     if (store_lost_) return;
     try {
-      recorder_->event(kind, actuator, text);
+      recorder_->log(kind, actuator, text);
     } catch (const db::StoreError&) {
       store_lost_ = true;
     }
@@ -200,6 +194,8 @@ class RunLifecycle {
     result_.outcome = ending_.outcome();
     const std::string reason =
         ending_.error() ? fmt::format("{}: {}", ending_.error()->id(), ending_.error()->what()) : "all steps done";
+    recorder_->when_locked(
+        [this](const db::StoreError& locked, double waited_s) { return bear_lock(locked, waited_s); });
     try {
       write_end(reason);
     } catch (...) {  // the store itself failed: the row stays open and the next start marks it interrupted
@@ -211,6 +207,18 @@ class RunLifecycle {
       result_.error = error->with_rig_state(kept, safe);
     }
     notify_.tell(ending_.error() ? "failed" : "done", result_.run, reason);
+  }
+
+  // The rig is safe, so the lock of another program is waited for; not long where something else has ended the run.
+  bool bear_lock(const db::StoreError& locked, double waited_s) {
+    constexpr double kShort = 5.0, kLongest = 600.0;  // s
+    const bool hurried = ending_.error() || signals_.signal() != 0;
+    if (waited_s > (hurried ? kShort : kLongest)) throw db::StoreError(locked);
+    if (!end_delayed_ && waited_s > kShort)
+      board_.note("the run's end is not stored yet: " + std::string(locked.what()));
+    end_delayed_ = end_delayed_ || waited_s > kShort;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    return true;
   }
 
   void write_end(const std::string& reason) {
@@ -227,7 +235,7 @@ class RunLifecycle {
       recorder_->state(RunState::kStopping, reason);
     }
     recorder_->event("safe", to_string(proof_.state), proof_.text);
-    store_.end_run(result_.run, result_.outcome, recorder_->as_stored(reason), proof_.state, utc_now());
+    recorder_->end(result_.outcome, reason, proof_.state);
     result_.content_sha256 = store_.run(result_.run).content_sha256;
   }
 
@@ -252,7 +260,8 @@ class RunLifecycle {
   std::unique_ptr<ControlSocket> socket_;
   Baseline baseline_;
   SafeProof proof_;
-  bool store_lost_ = false;  // then the way out does not wait for its locks
+  bool end_delayed_ = false;  // and said so
+  bool store_lost_ = false;   // then the way out does not wait for its locks
 };
 
 }  // namespace

@@ -23,6 +23,22 @@ using sequences::SpanKind;
 using sequences::Step;
 using sequences::StepKind;
 
+namespace {
+
+class During {
+ public:
+  explicit During(bool& flag) : flag_(flag), before_(std::exchange(flag, true)) {}
+  ~During() { flag_ = before_; }
+  During(const During&) = delete;
+  During& operator=(const During&) = delete;
+
+ private:
+  bool& flag_;
+  bool before_;
+};
+
+}  // namespace
+
 Conductor::Conductor(Sequencer& sequencer, Recorder& recorder, Control& control, StatusBoard& board,
                      const Notify& notify, Work work, Baseline baseline)
     : sequencer_(sequencer),
@@ -37,6 +53,7 @@ Conductor::Conductor(Sequencer& sequencer, Recorder& recorder, Control& control,
       stage_(sequencer, recorder),
       spans_(sequences::branches(work_.steps)) {
   sequencer_.set_listener([this] { listen(); });
+  recorder_.when_locked([this](const db::StoreError& locked, double waited_s) { return bear_lock(locked, waited_s); });
   status_.steps = static_cast<int>(work_.steps.size());
   status_.frames_planned = std::ranges::count_if(work_.steps, sequences::takes_frame);
   publish();
@@ -65,6 +82,17 @@ void Conductor::run() {
     if (control_.pause_wanted()) {
       pause("asked by " + control_.who());
       i = after_rest(i);
+    }
+  }
+}
+
+void Conductor::outlast(const std::function<void()>& work) {
+  for (;;) {
+    try {
+      const During working(working_);
+      return work();
+    } catch (const Suspended& suspended) {
+      suspend(suspended);
     }
   }
 }
@@ -125,6 +153,7 @@ void Conductor::branch(const BranchSpan& span) {
 }
 
 void Conductor::attempt(const BranchSpan& span, bool tolerant) {
+  const During working(working_);
   const Step& first = work_.steps[span.first];
   if (displaced_) go_back(span.key);
   displaced_ = false;
@@ -156,6 +185,7 @@ void Conductor::conditioning(const BranchSpan& span) {
 
 // Runs all cycles from the first; false when a pause was asked for meanwhile.
 bool Conductor::condition(const BranchSpan& span) {
+  const During working(working_);
   const Recipe& recipe = work_.recipes[static_cast<std::size_t>(span.key.sequence)];
   ConditioningWatch watch(recipe.conditioning);
   const TimeSpent::Stretch stretch(sequencer_.times(), Spent::kConditioning);
@@ -172,6 +202,7 @@ bool Conductor::condition(const BranchSpan& span) {
 }
 
 void Conductor::travel(const BranchSpan& span) {
+  const During working(working_);
   for (std::size_t i = span.first; i < span.first + span.count; ++i) carry_out(work_.steps[i]);
 }
 

@@ -3,6 +3,7 @@
 // sensor's output depends on its history.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <set>
 #include <string>
@@ -35,12 +36,16 @@ class Conductor {
   // Until all branches are done. Throws what ends the run: Fault, Error, Leave, StoreError.
   void run();
   void set_state(RunState state, const std::string& reason);
-  // Waits, vented, until the conditions hold again. Throws Fault TB-RUN-SUSPENDED, Leave.
-  void suspend(const Suspended& suspended);
+  // Does `work` again after each suspension that it throws.
+  void outlast(const std::function<void()>& work);
   [[nodiscard]] StageSteps& press_steps() { return stage_; }
   [[nodiscard]] int redone() const { return redone_; }  // branches voided and done again
 
  private:
+  // Waits, vented, until the conditions hold again and everything is stored. Throws Fault TB-RUN-SUSPENDED, StoreError
+  // TB-STORE-LOCKED, Leave.
+  void suspend(const Suspended& suspended);
+  bool bear_lock(const db::StoreError& locked, double waited_s);
   [[nodiscard]] std::size_t first_span();
   void branch(const sequences::BranchSpan& span);
   void attempt(const sequences::BranchSpan& span, bool tolerant);
@@ -77,6 +82,7 @@ class Conductor {
   bool displaced_ = false;  // the next branch needs the path to its start
   double rested_s_ = 0.0;   // in the last wait, unloaded
   bool peak_seen_ = false;  // fail-fast limits were judged
+  bool working_ = false;    // a suspension thrown now is caught, and the work repeated
   int redone_ = 0;
 };
 

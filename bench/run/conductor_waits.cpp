@@ -77,6 +77,20 @@ std::size_t Conductor::after_rest(std::size_t next) {
   return static_cast<std::size_t>(first - spans_.begin());
 }
 
+// Another program has locked the store, so no step may follow: what was measured last is not kept yet. A short lock is
+// waited for where the work stands, with the module fed and the pressures watched; for a longer one the run is
+// suspended like one without supply. Outside of the work the rig is vented or on its way there, which goes on.
+bool Conductor::bear_lock(const db::StoreError& locked, double waited_s) {
+  constexpr double kStands = 5.0, kLongest = 3600.0;  // s
+  const RunState state = recorder_.state();
+  if (!working_ || (state != RunState::kRunning && state != RunState::kPausing)) return false;
+  if (waited_s > kStands) throw Suspended{locked.what(), kLongest};
+  working_ = false;  // what is recorded meanwhile waits behind; what is thrown ends the work
+  sequencer_.stand();
+  working_ = true;
+  return true;
+}
+
 void Conductor::suspend(const Suspended& suspended) {
   set_state(RunState::kSuspended, suspended.what);
   vent("to wait: " + suspended.what);
@@ -89,8 +103,9 @@ void Conductor::suspend(const Suspended& suspended) {
   const Nanoseconds start = rig.clock().now();
   const Nanoseconds deadline = start + seconds(suspended.timeout_s);
   SuspensionWatch watch = sequencer_.conditions();
-  while (!watch.may_resume(rig.environment(), rig.clock().now())) {
+  while (!recorder_.flush() || !watch.may_resume(rig.environment(), rig.clock().now())) {
     if (rig.clock().now() > deadline) {
+      if (!recorder_.flush()) throw db::StoreError(*recorder_.locked());
       throw Fault("TB-RUN-SUSPENDED", "surroundings",
                   fmt::format("{}, and it did not come back within {:g} s", suspended.what, suspended.timeout_s));
     }
@@ -98,7 +113,7 @@ void Conductor::suspend(const Suspended& suspended) {
   }
   rested_s_ = devices::in_seconds(rig.clock().now() - start);
   recover();
-  set_state(RunState::kRunning, "conditions hold again");
+  set_state(RunState::kRunning, "what was waited for is there again");
   displaced_ = true;
 }
 
@@ -154,9 +169,14 @@ void Conductor::vent(const std::string& why) {
 }
 
 void Conductor::recover() {
+  Rig& rig = sequencer_.rig();
+  for (const Nanoseconds end = rig.clock().now() + std::chrono::hours(1); !recorder_.flush(); sequencer_.idle()) {
+    if (rig.clock().now() > end) throw db::StoreError(*recorder_.locked());
+    status_.phase = fmt::format("waiting, vented: {}", recorder_.locked()->what());
+    publish();
+  }
   status_.phase = "opening the devices again";
   publish();
-  Rig& rig = sequencer_.rig();
   rig.source().arm();
   rig.close_array();
   rig.open_array();

@@ -1,12 +1,29 @@
 #include "bench/run/recorder.h"
-#include "bench/common/utc.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 
+#include "bench/common/utc.h"
+#include "db/sqlite.h"
+
 namespace tactbench::bench {
+
+namespace {
+
+using RealClock = std::chrono::steady_clock;
+// The module is fed meanwhile, so a try is short against the time between two feedings.
+constexpr std::chrono::milliseconds kTry{20}, kBetweenTries{20}, kUsual{db::sqlite::kBusyTimeoutMs};
+
+double seconds_since(RealClock::time_point begun) {
+  return std::chrono::duration<double>(RealClock::now() - begun).count();
+}
+
+}  // namespace
 
 Recorder::Recorder(db::RunStore& store, std::int64_t run, const devices::Clock& clock, devices::Nanoseconds offset)
     : store_(store), run_(run), clock_(clock), offset_(offset), void_frames_(store.void_frame_count(run)) {
@@ -14,6 +31,50 @@ Recorder::Recorder(db::RunStore& store, std::int64_t run, const devices::Clock& 
     int& next = attempts_[{branch.sequence, branch.repeat, branch.ordinal}];
     next = std::max(next, branch.attempt + 1);
   }
+}
+
+bool Recorder::flush() {
+  if (waiting_.empty()) return true;
+  if (RealClock::now() < next_try_) return false;
+  store_.wait_for_locks(kTry);
+  const auto done = [this](bool written) {
+    store_.wait_for_locks(kUsual);
+    return written;
+  };
+  try {
+    for (; !waiting_.empty(); waiting_.pop_front()) waiting_.front()();
+    return done(true);
+  } catch (const db::StoreError& error) {
+    (void)done(false);
+    if (error.id() != "TB-STORE-LOCKED") {
+      waiting_.pop_front();
+      throw;
+    }
+    locked_ = error;
+    next_try_ = RealClock::now() + kBetweenTries;
+    return false;
+  }
+}
+
+// Each job is one transaction of the store: one that met the lock has done nothing and is repeated as it is.
+void Recorder::write(std::function<void()> job) {
+  constexpr double kWorthAWord = 0.5;
+  const auto begun = RealClock::now();
+  waiting_.push_back(std::move(job));
+  bool waited = false;
+  while (!flush()) {
+    waited = true;
+    const double waited_s = seconds_since(begun);
+    if (bear_) {
+      if (!bear_(*locked_, waited_s)) return;
+    } else if (waited_s * 1000.0 > static_cast<double>(kUsual.count())) {
+      throw db::StoreError(*locked_);
+    } else {
+      std::this_thread::sleep_for(kBetweenTries);
+    }
+  }
+  if (const double waited_s = seconds_since(begun); waited && waited_s > kWorthAWord)
+    event("warning", locked_->id(), fmt::format("waited {:.1f} s: {}", waited_s, locked_->what()));
 }
 
 void Recorder::open_branch(const sequences::Step& step) {
@@ -28,23 +89,28 @@ void Recorder::open_branch(const sequences::Step& step) {
     branch.from_n = step.force_from_n;
     branch.to_n = step.force_to_n;
   }
-  branch_ = store_.begin_branch(run_, branch);
-  store_.set_seen(run_, utc_now());
+  write([this, branch] { branch_ = store_.begin_branch(run_, branch); });
+  write([this] { store_.set_seen(run_, utc_now()); });
 }
 
 void Recorder::void_branch(const std::string& reason) {
-  if (branch_ == 0) return;
-  store_.void_branch(std::exchange(branch_, 0), as_stored(reason));
-  void_frames_ = store_.void_frame_count(run_);
+  write([this, stored = as_stored(reason)] {
+    if (branch_ == 0) return;
+    store_.void_branch(branch_, stored);
+    branch_ = 0;
+    void_frames_ = store_.void_frame_count(run_);
+  });
 }
 
 void Recorder::void_repeat(int sequence, int repeat, const std::string& reason) {
-  for (const db::BranchRecord& branch : store_.branches(run_)) {
-    if (!branch.is_void && branch.sequence == sequence && branch.repeat == repeat) {
-      store_.void_branch(branch.branch, as_stored(reason));
+  write([this, sequence, repeat, stored = as_stored(reason)] {
+    for (const db::BranchRecord& branch : store_.branches(run_)) {
+      if (!branch.is_void && branch.sequence == sequence && branch.repeat == repeat) {
+        store_.void_branch(branch.branch, stored);
+      }
     }
-  }
-  void_frames_ = store_.void_frame_count(run_);
+    void_frames_ = store_.void_frame_count(run_);
+  });
 }
 
 void Recorder::poll(devices::Psi setpoint, const devices::PressureReading& feedback,
@@ -79,31 +145,48 @@ void Recorder::frame(const sequences::Step& step, const StepReadings& readings) 
     const std::chrono::duration<float> before = readings.scans.time - poll.time;
     frame.trace.push_back({before.count(), poll.setpoint_psi, poll.feedback_psi, poll.reference_psi});
   }
-  const auto start = std::chrono::steady_clock::now();
-  store_.append_frame(run_, frame);
-  store_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   polls_.clear();
-  ++frames_;
   most_exchanges_ = std::max(most_exchanges_, readings.exchanges);
+  write([this, stored = std::move(frame)] {
+    const auto start = RealClock::now();
+    store_.append_frame(run_, stored);
+    store_seconds_ += seconds_since(start);
+    ++frames_;
+  });
+}
+
+std::function<void()> Recorder::storing(const std::string& kind, const std::string& id, const std::string& detail) {
+  return [this, event = db::EventRecord{now_ns(), kind, id, as_stored(detail)}] { store_.append_event(run_, event); };
 }
 
 void Recorder::event(const std::string& kind, const std::string& id, const std::string& detail) {
-  store_.append_event(run_, {now_ns(), kind, id, as_stored(detail)});
+  write(storing(kind, id, detail));
+}
+
+void Recorder::log(const std::string& kind, const std::string& id, const std::string& detail) {
+  waiting_.push_back(storing(kind, id, detail));
+  (void)flush();
 }
 
 void Recorder::check(const std::string& kind, const std::string& verdict, const std::string& detail_json,
                      std::vector<double> data) {
-  store_.append_check(run_, {run_, now_ns(), kind, verdict, detail_json, std::move(data)});
+  write([this, stored = db::CheckRecord{run_, now_ns(), kind, verdict, detail_json, std::move(data)}] {
+    store_.append_check(run_, stored);
+  });
 }
 
 void Recorder::state(RunState next, const std::string& reason) {
   if (!may_follow(state_, next)) {
     throw std::logic_error(std::string("run state ") + to_string(state_) + " -> " + to_string(next));
   }
-  store_.set_state(
-      run_, to_string(next),
-      {now_ns(), "state", "", std::string(to_string(state_)) + " -> " + to_string(next) + ": " + as_stored(reason)});
+  db::EventRecord change{now_ns(), "state", "",
+                         std::string(to_string(state_)) + " -> " + to_string(next) + ": " + as_stored(reason)};
   state_ = next;
+  write([this, next, stored = std::move(change)] { store_.set_state(run_, to_string(next), stored); });
+}
+
+void Recorder::end(db::Outcome outcome, const std::string& reason, db::SafeState safe) {
+  write([=, this, stored = as_stored(reason)] { store_.end_run(run_, outcome, stored, safe, utc_now()); });
 }
 
 }  // namespace tactbench::bench

@@ -1,8 +1,11 @@
 // Typed readings -> rows: one frame a step with the trace since the frame before it, branches with their attempts, and
-// the only writer of a run's state while it runs.
+// the only writer of a run's state while it runs. What cannot be written because another program has locked the store
+// waits here, in order.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <optional>
@@ -38,6 +41,14 @@ class Recorder {
   void name_by(std::function<std::string(const std::string&)> names) { names_ = std::move(names); }
   [[nodiscard]] std::string as_stored(const std::string& text) const { return names_ ? names_(text) : text; }
 
+  // Called between two tries while the store is locked, with its error and the seconds waited so far. It may throw;
+  // false: the work goes on, and what waits is written with what comes next. Without one, 5 s are waited.
+  using Bear = std::function<bool(const db::StoreError& locked, double waited_s)>;
+  void when_locked(Bear bear) { bear_ = std::move(bear); }
+  // Writes what waits; false: the store is still locked, and locked() says by whom.
+  [[nodiscard]] bool flush();
+  [[nodiscard]] const std::optional<db::StoreError>& locked() const { return locked_; }
+
   void open_branch(const sequences::Step& step);                          // the next attempt at the step's branch
   void void_branch(const std::string& reason);                            // the open one; nothing when none is open
   void void_repeat(int sequence, int repeat, const std::string& reason);  // all its branches so far
@@ -46,12 +57,14 @@ class Recorder {
   void poll(devices::Psi setpoint, const devices::PressureReading& feedback, const devices::PressureReading& reference);
   void frame(const sequences::Step& step, const StepReadings& readings);
   void event(const std::string& kind, const std::string& id, const std::string& detail);
+  void log(const std::string& kind, const std::string& id, const std::string& detail);  // an event; never waits
   void check(const std::string& kind, const std::string& verdict, const std::string& detail_json,
              std::vector<double> data);
   // Throws std::logic_error on a change that the table does not allow.
   void state(RunState next, const std::string& reason);
+  void end(db::Outcome outcome, const std::string& reason, db::SafeState safe);
   [[nodiscard]] RunState state() const { return state_; }
-  [[nodiscard]] int frames() const { return frames_; }                     // of this process
+  [[nodiscard]] int frames() const { return frames_; }                     // stored by this process
   [[nodiscard]] std::int64_t void_frames() const { return void_frames_; }  // of earlier processes too
   [[nodiscard]] int most_exchanges() const { return most_exchanges_; }
   [[nodiscard]] std::int64_t run() const { return run_; }
@@ -60,6 +73,9 @@ class Recorder {
   [[nodiscard]] double store_seconds() const { return store_seconds_; }  // real, spent in storing frames
 
  private:
+  void write(std::function<void()> job);
+  [[nodiscard]] std::function<void()> storing(const std::string& kind, const std::string& id,
+                                              const std::string& detail);
   [[nodiscard]] std::int64_t now_ns() const { return (clock_.now() + offset_).count(); }
   struct Poll {
     devices::Nanoseconds time{0};
@@ -73,6 +89,10 @@ class Recorder {
   std::int64_t branch_ = 0;  // 0: none is open
   std::map<sequences::BranchKey, int> attempts_;
   std::vector<Poll> polls_;
+  std::deque<std::function<void()>> waiting_;
+  std::optional<db::StoreError> locked_;
+  std::chrono::steady_clock::time_point next_try_{};
+  Bear bear_;
   std::function<std::string(const std::string&)> names_;
   int frames_ = 0, most_exchanges_ = 0;
   std::int64_t void_frames_ = 0;

@@ -47,6 +47,8 @@ class Sequencer {
   void wait_until(devices::Nanoseconds time);
   // Waits 0.2 s for a person on a vented rig, watching both pressures. Throws Leave.
   void idle();
+  // Stays where it is for a moment, watching both pressures. Throws Leave, PathBroken.
+  void stand();
   // Waits `duration_s` at 0 psi, feeding the module and watching the pressures.
   void hold_vented(double duration_s);
   [[nodiscard]] const SuspensionWatch& conditions() const { return suspension_; }

@@ -54,8 +54,22 @@ void Sequencer::hold_vented(double duration_s) {
   dwell(rest);
 }
 
+namespace {
+constexpr auto kTurn = std::chrono::milliseconds(200);
+}
+
+void Sequencer::stand() {
+  step_deadline_ = Nanoseconds::max();
+  if (rig_.config().in_process) {  // what is waited for takes real time, and nothing happens on this rig meanwhile
+    std::this_thread::sleep_for(kTurn / 10);
+    return poll_commands();
+  }
+  rig_.clock().wait_until(rig_.clock().now() + seconds(0.1 * rig_.config().rate));
+  poll_commands();
+  if (rig_.source().armed()) poll();
+}
+
 void Sequencer::idle() {
-  constexpr auto kTurn = std::chrono::milliseconds(200);
   step_deadline_ = Nanoseconds::max();
   // A turned clock does not wait, but a person needs real time.
   if (rig_.config().in_process) std::this_thread::sleep_for(kTurn / 10);
