@@ -34,6 +34,8 @@ namespace tactbench::bench {
 
 namespace {
 
+constexpr double kShortLock = 5.0;  // s, of the store by another program
+
 // One run from its row to its end. Each part of the way out is bounded in time, and a failure in one does not skip the
 // next.
 class RunLifecycle {
@@ -118,6 +120,11 @@ class RunLifecycle {
     sequencer_ = std::make_unique<Sequencer>(*rig_, *recorder_, control_, signals_);
     sequencer_->pace(request_.bench.in_process ? request_.pace : 0.0);
     sequencer_->follow(work_.recipes.front());
+    recorder_->when_locked([this](const db::StoreError& locked, double waited_s) {
+      if (waited_s > kShortLock) throw db::StoreError(locked);  // nothing is under pressure or measured yet
+      sequencer_->stand();
+      return true;
+    });
     load_specimen(*rig_, request_.specimen_state_file);
     moment(RigMoment::kMade);
     rig_->open();
@@ -140,7 +147,7 @@ class RunLifecycle {
   void keep_devices() {
     if (needs_press(request_.recipes)) rig_->name_press_instruments();
     const std::vector<db::DeviceRecord> devices = rig_->devices();
-    bench::keep_devices(store_, result_.run, devices);
+    recorder_->write([this, devices] { bench::keep_devices(store_, result_.run, devices); });
     for (const std::string& line : calibration_warnings(request_.bench, devices, utc_now().substr(0, 10)))
       recorder_->event("warning", "TB-CALIBRATION", line);
   }
@@ -211,12 +218,12 @@ class RunLifecycle {
 
   // The rig is safe, so the lock of another program is waited for; not long where something else has ended the run.
   bool bear_lock(const db::StoreError& locked, double waited_s) {
-    constexpr double kShort = 5.0, kLongest = 600.0;  // s
+    constexpr double kLongest = 600.0;  // s
     const bool hurried = ending_.error() || signals_.signal() != 0;
-    if (waited_s > (hurried ? kShort : kLongest)) throw db::StoreError(locked);
-    if (!end_delayed_ && waited_s > kShort)
+    if (waited_s > (hurried ? kShortLock : kLongest)) throw db::StoreError(locked);
+    if (!end_delayed_ && waited_s > kShortLock)
       board_.note("the run's end is not stored yet: " + std::string(locked.what()));
-    end_delayed_ = end_delayed_ || waited_s > kShort;
+    end_delayed_ = end_delayed_ || waited_s > kShortLock;
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     return true;
   }

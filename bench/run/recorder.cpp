@@ -37,26 +37,23 @@ bool Recorder::flush() {
   if (waiting_.empty()) return true;
   if (RealClock::now() < next_try_) return false;
   store_.wait_for_locks(kTry);
-  const auto done = [this](bool written) {
-    store_.wait_for_locks(kUsual);
-    return written;
-  };
   try {
     for (; !waiting_.empty(); waiting_.pop_front()) waiting_.front()();
-    return done(true);
-  } catch (const db::StoreError& error) {
-    (void)done(false);
-    if (error.id() != "TB-STORE-LOCKED") {
+    store_.wait_for_locks(kUsual);
+    return true;
+  } catch (const std::exception& failure) {
+    store_.wait_for_locks(kUsual);
+    const auto* const error = dynamic_cast<const db::StoreError*>(&failure);
+    if (error == nullptr || error->id() != "TB-STORE-LOCKED") {
       waiting_.pop_front();
       throw;
     }
-    locked_ = error;
+    locked_ = *error;
     next_try_ = RealClock::now() + kBetweenTries;
     return false;
   }
 }
 
-// Each job is one transaction of the store: one that met the lock has done nothing and is repeated as it is.
 void Recorder::write(std::function<void()> job) {
   constexpr double kWorthAWord = 0.5;
   const auto begun = RealClock::now();

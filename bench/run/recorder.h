@@ -45,6 +45,9 @@ class Recorder {
   // false: the work goes on, and what waits is written with what comes next. Without one, 5 s are waited.
   using Bear = std::function<bool(const db::StoreError& locked, double waited_s)>;
   void when_locked(Bear bear) { bear_ = std::move(bear); }
+  // Does `job`, one transaction of the store, after all that waits. One that met the lock is repeated as it is, perhaps
+  // after this has returned or thrown.
+  void write(std::function<void()> job);
   // Writes what waits; false: the store is still locked, and locked() says by whom.
   [[nodiscard]] bool flush();
   [[nodiscard]] const std::optional<db::StoreError>& locked() const { return locked_; }
@@ -73,7 +76,6 @@ class Recorder {
   [[nodiscard]] double store_seconds() const { return store_seconds_; }  // real, spent in storing frames
 
  private:
-  void write(std::function<void()> job);
   [[nodiscard]] std::function<void()> storing(const std::string& kind, const std::string& id,
                                               const std::string& detail);
   [[nodiscard]] std::int64_t now_ns() const { return (clock_.now() + offset_).count(); }

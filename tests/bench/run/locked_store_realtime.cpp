@@ -10,6 +10,7 @@
 #include <tuple>
 #include <vector>
 
+#include "bench/guard/trip.h"
 #include "db/run_store.h"
 #include "tests/support/child_process.h"
 #include "tests/support/hosted_rig.h"
@@ -85,6 +86,23 @@ TEST_CASE("locked store: for a short lock the pressure is held and the module fe
   CHECK(store.frame_count(1) == 3);
   CHECK(store.void_frame_count(1) == 0);
   CHECK(is_told(store, "warning", name));
+}
+
+TEST_CASE("locked store: a lock that comes while the devices are named starves no dead-man") {
+  HostedRig rig(std::vector<sequences::Override>{{"dead_man.progress_ms", "2500"}});
+  db::RunStore store = db::RunStore::open(rig.folder.path("runs.db"), db::Durability::kNormal);
+  bench::RunRequest request = small_request();
+  request.bench = rig.client();
+  request.recipes = {recipe_of("unit = \"psi\"\nturning_points = [0, 8]\nstep = 8\ndwell_s = 0.2\n")};
+  std::unique_ptr<OtherWriter> other;
+  request.on_rig = [&](bench::Rig&, bench::RigMoment moment) {
+    if (moment == bench::RigMoment::kOpened) other = std::make_unique<OtherWriter>(store.path(), 4.0);
+  };
+  const bench::RunResult result = run_small(request, store);
+  INFO((result.error ? result.error->id() : "none"));
+  CHECK_FALSE(result.error);
+  CHECK(store.frame_count(1) == 2);
+  CHECK_FALSE(bench::TripFile(request.bench.id).read());
 }
 
 TEST_CASE("locked store: a longer lock is waited out vented, then the branch is done again and nothing is lost") {
