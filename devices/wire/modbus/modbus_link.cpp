@@ -121,7 +121,8 @@ std::vector<std::uint8_t> ModbusLink::exchange(const Request& request) {
     if (refused && (answer[2] == MODBUS_EXCEPTION_ACKNOWLEDGE || answer[2] == MODBUS_EXCEPTION_SLAVE_OR_SERVER_BUSY)) {
       busy = answer[2];
       if (clock.now() - begun >= endpoint().busy_time)
-        throw Fault("TB-MODBUS-BUSY", device_, what() + fmt::format("busy for {:g} ms: {}", waited_ms, refusal(busy)));
+        throw Fault("TB-MODBUS-BUSY", device_,
+                    what() + fmt::format("busy for {:.0f} ms: {}", waited_ms, refusal(busy)));
       clock.wait_until(clock.now() + kBusyPause);
       continue;
     }
@@ -130,7 +131,7 @@ std::vector<std::uint8_t> ModbusLink::exchange(const Request& request) {
                   "Check that the profile in the bench file fits the module, that no other master holds it, and that "
                   "its watchdog has not tripped.");
     }
-    if (busy != 0) line_->was_busy(what() + fmt::format("{}, asked again for {:g} ms", refusal(busy), waited_ms));
+    if (busy != 0) line_->was_busy(what() + fmt::format("{}, asked again for {:.0f} ms", refusal(busy), waited_ms));
     break;
   }
   if (answer[1] != request.function) fail(fmt::format("the answer is to function {}", answer[1]));
