@@ -3,188 +3,69 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <utility>
+#include <ios>
 
 #include "analysis/counted.h"
 #include "analysis/error.h"
-#include "db/utf8.h"
 
 namespace tactbench::analysis {
-namespace {
 
-constexpr const char* kFormat =
-    "the first line names the columns, e.g. sequence,step,input,output; --map input=COL,output=COL names the columns";
-
-// At commas outside double quotes.
-std::vector<std::string_view> pairs_of(std::string_view text) {
-  std::vector<std::string_view> pairs;
-  bool quoted = false;
-  std::size_t start = 0;
-  for (std::size_t at = 0; at <= text.size() && !text.empty(); ++at) {
-    if (at < text.size() && text[at] == '"') quoted = !quoted;
-    if (at < text.size() && (text[at] != ',' || quoted)) continue;
-    pairs.push_back(trimmed(text.substr(start, at - start)));
-    start = at + 1;
-  }
-  return pairs;
-}
-
-bool is_number(std::string_view text) {
-  double value = 0.0;
-  const std::string wrong = NumberText().read(text, 1, value);
-  return wrong.empty() || wrong == NumberText::kNotFinite;
-}
-
-std::size_t words_of(std::string_view line) {
-  Fields fields;
-  return fields.split(line, ' ').empty() ? fields.all.size() : 0;
-}
-
-// Of a word of a line of units: without brackets; empty where it is no text in UTF-8.
-std::string unit_of(std::string_view word) {
-  if (word.size() > 1 && ((word.front() == '[' && word.back() == ']') || (word.front() == '(' && word.back() == ')')))
-    word = trimmed(word.substr(1, word.size() - 2));
-  for (std::string_view rest = word; !rest.empty();) {
-    const db::CodePoint first = db::decode_utf8(rest);
-    if (!first.valid || first.value < 0x20) return {};
-    rest.remove_prefix(first.bytes);
-  }
-  return std::string(word);
-}
-
-}  // namespace
-
-ColumnMap column_map_from(const std::string& text) {
-  ColumnMap map;
-  for (const std::string_view pair : pairs_of(text)) {
-    const auto equals = pair.find('=');
-    const std::string role(trimmed(pair.substr(0, equals)));
-    std::string_view name = equals == std::string_view::npos ? std::string_view() : trimmed(pair.substr(equals + 1));
-    if (name.size() > 1 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
-    if (name.empty() || !map.columns.contains(role))
-      throw AnalysisError(
-          "TB-TABLE-MAP", fmt::format("--map: \"{}\" does not name role and column", pair),
-          "write role=COLUMN with the roles input, output, sequence, taxel; COLUMN is a number from 1 or "
-          "a name, in double quotes where it holds a comma");
-    map.columns[role] = name;
-  }
-  return map;
-}
-
-TableReader::TableReader(std::istream& stream, std::string file, const ColumnMap& map, TableNeeds needs,
-                         bool skip_bad_rows)
-    : stream_(&stream), file_(std::move(file)), skip_bad_rows_(skip_bad_rows) {
-  if (!read_line()) throw AnalysisError("TB-TABLE-EMPTY", fmt::format("{}: the table is empty", file_), kFormat);
-  header_ = line_.starts_with("\xEF\xBB\xBF") ? line_.substr(3) : line_;  // without a byte order mark
-  if (header_.ends_with('\r')) header_.pop_back();
-  const std::size_t number = number_;
-  ahead_ = read_line();
-  separator_ = separator_of(header_);
-  if (separator_ == ' ' && ahead_ && words_of(line_) != words_of(header_))
-    separator_ = ',';  // one name of several words
-  read_names(number, map, needs);
-  read_units();
-}
-
-void TableReader::read_names(std::size_t line, const ColumnMap& map, TableNeeds needs) {
-  if (const std::string wrong = fields_.split(header_, separator_); !wrong.empty()) refuse(line, wrong);
-  names_.assign(fields_.all.begin(), fields_.all.end());
-  if (std::ranges::all_of(names_, is_number))
-    throw AnalysisError(
-        "TB-TABLE-COLUMN",
-        fmt::format("{}:{}: numbers in place of the names of the columns: {}", file_, line, fmt::join(names_, ", ")),
-        kFormat);
-  const auto column_of = [&](const char* role, bool needed) {
-    return column(line, map.columns.at(role), role, needed);
-  };
-  input_ = needs == TableNeeds::kOutput ? kAbsent : column_of("input", true);
-  output_ = needs == TableNeeds::kInput ? kAbsent : column_of("output", true);
-  sequence_ = column_of("sequence", map.columns.at("sequence") != "sequence");
-  taxel_ = column_of("taxel", map.columns.at("taxel") != "taxel");
-  const auto at = [&](const char* name) {
-    const auto found = std::ranges::find(names_, name);
-    return found == names_.end() ? kAbsent : static_cast<std::size_t>(found - names_.begin());
-  };
-  step_ = at("step");
-  time_ = at("time_s");
-}
-
-// The line after the names is one of units when it has as many fields, no number, and short words in those needed.
-void TableReader::read_units() {
-  constexpr std::size_t kLongestUnit = 24;  // bytes
-  if (!ahead_ || !fields_.split(line_, separator_).empty() || fields_.all.size() != names_.size()) return;
-  if (std::ranges::any_of(fields_.all, is_number)) return;
-  const std::array<std::size_t, 2> roles = {input_, output_};
-  for (const std::size_t role : roles) {
-    if (role == kAbsent) continue;
-    const std::string_view word = fields_.all[role];
-    if (word.empty() || word.size() > kLongestUnit || word == "NA" || word == "N/A" || word == "na" || word == "n/a")
-      return;
-  }
-  for (std::size_t i = 0; i < roles.size(); ++i)
-    if (roles[i] != kAbsent) units_[i] = unit_of(fields_.all[roles[i]]);
-  units_line_ = line_;
-  if (units_line_.ends_with('\r')) units_line_.pop_back();
-  units_number_ = number_;
-  ahead_ = false;
-}
-
-std::size_t TableReader::column(std::size_t line, const std::string& wanted, const char* role, bool needed) const {
-  const auto found = std::ranges::find(names_, wanted);
-  if (found != names_.end()) return static_cast<std::size_t>(found - names_.begin());
-  std::size_t number = 0;
-  const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
-  if (error == std::errc() && end == wanted.data() + wanted.size() && number >= 1 && number <= names_.size())
-    return number - 1;
-  if (!needed) return kAbsent;
-  throw AnalysisError("TB-TABLE-COLUMN",
-                      fmt::format("{}:{}: no column \"{}\" for the {}; the line names {}", file_, line, wanted, role,
-                                  fmt::join(names_, ", ")),
-                      kFormat);
-}
-
-// std::getline, but of no more than kLongestLine bytes and a piece.
+// Of no more than kLongestLine bytes and one; its end is not part of it.
 bool TableReader::next_line() {
   line_.clear();
-  while (line_.size() <= kLongestLine) {
-    stream_->getline(piece_.data(), static_cast<std::streamsize>(piece_.size()));
-    const auto got = static_cast<std::size_t>(stream_->gcount());
-    if (!stream_->fail()) {  // to the end of the line, which is counted, or of the file
-      line_.append(piece_.data(), stream_->eof() ? got : got - 1);
-      return true;
+  std::streambuf& bytes = *stream_->rdbuf();
+  constexpr auto kEnd = std::streambuf::traits_type::eof();
+  try {
+    for (auto byte = bytes.sbumpc(); byte != kEnd; byte = bytes.sbumpc()) {
+      const char c = std::streambuf::traits_type::to_char_type(byte);
+      const bool second = skip_line_feed_ && c == '\n';
+      skip_line_feed_ = c == '\r';  // the next row of a pipe may be long in coming
+      if (second) continue;
+      if (c == '\n' || c == '\r') return true;
+      line_ += c;
+      if (line_.size() > kLongestLine) return true;
     }
-    if (got == 0) return !line_.empty();
-    line_.append(piece_.data(), got);
-    stream_->clear(stream_->rdstate() & ~std::ios::failbit);
+  } catch (const std::ios_base::failure&) {
+    throw AnalysisError("TB-TABLE-OPEN", fmt::format("{}: reading failed after line {}", file_, counted_),
+                        "check the disk and the file");
   }
-  return true;
+  return !line_.empty();
+}
+
+// The next of the stream that may hold something.
+bool TableReader::new_line() {
+  while (next_line()) {
+    ++counted_;
+    if (counted_ == 1 && line_.starts_with("\xEF\xBB\xBF")) line_.erase(0, 3);
+    if (counted_ <= layout_.skip_lines) continue;
+    if (line_.size() > kLongestLine) refuse(counted_, fmt::format("a line of more than {} bytes", kLongestLine));
+    if (const auto nul = line_.find('\0'); nul != std::string::npos)
+      refuse(counted_,
+             fmt::format("byte {} is a NUL: this is no text in UTF-8 (UTF-16 has one at each letter)", nul + 1));
+    const std::string_view text = trimmed(line_);
+    if (text.empty() || text.front() == '#' || text.front() == '%') continue;
+    if (text.front() == ';' && !names_.empty() && separator_ != ';') continue;
+    return true;
+  }
+  return false;
 }
 
 bool TableReader::read_line() {
-  while (next_line()) {
-    ++number_;
-    if (line_.size() > kLongestLine) refuse(number_, fmt::format("a line of more than {} bytes", kLongestLine));
-    if (const auto nul = line_.find('\0'); nul != std::string::npos)
-      refuse(number_,
-             fmt::format("byte {} is a NUL: this is no text in UTF-8 (UTF-16 has one at each letter)", nul + 1));
-    const std::string_view text = trimmed(line_);
-    if (!text.empty() && text.front() != '#') return true;
+  if (ahead_.empty()) {
+    const bool read = new_line();
+    number_ = counted_;
+    return read;
   }
-  if (stream_->bad())
-    throw AnalysisError("TB-TABLE-OPEN", fmt::format("{}: reading failed after line {}", file_, number_),
-                        "check the disk and the file");
-  return false;
+  number_ = ahead_.front().number;
+  line_ = std::move(ahead_.front().text);
+  ahead_.pop_front();
+  return true;
 }
 
 void TableReader::refuse(std::size_t line, const std::string& what) const {
   throw AnalysisError("TB-TABLE-ROW", fmt::format("{}:{}: {}", file_, line, what),
                       "correct or remove the line; fit and import leave such rows out with --skip-bad-rows");
-}
-
-void TableReader::split_line() {
-  if (const std::string wrong = fields_.split(line_, separator_); !wrong.empty()) refuse(number_, wrong);
 }
 
 double TableReader::number(std::size_t column) {
@@ -194,17 +75,50 @@ double TableReader::number(std::size_t column) {
   return value;
 }
 
+std::optional<double> TableReader::if_number(std::size_t column) const {
+  double value = 0.0;
+  if (column == kAbsent || column >= fields_.all.size() ||
+      !NumberText(numbers_).read(fields_.all[column], number_, value).empty())
+    return std::nullopt;
+  return value;
+}
+
+bool TableReader::needed(std::size_t column) const {
+  return column == input_ || column == sequence_ || column == taxel_ ||
+         std::ranges::find(outputs_, column) != outputs_.end();
+}
+
+// As many fields as there are columns. One at the end may come and go as long as it is never a number: where numbers
+// are missing, others may have taken their place.
+void TableReader::check_width() {
+  const std::size_t fields = fields_.all.size(), columns = names_.size();
+  bool fits = fields == columns;
+  if (fields == columns + 1) fits = !is_number(fields_.all.back());
+  const bool may_lack = !needed(columns - 1);
+  if (fields + 1 == columns && may_lack && !number_at_end_) {
+    fits = true;
+    if (short_line_ == 0) short_line_ = number_;
+  }
+  if (fields == columns && may_lack && !number_at_end_ && is_number(fields_.all.back())) {
+    fits = short_line_ == 0;
+    number_at_end_ = fits;
+  }
+  if (fits) return;
+  refuse(number_, short_line_ != 0 && fields == columns
+                      ? fmt::format("{} where line {} has {}", counted(fields, "field"), short_line_, columns - 1)
+                      : fmt::format("{} where {}{}", counted(fields, "field"),
+                                    header_.empty() ? fmt::format("line {} has {}", first_row_, columns)
+                                                    : fmt::format("the line of names has {}", columns),
+                                    separator_ == ',' && fields == 2 * columns
+                                        ? " (decimal commas need semicolons or tabs between the columns)"
+                                        : ""));
+}
+
 void TableReader::read_row(Row& row) {
-  split_line();
-  if (fields_.all.size() != names_.size())
-    refuse(number_, fmt::format("{} where the first line names {}{}", counted(fields_.all.size(), "field"),
-                                counted(names_.size(), "column"),
-                                separator_ == ',' && fields_.all.size() == 2 * names_.size()
-                                    ? " (decimal commas need semicolons or tabs between the columns)"
-                                    : ""));
+  if (const std::string wrong = fields_.split(line_, separator_); !wrong.empty()) refuse(number_, wrong);
+  check_width();
   row.line = number_;
   row.text = line_;
-  if (row.text.ends_with('\r')) row.text.remove_suffix(1);
   row.sequence = sequence_ == kAbsent ? std::string_view("1") : fields_.all[sequence_];
   row.taxel = 0;
   if (taxel_ != kAbsent) {
@@ -213,31 +127,28 @@ void TableReader::read_row(Row& row) {
       refuse(number_, fmt::format("taxel {} is not a whole number from 0 to 1000000", fields_.all[taxel_]));
     row.taxel = static_cast<int>(taxel);
   }
+  row.is_void = if_number(void_).value_or(0.0) != 0.0;
   if (input_ != kAbsent) row.input = number(input_);
-  if (output_ != kAbsent) row.output = number(output_);
-  const auto if_number = [&](std::size_t column) -> std::optional<double> {
-    double value = 0.0;
-    if (column == kAbsent || !NumberText(numbers_).read(fields_.all[column], number_, value).empty())
-      return std::nullopt;
-    return value;
-  };
+  row.outputs.clear();
+  for (const std::size_t column : outputs_) row.outputs.push_back(number(column));
+  if (!row.outputs.empty()) row.output = row.outputs.front();
   row.step = if_number(step_);
-  row.time_s = if_number(time_);
+  row.time = if_number(time_);
+  row.frame = if_number(frame_);
 }
 
 bool TableReader::next(Row& row) {
-  for (;;) {
-    if (!ahead_ && !read_line()) return false;
-    ahead_ = false;
+  while (read_line()) {
     try {
       read_row(row);
       ++rows_;
       return true;
     } catch (const AnalysisError& error) {
-      if (!skip_bad_rows_) throw;
+      if (!layout_.skip_bad_rows) throw;
       skip(error.what());
     }
   }
+  return false;
 }
 
 void TableReader::skip(const std::string& reason) {
@@ -255,6 +166,10 @@ void TableReader::check_skipped() const {
 
 std::vector<std::string> TableReader::assumed() const {
   std::vector<std::string> lines;
+  if (passed_ > 0 || header_.empty())
+    lines.push_back(header_.empty()
+                        ? fmt::format("the columns have no names; samples begin in line {}", first_row_)
+                        : fmt::format("line {} names the columns; what is above it is passed over", head_number_));
   if (separator_ != ',') lines.push_back(fmt::format("columns are separated by {}", separator_word(separator_)));
   if (numbers_.comma())
     lines.push_back(

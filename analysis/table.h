@@ -1,8 +1,9 @@
-// A text table of samples (commas, semicolons, tabs or blanks between the columns) with one header line.
+// A text table of samples: commas, semicolons, tabs or blanks between the columns, a line of names or none.
 #pragma once
 
 #include <array>
 #include <cstddef>
+#include <deque>
 #include <istream>
 #include <map>
 #include <optional>
@@ -14,14 +15,18 @@
 
 namespace tactbench::analysis {
 
-// Which column is what: by name, or by number from 1. "input" and "output" are needed where they are asked for;
-// "sequence" and "taxel" may be absent.
-struct ColumnMap {
+// How a table is laid out, as far as it is told. A column is given by name or by number from 1; "output" may be
+// several, one a taxel: 3-18, volts_*, or s0+s1. "input" and "output" are needed where they are asked for; "sequence",
+// "taxel" and "time" may be absent.
+struct TableLayout {
   std::map<std::string, std::string> columns = {
-      {"sequence", "sequence"}, {"input", "input"}, {"output", "output"}, {"taxel", "taxel"}};
+      {"sequence", "sequence"}, {"input", "input"}, {"output", "output"}, {"taxel", "taxel"}, {"time", "time_s"}};
+  bool no_header = false;      // no line of names; columns are numbers
+  std::size_t skip_lines = 0;  // at the beginning, whatever they hold
+  bool skip_bad_rows = false;  // a row that would be refused is left out
 };
-// "input=COL,output=COL,...", a COL with a comma in double quotes. Throws AnalysisError TB-TABLE-MAP on other words.
-ColumnMap column_map_from(const std::string& text);
+// "input=COL,output=COL,...", a COL with a comma in double quotes, each role once. Throws AnalysisError TB-TABLE-MAP.
+TableLayout table_layout(const std::string& map);
 
 // Samples of one taxel in one sequence, in row order.
 struct TableSeries {
@@ -39,71 +44,125 @@ struct SkippedRows {
   std::vector<std::string> first;
 };
 
-// Reads a table line by line. Lines that are empty or begin with '#' are passed over; so is a line of units after the
-// names: one that holds no number, but words in the columns needed. All numbers have decimal points, or all have
-// decimal commas.
+// Reads a table line by line, in these steps:
+// 1. Lines end in LF, CR or both. A byte order mark, the first `skip_lines` lines, empty lines and lines that begin
+// with
+//    '#' or '%' (below the names with ';', too, unless semicolons separate) are passed over.
+// 2. A line sep=X gives the separator, and LabVIEW's headers are passed over.
+// 3. The line of names is the first that holds all columns which are wanted by name; where all are numbers, the line
+//    above the first that has numbers there. What is before it is passed over.
+// 4. A line of units may follow: one that holds no number, but short words in the columns needed.
+// 5. Rows. All numbers have decimal points, or all have decimal commas. One field at the end may be there or not where
+//    it never holds a number: a comment, or nothing behind a last separator.
+// What `runs export` writes needs no map: reference_psi, volts_* and recipe.
 class TableReader {
  public:
-  // Reads the line of names and the one after it. `file` is for messages. skip_bad_rows: a row that next() would refuse
-  // is left out. Throws AnalysisError TB-TABLE-EMPTY, TB-TABLE-COLUMN.
-  TableReader(std::istream& stream, std::string file, const ColumnMap& map, TableNeeds needs,
-              bool skip_bad_rows = false);
+  // Takes steps 1 to 4. `file` is for messages. Throws AnalysisError TB-TABLE-EMPTY, TB-TABLE-COLUMN.
+  TableReader(std::istream& stream, std::string file, TableLayout layout, TableNeeds needs);
 
   struct Row {
     std::size_t line = 0;
     std::string_view text;  // the whole line; good until the next call
     std::string_view sequence;
     int taxel = 0;
-    double input = 0.0, output = 0.0;  // 0 where not asked for
+    double input = 0.0, output = 0.0;  // 0 where not asked for; `output`: the first
+    std::vector<double> outputs;       // of all columns
     std::optional<double> step;        // of a column called so, where it is a number
-    std::optional<double> time_s;      // likewise
+    std::optional<double> time;        // likewise of the times
+    std::optional<double> frame;       // of an export: rows of one frame are its scans
+    bool is_void = false;              // likewise
   };
   // False at the end. Throws AnalysisError TB-TABLE-ROW: ragged, blank, not a number, not finite, a quote that is not
   // closed, a NUL, a line beyond kLongestLine; with file, line and column. TB-TABLE-SKIPPED: more rows are left out
   // than read.
   bool next(Row& row);
-  [[nodiscard]] const std::string& header() const { return header_; }
-  [[nodiscard]] const std::string& units_line() const { return units_line_; }  // as it stands; empty: none
+  [[nodiscard]] const std::string& header() const { return header_; }          // as it stands; empty: none
+  [[nodiscard]] const std::string& units_line() const { return units_line_; }  // likewise
   // Of the line of units, without brackets; empty: not told.
   [[nodiscard]] const std::string& input_unit() const { return units_[0]; }
   [[nodiscard]] const std::string& output_unit() const { return units_[1]; }
   [[nodiscard]] char separator() const { return separator_; }
   [[nodiscard]] bool decimal_comma() const { return numbers_.comma(); }  // as far as it was read
   [[nodiscard]] bool has_taxel() const { return taxel_ != kAbsent; }
-  [[nodiscard]] bool has_time() const { return time_ != kAbsent; }  // a column time_s
+  [[nodiscard]] bool has_seconds() const { return time_ != kAbsent && in_seconds_; }
+  [[nodiscard]] std::size_t outputs() const { return outputs_.size(); }  // columns
   [[nodiscard]] const SkippedRows& skipped() const { return skipped_; }
   void check_skipped() const;  // throws TB-TABLE-SKIPPED
-  // What was taken for granted in what was read so far, a line each: separators, decimal commas, units.
+  // What was taken for granted in what was read so far, a line each: separators, decimal commas, names, units.
   [[nodiscard]] std::vector<std::string> assumed() const;
 
  private:
   static constexpr std::size_t kAbsent = static_cast<std::size_t>(-1);
   static constexpr std::size_t kLongestLine = 1'000'000;    // bytes
   static constexpr std::size_t kMostSkippedAhead = 10'000;  // rows left out before the first that are read
-  void read_names(std::size_t line, const ColumnMap& map, TableNeeds needs);
+  static constexpr std::size_t kMostLooked = 1000;          // lines, for the one of names
+  struct Line {
+    std::size_t number = 0;
+    std::string text;
+  };
+  // Where the names are is decided in table_head.cpp.
+  void find_names(const std::vector<std::string>& wanted);
+  void find_first_row(const std::vector<std::size_t>& columns);
+  void name_by(std::size_t line);
+  void number_from(std::size_t row, std::size_t columns);
+  bool look();
+  [[nodiscard]] std::vector<std::string> split(const std::string& line, char separator) const;
+  [[nodiscard]] std::optional<char> separator_of_row(const std::string& line,
+                                                     const std::vector<std::size_t>& columns) const;
+  void set_columns(TableNeeds needs);
+  void take_export();
+  [[nodiscard]] std::vector<std::size_t> columns(const char* role) const;
+  [[nodiscard]] std::size_t column(const char* role) const;
+  [[nodiscard]] bool told(const char* role) const;
   void read_units();
-  [[nodiscard]] std::size_t column(std::size_t line, const std::string& wanted, const char* role, bool needed) const;
+  [[nodiscard]] bool is_units(const std::vector<std::string>& words, const std::vector<std::size_t>& columns) const;
+  [[noreturn]] void refuse_names(const std::string& what, const std::string& remedy) const;
+
   bool next_line();
+  bool new_line();
   bool read_line();
-  void split_line();
+  [[nodiscard]] bool needed(std::size_t column) const;
+  void check_width();
   void read_row(Row& row);
   void skip(const std::string& reason);
   [[nodiscard]] double number(std::size_t column);
+  [[nodiscard]] std::optional<double> if_number(std::size_t column) const;
   [[noreturn]] void refuse(std::size_t line, const std::string& what) const;
   std::istream* stream_;
   std::string file_, line_, header_, units_line_;
-  std::vector<char> piece_ = std::vector<char>(std::size_t{1} << 16);
-  std::size_t number_ = 0, units_number_ = 0;  // of line_ and units_line_, from 1
-  std::size_t rows_ = 0;                       // read so far
-  char separator_ = ',';
-  bool skip_bad_rows_, ahead_ = false;  // ahead_: line_ is the next row
-  std::vector<std::string> names_;
+  TableLayout layout_;
+  std::size_t counted_ = 0;                      // lines of the stream so far
+  std::size_t number_ = 0, units_number_ = 0;    // of line_ and units_line_, from 1
+  std::size_t head_number_ = 0, first_row_ = 0;  // of the line of names, or of the first row without one
+  std::size_t passed_ = 0;                       // lines over before these, comments apart
+  std::size_t rows_ = 0;                         // read so far
+  std::deque<Line> ahead_;                       // read from the stream, not yet handed on
+  char separator_ = 0;                           // 0: not known yet
+  bool skip_line_feed_ = false, labview_ = false, in_seconds_ = false;
+  std::size_t short_line_ = 0;      // the first without its last field
+  bool number_at_end_ = false;      // the last field held a number
+  std::vector<std::string> names_;  // numbers where there are none
   std::array<std::string, 2> units_;
   Fields fields_;
   NumberText numbers_;
   SkippedRows skipped_;
-  std::size_t sequence_ = kAbsent, taxel_ = kAbsent, input_ = kAbsent, output_ = kAbsent, step_ = kAbsent,
-              time_ = kAbsent;
+  std::vector<std::size_t> outputs_;
+  std::size_t sequence_ = kAbsent, taxel_ = kAbsent, input_ = kAbsent, step_ = kAbsent, time_ = kAbsent,
+              frame_ = kAbsent, void_ = kAbsent;
+};
+
+// Times of one history as its rows bring them.
+class TimeOrder {
+ public:
+  // Why `time` cannot follow; empty when it can: then a wrap of 2^32 ticks of a second, millisecond or microsecond is
+  // undone in it.
+  std::string see(double& time);
+  [[nodiscard]] std::size_t wraps() const { return wraps_; }
+
+ private:
+  std::optional<double> last_;
+  double longest_ = 0.0, offset_ = 0.0;
+  std::size_t wraps_ = 0;
 };
 
 // A file or a pipe, at most 1 GB. Throws AnalysisError TB-TABLE-OPEN.
@@ -115,10 +174,11 @@ struct Table {
   std::vector<std::string> assumed;
   SkippedRows skipped;
 };
-// A whole table of at most 20 million rows; `file` is for messages. In a series the numbers of a column `step` rise, or
-// begin again at the first (a repeat): rows that stand twice or out of order are refused, for a history in another
-// order is another history. Throws AnalysisError as above, and TB-TABLE-EMPTY when no row follows the names.
-Table read_table(std::istream& stream, const std::string& file, const ColumnMap& map = {}, bool skip_bad_rows = false);
-Table read_table(const std::string& path, const ColumnMap& map = {}, bool skip_bad_rows = false);
+// A whole table of at most 20 million samples; `file` is for messages. In a series the numbers of a column `step` rise,
+// or begin again at the first (a repeat), and times do not fall: rows that stand twice or out of order are refused, for
+// a history in another order is another history. Of an export the scans of a frame are averaged, and void rows are left
+// out. Throws AnalysisError as above, TB-TABLE-STEP, TB-TABLE-TIME, and TB-TABLE-EMPTY when no row follows the names.
+Table read_table(std::istream& stream, const std::string& file, const TableLayout& layout = {});
+Table read_table(const std::string& path, const TableLayout& layout = {});
 
 }  // namespace tactbench::analysis

@@ -115,4 +115,10 @@ std::string NumberText::read(std::string_view text, std::size_t line, double& va
   return {};
 }
 
+bool is_number(std::string_view text) {
+  double value = 0.0;
+  const std::string wrong = NumberText().read(text, 1, value);
+  return wrong.empty() || wrong == NumberText::kNotFinite;
+}
+
 }  // namespace tactbench::analysis

@@ -40,4 +40,6 @@ class NumberText {
   std::string comma_text_, copy_;
 };
 
+bool is_number(std::string_view text);  // finite or not
+
 }  // namespace tactbench::analysis

@@ -1,7 +1,9 @@
 // A whole table: its rows dealt to the histories that they belong to.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
+#include <optional>
 #include <sstream>
 #include <utility>
 
@@ -15,7 +17,7 @@ namespace tactbench::analysis {
 namespace {
 
 constexpr std::size_t kLargestTable = 1'000'000'000;  // bytes
-constexpr std::size_t kMostRows = 20'000'000;
+constexpr std::size_t kMostSamples = 20'000'000;
 constexpr std::size_t kCountedRows = 4096;  // between two looks at how far the file is read
 
 // Bytes that can still be read; 0: not known, as of a pipe.
@@ -46,46 +48,103 @@ class StepOrder {
   std::optional<double> last_;
 };
 
+// What the rows of one series are held against.
+struct RowOrder {
+  StepOrder step;
+  TimeOrder time;
+  std::optional<double> frame;  // of an export, the last
+  std::size_t scans = 0;        // of it, so far
+};
+
 }  // namespace
+
+std::string TimeOrder::see(double& time) {
+  constexpr double kTicks = 4294967296.0;  // 2^32
+  constexpr double kSteps = 10.0;          // a wrap goes on as before, by so many of the longest steps at most
+  const double read = time;
+  time += offset_;
+  if (last_ && time < *last_) {
+    const double back = *last_ - time;
+    for (const double wrap : {kTicks, kTicks * 1e-3, kTicks * 1e-6}) {
+      if (wrap < back || wrap - back > kSteps * longest_) continue;
+      offset_ += wrap;
+      time += wrap;
+      ++wraps_;
+      break;
+    }
+  }
+  if (last_ && time < *last_)
+    return fmt::format("the time goes back by {:g}, from {:.10g} to {:.10g}", *last_ - time, *last_ - offset_, read);
+  if (last_) longest_ = std::max(longest_, time - *last_);
+  last_ = time;
+  return {};
+}
 
 std::string table_text(const std::string& path) {
   return whole_file(path, {.most_bytes = kLargestTable, .or_pipe = true}, "TB-TABLE-OPEN", "check its name and rights");
 }
 
-Table read_table(std::istream& stream, const std::string& file, const ColumnMap& map, bool skip_bad_rows) {
+Table read_table(std::istream& stream, const std::string& file, const TableLayout& layout) {
   Work read(bytes_left(stream));
-  TableReader reader(stream, file, map, TableNeeds::kBoth, skip_bad_rows);
+  TableReader reader(stream, file, layout, TableNeeds::kBoth);
   Table table;
   std::vector<TableSeries>& series = table.series;
-  std::vector<StepOrder> orders;
-  std::map<std::pair<std::string, int>, std::size_t, std::less<>> places;
-  std::size_t last = 0, rows = 0;
+  std::vector<RowOrder> orders;
+  std::map<std::pair<std::string, int>, std::size_t, std::less<>> places;  // of the first output's series
+  const std::size_t outputs = reader.outputs();
+  std::size_t last = 0, rows = 0, voids = 0, wraps = 0, scans = 1;
   std::streamoff at = 0;
+  const auto place = [&](const TableReader::Row& row) { return fmt::format("{}:{}", file, row.line); };
+  const auto in = [&](const TableReader::Row& row) {
+    return fmt::format(" in sequence \"{}\"{}", row.sequence,
+                       reader.has_taxel() ? fmt::format(", taxel {}", row.taxel) : "");
+  };
   for (TableReader::Row row; reader.next(row);) {
     if (rows % kCountedRows == 0 && stream.good()) {
       const std::streamoff now = stream.tellg();
       read.add(static_cast<std::size_t>(now - at));
       at = now;
     }
-    if (++rows > kMostRows)
-      throw AnalysisError("TB-TABLE-ROW", fmt::format("{}: more than {} rows", file, kMostRows),
+    if (++rows * outputs > kMostSamples)
+      throw AnalysisError("TB-TABLE-ROW", fmt::format("{}: more than {} samples", file, kMostSamples),
                           "take the sequences that are to be fitted, or every other row");
-    if (series.empty() || series[last].taxel != row.taxel || series[last].sequence != row.sequence) {
-      const auto [place, fresh] = places.try_emplace({std::string(row.sequence), row.taxel}, series.size());
-      if (fresh) {
-        series.push_back({std::string(row.sequence), row.taxel, {}, {}});
-        orders.emplace_back();
-      }
-      last = place->second;
+    if (row.is_void) {
+      ++voids;
+      continue;
     }
-    if (const std::string wrong = row.step ? orders[last].see(*row.step) : std::string(); !wrong.empty())
-      throw AnalysisError("TB-TABLE-STEP",
-                          fmt::format("{}:{}: {} in sequence \"{}\"{}", file, row.line, wrong, row.sequence,
-                                      reader.has_taxel() ? fmt::format(", taxel {}", row.taxel) : ""),
+    if (series.empty() || series[last].taxel != row.taxel || series[last].sequence != row.sequence) {
+      const auto [known, fresh] = places.try_emplace({std::string(row.sequence), row.taxel}, series.size());
+      for (std::size_t k = 0; fresh && k < outputs; ++k)
+        series.push_back({std::string(row.sequence), row.taxel + static_cast<int>(k), {}, {}});
+      orders.resize(series.size());
+      last = known->second;
+    }
+    RowOrder& order = orders[last];
+    if (row.frame && row.frame == order.frame) {
+      scans = std::max(scans, ++order.scans);
+      for (std::size_t k = 0; k < outputs; ++k) {
+        double& mean = series[last + k].output.back();
+        mean += (row.outputs[k] - mean) / static_cast<double>(order.scans);
+      }
+      continue;
+    }
+    order.frame = row.frame;
+    order.scans = 1;
+    if (const std::string wrong = row.step ? order.step.see(*row.step) : std::string(); !wrong.empty())
+      throw AnalysisError("TB-TABLE-STEP", fmt::format("{}: {}{}", place(row), wrong, in(row)),
                           "rows must be in the order in which they were measured, each once; give the column another "
                           "name if it does not count the rows of a sequence");
-    series[last].input.push_back(row.input);
-    series[last].output.push_back(row.output);
+    const std::size_t before = order.time.wraps();
+    if (const std::string wrong = row.time ? order.time.see(*row.time) : std::string(); !wrong.empty())
+      throw AnalysisError("TB-TABLE-TIME", fmt::format("{}: {}{}", place(row), wrong, in(row)),
+                          "remove rows that stand twice and put the others in the order in which they were measured; "
+                          "name recordings that follow each other in a column sequence; --map time=none if the column "
+                          "holds no times");
+    wraps += order.time.wraps() - before;
+    for (std::size_t k = 0; k < outputs; ++k) {
+      series[last + k].input.push_back(row.input);
+      series[last + k].output.push_back(row.outputs[k]);
+    }
   }
   reader.check_skipped();
   if (series.empty())
@@ -94,13 +153,19 @@ Table read_table(std::istream& stream, const std::string& file, const ColumnMap&
   table.input_unit = reader.input_unit();
   table.output_unit = reader.output_unit();
   table.assumed = reader.assumed();
+  if (outputs > 1)
+    table.assumed.push_back(fmt::format("{} columns of outputs are taxels 0 to {}", outputs, outputs - 1));
+  if (scans > 1) table.assumed.push_back(fmt::format("the {} scans of a frame are averaged", scans));
+  if (voids > 0) table.assumed.push_back(counted(voids, "void row") + " left out");
+  if (wraps > 0)
+    table.assumed.push_back(fmt::format("the times begin again after 2^32 ticks ({}): undone", counted(wraps, "time")));
   table.skipped = reader.skipped();
   return table;
 }
 
-Table read_table(const std::string& path, const ColumnMap& map, bool skip_bad_rows) {
+Table read_table(const std::string& path, const TableLayout& layout) {
   std::istringstream stream(table_text(path));
-  return read_table(stream, path, map, skip_bad_rows);
+  return read_table(stream, path, layout);
 }
 
 }  // namespace tactbench::analysis

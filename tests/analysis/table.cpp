@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 #include <sstream>
+#include <utility>
 
 #include "analysis/error.h"
 
@@ -12,7 +13,9 @@ namespace {
 
 Table table_of(const std::string& text, const std::string& map = {}, bool skip_bad_rows = false) {
   std::istringstream stream(text);
-  return read_table(stream, "t", column_map_from(map), skip_bad_rows);
+  TableLayout layout = table_layout(map);
+  layout.skip_bad_rows = skip_bad_rows;
+  return read_table(stream, "t", layout);
 }
 
 std::vector<TableSeries> read(const std::string& text, const std::string& map = {}) {
@@ -59,11 +62,142 @@ TEST_CASE("columns are mapped by name or number, a name before a number, names w
   for (const char* none : {"", "input=0,output=b", "input=4,output=b", "input=1x,output=b",
                            "input=1,output=b,sequence=x", "input=1,output=b,taxel=9"})
     CHECK(refusal(text, none) == "TB-TABLE-COLUMN t:1");
-  for (const char* odd : {"input", "in=2", "input=", "\"input=1,2\"", "input=time, s,output=2", "input=\"\",output=2"})
+  for (const char* odd : {"input", "in=2", "input=", "\"input=1,2\"", "input=time, s,output=2", "input=\"\",output=2",
+                          "input=1,output=2,output=1", "input=1,input=1"})
     CHECK(refusal(quoted, odd) == "TB-TABLE-MAP --map");
-  // A sample would be lost where numbers stand in place of the names.
+  // No column has two roles, and no name two columns.
+  CHECK(refusal("a,b\n1,2\n", "input=1,output=a") == "TB-TABLE-COLUMN t:1");
+  CHECK(refusal("a,b,b\n1,2,3\n", "input=a,output=b") == "TB-TABLE-COLUMN t:1");
+  CHECK(read("a,b,b\n1,2,3\n", "input=a,output=3")[0].output == std::vector{3.0});
+}
+
+TEST_CASE("without names columns are numbers, and no sample is taken for names") {
+  const auto inputs = [](const std::string& text, const std::string& map = "input=1,output=2", bool no_header = false) {
+    std::istringstream stream(text);
+    TableLayout layout = table_layout(map);
+    layout.no_header = no_header;
+    return read_table(stream, "t", layout).series.at(0).input;
+  };
+  for (const char* text : {"0.5,1\n2,3\n", "0.5;1\n2;3\n", "0,5;1\n2;3\n", "0.5 1.0\n2 3\n", "0,5 1,0\n2 3\n",
+                           "0.5\t1\n2\t3\n", "0.5 , 1\n2 , 3\n", "# no names\n0.5,1\n2,3\n"}) {
+    INFO(text);
+    CHECK(inputs(text) == std::vector{0.5, 2.0});
+    CHECK(inputs(text, "input=1,output=2", true) == std::vector{0.5, 2.0});
+  }
+  CHECK(table_of("0.5,1\n2,3\n", "input=1,output=2").assumed.size() == 1);
+  // Numbers that count may be names, as pandas writes them.
   CHECK(refusal("0,1\n1,2\n", "input=1,output=2") == "TB-TABLE-COLUMN t:1");
-  CHECK(refusal("0,b\n1,2\n", "input=1,output=2") == "accepted");
+  CHECK(inputs("0,1\n1,2\n", "input=1,output=2", true) == std::vector{0.0, 1.0});
+  CHECK(refusal("0.5,1\n2,3\n") == "TB-TABLE-COLUMN t:1");  // by name
+  CHECK(refusal("0,b\n1,2\n", "input=1,output=2") == "TB-TABLE-ROW t:1");
+  CHECK(refusal("a,b\n0,OL\n1,OL\n2,3\n", "input=1,output=2") == "TB-TABLE-ROW t:2");
+  std::istringstream named("a,b\n1,2\n");
+  TableLayout layout = table_layout("input=1,output=2");
+  layout.no_header = true;
+  CHECK_THROWS_AS(read_table(named, "t", layout), AnalysisError);
+}
+
+TEST_CASE("what loggers write above the names is passed over, by name as by number") {
+  const std::string rows = "0,1,2\n5,3,4\n", tabs = "0\t1\t2\n5\t3\t4\n";
+  const std::string labview = "LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\n\t\n";
+  const std::string segment = "Channels\t2\t\t\nSamples\t9\t9\t\nX0\t0.0\t0.0\t\n***End_of_Header***\t\t\t\n";
+  for (const std::string& text : TextLines{
+           "\xEF\xBB\xBF# by hand\nT,F,O\n" + rows, "\xEF\xBB\xBF\nT,F,O\n" + rows,
+           "; scope 0.2\n; 20 Hz\nT,F,O\n" + rows, "% made, by, matlab\nT,F,O\n" + rows, "sep=,\nT,F,O\n" + rows,
+           "\"sep=;\"\nT;F;O\n0;1;2\n5;3;4\n", std::string("sep=;\r\nT;F;O\r\n0,0;1,0;2,0\r\n5,0;3,0;4,0\r\n"),
+           "Model,X1\nRate,20\n\nT,F,O\n" + rows, "Serial, 7, of 9\nT,F,O\ns,N,V\n" + rows,
+           labview + "T\tF\tO\tComment\n" + tabs, labview + segment + "T\tF\tO\tComment\n0\t1\t2\tbegun\n5\t3\t4\n",
+           std::string("T,F,O\r0,1,2\r5,3,4\r"), std::string("T,F,O\r\r\n0,1,2\r\r\n5,3,4"),
+           "T,F,O\n0,1,2\n; a pause\n% more\n5,3,4\n"}) {
+    INFO(text);
+    for (const char* map : {"input=2,output=3", "input=F,output=O"}) {
+      const auto series = read(text, map);
+      CHECK((series[0].input == std::vector{1.0, 3.0} && series[0].output == std::vector{2.0, 4.0}));
+    }
+  }
+  CHECK(refusal("Model,X1\nRate,20\nT,F,O\n" + rows, "input=F,output=x") == "TB-TABLE-COLUMN t:3");
+  std::istringstream skipped("1,2,3\nno, table, yet\nT,F,O\n" + rows);
+  TableLayout layout = table_layout("input=2,output=3");
+  layout.skip_lines = 2;
+  CHECK(read_table(skipped, "t", layout).series[0].input == std::vector{1.0, 3.0});
+}
+
+TEST_CASE("a field at the end that never holds a number may be missing or too many, any other may not") {
+  const std::string head = "input,output,note\n";
+  CHECK(read(head + "1,2,begun\n3,4\n5,6,\n")[0].input == std::vector{1.0, 3.0, 5.0});
+  CHECK(read("0.5 2 begun\n3 4\n5 6 on\n", "input=1,output=2")[0].input == std::vector{0.5, 3.0, 5.0});
+  CHECK(read("input,output\n1,2,\n3,4,\n")[0].output == std::vector{2.0, 4.0});
+  CHECK(refusal(head + "1,2,3\n4,5\n") == "TB-TABLE-ROW t:3");  // one that is missing in the middle looks the same
+  CHECK(refusal(head + "4,5\n1,2,3\n") == "TB-TABLE-ROW t:3");
+  CHECK(refusal("note,input,output\nx,1,2\nx,1\n") == "TB-TABLE-ROW t:3");
+  CHECK(refusal("input,output\n1,2,x,y\n") == "TB-TABLE-ROW t:2");
+}
+
+TEST_CASE("one column a taxel: by range, pattern or list; and what an export of a run holds") {
+  const std::string text = "time,force,s0,s1,s2\n0,1,10,20,30\n1,2,11,21,31\n";
+  for (const char* outputs : {"3-5", "s*", "s0+s1+s2", "3+s1+5", "s0+4-5"}) {
+    INFO(outputs);
+    const Table table = table_of(text, std::string("input=force,output=") + outputs);
+    REQUIRE(table.series.size() == 3);
+    for (int k = 0; k < 3; ++k) {
+      const TableSeries& own = table.series[static_cast<std::size_t>(k)];
+      CHECK((own.taxel == k && own.input == std::vector{1.0, 2.0}));
+      CHECK(own.output == std::vector{10.0 * (k + 1), 10.0 * (k + 1) + 1.0});
+    }
+    CHECK_FALSE(table.assumed.empty());
+  }
+  CHECK(read("0.5 10 20\n1 11 21\n", "input=1,output=2-3").size() == 2);
+  CHECK(read("a-b,3-5\n1,2\n", "input=a-b,output=3-5")[0].output == std::vector{2.0});  // names come first
+  for (const char* none : {"input=force,output=3-6", "input=force,output=5-3", "input=force,output=x*",
+                           "input=force,output=2-5", "input=force,output=s0+s0", "input=3-4,output=s2"})
+    CHECK(refusal(text, none) == "TB-TABLE-COLUMN t:1");
+  CHECK(refusal("taxel,input,a,b\n0,1,2,3\n", "output=3-4") == "TB-TABLE-COLUMN t:1");
+  // Scans of a frame are one sample, void rows none, and recipes are sequences.
+  const std::string frames =
+      "# tactbench: frames of run 1\nframe,sequence,recipe,void,step,setpoint_psi,reference_psi,time_s,scan,"
+      "counts_r0_c0,counts_r0_c1,volts_r0_c0,volts_r0_c1\n"
+      "1,0,up,1,0,0,7,1,0,9,9,9,9\n2,0,up,0,0,0,0.5,2,0,1,2,1.0,2.0\n2,0,up,0,0,0,0.5,2,1,3,4,3.0,4.0\n"
+      "3,0,up,0,1,2,2.5,3,0,5,6,5.0,6.0\n3,0,up,0,1,2,2.5,3,1,5,6,5.0,6.0\n";
+  const Table table = table_of(frames);
+  REQUIRE(table.series.size() == 2);
+  CHECK((table.series[0].sequence == "up" && table.series[0].input == std::vector{0.5, 2.5}));
+  CHECK((table.series[0].output == std::vector{2.0, 5.0} && table.series[1].output == std::vector{3.0, 6.0}));
+  CHECK((table.input_unit == "psi" && table.output_unit == "V"));
+  CHECK(read(frames, "input=setpoint_psi,output=counts_*")[1].output == std::vector{3.0, 6.0});
+  CHECK(read(frames, "output=volts_r0_c1").at(0).output == std::vector{3.0, 6.0});
+  CHECK(read("sequence,name,taxel,position,input,output\n0,\"a, b\",3,0,1,2\n")[0].sequence == "a, b");
+}
+
+TEST_CASE("times do not go back, but for a counter of 32 bits that begins again") {
+  const auto times = [](const std::string& name, const std::vector<std::string>& cells, const std::string& map = {}) {
+    std::string text = name + ",input,output\n";
+    for (const std::string& cell : cells) text += cell + ",0,0\n";
+    return std::pair(refusal(text, map), text);
+  };
+  for (const char* name : {"time_s", "time", "Time (s)", "Timestamp", "TIME_MS", "time [us]", "millis", "ticks"}) {
+    INFO(name);
+    CHECK(times(name, {"1", "2", "2", "3"}).first == "accepted");
+    CHECK(times(name, {"1", "2", "1.5"}).first == "TB-TABLE-TIME t:4");
+  }
+  for (const char* other : {"timer", "temperature", "t", "time_constant"})
+    CHECK(times(other, {"1", "2", "1.5"}).first == "accepted");
+  CHECK(times("time_s", {"1", "2", "1.5"}, "time=none").first == "accepted");
+  CHECK(times("at", {"1", "2", "1.5"}, "time=at").first == "TB-TABLE-TIME t:4");
+  CHECK(times("time_s", {"10:00", "09:00"}).first == "accepted");  // no number: not looked at
+  const std::vector<std::vector<std::string>> wraps = {{"4294967000", "4294967200", "104"},
+                                                       {"4294967.0", "4294967.2", "0.104"},
+                                                       {"4294.90", "4294.95", "0.03", "0.08"},
+                                                       {"2147483500", "2147483600", "-2147483596"}};
+  for (const std::vector<std::string>& cells : wraps) {
+    const auto [accepted, text] = times("time", cells);
+    CHECK(accepted == "accepted");
+    CHECK(table_of(text).assumed.size() == 1);
+  }
+  CHECK(times("time", {"4294967000", "4294967200", "50000"}).first == "TB-TABLE-TIME t:4");  // later than a wrap
+  CHECK(times("time", {"4294967200", "104"}).first == "TB-TABLE-TIME t:3");  // no step tells how far it may go on
+  CHECK(read("sequence,time_s,input,output\na,5,0,0\nb,1,0,0\na,6,1,1\nb,2,1,1\n").size() == 2);
+  // Times that are the input are inputs.
+  CHECK(refusal("time,output\n0,0\n1,1\n0,0\n", "input=time") == "accepted");
 }
 
 TEST_CASE("all usual separators, line ends, comments, quotes and a byte order mark are accepted") {
@@ -80,7 +214,7 @@ TEST_CASE("all usual separators, line ends, comments, quotes and a byte order ma
   CHECK(read("sequence input output\n\"a b\" 1 2\n")[0].sequence == "a b");
   // A name of several words stays one name.
   std::istringstream one("output voltage\n3\n");
-  TableReader reader(one, "t", column_map_from("output=output voltage"), TableNeeds::kOutput);
+  TableReader reader(one, "t", table_layout("output=output voltage"), TableNeeds::kOutput);
   TableReader::Row row;
   REQUIRE(reader.next(row));
   CHECK(row.output == 3.0);

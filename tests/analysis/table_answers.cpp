@@ -73,14 +73,14 @@ TEST_CASE("a reader tells what it needs: columns that are not asked for, times, 
   std::istringstream stream("time_s;output;step\r\n0,5;1;x\r\n;2;3\r\n");
   TableReader reader(stream, "t", {}, TableNeeds::kOutput);
   CHECK(reader.header() == "time_s;output;step");
-  CHECK((reader.has_time() && !reader.has_taxel() && reader.separator() == ';'));
+  CHECK((reader.has_seconds() && !reader.has_taxel() && reader.separator() == ';'));
   TableReader::Row row;
   REQUIRE(reader.next(row));
   CHECK((row.line == 2 && row.text == "0,5;1;x" && row.sequence == "1" && row.taxel == 0));
   CHECK((row.input == 0.0 && row.output == 1.0));
-  CHECK((row.time_s == 0.5 && !row.step));
+  CHECK((row.time == 0.5 && !row.step));
   REQUIRE(reader.next(row));
-  CHECK((row.output == 2.0 && !row.time_s && row.step == 3.0));
+  CHECK((row.output == 2.0 && !row.time && row.step == 3.0));
   CHECK_FALSE(reader.next(row));
   CHECK(reader.assumed().size() == 1);
 }

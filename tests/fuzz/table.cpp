@@ -14,8 +14,13 @@ using namespace tactbench;
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   std::istringstream stream(std::string(reinterpret_cast<const char*>(data), size));
   try {
-    const bool skip = size % 2 == 1;
-    const std::vector<analysis::TableSeries> series = analysis::read_table(stream, "fuzzed.csv", {}, skip).series;
+    analysis::TableLayout layout = analysis::table_layout(size % 3 == 0   ? ""
+                                                          : size % 3 == 1 ? "input=1,output=2-3"
+                                                                          : "input=in*,output=o*,time=1");
+    layout.skip_bad_rows = size % 2 == 1;
+    layout.no_header = size % 5 == 0;
+    layout.skip_lines = size % 7 == 0 ? 1 : 0;
+    const std::vector<analysis::TableSeries> series = analysis::read_table(stream, "fuzzed.csv", layout).series;
     if (series.empty()) std::abort();
     for (const analysis::TableSeries& own : series) {
       if (own.input.empty() || own.input.size() != own.output.size()) std::abort();

@@ -29,7 +29,8 @@ namespace tactbench::bench {
 namespace {
 
 struct PredictOptions {
-  std::string model, file = "-", output, map, taxel;
+  std::string model, file = "-", output, taxel;
+  TableOptions table;
   double conditioned_s = 0.0;
 };
 
@@ -88,11 +89,14 @@ class Compensator {
   std::string step(const analysis::TableReader::Row& row, char separator) {
     double seconds = 0.0;
     if (timed_) {
-      if (!row.time_s || (before_ && *row.time_s < *before_))
-        throw Error("TB-TABLE-ROW", row.time_s ? "the time goes back" : "time_s is not a number",
-                    fmt::format("line {}", row.line), "times in seconds rise within a taxel's sequence");
-      seconds = *row.time_s - before_.value_or(*row.time_s);
-      before_ = row.time_s;
+      const std::string place = fmt::format("line {}", row.line);
+      if (!row.time) throw Error("TB-TABLE-ROW", "the time is not a number", place, "times are numbers, in seconds");
+      double now_s = *row.time;
+      const std::size_t wraps = order_.wraps();
+      if (const std::string wrong = order_.see(now_s); !wrong.empty()) throw Error("TB-TABLE-TIME", wrong, place);
+      if (order_.wraps() > wraps) tty::print(stderr, "{}: the time begins again after 2^32 ticks: undone\n", place);
+      seconds = now_s - before_.value_or(now_s);
+      before_ = now_s;
     }
     if (!begun_) begin(sign_ * row.output);
     const analysis::Compensated now = stream_.step(sign_ * row.output, seconds);
@@ -117,6 +121,7 @@ class Compensator {
   double sign_;
   bool timed_, begun_ = false;
   double conditioned_s_;
+  analysis::TimeOrder order_;
   std::optional<double> before_;
   analysis::RecordingStream stream_;
 };
@@ -140,12 +145,15 @@ void apply(const PredictOptions& options, const Session& session, analysis::Tabl
     if (!file) throw Error("TB-TABLE-OPEN", "the table cannot be read", options.file, remedy);
   }
   std::istream& in = options.file == "-" ? std::cin : file;
-  analysis::TableReader reader(in, options.file == "-" ? "standard input" : options.file,
-                               analysis::column_map_from(options.map), needs);
+  analysis::TableReader reader(in, options.file == "-" ? "standard input" : options.file, layout_of(options.table),
+                               needs);
+  if (reader.outputs() > 1)
+    throw Error("TB-TABLE-MAP", fmt::format("{} columns of outputs, and one taxel is compensated", reader.outputs()),
+                "--map", "name one output, and with --taxel the taxel that it is of");
   const bool in_time = model.dynamics && analysis::in_time(*model.dynamics);
-  if (in_time && needs == analysis::TableNeeds::kOutput && !reader.has_time())
+  if (in_time && needs == analysis::TableNeeds::kOutput && !reader.has_seconds())
     throw Error("TB-TABLE-COLUMN", "the model undoes lag and creep, and the table has no column of times", options.file,
-                "add a column time_s in seconds, or use a model without them");
+                "add a column time_s in seconds or name it (--map time=COL), or use a model without them");
   if (in_time && needs == analysis::TableNeeds::kInput)
     tty::print(stderr,
                "the outputs predicted are the model's static ones, without lag and creep: those of creep at its very "
@@ -153,7 +161,9 @@ void apply(const PredictOptions& options, const Session& session, analysis::Tabl
   const int only = reader.has_taxel() ? 0 : only_taxel(model, options.taxel);
   std::map<std::pair<std::string, int>, Applied, std::less<>> histories;
   const std::string separator(1, reader.separator());
-  std::string text = fmt::format("{}{}{}\n", reader.header(), separator, fmt::join(Applied::kColumns, separator));
+  std::string text;
+  if (!reader.header().empty())
+    text = fmt::format("{}{}{}\n", reader.header(), separator, fmt::join(Applied::kColumns, separator));
   if (!reader.units_line().empty())
     text += fmt::format("{}{}{}\n", reader.units_line(), separator, fmt::join(Applied::units(model), separator));
   if (!options.output.empty()) check_output(options.output, kind_of_file(text), session.replace);
@@ -203,7 +213,7 @@ CLI::App* add_verb(CLI::App& app, Session& session, const std::shared_ptr<Predic
   verb->add_option("file", options->file, "table; - for standard input, line by line")->capture_default_str();
   verb->add_option("-o,--output", options->output, "file to write (default: standard output)");
   add_replace(*verb, session);
-  verb->add_option("--map", options->map, "which column is what: input=COL,output=COL,sequence=COL,taxel=COL");
+  add_layout_options(*verb, options->table);
   verb->add_option("--taxel", options->taxel, "of a model of many, where the table has no column taxel: N, or mean")
       ->check(CLI::NonNegativeNumber | CLI::IsMember({"mean"}));
   add_void_too(*verb, session);

@@ -19,12 +19,12 @@
 namespace tactbench::bench {
 
 TableFile read_table_file(const std::string& path, const TableOptions& options) {
-  const analysis::ColumnMap map = analysis::column_map_from(options.map);
+  const analysis::TableLayout layout = layout_of(options);
   std::string text = analysis::table_text(path);  // read once: a pipe has nothing the second time
   TableFile file;
   file.sha256 = db::sha256_hex(text);
   std::istringstream stream(std::move(text));
-  file.table = analysis::read_table(stream, path, map, options.skip_bad_rows);
+  file.table = analysis::read_table(stream, path, layout);
   if (!options.input_unit.empty()) file.table.input_unit = options.input_unit;
   if (!options.output_unit.empty()) file.table.output_unit = options.output_unit;
   return file;
@@ -82,6 +82,8 @@ void import(const ImportOptions& options, const Session& session) {
   }
   nlohmann::ordered_json calibration = {
       {"input_unit", file.table.input_unit}, {"output_unit", file.table.output_unit}, {"map", options.table.map}};
+  if (options.table.no_header) calibration["no_header"] = true;
+  if (options.table.skip_lines > 0) calibration["skip_lines"] = options.table.skip_lines;
   if (file.table.skipped.count > 0)  // the hash is of all rows
     calibration["rows_left_out"] = file.table.skipped.count;
   run.devices = {{kTableRole, std::filesystem::path(options.file).filename().string(), file.sha256, "", "imported",
@@ -107,12 +109,13 @@ void import(const ImportOptions& options, const Session& session) {
 
 void add_import(CLI::App& app, Session& session) {
   auto options = std::make_shared<ImportOptions>();
-  CLI::App* verb = app.add_subcommand(
-      "import", "make a run of a table with columns sequence,step,input,output[,taxel] (history in row order)");
-  verb->add_option(
-          "file", options->file,
-          "text with commas, semicolons, tabs or blanks between the columns; the first line names them, the second may "
-          "hold units")
+  CLI::App* verb = app.add_subcommand("import",
+                                      "make a run of a table with columns sequence,step,input,output[,taxel], or of "
+                                      "what runs export writes (history in "
+                                      "row order)");
+  verb->add_option("file", options->file,
+                   "text with commas, semicolons, tabs or blanks between the columns; a line names them, the next may "
+                   "hold units")
       ->required();
   add_table_options(*verb, options->table);
   session.profile.add(*verb, "--operator", ProfileKey::kOperator, options->operator_name, "who imports it");

@@ -43,11 +43,27 @@ analysis::Histories imported(const db::RunStore& store, const db::RunRecord& run
 
 }  // namespace
 
+analysis::TableLayout layout_of(const TableOptions& options) {
+  analysis::TableLayout layout = analysis::table_layout(options.map);
+  layout.no_header = options.no_header;
+  layout.skip_lines = options.skip_lines;
+  layout.skip_bad_rows = options.skip_bad_rows;
+  return layout;
+}
+
+void add_layout_options(CLI::App& verb, TableOptions& options) {
+  verb.add_option(
+      "--map", options.map,
+      "of a table: meaning of the columns, as input=COL,output=COL,sequence=COL,taxel=COL,time=COL (numbers "
+      "from 1, or names, in double quotes where they hold a comma); output=3-18, output=s* and "
+      "output=s0+s1 are one column a taxel");
+  verb.add_flag("--no-header", options.no_header, "of a table: no line names the columns; --map numbers them");
+  verb.add_option("--skip-lines", options.skip_lines,
+                  "of a table: pass over so many lines at its beginning, whatever they hold");
+}
+
 void add_table_options(CLI::App& verb, TableOptions& options) {
-  verb.add_option("--map", options.map,
-                  "of a table: meaning of the columns, as input=COL,output=COL,sequence=COL,taxel=COL (numbers from 1, "
-                  "or names, in "
-                  "double quotes where they hold a comma)");
+  add_layout_options(verb, options);
   verb.add_option("--input-unit", options.input_unit, "of a table: unit of its inputs, for display");
   verb.add_option("--noise", options.noise,
                   "of a table: standard deviation of its outputs (default: estimated from differences of neighbours "

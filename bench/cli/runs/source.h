@@ -12,11 +12,17 @@ namespace tactbench::bench {
 
 struct TableOptions {
   std::string map, input_unit, output_unit;
+  bool no_header = false;
+  std::size_t skip_lines = 0;
   double noise = -1.0;  // standard deviation of the outputs; negative: estimated
   double turn = -1.0;   // an input that goes back by more has turned; negative: by the inputs' own noise
   bool skip_bad_rows = false;
 };
+// How its text is read: --map, --no-header, --skip-lines; all that predict and compensate take.
+void add_layout_options(CLI::App& verb, TableOptions& options);
 void add_table_options(CLI::App& verb, TableOptions& options);
+// Throws AnalysisError TB-TABLE-MAP.
+analysis::TableLayout layout_of(const TableOptions& options);
 
 // "12" is a run of session.db, anything else the path of a table.
 bool names_run(const std::string& source);

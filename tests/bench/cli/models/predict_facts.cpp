@@ -145,7 +145,7 @@ TEST_CASE("compensate: a model of lag and creep asks for times that rise, and ta
   film.taxels[0].descending = film.taxels[0].ascending;
   const FolderOfModel of(film);
   check_refusal(of.of_table("compensate", "output\n0.5\n"), 2, "TB-TABLE-COLUMN");
-  check_refusal(of.of_table("compensate", "time_s,output\n1,0.5\n0.5,0.6\n"), 2, "TB-TABLE-ROW");
+  check_refusal(of.of_table("compensate", "time_s,output\n1,0.5\n0.5,0.6\n"), 2, "TB-TABLE-TIME");
   check_refusal(of.of_table("compensate", "time_s,output\nx,0.5\n"), 2, "TB-TABLE-ROW");
   CHECK(of.of_table("compensate", "time_s,output\n1,0.5\n1,0.6\n").code == 0);
   CHECK(of.of_table("compensate", "sequence,time_s,output\na,9,0.5\nb,1,0.6\na,9.5,0.7\nb,1.5,0.7\n").code == 0);

@@ -1,0 +1,402 @@
+// What stands above the rows of a table: which line names the columns, which one holds units, and which column is what.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <utility>
+
+#include "analysis/error.h"
+#include "analysis/table.h"
+#include "db/utf8.h"
+
+namespace tactbench::analysis {
+namespace {
+
+constexpr const char* kFormat =
+    "name the columns in the first line, e.g. sequence,step,input,output, or say which they are: "
+    "--map input=COL,output=COL, by number where no line names them (--no-header)";
+
+// At commas outside double quotes.
+std::vector<std::string_view> pairs_of(std::string_view text) {
+  std::vector<std::string_view> pairs;
+  bool quoted = false;
+  std::size_t start = 0;
+  for (std::size_t at = 0; at <= text.size() && !text.empty(); ++at) {
+    if (at < text.size() && text[at] == '"') quoted = !quoted;
+    if (at < text.size() && (text[at] != ',' || quoted)) continue;
+    pairs.push_back(trimmed(text.substr(start, at - start)));
+    start = at + 1;
+  }
+  return pairs;
+}
+
+// Of a word of a line of units: without brackets; empty where it is no text in UTF-8.
+std::string unit_of(std::string_view word) {
+  if (word.size() > 1 && ((word.front() == '[' && word.back() == ']') || (word.front() == '(' && word.back() == ')')))
+    word = trimmed(word.substr(1, word.size() - 2));
+  for (std::string_view rest = word; !rest.empty();) {
+    const db::CodePoint first = db::decode_utf8(rest);
+    if (!first.valid || first.value < 0x20) return {};
+    rest.remove_prefix(first.bytes);
+  }
+  return std::string(word);
+}
+
+std::vector<std::string> parts_of(const std::string& text) {
+  std::vector<std::string> parts;
+  for (std::size_t start = 0, end = 0; end != std::string::npos; start = end + 1) {
+    end = text.find('+', start);
+    parts.emplace_back(trimmed(std::string_view(text).substr(start, end - start)));
+  }
+  return parts;
+}
+
+// "3" or "3-5", counted from 1 -> places from 0; none of other words.
+std::vector<std::size_t> places_of(const std::string& text) {
+  std::size_t first = 0;
+  const char* const end = text.data() + text.size();
+  auto [at, error] = std::from_chars(text.data(), end, first);
+  std::size_t last = first;
+  if (error == std::errc() && at != end && *at == '-') {
+    const auto second = std::from_chars(at + 1, end, last);
+    at = second.ptr;
+    error = second.ec;
+  }
+  constexpr std::size_t kMostColumns = 100'000;
+  std::vector<std::size_t> places;
+  if (error != std::errc() || at != end || first == 0 || last > kMostColumns) return places;
+  for (std::size_t i = first; i <= last; ++i) places.push_back(i - 1);
+  return places;
+}
+
+bool matches(std::string_view name, std::string_view pattern) {
+  const auto star = pattern.find('*');
+  return star != std::string_view::npos && name.size() + 1 >= pattern.size() &&
+         name.starts_with(pattern.substr(0, star)) && name.ends_with(pattern.substr(star + 1));
+}
+
+// The unit of a column of times, as of "Time (s)" or "time_ms": empty where it has none; nothing where it holds no
+// times.
+std::optional<std::string> time_unit(std::string_view name) {
+  std::string word;
+  for (const char c : name)
+    if (std::string_view(" _()[]").find(c) == std::string_view::npos)
+      word += static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+  for (const std::string_view begin : {"timestamp", "time", "elapsed", "ticks", "millis", "micros"}) {
+    if (!word.starts_with(begin)) continue;
+    word.erase(0, begin.size());
+    constexpr std::array<std::string_view, 10> kUnits = {"",   "s",         "sec", "seconds", "ms",
+                                                         "us", "\xC2\xB5s", "ns",  "ticks",   "msec"};
+    if (std::ranges::find(kUnits, word) == kUnits.end()) return std::nullopt;
+    return word.starts_with("sec") ? "s" : word;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+TableLayout table_layout(const std::string& map) {
+  TableLayout layout;
+  std::vector<std::string> told;
+  const auto refuse = [](const std::string& what) {
+    throw AnalysisError("TB-TABLE-MAP", "--map: " + what,
+                        "write role=COLUMN with the roles input, output, sequence, taxel, time, each once; COLUMN is a "
+                        "number from 1 or a name, in double quotes where it holds a comma; several outputs, one a "
+                        "taxel, are output=3-18, output=s* or output=s0+s1");
+  };
+  for (const std::string_view pair : pairs_of(map)) {
+    const auto equals = pair.find('=');
+    const std::string role(trimmed(pair.substr(0, equals)));
+    std::string_view name = equals == std::string_view::npos ? std::string_view() : trimmed(pair.substr(equals + 1));
+    if (name.size() > 1 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
+    if (name.empty() || !layout.columns.contains(role))
+      refuse(fmt::format("\"{}\" does not name role and column", pair));
+    if (std::ranges::find(told, role) != told.end()) refuse(fmt::format("{} is named twice", role));
+    told.push_back(role);
+    layout.columns[role] = name;
+  }
+  return layout;
+}
+
+TableReader::TableReader(std::istream& stream, std::string file, TableLayout layout, TableNeeds needs)
+    : stream_(&stream), file_(std::move(file)), layout_(std::move(layout)) {
+  std::vector<std::string> wanted;
+  std::vector<std::size_t> numbered;
+  for (const auto& [role, name] : layout_.columns) {
+    if (role == (needs == TableNeeds::kInput ? "output" : needs == TableNeeds::kOutput ? "input" : "")) continue;
+    if (role != "input" && role != "output" && !told(role.c_str())) continue;
+    bool named = false;
+    for (const std::string& part : parts_of(name)) {
+      const std::vector<std::size_t> places = places_of(part);
+      named = named || places.empty();
+      if (role == "input" || role == "output") numbered.insert(numbered.end(), places.begin(), places.end());
+    }
+    if (named && name != "none") wanted.push_back(name);
+  }
+  if (wanted.empty())
+    find_first_row(numbered);
+  else
+    find_names(wanted);
+  set_columns(needs);
+  read_units();
+}
+
+bool TableReader::told(const char* role) const { return layout_.columns.at(role) != TableLayout().columns.at(role); }
+
+// One more line into ahead_, where it may be one of names or samples.
+bool TableReader::look() {
+  constexpr std::string_view kEnd = "***End_of_Header***";
+  if (!new_line()) return false;
+  if (counted_ == 1 && line_.starts_with("LabVIEW Measurement")) labview_ = true;
+  if (labview_ && ahead_.empty() && (counted_ == 1 || line_.starts_with("Channels"))) {
+    while (!line_.starts_with(kEnd)) {
+      ++passed_;
+      if (!new_line()) return false;
+    }
+    ++passed_;
+    return look();
+  }
+  std::string_view text = line_;
+  if (text.starts_with('"') && text.ends_with('"')) text = text.substr(1, text.size() - 2);
+  if (ahead_.empty() && separator_ == 0 && (text.starts_with("sep=") || text.starts_with("SEP=")) &&
+      text.size() <= std::string_view("sep=;").size()) {
+    separator_ = text.size() > 4 ? text[4] : '\t';
+    ++passed_;
+    return look();
+  }
+  ahead_.push_back({counted_, line_});
+  return true;
+}
+
+// Empty where the line cannot be split.
+std::vector<std::string> TableReader::split(const std::string& line, char separator) const {
+  Fields fields;
+  return fields.split(line, separator).empty() ? std::vector<std::string>(fields.all.begin(), fields.all.end())
+                                               : std::vector<std::string>();
+}
+
+// By which there are numbers in `columns` (none named: in all). Blanks come before commas, which may be those of
+// numbers.
+std::optional<char> TableReader::separator_of_row(const std::string& line,
+                                                  const std::vector<std::size_t>& columns) const {
+  for (const char separator : {separator_, '\t', ';', ' ', ','}) {
+    if (separator == 0 || (separator_ != 0 && separator != separator_)) continue;
+    if (separator != ',' && trimmed(line).find(separator) == std::string_view::npos) continue;
+    const std::vector<std::string> all = split(line, separator);
+    const auto is_at = [&](std::size_t column) { return column < all.size() && is_number(all[column]); };
+    const auto comma_at_end = [](const std::string& field) { return field.starts_with(',') || field.ends_with(','); };
+    if (separator == ' ' && std::ranges::any_of(all, comma_at_end)) continue;
+    if (!all.empty() && (columns.empty() ? std::ranges::all_of(all, is_number) : std::ranges::all_of(columns, is_at)))
+      return separator;
+  }
+  return std::nullopt;
+}
+
+void TableReader::refuse_names(const std::string& what, const std::string& remedy) const {
+  throw AnalysisError("TB-TABLE-COLUMN", fmt::format("{}:{}: {}", file_, head_number_, what), remedy);
+}
+
+// The first line that holds them all, before the first of numbers alone.
+void TableReader::find_names(const std::vector<std::string>& wanted) {
+  if (layout_.no_header) {
+    head_number_ = 1;
+    refuse_names(fmt::format("--no-header, and column \"{}\" is asked for by name", wanted.front()), kFormat);
+  }
+  while (ahead_.size() < kMostLooked && look()) {
+    const std::string& line = ahead_.back().text;
+    const char likely = separator_ != 0 ? separator_ : separator_of(line);
+    // A name of several words is one name where it is wanted so.
+    for (const char separator : {likely == ' ' ? ',' : likely, likely}) {
+      const std::vector<std::string> names = split(line, separator);
+      const auto is_here = [&](const std::string& name) { return std::ranges::find(names, name) != names.end(); };
+      const auto holds = [&](const std::string& name) {
+        if (is_here(name) || (name == "input" && !told("input") && is_here("reference_psi")) ||
+            (name == "output" && !told("output") && is_here("volts_r0_c0")))
+          return true;
+        return std::ranges::all_of(parts_of(name), [&](const std::string& part) {
+          return !places_of(part).empty() ||
+                 std::ranges::any_of(names, [&](const std::string& own) { return own == part || matches(own, part); });
+        });
+      };
+      if (!std::ranges::all_of(wanted, holds)) continue;
+      separator_ = separator;
+      return name_by(ahead_.size() - 1);
+    }
+    if (separator_of_row(line, {})) break;
+  }
+  if (ahead_.empty()) throw AnalysisError("TB-TABLE-EMPTY", fmt::format("{}: the table is empty", file_), kFormat);
+  // Nothing holds them: what stands above the first numbers is shown.
+  const std::size_t shown = ahead_.size() > 1 && separator_of_row(ahead_.back().text, {}) ? ahead_.size() - 2 : 0;
+  const std::string& line = ahead_[shown].text;
+  head_number_ = ahead_[shown].number;
+  if (separator_ == 0) separator_ = separator_of(line);
+  if (const std::string wrong = fields_.split(line, separator_); !wrong.empty()) refuse(head_number_, wrong);
+  if (separator_of_row(line, {}))
+    refuse_names(fmt::format("numbers in place of the names of the columns: {}", fmt::join(fields_.all, ", ")),
+                 kFormat);
+  refuse_names(fmt::format("no line names the {} \"{}\"; this one names {}", wanted.size() > 1 ? "columns" : "column",
+                           fmt::join(wanted, "\", \""), fmt::join(fields_.all, ", ")),
+               kFormat);
+}
+
+// The first line with numbers in `columns`; names are what stands above it in as many fields.
+void TableReader::find_first_row(const std::vector<std::size_t>& columns) {
+  std::optional<char> separator;
+  while (!separator && ahead_.size() < kMostLooked && look()) separator = separator_of_row(ahead_.back().text, columns);
+  if (ahead_.empty()) throw AnalysisError("TB-TABLE-EMPTY", fmt::format("{}: the table is empty", file_), kFormat);
+  const bool found = separator.has_value();
+  std::size_t row = found ? ahead_.size() - 1 : std::min<std::size_t>(1, ahead_.size() - (layout_.no_header ? 1 : 0));
+  if (separator_ == 0) separator_ = separator.value_or(separator_of(ahead_.front().text));
+  const std::size_t width = split(ahead_[found ? row : 0].text, separator_).size();
+  const auto is_alike = [&](const std::vector<std::string>& fields) {
+    return fields.size() == width || fields.size() == width + 1;
+  };
+  const auto any_number = [&](const std::vector<std::string>& fields) {
+    return std::ranges::any_of(columns, [&](std::size_t c) { return c < fields.size() && is_number(fields[c]); });
+  };
+  const auto fields_at = [&](std::size_t line) { return split(ahead_[line].text, separator_); };
+  // A line with a number in one column and none in another is a row that cannot be read, and none of names.
+  while (row > 0 && is_alike(fields_at(row - 1)) && any_number(fields_at(row - 1))) --row;
+  if (layout_.no_header) return number_from(0, width);
+  if (row == 0 || !is_alike(fields_at(row - 1))) return number_from(row, width);
+  std::size_t names = row - 1;
+  if (names > 0 && is_units(fields_at(names), columns) && fields_at(names).size() == fields_at(names - 1).size() &&
+      !any_number(fields_at(names - 1)))
+    --names;
+  name_by(names);
+}
+
+void TableReader::name_by(std::size_t line) {
+  header_ = ahead_[line].text;
+  head_number_ = ahead_[line].number;
+  names_ = split(header_, separator_);
+  passed_ += line;
+  ahead_.erase(ahead_.begin(), ahead_.begin() + static_cast<std::ptrdiff_t>(line) + 1);
+}
+
+void TableReader::number_from(std::size_t row, std::size_t columns) {
+  head_number_ = first_row_ = ahead_[row].number;
+  for (std::size_t i = 1; i <= columns; ++i) names_.push_back(std::to_string(i));
+  const std::vector<std::string> first = split(ahead_[row].text, separator_);
+  const auto counts_from = [&](std::size_t begin) {
+    for (std::size_t i = 0; i < first.size(); ++i)
+      if (first[i] != std::to_string(begin + i)) return false;
+    return true;
+  };
+  if (!layout_.no_header && (counts_from(0) || counts_from(1)))
+    refuse_names(fmt::format("{} may be names of columns, or samples", fmt::join(first, ", ")),
+                 fmt::format("say which: --skip-lines {} passes over that line, --no-header reads it", first_row_));
+  passed_ += row;
+  ahead_.erase(ahead_.begin(), ahead_.begin() + static_cast<std::ptrdiff_t>(row));
+}
+
+// What `runs export` writes, where nothing else is asked for.
+void TableReader::take_export() {
+  const auto is_here = [&](const char* name) { return std::ranges::find(names_, name) != names_.end(); };
+  const bool frames = is_here("frame") && is_here("scan") && is_here("void") && is_here("reference_psi");
+  const bool series = is_here("sequence") && is_here("name") && is_here("taxel") && is_here("position");
+  if (frames) {
+    frame_ = static_cast<std::size_t>(std::ranges::find(names_, "frame") - names_.begin());
+    void_ = static_cast<std::size_t>(std::ranges::find(names_, "void") - names_.begin());
+    if (!is_here("input") && !told("input")) layout_.columns["input"] = "reference_psi";
+    if (!is_here("output") && !told("output")) layout_.columns["output"] = "volts_*";
+    if (layout_.columns["input"].ends_with("_psi")) units_[0] = "psi";
+    if (layout_.columns["output"].starts_with("volts_")) units_[1] = "V";
+  }
+  if ((frames || series) && !told("sequence")) layout_.columns["sequence"] = frames ? "recipe" : "name";
+}
+
+void TableReader::set_columns(TableNeeds needs) {
+  take_export();
+  if (needs != TableNeeds::kOutput) input_ = column("input");
+  if (needs != TableNeeds::kInput) outputs_ = columns("output");
+  sequence_ = column("sequence");
+  taxel_ = column("taxel");
+  time_ = column("time");
+  const auto at = [&](const auto& is) {
+    const auto found = std::ranges::find_if(names_, is);
+    return found == names_.end() ? kAbsent : static_cast<std::size_t>(found - names_.begin());
+  };
+  step_ = at([](const std::string& name) { return name == "step"; });
+  if (time_ == kAbsent && !told("time"))
+    time_ = at([](const std::string& name) { return time_unit(name).has_value(); });
+  in_seconds_ = told("time") || (time_ != kAbsent && time_unit(names_[time_]) == "s");
+  std::vector<std::size_t> used = outputs_;
+  if (input_ != kAbsent) used.push_back(input_);
+  if (!told("time") && std::ranges::find(used, time_) != used.end()) time_ = kAbsent;
+  for (const std::size_t more : {sequence_, taxel_})
+    if (more != kAbsent) used.push_back(more);
+  std::ranges::sort(used);
+  if (const auto twice = std::ranges::adjacent_find(used); twice != used.end())
+    refuse_names(fmt::format("column {} (\"{}\") is given two roles", *twice + 1, names_[*twice]), kFormat);
+  if (taxel_ != kAbsent && outputs_.size() > 1)
+    refuse_names("a column of taxels, and several outputs, one a taxel", "name one output, or none as taxel");
+}
+
+std::size_t TableReader::column(const char* role) const {
+  const std::vector<std::size_t> found = columns(role);
+  if (found.size() > 1) refuse_names(fmt::format("the {} is one column, not {}", role, found.size()), kFormat);
+  return found.empty() ? kAbsent : found.front();
+}
+
+// By name, before by number. None of an optional role that is not told, or told to be none.
+std::vector<std::size_t> TableReader::columns(const char* role) const {
+  const std::string& wanted = layout_.columns.at(role);
+  std::vector<std::size_t> found;
+  const auto add_named = [&](const auto& is) {
+    const std::size_t before = found.size();
+    for (std::size_t i = 0; i < names_.size(); ++i)
+      if (is(names_[i])) found.push_back(i);
+    return found.size() - before;
+  };
+  const auto add = [&](const std::string& name) {
+    const std::size_t named = header_.empty() ? 0 : add_named([&](const std::string& own) { return own == name; });
+    if (named > 1)
+      refuse_names(fmt::format("{} columns are named \"{}\"", named, name), "name the one that is meant by its number");
+    return named == 1;
+  };
+  if (add(wanted)) return found;
+  for (const std::string& part : parts_of(wanted)) {
+    if (add(part)) continue;
+    std::vector<std::size_t> places = places_of(part);
+    if (places.empty() || places.back() >= names_.size()) {
+      places.clear();
+      if (add_named([&](const std::string& own) { return matches(own, part); }) > 0) continue;
+      if (std::string_view(role) != "input" && std::string_view(role) != "output" && (!told(role) || wanted == "none"))
+        return {};
+      refuse_names(fmt::format("no column \"{}\" for the {}; the line {} {}", part, role,
+                               header_.empty() ? "has" : "names", fmt::join(names_, ", ")),
+                   kFormat);
+    }
+    found.insert(found.end(), places.begin(), places.end());
+  }
+  return found;
+}
+
+// Short words, and no number, in the columns needed.
+bool TableReader::is_units(const std::vector<std::string>& words, const std::vector<std::size_t>& columns) const {
+  constexpr std::size_t kLongestUnit = 24;  // bytes
+  if (std::ranges::any_of(words, is_number)) return false;
+  return std::ranges::all_of(columns, [&](std::size_t column) {
+    const std::string word = column < words.size() ? words[column] : std::string();
+    return !word.empty() && word.size() <= kLongestUnit && word != "NA" && word != "N/A" && word != "na" &&
+           word != "n/a";
+  });
+}
+
+void TableReader::read_units() {
+  if (header_.empty() || (ahead_.empty() && !look())) return;
+  const std::vector<std::string> words = split(ahead_.front().text, separator_);
+  std::vector<std::size_t> columns = outputs_;
+  if (input_ != kAbsent) columns.push_back(input_);
+  if (words.size() != names_.size() || !is_units(words, columns)) return;
+  if (input_ != kAbsent) units_[0] = unit_of(words[input_]);
+  if (!outputs_.empty()) units_[1] = unit_of(words[outputs_.front()]);
+  units_line_ = ahead_.front().text;
+  units_number_ = ahead_.front().number;
+  ahead_.pop_front();
+}
+
+}  // namespace tactbench::analysis
