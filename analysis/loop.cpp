@@ -185,10 +185,47 @@ FullSweeps full_sweeps(std::span<const TaxelTable> sequences, double turn) {
   return widest;
 }
 
+// Sequences that end where they began, as 0, +, -, 0 does: the last branch and the first are two parts of one sweep.
+std::vector<TaxelTable> joined_ends(std::span<const TaxelTable> sequences, std::size_t taxels, double turn) {
+  constexpr double kOpen = 0.05;  // of what a taxel's values span: a wider gap is no sweep
+  std::vector<TaxelTable> joined;
+  for (const TaxelTable& own : sequences) {
+    const std::size_t last = own.pressure_psi.size() - 1;
+    if (own.branches.size() < 3 || own.branches.front().ascending != own.branches.back().ascending) continue;
+    const auto [low, high] = std::ranges::minmax(own.pressure_psi);
+    if (std::abs(own.pressure_psi[last] - own.pressure_psi[0]) > std::max(kEndShare * (high - low), turn)) continue;
+    bool closes = true;
+    for (std::size_t taxel = 0; taxel < taxels; ++taxel) {
+      double least = HUGE_VAL, most = -HUGE_VAL;
+      for (std::size_t i = taxel; i < own.values.size(); i += taxels) {
+        least = std::min(least, own.values[i]);
+        most = std::max(most, own.values[i]);
+      }
+      closes = closes && std::abs(own.values[last * taxels + taxel] - own.values[taxel]) <= kOpen * (most - least);
+    }
+    if (!closes) continue;
+    TaxelTable& sweep = joined.emplace_back();
+    for (const Branch& branch : {own.branches.back(), own.branches.front()}) {
+      const auto first = static_cast<std::size_t>(branch.first), end = static_cast<std::size_t>(branch.last) + 1;
+      sweep.pressure_psi.insert(sweep.pressure_psi.end(), &own.pressure_psi[first], &own.pressure_psi[0] + end);
+      sweep.values.insert(sweep.values.end(), &own.values[first * taxels], &own.values[0] + end * taxels);
+    }
+    sweep.branches = {{0, static_cast<int>(sweep.pressure_psi.size()) - 1, own.branches.front().ascending}};
+  }
+  return joined;
+}
+
 }  // namespace
 
 ExternalLoop external_loop(std::span<const TaxelTable> sequences, int taxels, double turn) {
-  const auto [up, down, left_out] = full_sweeps(sequences, turn);
+  FullSweeps full = full_sweeps(sequences, turn);
+  std::vector<TaxelTable> with_joined;
+  if (turn > 0.0 && (full.up.empty() || full.down.empty())) {
+    with_joined = joined_ends(sequences, static_cast<std::size_t>(taxels), turn);
+    with_joined.insert(with_joined.end(), sequences.begin(), sequences.end());
+    full = full_sweeps(with_joined, turn);
+  }
+  const auto& [up, down, left_out] = full;
   if (up.empty() || down.empty())
     throw AnalysisError("TB-ANALYSIS-NO-LOOP",
                         fmt::format("no sweep {} over the full {}", up.empty() ? "rises" : "falls",
@@ -197,6 +234,7 @@ ExternalLoop external_loop(std::span<const TaxelTable> sequences, int taxels, do
   const Sweep& finest = *std::ranges::max_element(up, {}, &Sweep::size);
   ExternalLoop loop;
   loop.left_out = left_out;
+  loop.joined = !with_joined.empty();
   for (std::size_t k = 0; k < finest.size(); ++k) {
     const double pressure = finest.pressure(k);
     // A held step (or, with measured pressures, one that did not advance) gives no new grid point.

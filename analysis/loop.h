@@ -48,12 +48,14 @@ struct ExternalLoop {
   std::vector<double> ascending;     // n x taxels
   std::vector<double> descending;    // n x taxels
   double left_out = 0.0;             // share of the inputs that lies beyond each end
+  bool joined = false;               // a sweep is made of the last branch and the first
 };
 
 // A sweep is full when it begins and ends within 1 % of the span from the ends of the inputs, or within `turn` (0 for
 // commanded inputs). Of measured ones the ends are the extremes or, where no full sweeps up and down lie between these,
-// the nearest percentiles up to the second between which they do. Throws AnalysisError TB-ANALYSIS-NO-LOOP when no full
-// sweep up or down is there.
+// the nearest percentiles up to the second between which they do; and where a sequence ends as it began, its last
+// branch and its first are one sweep if no other is there. Throws AnalysisError TB-ANALYSIS-NO-LOOP when no full sweep
+// up or down is there.
 ExternalLoop external_loop(std::span<const TaxelTable> sequences, int taxels, double turn = 0.0);
 
 }  // namespace tactbench::analysis

@@ -4,25 +4,31 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <span>
 #include <utility>
 
 #include "analysis/counted.h"
 #include "analysis/error.h"
 #include "analysis/identify/histories.h"
 #include "analysis/statistics/numbers/difference_noise.h"
+#include "analysis/statistics/numbers/moments.h"
 
 namespace tactbench::analysis {
 namespace {
 
-constexpr double kTurnInNoises = 7.0;     // of the inputs: one pair in three million lies as far apart
-constexpr double kTurnShare = 0.001;      // of the inputs' span: no turn is less
-constexpr double kWidestTurn = 0.25;      // of the span: inputs with more noise than that are taken to jump
-constexpr double kDoubtful = 0.02;        // of the span: turns of the input and dead bands above it are told
-constexpr double kNearEnd = 0.01;         // of the span: an input as near to its end lies there
-constexpr std::size_t kNoiseInputs = 50;  // fewer do not tell their noise
-constexpr double kRepeated = 0.5;         // of neighbouring outputs are equal where a converter counts in wide steps
-constexpr int kFewInner = 3;              // inner branches of one direction
-constexpr std::size_t kNamed = 3;         // sequences that a warning names
+constexpr double kTurnInNoises = 7.0;        // of the inputs: one pair in three million lies as far apart
+constexpr double kTurnShare = 0.001;         // of the inputs' span: no turn is less
+constexpr double kWidestTurn = 0.25;         // of the span: inputs with more noise than that are taken to jump
+constexpr double kDoubtful = 0.02;           // of the span: turns of the input and dead bands above it are told
+constexpr double kNearEnd = 0.01;            // of the span: an input as near to its end lies there
+constexpr std::size_t kNoiseInputs = 50;     // fewer do not tell their noise
+constexpr std::size_t kRestingSamples = 50;  // fewer do not tell the outputs' noise
+constexpr double kSlip = 0.03;               // of the inputs' span: turns that go back by less may be none
+constexpr double kWanders = 0.03;            // of the outputs' span: a zero that moves by more is told
+constexpr double kDips = 0.05;     // of the outputs' span: an output that falls where it should rise by more is told
+constexpr double kSeen = 6.0;      // noises: what is less is not told
+constexpr int kFewInner = 3;       // inner branches of one direction
+constexpr std::size_t kNamed = 3;  // sequences that a warning names
 
 // Of the inputs of one taxel, the noisiest of its histories.
 double input_noise_of(const std::vector<History>& histories) {
@@ -37,37 +43,82 @@ bool is_fitted(const History& history, const HistoriesOptions& options) {
   return options.fitted.empty() || std::ranges::find(options.fitted, history.name) != options.fitted.end();
 }
 
-// The least step between neighbours where so many of them are equal that the outputs are counts; else 0.
-double resolution_of(const std::vector<Stretch>& stretches) {
-  std::size_t pairs = 0, equal = 0;
-  double least = HUGE_VAL;
-  for (const Stretch& stretch : stretches) {
-    for (std::size_t i = 1; i < stretch.y.size(); ++i) {
-      const double step = std::abs(stretch.y[i] - stretch.y[i - 1]);
-      ++pairs;
-      if (step == 0.0)
-        ++equal;
-      else
-        least = std::min(least, step);
-    }
-  }
-  if (equal == pairs) return 0.0;
-  return static_cast<double>(equal) / static_cast<double>(pairs) > kRepeated ? least : 0.0;
+std::span<const double> part(const std::vector<double>& values, const Branch& branch) {
+  const auto first = static_cast<std::size_t>(branch.first);
+  return std::span(values).subspan(first, static_cast<std::size_t>(branch.last) - first + 1);
 }
 
-// Within the branches that are fitted. Where outputs are counts differences may show no noise: rounding alone has
-// 1 / sqrt(12) of a count.
-double output_noise_of(const std::vector<History>& histories, const HistoriesOptions& options) {
-  std::vector<Stretch> stretches;
+// The last decimal place in which any of them is written; 0: none within double precision.
+double last_place(const std::vector<double>& outputs) {
+  constexpr double kExact = 1e-6, kMost = 1e12;
+  double scale = 1.0;
+  for (std::size_t i = 0; i < outputs.size();) {
+    const double scaled = std::abs(outputs[i] * scale);
+    if (scaled > kMost) return 0.0;
+    if (std::abs(scaled - std::round(scaled)) <= kExact)
+      ++i;
+    else
+      scale *= 10.0;
+  }
+  return 1.0 / scale;
+}
+
+// Of one count, where outputs are counts: the median gap between values that occur, of which the gaps are multiples.
+// Else, and where the gaps are few, of the last decimal place. 0 where it is so wide that outputs of a formula would do
+// the same.
+double count_of(const std::vector<Stretch>& stretches) {
+  constexpr std::size_t kLooked = 100'000, kFewest = 20;  // outputs; gaps
+  constexpr double kSame = 1e-9, kOff = 0.25, kMostOff = 0.2, kWidest = 0.02;
+  std::vector<double> outputs;
+  for (const Stretch& stretch : stretches)
+    for (const double y : stretch.y.first(std::min(stretch.y.size(), kLooked - outputs.size()))) outputs.push_back(y);
+  std::ranges::sort(outputs);
+  if (outputs.empty()) return 0.0;
+  const double span = outputs.back() - outputs.front();
+  std::vector<double> gaps;
+  for (std::size_t i = 1; i < outputs.size(); ++i)
+    if (const double gap = outputs[i] - outputs[i - 1]; gap > kSame * span) gaps.push_back(gap);
+  double place = last_place(outputs);
+  if (place > kWidest * span) place = 0.0;
+  if (gaps.size() < kFewest) return place;
+  const double count = quantile_of(gaps, 0.5);
+  const auto off = std::ranges::count_if(gaps, [&](double gap) {
+    const double counts = gap / count;
+    return counts < 1.0 - kOff || std::abs(counts - std::round(counts)) > kOff;
+  });
+  const bool counts = static_cast<double>(off) <= kMostOff * static_cast<double>(gaps.size());
+  return counts && count <= kWidest * span ? count : place;
+}
+
+// Where the input stays within three of its own noises.
+void add_rests(const History& history, double noise, std::vector<Stretch>& rests) {
+  constexpr std::size_t kLeast = 8;  // samples
+  const std::vector<double>& x = history.x;
+  for (std::size_t first = 0, end = 0; first < x.size(); first = end) {
+    for (end = first + 1; end < x.size() && std::abs(x[end] - x[first]) <= 3.0 * noise;) ++end;
+    if (end - first >= kLeast) rests.push_back({{}, std::span(history.y).subspan(first, end - first)});
+  }
+}
+
+struct OutputNoise {
+  double noise = 0.0, count = 0.0;  // count: 0 where outputs are no counts
+};
+
+// Where inputs rest, of histories that rest long enough; else within the branches that are fitted. Not below what
+// rounding to counts alone gives, 1 / sqrt(12) of one.
+OutputNoise output_noise_of(const std::vector<History>& histories, const HistoriesOptions& options) {
+  std::vector<Stretch> stretches, rests;
+  std::size_t resting = 0;
   for (const History& history : histories) {
     if (!is_fitted(history, options)) continue;
-    for (const Branch& branch : history.branches) {
-      const auto first = static_cast<std::size_t>(branch.first);
-      const std::size_t count = static_cast<std::size_t>(branch.last) - first + 1;
-      stretches.push_back({std::span(history.x).subspan(first, count), std::span(history.y).subspan(first, count)});
-    }
+    for (const Branch& branch : history.branches)
+      stretches.push_back({part(history.x, branch), part(history.y, branch)});
+    add_rests(history, input_noise_of({history}), rests);
   }
-  return std::max(difference_noise(stretches), resolution_of(stretches) / std::sqrt(12.0));
+  for (const Stretch& rest : rests) resting += rest.y.size();
+  const double count = count_of(stretches);
+  const double noise = difference_noise(resting >= kRestingSamples ? rests : stretches);
+  return {std::max(noise, count / std::sqrt(12.0)), count};
 }
 
 std::string listed(const std::vector<std::string>& names) {
@@ -81,16 +132,145 @@ std::string listed(const std::vector<std::string>& names) {
 class Doubts {
  public:
   // Throws AnalysisError TB-MODEL-SEQUENCE when a sequence to fit is not there.
-  Doubts(const TaxelHistories& taxel, const HistoriesOptions& options)
-      : taxel_(&taxel), fitted_(named(taxel.fit, options.fitted)), x_(span_of(taxel.fit, &History::x)) {}
+  Doubts(const TaxelHistories& taxel, double count, const HistoriesOptions& options)
+      : taxel_(&taxel),
+        count_(count),
+        turn_told_(options.turn >= 0.0),
+        fitted_(named(taxel.fit, options.fitted)),
+        x_(span_of(taxel.fit, &History::x)),
+        y_(span_of(fitted_, &History::y)) {}
 
   void tell(std::vector<std::string>& warnings) const {
+    tell_slips(warnings);
+    tell_blocks(warnings);
+    tell_zero(warnings);
+    tell_dips(warnings);
     tell_start(warnings);
     tell_inner(warnings);
     tell_loop(warnings);
   }
 
  private:
+  // Turns that may be none, and a size of turns without them.
+  void tell_slips(std::vector<std::string>& warnings) const {
+    double longest = 0.0;
+    std::size_t branches = 0, left = 0;
+    for (const History& history : fitted_) {
+      branches += history.branches.size();
+      for (const Branch& branch : history.branches) {
+        const std::span<const double> x = part(history.x, branch);
+        if (const double way = std::abs(x.back() - x.front()); way < kSlip * x_.length())
+          longest = std::max(longest, way);
+      }
+    }
+    if (turn_told_ || longest == 0.0) return;
+    const double digit = std::pow(10.0, std::floor(std::log10(1.25 * longest)));
+    const double turn = digit * std::ceil(1.25 * longest / digit - 1e-9);
+    for (const History& history : fitted_) left += branches_along(history.x, turn).size();
+    if (left >= branches) return;
+    warnings.push_back(fmt::format(
+        "{} of {} branches are due to inputs that go back by less than {:g} % of their span (by {:.3g} of {:.3g} at "
+        "most); if "
+        "these are slips or noise and no turns, --turn {:g} leaves {}",
+        branches - left, branches, 100.0 * kSlip, longest, x_.length(), turn, counted(left, "branch", "branches")));
+  }
+
+  // The same rows again, where noise makes that no chance.
+  void tell_blocks(std::vector<std::string>& warnings) const {
+    constexpr std::size_t kLeast = 8, kLooked = 1'000'000;  // rows
+    constexpr double kClear = 3.0, kNoNoise = 1e-4;         // noises a count; of the span
+    if (taxel_->noise < std::max(kClear * count_, kNoNoise * y_.length())) return;
+    for (const History& history : fitted_) {
+      const std::size_t rows = std::min(history.x.size(), kLooked);
+      std::map<std::pair<double, double>, std::size_t> seen;  // where a row stood last
+      std::size_t before = 0, length = 0;
+      for (std::size_t i = 0; i <= rows; ++i) {
+        const auto found = i < rows ? seen.find({history.x[i], history.y[i]}) : seen.end();
+        const bool goes_on = found != seen.end() && length > 0 && found->second == before + length;
+        if (!goes_on && length >= kLeast) {
+          warnings.push_back(fmt::format(
+              "samples {} to {} of sequence \"{}\" are the same as samples {} to {}, noise and all: they stand there "
+              "twice, or they are no measurements",
+              i - length + 1, i, history.name, before + 1, before + length));
+          break;
+        }
+        if (!goes_on) {
+          before = found == seen.end() ? 0 : found->second;
+          length = found == seen.end() ? 0 : 1;
+        } else {
+          ++length;
+        }
+        if (i < rows) seen[{history.x[i], history.y[i]}] = i;
+      }
+    }
+  }
+
+  // Outputs at the lowest input, a visit each.
+  void tell_zero(std::vector<std::string>& warnings) const {
+    std::vector<double> zeros;
+    for (const History& history : fitted_) {
+      std::size_t count = 0;
+      double sum = 0.0;
+      for (std::size_t i = 0; i <= history.x.size(); ++i) {
+        if (i < history.x.size() && history.x[i] - x_.low <= near()) {
+          sum += history.y[i];
+          ++count;
+        } else if (count > 0) {
+          zeros.push_back(sum / static_cast<double>(count));
+          count = 0;
+          sum = 0.0;
+        }
+      }
+    }
+    if (zeros.size() < 2) return;
+    const double farthest =
+        *std::ranges::max_element(zeros, {}, [&](double zero) { return std::abs(zero - zeros.front()); });
+    const double wandered = std::abs(farthest - zeros.front());
+    if (wandered <= std::max(kWanders * y_.length(), kSeen * taxel_->noise)) return;
+    warnings.push_back(
+        fmt::format("at input {:g} the output went from {:.3g} to {:.3g}, {:.0f} % of its span: that is drift, not "
+                    "hysteresis; models "
+                    "do not follow it, and their errors hold it",
+                    x_.low, zeros.front(), farthest, 100.0 * wandered / y_.length()));
+  }
+
+  // The longest way by which an output that had risen falls again inside a branch along which it should rise.
+  void tell_dips(std::vector<std::string>& warnings) const {
+    double worst = 0.0, at = 0.0;
+    const double rises = rising() ? 1.0 : -1.0;
+    for (const History& history : fitted_) {
+      for (const Branch& branch : history.branches) {
+        const std::span<const double> x = part(history.x, branch), y = part(history.y, branch);
+        const double sign = branch.ascending ? rises : -rises;
+        std::vector<double> later(y.size());  // the least from here on
+        for (std::size_t i = y.size(); i-- > 0;)
+          later[i] = std::min(sign * y[i], i + 1 < y.size() ? later[i + 1] : HUGE_VAL);
+        double least = HUGE_VAL;
+        for (std::size_t i = 0; i < y.size(); ++i) {
+          least = std::min(least, sign * y[i]);
+          const double dip = std::min(sign * y[i] - least, sign * y[i] - later[i]);
+          if (dip <= worst) continue;
+          worst = dip;
+          at = x[i];
+        }
+      }
+    }
+    if (worst <= std::max(kDips * y_.length(), kSeen * taxel_->noise)) return;
+    warnings.push_back(fmt::format(
+        "the output turns back by {:.3g} ({:.0f} % of its span) from input {:.3g} on, where the input does not turn: "
+        "models change with the input in one direction only, and of one output several inputs may be true",
+        worst, 100.0 * worst / y_.length(), at));
+  }
+
+  [[nodiscard]] bool rising() const {
+    double sum = 0.0;
+    for (const History& history : fitted_) {
+      const double x = mean_of(history.x), y = mean_of(history.y);
+      for (std::size_t i = 0; i < history.x.size(); ++i) sum += (history.x[i] - x) * (history.y[i] - y);
+    }
+    return sum >= 0.0;
+  }
+
   [[nodiscard]] double near() const { return std::max(kNearEnd * x_.length(), taxel_->turn); }
 
   void tell_start(std::vector<std::string>& warnings) const {
@@ -134,6 +314,8 @@ class Doubts {
     for (const History& history : fitted_) sequences.push_back({history.x, history.y, history.branches});
     try {
       const ExternalLoop loop = external_loop(sequences, 1, taxel_->turn);
+      if (loop.joined)
+        warnings.push_back("no sweep goes all the way: the last branch and the first, which meet, are taken as one");
       if (loop.left_out > 0.0)
         warnings.push_back(fmt::format(
             "no sweep reaches both extremes of the inputs: the external loop is taken from {:g} to {:g}, and "
@@ -148,8 +330,10 @@ class Doubts {
   }
 
   const TaxelHistories* taxel_;
+  double count_;
+  bool turn_told_;
   std::vector<History> fitted_;
-  Span x_;
+  Span x_, y_;
 };
 
 // Of all taxels that can be fitted, the one with the widest dead band.
@@ -218,6 +402,12 @@ void find_turns(TaxelHistories& taxel, const HistoriesOptions& options, std::vec
   }
 }
 
+// But for the rounding of the numbers.
+bool is_constant(const Span& span) {
+  constexpr double kRounding = 1e-8;
+  return span.length() <= kRounding * std::max(std::abs(span.low), std::abs(span.high));
+}
+
 }  // namespace
 
 Histories histories_of(const std::vector<TableSeries>& series, const std::string& source,
@@ -226,6 +416,7 @@ Histories histories_of(const std::vector<TableSeries>& series, const std::string
   histories.source = source;
   histories.origin = "imported";
   std::map<int, TaxelHistories> taxels;
+  std::optional<double> count;  // of the first taxel that can be fitted
   for (const TableSeries& own : series) {
     if (own.input.size() < 4)
       throw AnalysisError("TB-TABLE-SHORT",
@@ -240,7 +431,7 @@ Histories histories_of(const std::vector<TableSeries>& series, const std::string
   }
   for (auto& [number, taxel] : taxels) {
     const Span x = span_of(taxel.fit, &History::x), y = span_of(taxel.fit, &History::y);
-    if (x.length() <= 0.0)
+    if (is_constant(x))
       throw AnalysisError("TB-TABLE-CONSTANT",
                           fmt::format("{}: the input of taxel {} is {} in all rows", source, number, x.low),
                           "a history needs inputs that rise and fall; --map input=COL names another column");
@@ -250,14 +441,16 @@ Histories histories_of(const std::vector<TableSeries>& series, const std::string
                                       source, options.turn, number, x.low, x.high),
                           "state in input units by how much an input goes back when it turns, noise apart");
     find_turns(taxel, options, histories.warnings);
-    if (y.length() <= 0.0) taxel.status = TaxelStatus::kConstant;
-    taxel.noise = options.noise < 0.0 ? output_noise_of(taxel.fit, options) : options.noise;
+    if (is_constant(y)) taxel.status = TaxelStatus::kConstant;
+    const OutputNoise found = output_noise_of(taxel.fit, options);
+    taxel.noise = options.noise < 0.0 ? found.noise : options.noise;
+    if (taxel.usable() && !count) count = found.count;
     taxel.score = taxel.fit;
     histories.taxels.push_back(std::move(taxel));
   }
   histories.rows = static_cast<int>(histories.taxels.size());
   const auto first = std::ranges::find_if(histories.taxels, [](const auto& t) { return t.usable(); });
-  if (first != histories.taxels.end()) Doubts(*first, options).tell(histories.warnings);
+  if (first != histories.taxels.end()) Doubts(*first, *count, options).tell(histories.warnings);
   tell_band(histories, histories.warnings);
   finish(histories);
   return histories;

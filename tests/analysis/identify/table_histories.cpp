@@ -117,3 +117,123 @@ TEST_CASE("without an external loop the models that need none are fitted, the ot
     CHECK(id_of_refusal([&] { return identify(model, data); }) == "TB-ANALYSIS-NO-LOOP");
   }
 }
+
+namespace {
+
+std::size_t warnings_of(const TableSeries& series, const HistoriesOptions& options = {}) {
+  return histories_of({series}, "t.csv", options).warnings.size();
+}
+
+TableSeries with_outputs(TableSeries series, const auto& output_of) {
+  for (std::size_t i = 0; i < series.output.size(); ++i)
+    series.output[i] = output_of(series.input[i], series.output[i], i);
+  return series;
+}
+
+}  // namespace
+
+TEST_CASE("what is doubtful about a recording is told, once, and a sound one is not doubted") {
+  const TableSeries sound = play_series("1", kTurningPoints, 40, {0.0, 0.002});
+  const double rows = static_cast<double>(sound.input.size());
+  const auto [low, high] = std::ranges::minmax(sound.output);
+  const double span = high - low;
+  CHECK(warnings_of(sound) == 0);
+  const auto drifting = [&](double share) {
+    return with_outputs(
+        sound, [&](double, double y, std::size_t i) { return y + share * span * static_cast<double>(i) / rows; });
+  };
+  CHECK(warnings_of(drifting(0.01)) == 0);
+  CHECK(warnings_of(drifting(0.1)) == 1);
+  CHECK(warnings_of(drifting(-0.1)) == 1);
+  // An output that falls again below the highest input; one that falls all along is another polarity.
+  CHECK(warnings_of(with_outputs(
+            sound, [](double x, double y, std::size_t) { return x > 7.0 ? y - 3.0 * (x - 7.0) : y; })) == 1);
+  CHECK(warnings_of(with_outputs(sound, [](double, double y, std::size_t) { return -y; })) == 0);
+  for (const std::size_t from : {30U, 200U}) {  // twelve rows again, at once or far away
+    TableSeries twice = sound;
+    const auto block = [](std::vector<double>& values, std::size_t first, std::size_t to) {
+      const std::vector<double> copy(values.begin() + static_cast<std::ptrdiff_t>(first),
+                                     values.begin() + static_cast<std::ptrdiff_t>(first) + 12);
+      values.insert(values.begin() + static_cast<std::ptrdiff_t>(to), copy.begin(), copy.end());
+    };
+    block(twice.input, from, 42);
+    block(twice.output, from, 42);
+    HistoriesOptions options;
+    options.turn = 5.5;
+    CHECK(warnings_of(twice, options) == warnings_of(sound, options) + 1);
+  }
+  CHECK(warnings_of(play_series("1", kTurningPoints, 40)) == 0);  // without noise the same cycle may come again
+}
+
+TEST_CASE("slips are told from turns, with a size of turns that leaves them out") {
+  TableSeries series = play_series("1", kTurningPoints, 40, {0.0, 0.002});
+  const std::size_t clean = branches_of(series);
+  for (const std::size_t at : {20U, 60U, 100U, 140U})
+    series.input[at] += series.input[at] > series.input[at - 1] ? -0.4 : 0.4;
+  CHECK(branches_of(series) == clean + 8);
+  CHECK(warnings_of(series) >= 1);
+  const std::string told = histories_of({series}, "t.csv").warnings.front();
+  CHECK_THAT(told, Catch::Contains("8 of " + std::to_string(clean + 8)));
+  const auto at = told.find("--turn ");
+  REQUIRE(at != std::string::npos);
+  const double offered = std::stod(told.substr(at + 7));
+  CHECK(branches_of(series, offered) == clean);
+  HistoriesOptions options;
+  options.turn = offered;
+  CHECK(warnings_of(series, options) == 0);
+}
+
+TEST_CASE("noise is not less than a count's rounding, and is sought where inputs rest") {
+  const auto in_counts = [](double count) {
+    return [count](double, double y, std::size_t) { return count * std::round(y / count); };
+  };
+  const TableSeries slow = play_series("1", kTurningPoints, 400);
+  for (const double count : {0.01, 0.03}) {
+    const double noise = histories_of({with_outputs(slow, in_counts(count))}, "t.csv").taxels[0].noise;
+    CHECK(noise >= 0.99 * count / std::sqrt(12.0));
+    CHECK(noise < 2.0 * count);
+  }
+  CHECK(histories_of({slow}, "t.csv").taxels[0].noise < 1e-4);  // no counts
+  // A staircase of rests.
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  TableSeries stairs{"1", 0, {}, {}};
+  for (const int level : {0, 2, 4, 6, 8, 10, 8, 6, 4, 2, 0}) {
+    for (int i = 0; i < 12; ++i) {
+      stairs.input.push_back(level);
+      stairs.output.push_back(level + 0.01 * normal(random));
+    }
+  }
+  CHECK(histories_of({stairs}, "t.csv").taxels[0].noise == Approx(0.01).epsilon(0.25));
+  TableSeries counts = stairs;  // too few values to tell a count by: the last place in which they are written
+  for (double& y : counts.output) y = std::round(50.0 * y);
+  CHECK(histories_of({counts}, "t.csv").taxels[0].noise >= 0.99 / std::sqrt(12.0));
+  for (double& y : stairs.output) y = std::round(y);
+  CHECK(histories_of({stairs}, "t.csv").taxels[0].noise == Approx(0.0).margin(1e-9));  // levels are no counts
+}
+
+TEST_CASE("a recording 0, +, -, 0 has an external loop where it ends as it began") {
+  const TableSeries loops = play_series("1", {0, 10, -10, 10, -10, 0}, 40);
+  CHECK(fit_data_of(histories_of({loops}, "t.csv").taxels[0], {}).no_loop.empty());
+  TableSeries once = play_series("1", {-10, 0, 10, -10, 0}, 40);
+  once.input.erase(once.input.begin(), once.input.begin() + 40);
+  once.output.erase(once.output.begin(), once.output.begin() + 40);
+  REQUIRE(once.input.front() == Approx(0.0).margin(1e-9));
+  const FitData data = fit_data_of(histories_of({once}, "t.csv").taxels[0], {});
+  CHECK(data.no_loop.empty());
+  CHECK((data.ascending.x().front() == Approx(-10.0) && data.ascending.x().back() == Approx(10.0)));
+  CHECK(identify("poly", data).mean_error < 0.03 * identify("poly", data).full_scale);
+  // From another state, as after demagnetising, the two parts are no sweep.
+  const TableSeries virgin =
+      with_outputs(once, [](double, double y, std::size_t i) { return i < 40 ? y + 3.0 * (1.0 - i / 40.0) : y; });
+  CHECK_FALSE(fit_data_of(histories_of({virgin}, "t.csv").taxels[0], {}).no_loop.empty());
+}
+
+TEST_CASE("columns that are constant but for rounding are constant") {
+  TableSeries series = play_series("1", kTurningPoints);
+  const auto id = [](const TableSeries& own) { return id_of_refusal([&] { return histories_of({own}, "t.csv"); }); };
+  CHECK(id(with_outputs(series, [](double, double y, std::size_t) { return 1.0 + 1e-10 * y; })) ==
+        "TB-ANALYSIS-NO-TAXEL");
+  for (double& x : series.input) x = 7.0 + 1e-10 * x;
+  CHECK(id(series) == "TB-TABLE-CONSTANT");
+}
