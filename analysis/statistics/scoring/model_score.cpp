@@ -50,6 +50,8 @@ void check_same_source(const SensorModel& document, const Histories& histories) 
 
 namespace {
 
+constexpr const char* kImported = "imported";  // its sequences are recordings of their own
+
 // The errors of a history's estimates, one a sample, in its branches, as score() counts them.
 void add_compensated(const History& history, const std::vector<double>& estimates, Score& score) {
   const bool timed = !history.time_s.empty();
@@ -61,16 +63,16 @@ void add_compensated(const History& history, const std::vector<double>& estimate
     }
 }
 
-// What the dynamic stream leaves of the samples as measured, in place of the static model's inverse.
-void compensate_dynamic(const SensorModel& document, const ModelTaxel& model, const Histories& source,
-                        const TaxelHistories& taxel, const std::vector<std::string>& sequences, Score& score) {
+// What `compensate` leaves of the samples as measured, in place of the static model's inverse.
+void compensate_recording(const SensorModel& document, const ModelTaxel& model, const Histories& source,
+                          const TaxelHistories& taxel, const std::vector<std::string>& sequences, Score& score) {
   score.compensated = {};
   score.by_hold.clear();
   score.by_rate.clear();
   RecordingStream stream(document, model);
   double before = -1.0;
   for (const History& history : named(taxel.score, sequences)) {
-    if (source.run == 0) {
+    if (source.origin == kImported) {
       stream.reset();
       if (!history.y.empty() && !stream.at_rest(history.y.front())) stream.reset_unknown();
       before = -1.0;
@@ -80,7 +82,7 @@ void compensate_dynamic(const SensorModel& document, const ModelTaxel& model, co
       TimePassed passed;
       if (!history.time_s.empty()) {
         const double time = history.time_s[i];
-        if (source.run != 0)
+        if (source.origin != kImported)
           passed = time_passed({0.0, 0.0, time, history.held_s[i]}, before);
         else if (before >= 0.0)
           passed.step_s = std::max(time - before, 0.0);
@@ -123,8 +125,8 @@ ModelScore score_model(const SensorModel& document, const Histories& histories,
     if (model.fit.model == nullptr || own == direct.taxels.end() || !own->usable()) return;
     scores[i] = score_taxel(model, *own, sequences);
     const auto measured = histories.taxels.begin() + (own - direct.taxels.begin());
-    if (document.dynamics && model.fitted())
-      compensate_dynamic(document, model, histories, *measured, sequences, scores[i]);
+    if ((document.dynamics || histories.origin == kImported) && model.fitted())
+      compensate_recording(document, model, histories, *measured, sequences, scores[i]);
   });
   ModelScore result;
   for (std::size_t i = 0; i < scores.size(); ++i) {

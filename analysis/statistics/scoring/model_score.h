@@ -11,6 +11,7 @@ struct ModelScore {
   Score mean;               // of the mean taxel; of the only one when there is one
   double full_scale = 0.0;  // what the mean taxel's loop spans (ModelFit::full_scale)
   int count = 0;            // taxels in the first
+  [[nodiscard]] bool worse_than_line() const { return taxels.compensated.mean() > taxels.raw.mean(); }
 };
 
 // Checks that a model applies to the data. Throws AnalysisError TB-ANALYSIS-OTHER-SENSOR when sensor or scanner differ,
@@ -18,7 +19,8 @@ struct ModelScore {
 void check_same_source(const SensorModel& document, const Histories& histories);
 
 // On the named sequences (empty: all). Of a model with lag and creep the direct model's errors are those of its static
-// film, creep and lag undone at the inputs measured; compensated is its own stream. Throws as check_same_source and
+// film, creep and lag undone at the inputs measured. Its compensated errors, and all models' of a table, are those of
+// `compensate`; of others one rule applies to all inverses. Throws as check_same_source and
 // creep_and_lag_undone, and TB-ANALYSIS-NO-TAXEL.
 ModelScore score_model(const SensorModel& document, const Histories& histories,
                        const std::vector<std::string>& sequences, int threads = 0);
