@@ -22,7 +22,24 @@ const analysis::ModelTaxel& shown(const analysis::SensorModel& document) {
                        [](const analysis::ModelTaxel& taxel) { return taxel.fit.model != nullptr; });
 }
 
-std::string percent(double error, double full_scale) { return fmt::format("{:.3f}", 100.0 * error / full_scale); }
+// Right in `width`, with a blank before it whatever its size.
+std::string number_cell(double value, int decimals, int width) {
+  std::string text = fmt::format("{:.{}f}", value, decimals);
+  if (text.size() >= static_cast<std::size_t>(width)) text = fmt::format("{:.2e}", value);
+  return fmt::format("{:>{}}", text, width);
+}
+
+std::string percent_cell(double error, double full_scale, int width) {
+  return number_cell(100.0 * error / full_scale, 3, width);
+}
+
+// Models whose inverse errs more than a straight line does.
+std::vector<std::string> worse_than_line(const std::vector<ModelRow>& rows, std::size_t target) {
+  std::vector<std::string> labels;
+  for (const ModelRow& row : rows)
+    if (row.scores[target].worse_than_line()) labels.push_back(row.label);
+  return labels;
+}
 
 // As many as show the size of `typical` in four digits, three at least.
 int decimals_for(double typical) {
@@ -35,11 +52,7 @@ class ErrorCells {
   // `factor`: from the unit of the errors to the one shown.
   ErrorCells(double typical, double factor) : factor_(factor), decimals_(decimals_for(typical)) {}
   [[nodiscard]] std::string operator()(const analysis::ErrorSum& error, int width) const {
-    constexpr int kMost = 7;  // decimals
-    return decimals_ > kMost
-               ? fmt::format("{:>{}.2e}{:>{}.2e}", factor_ * error.mean(), width, factor_ * error.max, width)
-               : fmt::format("{:>{}.{}f}{:>{}.{}f}", factor_ * error.mean(), width, decimals_, factor_ * error.max,
-                             width, decimals_);
+    return number_cell(factor_ * error.mean(), decimals_, width) + number_cell(factor_ * error.max, decimals_, width);
   }
 
  private:
@@ -69,8 +82,8 @@ std::string bins_table(const ShownBins& shown, const std::vector<ModelRow>& rows
                         first[b].error.samples);
     for (const ModelRow& row : rows) {
       const auto& own = row.scores[target].taxels.*bins;
-      text += fmt::format("{:>{}.{}f}", b < own.size() ? shown.errors * own[b].error.mean() : 0.0,
-                          std::max<std::size_t>(12, row.label.size() + 2), decimals);
+      text += number_cell(b < own.size() ? shown.errors * own[b].error.mean() : 0.0, decimals,
+                          static_cast<int>(std::max<std::size_t>(12, row.label.size() + 2)));
     }
     text += "\n";
   }
@@ -155,10 +168,11 @@ std::string fits_table(const std::vector<ModelRow>& rows) {
     const auto taxels = std::ranges::count_if(row.document.taxels, [&](const analysis::ModelTaxel& t) {
       return t.fit.model != nullptr && (alone || t.taxel != analysis::kMeanTaxel);
     });
-    text += fmt::format("{:<22}{:>6}{:>13.6g}{:>10}{:>9}{:>11}{:>10}{:>8}\n", row.label, fit.model->parameters().size(),
-                        fit.j, percent(fit.mean_error, fit.full_scale), percent(fit.max_error, fit.full_scale),
-                        row.crossed.samples > 0 ? percent(row.crossed.mean(), fit.full_scale) : "-",
-                        fit.model->operations_per_sample(), taxels);
+    text +=
+        fmt::format("{:<22}{:>6}{:>13.6g}{}{}{:>11}{:>10}{:>8}\n", row.label, fit.model->parameters().size(), fit.j,
+                    percent_cell(fit.mean_error, fit.full_scale, 10), percent_cell(fit.max_error, fit.full_scale, 9),
+                    row.crossed.samples > 0 ? percent_cell(row.crossed.mean(), fit.full_scale, 11) : "-",
+                    fit.model->operations_per_sample(), taxels);
   }
   for (const ModelRow& row : rows) {
     text += undetermined_text(row.document);
@@ -191,13 +205,15 @@ std::string scores_table(const std::vector<ModelRow>& rows, const std::vector<Sc
                         cells(any.taxels.raw, 12), array ? cells(any.mean.raw, 10) : std::string());
     for (const ModelRow& row : rows) {
       const analysis::ModelScore& score = row.scores[t];
-      text += fmt::format("{:<22}{:>11}{:>10}{:>11}{:>10}{}{}\n", row.label,
-                          percent(score.taxels.direct.mean(), score.full_scale),
-                          percent(score.taxels.direct.max, score.full_scale),
-                          percent(score.taxels.free_running.mean(), score.full_scale),
-                          percent(score.taxels.free_running.max, score.full_scale), cells(score.taxels.compensated, 12),
-                          array ? cells(score.mean.compensated, 10) : std::string());
+      const auto direct = [&](const analysis::ErrorSum& error) {
+        return percent_cell(error.mean(), score.full_scale, 11) + percent_cell(error.max, score.full_scale, 10);
+      };
+      text +=
+          fmt::format("{:<22}{}{}{}{}\n", row.label, direct(score.taxels.direct), direct(score.taxels.free_running),
+                      cells(score.taxels.compensated, 12), array ? cells(score.mean.compensated, 10) : std::string());
     }
+    if (const std::vector<std::string> worse = worse_than_line(rows, t); !worse.empty())
+      text += fmt::format("worse than a straight line on what was held out: {}\n", fmt::join(worse, "; "));
     for (const std::string& line :
          analysis::outside_validity(rows.front().document, *targets[t].histories, targets[t].sequences))
       text += fmt::format("outside the models' validity: {}\n", shown.in_text(line));
@@ -233,7 +249,8 @@ nlohmann::ordered_json model_row_json(const ModelRow& row, const std::vector<Sco
          {"outside_validity", analysis::outside_validity(row.document, *targets[t].histories, targets[t].sequences)},
          {"all", score_json(row.scores[t].taxels)},
          {"mean_taxel", score_json(row.scores[t].mean)},
-         {"full_scale", row.scores[t].full_scale}});
+         {"full_scale", row.scores[t].full_scale},
+         {"worse_than_line", row.scores[t].worse_than_line()}});
   return json;
 }
 

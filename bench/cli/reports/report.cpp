@@ -39,8 +39,9 @@ analysis::SensorModel models_for(analysis::Runs& runs, const ModelNamed& named) 
     check_models_of_array(runs, fit, named);
     return fit;
   }
+  if (runs.record(model_run).origin == "imported") check_models_of_array(runs, {}, named);
   const std::optional<db::FitRecord> record = store.standing_fit(model_run);
-  if (!record || runs.record(model_run).origin == "imported") return {};
+  if (!record) return {};
   analysis::SensorModel fit = analysis::load_fit(*record);
   return fit.fitted().empty() ? analysis::SensorModel{} : fit;
 }

@@ -60,17 +60,26 @@ void check_independent_of_dynamics(const db::RunStore& store, const analysis::Se
 
 void check_models_of_array(analysis::Runs& runs, const analysis::SensorModel& fit, const ModelNamed& named) {
   const auto refuse = [&](const char* why) {
-    throw Error("TB-USAGE", fmt::format("a report cannot use fit {}:{}: {}", named.run, named.fit, why), "--model",
+    throw Error("TB-USAGE",
+                fmt::format("a report cannot use {} {}{}: {}", named.fit == 0 ? "the models of run" : "fit", named.run,
+                            named.fit == 0 ? "" : fmt::format(":{}", named.fit), why),
+                "--model",
                 "name a fit of the whole array of a run that the bench made (tactbench model list shows the fits), or "
                 "make one: tactbench fit RUN");
   };
-  if (runs.record(named.run).origin == "imported") refuse("it was made from an imported table");
+  if (runs.record(named.run).origin == "imported") refuse("it came from an imported table");
   if (fit.fitted().empty()) refuse("it has a model of no single taxel of the array");
 }
 
 void check_report_runs(analysis::Runs& runs, const ReportOptions& options, const Session& session) {
   const std::int64_t run = options.runs.front();
-  (void)runs.record(run);  // an unknown run is reported first
+  for (const std::int64_t own : options.runs)
+    if (runs.record(own).origin == "imported")
+      throw Error(
+          "TB-USAGE", fmt::format("run {} came from a table: there are no reports of tables", own), "report",
+          fmt::format("tactbench model list {0} names its models, model show what each holds; tactbench fit {0} "
+                      "makes more",
+                      own));
   if (options.compare || options.batch) {
     (void)named_runs(runs, options.runs, {"report --compare and --batch"}, session.void_too);
     return;

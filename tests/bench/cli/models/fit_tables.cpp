@@ -129,3 +129,65 @@ TEST_CASE("fit: options reach the models that they are of") {
   const nlohmann::json starts = of.told({"t.csv", "--model", "gpi", "--starts", "2"});
   CHECK(starts.at("models").at(0).at("shown_taxel").at("starts") == 2);
 }
+
+TEST_CASE("fit of a table: options for tables without names, with lines above them, and with a column a taxel") {
+  const FolderOfTables of;
+  std::string bare, wide = "force,a,b\n";
+  for (const PlaySample& sample : play_samples(kLoops)) {
+    const std::string x = std::to_string(sample.input), y = std::to_string(sample.output);
+    bare += x + " " + y + "\n";
+    wide += x + "," + y + "," + std::to_string(2.0 * sample.output) + "\n";
+  }
+  write_file(of.folder.path("bare.csv"), bare);
+  write_file(of.folder.path("late.csv"), "0 1 2\n" + bare);
+  write_file(of.folder.path("wide.csv"), wide);
+  const auto j = [&](const FitTableWords& words) {
+    return of.told(joined_words(words, {"--model", "monotone"})).at("models").at(0).at("shown_taxel").at("j");
+  };
+  const nlohmann::json named = j({"t.csv"});
+  for (const FitTableWords& words : {FitTableWords{"bare.csv", "--map", "input=1,output=2"},
+                                     FitTableWords{"bare.csv", "--map", "input=1,output=2", "--no-header"},
+                                     FitTableWords{"late.csv", "--map", "input=1,output=2", "--skip-lines", "1"},
+                                     FitTableWords{"wide.csv", "--map", "input=force,output=a"}})
+    CHECK(j(words) == named);
+  check_refusal(of.fit({"late.csv", "--map", "input=1,output=2", "--no-header"}), 2, "TB-TABLE-ROW");
+  check_refusal(of.fit({"wide.csv", "--map", "input=force,output=a,output=b"}), 2, "TB-TABLE-MAP");
+  CHECK(of.told({"wide.csv", "--map", "input=force,output=2-3", "--model", "monotone"})
+            .at("models")
+            .at(0)
+            .at("shown_taxel")
+            .at("taxel") == -1);  // the mean of both
+  REQUIRE(of.fit({"t.csv", "--model", "monotone", "-o", "m.json"}).code == 0);
+  const Finished predicted = model_verb(of.folder, {"predict", "m.json", "bare.csv", "--map", "input=1"});
+  CHECK(predicted.code == 0);
+  CHECK_THAT(predicted.out, Catch::StartsWith("0.000000 0.000000 "));
+  check_refusal(model_verb(of.folder, {"compensate", "m.json", "wide.csv", "--map", "output=2-3"}), 2, "TB-TABLE-MAP");
+}
+
+TEST_CASE("fit of a table: a model that errs more than a straight line on what was held out is told") {
+  const FolderOfTables of;
+  std::string straight;
+  for (int i = 0; i <= 40; ++i) straight += "line," + std::to_string(0.25 * i) + "," + std::to_string(0.3 * i) + "\n";
+  write_file(of.folder.path("line.csv"), read_file(of.folder.path("s.csv")) + straight);
+  const auto worse = [&](const char* scored) {
+    return of.told({"line.csv", "--fit", "full", "--score", scored, "--model", "monotone"})
+        .at("models")
+        .at(0)
+        .at("scores")
+        .at(0)
+        .at("worse_than_line")
+        .get<bool>();
+  };
+  CHECK(worse("line"));
+  CHECK_FALSE(worse("more"));
+}
+
+TEST_CASE("a table's run has no report, and is not told that it has no models") {
+  const FolderOfTables of;
+  const std::string store = of.folder.path("runs.db");
+  REQUIRE(verb_here(bench::add_import, {"import", of.folder.path("t.csv"), "--db", store}).code == 0);
+  REQUIRE(of.fit({"1", "--model", "monotone"}).code == 0);
+  const Finished refused = verb_here(bench::add_report, {"report", "1", "--db", store});
+  check_refusal(refused, 2, "TB-USAGE");
+  CHECK_THAT(refused.err, Catch::Contains("tactbench model list 1"));
+}
