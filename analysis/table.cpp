@@ -134,6 +134,7 @@ void TableReader::read_row(Row& row) {
   if (!row.outputs.empty()) row.output = row.outputs.front();
   row.step = if_number(step_);
   row.time = if_number(time_);
+  if (!row.time && time_ < fields_.all.size()) row.time = clock_seconds(fields_.all[time_]);
   row.frame = if_number(frame_);
 }
 

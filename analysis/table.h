@@ -68,7 +68,7 @@ class TableReader {
     double input = 0.0, output = 0.0;  // 0 where not asked for; `output`: the first
     std::vector<double> outputs;       // of all columns
     std::optional<double> step;        // of a column called so, where it is a number
-    std::optional<double> time;        // likewise of the times
+    std::optional<double> time;        // likewise of the times, or a clock's in seconds
     std::optional<double> frame;       // of an export: rows of one frame are its scans
     bool is_void = false;              // likewise
   };
@@ -154,8 +154,8 @@ class TableReader {
 // Times of one history as its rows bring them.
 class TimeOrder {
  public:
-  // Why `time` cannot follow; empty when it can: then a wrap of 2^32 ticks of a second, millisecond or microsecond is
-  // undone in it.
+  // Why `time` cannot follow; empty when it can: then it goes on where a counter of 32 or 16 bits, or a day, begins
+  // again.
   std::string see(double& time);
   [[nodiscard]] std::size_t wraps() const { return wraps_; }
 

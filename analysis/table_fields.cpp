@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <cmath>
 #include <system_error>
 
@@ -119,6 +120,39 @@ bool is_number(std::string_view text) {
   double value = 0.0;
   const std::string wrong = NumberText().read(text, 1, value);
   return wrong.empty() || wrong == NumberText::kNotFinite;
+}
+
+std::optional<double> clock_seconds(std::string_view text) {
+  const auto digits = [&](std::size_t count) {
+    int value = -1;
+    const char* const end = text.data() + std::min(count, text.size());
+    const auto [at, error] = std::from_chars(text.data(), end, value);
+    text.remove_prefix(static_cast<std::size_t>(at - text.data()));
+    return error == std::errc() && at == end ? value : -1;
+  };
+  const auto passes = [&](std::string_view marks) {
+    const bool is = !text.empty() && marks.find(text.front()) != std::string_view::npos;
+    if (is) text.remove_prefix(1);
+    return is;
+  };
+  double days = 0.0;
+  if (text.size() > 10 && text[4] == text[7] && (text[4] == '-' || text[4] == '/')) {
+    const int year = digits(4);
+    const bool first = passes("-/");
+    const int month = digits(2);
+    const bool second = passes("-/");
+    const int day = digits(2);
+    const std::chrono::year_month_day date{std::chrono::year(year), std::chrono::month(static_cast<unsigned>(month)),
+                                           std::chrono::day(static_cast<unsigned>(day))};
+    if (year < 0 || !first || !second || !date.ok() || !passes(" T")) return std::nullopt;
+    days = std::chrono::sys_days(date).time_since_epoch().count();
+  }
+  const int hours = digits(2);
+  const int minutes = passes(":") ? digits(2) : -1;
+  double seconds = -1.0;
+  if (hours < 0 || minutes < 0 || !passes(":") || !NumberText().read(text, 1, seconds).empty() || seconds < 0.0)
+    return std::nullopt;
+  return 86400.0 * days + 3600.0 * hours + 60.0 * minutes + seconds;
 }
 
 }  // namespace tactbench::analysis

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <deque>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -41,5 +42,7 @@ class NumberText {
 };
 
 bool is_number(std::string_view text);  // finite or not
+// "10:11:12.5", or with "2026-11-02" and a blank or T before it -> seconds since midnight, or since 1970; else nothing.
+std::optional<double> clock_seconds(std::string_view text);
 
 }  // namespace tactbench::analysis

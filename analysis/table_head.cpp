@@ -84,7 +84,7 @@ std::optional<std::string> time_unit(std::string_view name) {
   for (const char c : name)
     if (std::string_view(" _()[]").find(c) == std::string_view::npos)
       word += static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
-  for (const std::string_view begin : {"timestamp", "time", "elapsed", "ticks", "millis", "micros"}) {
+  for (const std::string_view begin : {"datetime", "timestamp", "time", "elapsed", "ticks", "millis", "micros"}) {
     if (!word.starts_with(begin)) continue;
     word.erase(0, begin.size());
     constexpr std::array<std::string_view, 10> kUnits = {"",   "s",         "sec", "seconds", "ms",

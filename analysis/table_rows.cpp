@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <optional>
 #include <sstream>
@@ -59,13 +60,14 @@ struct RowOrder {
 }  // namespace
 
 std::string TimeOrder::see(double& time) {
-  constexpr double kTicks = 4294967296.0;  // 2^32
-  constexpr double kSteps = 10.0;          // a wrap goes on as before, by so many of the longest steps at most
+  // 2^32 ticks, of a second, millisecond or microsecond; 2^16; midnight.
+  constexpr std::array kWraps = {4294967296.0, 4294967.296, 4294.967296, 65536.0, 86400.0};
+  constexpr double kSteps = 10.0;  // a wrap goes on as before, by so many of the longest steps at most
   const double read = time;
   time += offset_;
   if (last_ && time < *last_) {
     const double back = *last_ - time;
-    for (const double wrap : {kTicks, kTicks * 1e-3, kTicks * 1e-6}) {
+    for (const double wrap : kWraps) {
       if (wrap < back || wrap - back > kSteps * longest_) continue;
       offset_ += wrap;
       time += wrap;
@@ -158,7 +160,8 @@ Table read_table(std::istream& stream, const std::string& file, const TableLayou
   if (scans > 1) table.assumed.push_back(fmt::format("the {} scans of a frame are averaged", scans));
   if (voids > 0) table.assumed.push_back(counted(voids, "void row") + " left out");
   if (wraps > 0)
-    table.assumed.push_back(fmt::format("the times begin again after 2^32 ticks ({}): undone", counted(wraps, "time")));
+    table.assumed.push_back(
+        fmt::format("the times begin again as a counter or clock does ({}): undone", counted(wraps, "time")));
   table.skipped = reader.skipped();
   return table;
 }

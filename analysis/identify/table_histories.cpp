@@ -24,7 +24,8 @@ constexpr double kNearEnd = 0.01;            // of the span: an input as near to
 constexpr std::size_t kNoiseInputs = 50;     // fewer do not tell their noise
 constexpr std::size_t kRestingSamples = 50;  // fewer do not tell the outputs' noise
 constexpr double kSlip = 0.03;               // of the inputs' span: turns that go back by less may be none
-constexpr double kWanders = 0.03;            // of the outputs' span: a zero that moves by more is told
+constexpr double kWanders = 0.03;            // of the outputs' span: an end that moves by more is told
+constexpr double kVisits = 0.005;            // of the inputs' span: an input as near to its end is a visit to it
 constexpr double kDips = 0.05;     // of the outputs' span: an output that falls where it should rise by more is told
 constexpr double kSeen = 6.0;      // noises: what is less is not told
 constexpr int kFewInner = 3;       // inner branches of one direction
@@ -143,7 +144,7 @@ class Doubts {
   void tell(std::vector<std::string>& warnings) const {
     tell_slips(warnings);
     tell_blocks(warnings);
-    tell_zero(warnings);
+    tell_ends(warnings);
     tell_dips(warnings);
     tell_start(warnings);
     tell_inner(warnings);
@@ -205,33 +206,31 @@ class Doubts {
     }
   }
 
-  // Outputs at the lowest input, a visit each.
-  void tell_zero(std::vector<std::string>& warnings) const {
-    std::vector<double> zeros;
-    for (const History& history : fitted_) {
-      std::size_t count = 0;
-      double sum = 0.0;
-      for (std::size_t i = 0; i <= history.x.size(); ++i) {
-        if (i < history.x.size() && history.x[i] - x_.low <= near()) {
-          sum += history.y[i];
-          ++count;
-        } else if (count > 0) {
-          zeros.push_back(sum / static_cast<double>(count));
-          count = 0;
-          sum = 0.0;
+  // Outputs at the lowest and at the highest input, a visit each.
+  void tell_ends(std::vector<std::string>& warnings) const {
+    for (const double end : {x_.low, x_.high}) {
+      const double near = std::max(kVisits * x_.length(), taxel_->turn);
+      std::vector<double> outputs;
+      for (const History& history : fitted_) {
+        std::optional<std::size_t> nearest;  // of this visit
+        for (std::size_t i = 0; i <= history.x.size(); ++i) {
+          const bool there = i < history.x.size() && std::abs(history.x[i] - end) <= near;
+          if (there && (!nearest || std::abs(history.x[i] - end) < std::abs(history.x[*nearest] - end))) nearest = i;
+          if (there || !nearest) continue;
+          outputs.push_back(history.y[*nearest]);
+          nearest.reset();
         }
       }
+      if (outputs.empty()) continue;
+      const double farthest =
+          *std::ranges::max_element(outputs, {}, [&](double y) { return std::abs(y - outputs.front()); });
+      const double wandered = std::abs(farthest - outputs.front());
+      if (wandered <= std::max(kWanders * y_.length(), kSeen * taxel_->noise)) continue;
+      return warnings.push_back(
+          fmt::format("at input {:g} the output went from {:.3g} to {:.3g}, {:.0f} % of its span: that is drift, not "
+                      "hysteresis; models do not follow it, and their errors hold it",
+                      end, outputs.front(), farthest, 100.0 * wandered / y_.length()));
     }
-    if (zeros.size() < 2) return;
-    const double farthest =
-        *std::ranges::max_element(zeros, {}, [&](double zero) { return std::abs(zero - zeros.front()); });
-    const double wandered = std::abs(farthest - zeros.front());
-    if (wandered <= std::max(kWanders * y_.length(), kSeen * taxel_->noise)) return;
-    warnings.push_back(
-        fmt::format("at input {:g} the output went from {:.3g} to {:.3g}, {:.0f} % of its span: that is drift, not "
-                    "hysteresis; models "
-                    "do not follow it, and their errors hold it",
-                    x_.low, zeros.front(), farthest, 100.0 * wandered / y_.length()));
   }
 
   // The longest way by which an output that had risen falls again inside a branch along which it should rise.

@@ -183,11 +183,17 @@ TEST_CASE("times do not go back, but for a counter of 32 bits that begins again"
     CHECK(times(other, {"1", "2", "1.5"}).first == "accepted");
   CHECK(times("time_s", {"1", "2", "1.5"}, "time=none").first == "accepted");
   CHECK(times("at", {"1", "2", "1.5"}, "time=at").first == "TB-TABLE-TIME t:4");
-  CHECK(times("time_s", {"10:00", "09:00"}).first == "accepted");  // no number: not looked at
+  CHECK(times("time_s", {"noon", "dawn"}).first == "accepted");  // no times: not looked at
+  CHECK(times("time", {"10:11:12.5", "10:11:13", "10:11:12.9"}).first == "TB-TABLE-TIME t:4");
+  CHECK(times("Date Time", {"2026-10-31 23:59:59", "2026-11-01 00:00:00", "2026-10-31 23:59:59"}).first ==
+        "TB-TABLE-TIME t:4");
+  CHECK(times("timestamp", {"2026-12-31T23:59:59", "2027-01-01T00:00:00"}).first == "accepted");
   const std::vector<std::vector<std::string>> wraps = {{"4294967000", "4294967200", "104"},
                                                        {"4294967.0", "4294967.2", "0.104"},
                                                        {"4294.90", "4294.95", "0.03", "0.08"},
-                                                       {"2147483500", "2147483600", "-2147483596"}};
+                                                       {"2147483500", "2147483600", "-2147483596"},
+                                                       {"65520", "65530", "4"},
+                                                       {"23:59:58", "23:59:59", "00:00:00"}};
   for (const std::vector<std::string>& cells : wraps) {
     const auto [accepted, text] = times("time", cells);
     CHECK(accepted == "accepted");

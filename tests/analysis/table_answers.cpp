@@ -69,6 +69,15 @@ TEST_CASE("numbers by hand: signs, exponents, decimal commas, and what is none")
   CHECK_THAT(text.read("1.5", 6, value), Catch::Contains(" 4"));
 }
 
+TEST_CASE("clocks by hand: with a date and without, and what is none") {
+  CHECK(clock_seconds("10:11:12.5") == 36672.5);
+  CHECK(clock_seconds("1970-01-02 00:00:01") == 86401.0);
+  CHECK(clock_seconds("2000/03/01T00:00:00") == 951868800.0);
+  for (const char* none : {"", "10:11", "10.11.12", "2026-11-02", "2026-13-02 10:00:00", "2026-11-02 10", "10:xx:12",
+                           "a:b:c", "2026-11-02x10:00:00", "10:11:-2", "12345678901", "1:2:3:4"})
+    CHECK_FALSE(clock_seconds(none));
+}
+
 TEST_CASE("a reader tells what it needs: columns that are not asked for, times, lines as they stand") {
   std::istringstream stream("time_s;output;step\r\n0,5;1;x\r\n;2;3\r\n");
   TableReader reader(stream, "t", {}, TableNeeds::kOutput);

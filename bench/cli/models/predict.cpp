@@ -94,7 +94,8 @@ class Compensator {
       double now_s = *row.time;
       const std::size_t wraps = order_.wraps();
       if (const std::string wrong = order_.see(now_s); !wrong.empty()) throw Error("TB-TABLE-TIME", wrong, place);
-      if (order_.wraps() > wraps) tty::print(stderr, "{}: the time begins again after 2^32 ticks: undone\n", place);
+      if (order_.wraps() > wraps)
+        tty::print(stderr, "{}: the time begins again as a counter or clock does: undone\n", place);
       seconds = now_s - before_.value_or(now_s);
       before_ = now_s;
     }

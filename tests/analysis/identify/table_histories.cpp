@@ -145,6 +145,9 @@ TEST_CASE("what is doubtful about a recording is told, once, and a sound one is 
   CHECK(warnings_of(drifting(0.01)) == 0);
   CHECK(warnings_of(drifting(0.1)) == 1);
   CHECK(warnings_of(drifting(-0.1)) == 1);
+  CHECK(warnings_of(with_outputs(sound, [&](double, double y, std::size_t i) {  // of the gain
+          return y * (1.0 + 0.1 * static_cast<double>(i) / rows);
+        })) == 1);
   // An output that falls again below the highest input; one that falls all along is another polarity.
   CHECK(warnings_of(with_outputs(
             sound, [](double x, double y, std::size_t) { return x > 7.0 ? y - 3.0 * (x - 7.0) : y; })) == 1);
