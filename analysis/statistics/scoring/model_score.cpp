@@ -50,7 +50,8 @@ void check_same_source(const SensorModel& document, const Histories& histories) 
 
 namespace {
 
-constexpr const char* kImported = "imported";  // its sequences are recordings of their own
+// Of a table: its sequences are recordings of their own.
+bool are_recordings(const Histories& histories) { return histories.run == 0 || histories.origin == "imported"; }
 
 // The errors of a history's estimates, one a sample, in its branches, as score() counts them.
 void add_compensated(const History& history, const std::vector<double>& estimates, Score& score) {
@@ -72,7 +73,7 @@ void compensate_recording(const SensorModel& document, const ModelTaxel& model, 
   RecordingStream stream(document, model);
   double before = -1.0;
   for (const History& history : named(taxel.score, sequences)) {
-    if (source.origin == kImported) {
+    if (are_recordings(source)) {
       stream.reset();
       if (!history.y.empty() && !stream.at_rest(history.y.front())) stream.reset_unknown();
       before = -1.0;
@@ -82,7 +83,7 @@ void compensate_recording(const SensorModel& document, const ModelTaxel& model, 
       TimePassed passed;
       if (!history.time_s.empty()) {
         const double time = history.time_s[i];
-        if (source.origin != kImported)
+        if (!are_recordings(source))
           passed = time_passed({0.0, 0.0, time, history.held_s[i]}, before);
         else if (before >= 0.0)
           passed.step_s = std::max(time - before, 0.0);
@@ -125,7 +126,7 @@ ModelScore score_model(const SensorModel& document, const Histories& histories,
     if (model.fit.model == nullptr || own == direct.taxels.end() || !own->usable()) return;
     scores[i] = score_taxel(model, *own, sequences);
     const auto measured = histories.taxels.begin() + (own - direct.taxels.begin());
-    if ((document.dynamics || histories.origin == kImported) && model.fitted())
+    if ((document.dynamics || are_recordings(histories)) && model.fitted())
       compensate_recording(document, model, histories, *measured, sequences, scores[i]);
   });
   ModelScore result;

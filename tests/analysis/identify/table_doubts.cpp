@@ -156,7 +156,7 @@ TEST_CASE("inputs that jump are told with their noise, and their turns are the l
   CHECK(found.taxels[0].turn == Approx(0.01));
 }
 
-TEST_CASE("noise of counts by hand: rounding's where more than half of the neighbours are equal") {
+TEST_CASE("noise of counts by hand: rounding's to a count where twenty tell it, else to the last decimal place") {
   const auto noise_with = [](std::size_t equal, std::size_t steps) {
     // `steps` of 0.5 in a row, then so many equal ones; the way back is one step.
     TableSeries series{"a", 0, {0.0}, {0.0}};
@@ -174,7 +174,8 @@ TEST_CASE("noise of counts by hand: rounding's where more than half of the neigh
   still.fitted = {"a"};
   const TableSeries constant{"a", 0, {0, 1, 2, 1, 0}, {3, 3, 3, 3, 3}}, other{"b", 0, {0, 1, 2, 1, 0}, {0, 9, 5, 7, 1}};
   CHECK(histories_of({constant, other}, "t", still).taxels[0].noise == 0.0);
-  CHECK(noise_with(11, 10) == Approx(0.5 / std::sqrt(12.0)));
-  // Half of them are no counts: the median of twenty differences is one of 0.5 over sqrt 2.
+  CHECK(noise_with(61, 60) == Approx(0.5 / std::sqrt(12.0)));
+  CHECK(noise_with(11, 10) == Approx(0.1 / std::sqrt(12.0)));
+  // Half of the neighbours differ: the median of twenty differences is one of 0.5 over sqrt 2.
   CHECK(noise_with(10, 10) == Approx(0.5 / std::sqrt(2.0) / 0.67449));
 }
