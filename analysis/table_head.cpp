@@ -95,6 +95,13 @@ std::optional<std::string> time_unit(std::string_view name) {
   return std::nullopt;
 }
 
+std::string listed(const std::vector<std::string>& names) {
+  constexpr std::size_t kNamed = 20;
+  const std::size_t shown = std::min(names.size(), kNamed);
+  return fmt::format("{}{}", fmt::join(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(shown), ", "),
+                     names.size() > shown ? fmt::format(" and {} more", names.size() - shown) : "");
+}
+
 }  // namespace
 
 TableLayout table_layout(const std::string& map) {
@@ -234,10 +241,10 @@ void TableReader::find_names(const std::vector<std::string>& wanted) {
   if (separator_ == 0) separator_ = separator_of(line);
   if (const std::string wrong = fields_.split(line, separator_); !wrong.empty()) refuse(head_number_, wrong);
   if (separator_of_row(line, {}))
-    refuse_names(fmt::format("numbers in place of the names of the columns: {}", fmt::join(fields_.all, ", ")),
+    refuse_names(fmt::format("numbers in place of the names of the columns: {}", listed(split(line, separator_))),
                  kFormat);
   refuse_names(fmt::format("no line names the {} \"{}\"; this one names {}", wanted.size() > 1 ? "columns" : "column",
-                           fmt::join(wanted, "\", \""), fmt::join(fields_.all, ", ")),
+                           fmt::join(wanted, "\", \""), listed(split(line, separator_))),
                kFormat);
 }
 
@@ -286,7 +293,7 @@ void TableReader::number_from(std::size_t row, std::size_t columns) {
     return true;
   };
   if (!layout_.no_header && (counts_from(0) || counts_from(1)))
-    refuse_names(fmt::format("{} may be names of columns, or samples", fmt::join(first, ", ")),
+    refuse_names(fmt::format("{} may be names of columns, or samples", listed(first)),
                  fmt::format("say which: --skip-lines {} passes over that line, --no-header reads it", first_row_));
   passed_ += row;
   ahead_.erase(ahead_.begin(), ahead_.begin() + static_cast<std::ptrdiff_t>(row));
@@ -367,7 +374,7 @@ std::vector<std::size_t> TableReader::columns(const char* role) const {
       if (std::string_view(role) != "input" && std::string_view(role) != "output" && (!told(role) || wanted == "none"))
         return {};
       refuse_names(fmt::format("no column \"{}\" for the {}; the line {} {}", part, role,
-                               header_.empty() ? "has" : "names", fmt::join(names_, ", ")),
+                               header_.empty() ? "has" : "names", listed(names_)),
                    kFormat);
     }
     found.insert(found.end(), places.begin(), places.end());
