@@ -11,6 +11,8 @@ namespace tactbench::analysis {
 
 // Set-points and levels that lie nearer than this are one: recipes, models and limits spell the same level differently.
 inline constexpr double kSameLevelPsi = 1e-6;
+// A level that people type means the nearest one that was measured, this near: theirs is rounded, or of another unit.
+inline constexpr double kTypedLevelPsi = 0.01;
 inline bool same_level(double a_psi, double b_psi) { return std::abs(a_psi - b_psi) < kSameLevelPsi; }
 
 // A monotone run of steps between two turning points (indices into a sequence's steps, both included).

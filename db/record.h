@@ -68,6 +68,7 @@ struct RunRecord {
   [[nodiscard]] bool is_void() const { return !void_utc.empty(); }
   std::vector<SequenceRecord> sequences;
   std::vector<DeviceRecord> devices;
+  double lowest_psi = 0.0, highest_psi = 0.0;  // of its branches; not written, and not in lists of runs
 };
 
 struct BranchRecord {

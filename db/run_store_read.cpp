@@ -88,6 +88,10 @@ RunRecord RunStore::Database::run(std::int64_t number) {
     DeviceRecord& d = run.devices.emplace_back();
     devices.read(d.role, d.model, d.serial, d.firmware, d.origin, d.calibration_json);
   }
+  sqlite::Statement extremes(connection,
+                             "SELECT coalesce(min(min(from_psi, to_psi)), 0.0), coalesce(max(max(from_psi, to_psi)), "
+                             "0.0) FROM branches WHERE run = ?");
+  if (extremes.bind(number).step()) extremes.read(run.lowest_psi, run.highest_psi);
   return run;
 }
 

@@ -68,8 +68,8 @@ void add_repeat(std::vector<Step>& steps, const Recipe& recipe, int sequence, in
     step.branch_from = from;
     step.branch_to = to;
     for (int i = 1; i <= count; ++i) {
-      // The last level is the turning point itself, not a sum of rounded steps.
-      step.setpoint = i == count ? to : from + (to - from) * (static_cast<double>(i) / count);
+      const double level = (from + (to - from) * (static_cast<double>(i) / count)).value() / recipe.psi_per_unit;
+      step.setpoint = i == count ? to : Psi(exact_decimal(level) * recipe.psi_per_unit);
       add_level(steps, recipe, step);
     }
   }

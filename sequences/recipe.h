@@ -2,6 +2,7 @@
 // it into the steps that the sequencer executes. `plan` and `run` use the same compiler.
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -70,12 +71,16 @@ struct Parameter {
   double value = 0.0, standard = 0.0, low = 0.0, high = 0.0;
 };
 
+// Levels are exact decimals of the file's unit, to nine places: the same on the way up and on the way down.
+inline double exact_decimal(double in_unit) { return std::round(in_unit * 1e9) / 1e9; }
+
 struct Recipe {
   std::string name;
   std::string title;
   RecipeKind kind = RecipeKind::kLevels;
   std::vector<devices::Psi> turning_points;
   devices::Psi step{2.0};
+  double psi_per_unit = 1.0;                // the file's unit
   std::vector<double> dwell_s{2.0};         // from pressure (force) in band to the frame; repeat i uses i % size
   std::vector<double> ramp_psi_per_s{0.0};  // per repeat in the same way; 0: the bench's own rate limit
   bool settle = true;                       // false: frames as the ramp passes the levels

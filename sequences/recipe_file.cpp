@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 
-#include "sequences/pressure_text.h"
 #include "sequences/recipe_parts.h"
+#include "sequences/toml/pressure_text.h"
 
 namespace tactbench::sequences {
 

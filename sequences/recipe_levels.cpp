@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <random>
 
-#include "sequences/pressure_text.h"
 #include "sequences/recipe_parts.h"
+#include "sequences/toml/pressure_text.h"
 
 namespace tactbench::sequences {
 
@@ -236,6 +236,7 @@ void read_levels(const TomlTable& root, Recipe& recipe) {
   read_keys(root, step_keys(in));
   const double unit = psi_per_unit(in.unit), step = in.step;
   recipe.step = devices::Psi(step * unit);
+  recipe.psi_per_unit = unit;
   if (step <= 0.0) root.fail("step", "'step' must be above 0", "use the distance between levels");
   read_pace(root, recipe);
   if (root.has("random") && root.has("turning_points")) {
@@ -247,7 +248,7 @@ void read_levels(const TomlTable& root, Recipe& recipe) {
     read_keys(root, point_keys(in));
   const std::vector<double>& points = in.turning_points;
   check_points(root, points, step, recipe.frames_per_level > 1);
-  for (const double point : points) recipe.turning_points.emplace_back(point * unit);
+  for (const double point : points) recipe.turning_points.emplace_back(exact_decimal(point) * unit);
   read_conditioning(root, recipe, in, unit);
   const TomlTable limits = root.table("limits");
   read_whole(limits, limit_keys(recipe.limits));

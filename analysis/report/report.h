@@ -45,10 +45,11 @@ struct JudgementNotes {
   // What dominates in use and is neither shown by a judged run nor in the budgets; with any, a pass is one under
   // repeatability conditions only (VIM 2.20).
   std::vector<UnassessedSource> not_assessed;
-  std::string overdue;  // "reference overdue since 2020-01-31", when a judged run was made; empty: it was not
+  std::string untraced;  // "reference overdue since 2020-01-31", when a judged run was made; empty: all is traceable
 };
 
-// The overall verdict as a statement: "pass, under repeatability conditions only", "inconclusive: reference overdue".
+// The overall verdict as a statement: "pass, under repeatability conditions only", "inconclusive: reference overdue
+// since ...".
 std::string statement_in_words(Verdict overall, const JudgementNotes& notes);
 // What follows the verdict's own word in it; empty: nothing.
 std::string condition_in_words(Verdict overall, const JudgementNotes& notes);

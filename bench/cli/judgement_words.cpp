@@ -82,7 +82,7 @@ nlohmann::ordered_json judgement_json(const Judgement& judgement, const std::str
           {"statement", overall ? analysis::statement_in_words(*overall, notes) : ""},
           {"trajectories", trajectories},
           {"not_assessed", missing},
-          {"overdue", notes.overdue},
+          {"untraced", notes.untraced},
           {"not_judged", notes.not_judged},
           {"runs", runs},
           {"decided_by", analysis::deciding_runs(judgement.verdicts)},

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "bench/common/error.h"
-#include "sequences/pressure_text.h"
+#include "sequences/toml/pressure_text.h"
 
 namespace tactbench::bench {
 

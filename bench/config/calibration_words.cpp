@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "analysis/statistics/uncertainty/reference_uncertainty.h"
 #include "bench/config/config_calibration.h"
 
 namespace tactbench::bench {
@@ -23,7 +26,7 @@ std::string calibration_words(const InstrumentCalibration& calibration, const st
 }
 
 std::vector<std::string> calibration_warnings(const BenchConfig& config, const std::vector<db::DeviceRecord>& records,
-                                              const std::string& day) {
+                                              const std::string& day, const std::vector<sequences::Step>& steps) {
   std::vector<std::string> lines;
   for (const db::DeviceRecord& record : records) {
     const InstrumentCalibration calibration = analysis::calibration_of(record);
@@ -31,6 +34,18 @@ std::vector<std::string> calibration_warnings(const BenchConfig& config, const s
     lines.push_back(fmt::format("{} ({}, serial {}) is OVERDUE for calibration since {}", record.role, record.model,
                                 calibration.serial.empty() ? "not stated" : calibration.serial, calibration.due));
   }
+  db::RunRecord planned;
+  planned.devices = records;
+  bool first = true;
+  for (const sequences::Step& step : steps) {
+    if (step.kind != sequences::StepKind::kMeasure) continue;
+    const double level = step.setpoint.value();
+    planned.lowest_psi = first ? level : std::min(planned.lowest_psi, level);
+    planned.highest_psi = first ? level : std::max(planned.highest_psi, level);
+    first = false;
+  }
+  if (const std::string beyond = analysis::reference_uncertainty(planned).beyond; !beyond.empty())
+    lines.push_back(beyond + "; no U is stated there, and verdicts on errors are inconclusive");
   for (const std::string& place : placeholders_of(config)) lines.push_back(fmt::format("not filled in: {}", place));
   return lines;
 }

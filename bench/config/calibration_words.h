@@ -6,6 +6,7 @@
 
 #include "analysis/statistics/uncertainty/instrument_calibration.h"
 #include "bench/config/config.h"
+#include "sequences/step.h"
 
 namespace tactbench::bench {
 
@@ -13,9 +14,9 @@ namespace tactbench::bench {
 // as 2026-01-31.
 std::string calibration_words(const analysis::InstrumentCalibration& calibration, const std::string& day);
 
-// Warnings before a run, one line each: overdue instruments among `records`, values that still say FILL-IN, texts that
-// are not dates.
+// Warnings before a run of `steps`, one line each: overdue instruments among `records`, pressures beyond the
+// reference's certificate, values that still say FILL-IN.
 std::vector<std::string> calibration_warnings(const BenchConfig& config, const std::vector<db::DeviceRecord>& records,
-                                              const std::string& day);
+                                              const std::string& day, const std::vector<sequences::Step>& steps);
 
 }  // namespace tactbench::bench

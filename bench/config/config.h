@@ -130,7 +130,8 @@ struct BenchConfig {
   devices::TransducerOptions reference;
   StatedCalibration reference_stated;  // a correction's own U wins
   ReferenceLimits reference_limits;
-  double reference_resolution_psi = 0.0;  // 0: that of the converter which reads it
+  double certificate_low_psi = 0.0, certificate_high_psi = 0.0;  // of the reference; equal: not stated
+  double reference_resolution_psi = 0.0;                         // 0: that of the converter which reads it
   bool reference_independent = true;
   std::optional<GaugeConfig> reference_gauge;  // none: the transducer of `reference`
   devices::PressureCorrection reference_correction;

@@ -192,6 +192,15 @@ devices::PressureCorrection read_correction(const TomlTable& table, bool own_fil
     table.fail("reading_psi", "reading_psi, correction_psi and expanded_uncertainty_psi differ in length, or are empty",
                "write one correction and one uncertainty for each reading of the certificate");
   }
+  for (std::size_t i = 1; i < points; ++i) {
+    const auto corrected = [&](std::size_t at) { return correction.reading_psi[at] + correction.correction_psi[at]; };
+    if (corrected(i) > corrected(i - 1)) continue;
+    table.fail("correction_psi",
+               fmt::format("the corrected pressure does not rise: {:g} psi at a reading of {:g} psi, and {:g} psi at "
+                           "{:g} psi",
+                           corrected(i - 1), correction.reading_psi[i - 1], corrected(i), correction.reading_psi[i]),
+               "compare the corrections with the certificate, sign and decimal point included");
+  }
   table.finish();
   return correction;
 }
@@ -229,15 +238,19 @@ constexpr ChainKeys kReferenceChain = {
 
 KeyTable reference_limit_keys(BenchConfig& config) {
   ReferenceLimits& limits = config.reference_limits;
-  return {key::number("hysteresis_psi", limits.hysteresis_psi, {"psi"}, {0.0, 10.0},
-                      "Limit of the transducer's hysteresis, to each side; 0: contained or not stated"),
-          key::number("zero_psi", limits.zero_psi, {"psi"}, {0.0, 10.0},
-                      "Limit of the transducer's zero deviation; 0: contained or not stated"),
-          key::number("temperature_psi", limits.temperature_psi, {"psi"}, {0.0, 10.0},
-                      "Limit of what temperature does to the transducer where the bench stands; 0: contained or not "
-                      "stated"),
-          key::number("resolution_psi", config.reference_resolution_psi, {"psi"}, {0.0, 10.0},
-                      "Smallest step that it shows; 0: that of the converter that reads it")};
+  return {
+      key::number("hysteresis_psi", limits.hysteresis_psi, {"psi"}, {0.0, 10.0},
+                  "Limit of the transducer's hysteresis, to each side; 0: contained or not stated"),
+      key::number("zero_psi", limits.zero_psi, {"psi"}, {0.0, 10.0},
+                  "Limit of the transducer's zero deviation; 0: contained or not stated"),
+      key::number("temperature_psi", limits.temperature_psi, {"psi"}, {0.0, 10.0},
+                  "Limit of what temperature does to the transducer where the bench stands; 0: contained or not "
+                  "stated"),
+      key::number("resolution_psi", config.reference_resolution_psi, {"psi"}, {0.0, 10.0},
+                  "Smallest step that it shows; 0: that of the converter that reads it"),
+      key::optional(key::span("certificate_range_psi", config.certificate_low_psi, config.certificate_high_psi, {"psi"},
+                              "Lowest and highest pressure of the certificate, beyond which nothing is traceable; "
+                              "without it: any, within the readings of a correction"))};
 }
 
 KeyTable reference_name_keys(devices::TransducerOptions& reference) {

@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <stdexcept>
+#include <utility>
 
 #include "bench/common/error.h"
 
@@ -50,12 +52,16 @@ ReferenceCalibration calibrate_reference(const std::vector<GaugePoint>& points, 
     result.hysteresis_psi = std::max(result.hysteresis_psi, 2.0 * half);
   }
   const std::vector<double>& readings = result.correction.reading_psi;
-  const auto fall = std::adjacent_find(readings.begin(), readings.end(), std::greater_equal<>());
-  if (fall != readings.end()) {
+  std::vector<double> pressures;
+  std::ranges::transform(readings, result.correction.correction_psi, std::back_inserter(pressures), std::plus<>());
+  for (const auto& [whose, of_levels] :
+       {std::pair("reference", &readings), std::pair("hand gauge", &std::as_const(pressures))}) {
+    const auto fall = std::ranges::adjacent_find(*of_levels, std::greater_equal<>());
+    if (fall == of_levels->end()) continue;
     throw Error("TB-REFERENCE-FLAT",
-                fmt::format("the reference's reading does not rise with the pressure: {:.3f} psi, and {:.3f} psi at "
-                            "the next level",
-                            fall[0], fall[1]),
+                fmt::format("the {}'s reading does not rise with the pressure: {:.3f} psi, and {:.3f} psi at the next "
+                            "level",
+                            whose, fall[0], fall[1]),
                 "calibrate-reference");
   }
   for (const GaugePoint& point : points) {

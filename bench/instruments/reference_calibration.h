@@ -25,8 +25,8 @@ struct ReferenceCalibration {
 
 // Correction at a level: mean of (gauge - reference) over its points, up and down. Expanded uncertainty (k = 2) by GUM
 // F.2.3: u² = u_gauge² + (half of the up-down difference)²/3 + (resolution of the gauge)²/12. Needs two levels or more;
-// throws std::invalid_argument otherwise, and Error (TB-REFERENCE-FLAT) where the mean readings of the reference do not
-// rise from level to level.
+// throws std::invalid_argument otherwise, and Error (TB-REFERENCE-FLAT) where the mean readings of the reference or of
+// the gauge do not rise from level to level.
 ReferenceCalibration calibrate_reference(const std::vector<GaugePoint>& points, double gauge_expanded_uncertainty_psi,
                                          double gauge_resolution_psi);
 

@@ -47,7 +47,7 @@ void judge_as_found(analysis::Runs& runs, analysis::ReportInput& input, const st
   here.run = input.run.run;
   const JudgedFigures figures = judged_figures(runs, here, found.evaluation, limits, reference);
   found.verdicts = analysis::judge(found.evaluation, here, limits, figures.uncertainties, figures.mpe);
-  analysis::withhold_overdue(found.verdicts, found.evaluation.run, reference);
+  analysis::withhold_untraced(found.verdicts, found.evaluation.run, reference);
   const auto overall = analysis::overall_verdict(found.verdicts);
   if (overall != analysis::Verdict::kFail && overall != analysis::Verdict::kConditionalFail) return;
   const std::string last = last_pass_utc(runs.store(), input.run);

@@ -83,7 +83,7 @@ void note_conditions(analysis::Runs& runs, const analysis::SensorModel& fit,
                      const std::vector<analysis::InstrumentNote>& instruments, analysis::JudgementNotes& notes) {
   notes.trajectories.clear();
   notes.not_assessed.clear();
-  notes.overdue.clear();
+  notes.untraced.clear();
   if (!notes.not_judged.empty() || fit.taxels.empty() ||
       !analysis::states_conformity(analysis::overall_verdict(verdicts)))
     return;
@@ -93,8 +93,7 @@ void note_conditions(analysis::Runs& runs, const analysis::SensorModel& fit,
     if (dwell && fitted) analysis::set_dwell(notes.trajectories.back(), *dwell, *fitted);
     const analysis::ReferenceUncertainty reference =
         analysis::reference_uncertainty(runs.record(judged.run), instruments);
-    if (reference.overdue && notes.overdue.empty())
-      notes.overdue = fmt::format("reference overdue since {}", reference.calibration.due);
+    if (notes.untraced.empty()) notes.untraced = reference.untraced();
   }
   const Shown shown = shown_by(runs, fit, notes);
   const auto missing = [&](bool assessed, const char* source, const char* why) {

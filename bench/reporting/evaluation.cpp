@@ -133,21 +133,19 @@ void add_uncertainty(analysis::Runs& runs, const analysis::SensorModel& fit,
   }
 }
 
-std::vector<std::string> withhold_overdue_runs(analysis::Runs& runs, std::vector<db::VerdictRecord>& verdicts,
-                                               const std::vector<analysis::InstrumentNote>& notes) {
+std::vector<std::string> withhold_untraced_runs(analysis::Runs& runs, std::vector<db::VerdictRecord>& verdicts,
+                                                const std::vector<analysis::InstrumentNote>& notes) {
   std::set<std::int64_t> judged;
   for (const db::VerdictRecord& verdict : verdicts) judged.insert(verdict.run);
-  std::vector<std::string> overdue;
+  std::vector<std::string> untraced;
   for (const std::int64_t run : judged) {
     const analysis::ReferenceUncertainty reference = analysis::reference_uncertainty(runs.record(run), notes);
-    if (!reference.overdue) continue;
-    analysis::withhold_overdue(verdicts, run, reference);
-    overdue.push_back(
-        fmt::format("the pressure reference was overdue for calibration since {} when run {} was made: verdicts that "
-                    "rest on it are inconclusive",
-                    reference.calibration.due, run));
+    const std::string why = reference.untraced();
+    if (why.empty()) continue;
+    analysis::withhold_untraced(verdicts, run, reference);
+    untraced.push_back(fmt::format("run {}: {}; verdicts on errors against the reference are inconclusive", run, why));
   }
-  return overdue;
+  return untraced;
 }
 
 analysis::ReportInput report_input(analysis::Runs& runs, std::int64_t run, const analysis::SensorModel& fit,
@@ -166,8 +164,8 @@ analysis::ReportInput report_input(analysis::Runs& runs, std::int64_t run, const
   }
   input.verdicts = judgement.verdicts;
   input.judgement = judgement.notes;
-  // Stored verdicts may predate the rule on overdue references, or the laboratory file.
-  (void)withhold_overdue_runs(runs, input.verdicts, input.laboratory.instruments);
+  // Stored verdicts may predate the rules on traceability, or the laboratory file.
+  (void)withhold_untraced_runs(runs, input.verdicts, input.laboratory.instruments);
   input.program_version = build_info().version;
   analysis::gather_run(input, runs, run, further);
   input.method = method_words(input.run);
@@ -195,10 +193,9 @@ std::string write_report(analysis::Runs& runs, const analysis::SensorModel& fit,
   const analysis::Report report =
       analysis::render_report(report_input(runs, fit.run, fit, evaluations, judgement, {}, &extras));
   const db::RunStore& store = runs.store();
-  if (path.empty()) {
-    path = report_path(store, fmt::format("run-{}.html", fit.run));
-    if (!signed_report_in(path, store).empty()) path = report_path(store, fmt::format("run-{}.html", report.number));
-  }
+  if (path.empty())
+    path = free_report_path(store, fmt::format("run-{}.html", fit.run), fmt::format("run-{}.html", report.number),
+                            runs.record(fit.run).uuid);
   if (may_be_written(path, report.number, store)) write_output(path, report.html, replace);
   if (number != nullptr) *number = report.number;
   return path;

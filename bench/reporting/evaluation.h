@@ -30,10 +30,10 @@ std::vector<NamedEvaluation> evaluate_runs(analysis::Runs& runs, const analysis:
                                            const std::vector<std::int64_t>& held_out,
                                            const std::vector<std::string>& titles = {});
 
-// Verdicts that rest on a reference that was overdue at its run, by the run's record or a laboratory file's `notes`,
-// become inconclusive. Returns a sentence for each such run.
-std::vector<std::string> withhold_overdue_runs(analysis::Runs& runs, std::vector<db::VerdictRecord>& verdicts,
-                                               const std::vector<analysis::InstrumentNote>& notes);
+// Verdicts that rest on a reference that was overdue at its run, by the run's record or a laboratory file's `notes`, or
+// whose certificate does not reach the run's pressures, become inconclusive. Returns a sentence for each such run.
+std::vector<std::string> withhold_untraced_runs(analysis::Runs& runs, std::vector<db::VerdictRecord>& verdicts,
+                                                const std::vector<analysis::InstrumentNote>& notes);
 
 // Prints to standard error how many criteria pass or fail only conditionally.
 void warn_of_conditional(const std::vector<db::VerdictRecord>& verdicts);

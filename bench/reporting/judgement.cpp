@@ -124,7 +124,7 @@ std::vector<db::VerdictRecord> judge_anew(analysis::Runs& runs, const analysis::
   std::vector<db::VerdictRecord> verdicts =
       analysis::judge(evaluation, fit, limits, figures.uncertainties, figures.mpe);
   for (db::VerdictRecord& verdict : verdicts) verdict.model_run = fit.run;
-  analysis::withhold_overdue(verdicts, evaluation.run, reference);
+  analysis::withhold_untraced(verdicts, evaluation.run, reference);
   if (uncertainties != nullptr)
     uncertainties->insert(uncertainties->end(), figures.uncertainties.begin(), figures.uncertainties.end());
   return verdicts;
@@ -182,7 +182,7 @@ Judgement judge_and_store(db::RunStore& store, analysis::Runs& runs, const analy
   const analysis::Limits limits = read_limits(find_config(limits_file));
   Judgement judgement = judge_runs(runs, fit, evaluations, limits, void_too);
   if (limits.rule == analysis::DecisionRule::kReportOnly) return judgement;
-  for (std::string& why : withhold_overdue_runs(runs, judgement.verdicts, notes))
+  for (std::string& why : withhold_untraced_runs(runs, judgement.verdicts, notes))
     judgement.notes.remarks.push_back(std::move(why));
   note_conditions(runs, fit, judgement.verdicts, nullptr, notes, judgement.notes);
   for (const analysis::RunVerdict& run : analysis::verdicts_by_run(judgement.verdicts)) {

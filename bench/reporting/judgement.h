@@ -29,8 +29,8 @@ struct StoredJudgement {
 };
 StoredJudgement stored_judgement(analysis::Runs& runs, const analysis::SensorModel& fit, bool void_too);
 
-// The verdicts on one evaluation; U, where the rule needs it, is added to `uncertainties`. Verdicts that rest on an
-// overdue reference are inconclusive.
+// The verdicts on one evaluation; U, where the rule needs it, is added to `uncertainties`. Verdicts that rest on
+// pressures that are not traceable are inconclusive.
 std::vector<db::VerdictRecord> judge_anew(analysis::Runs& runs, const analysis::SensorModel& fit,
                                           const analysis::Evaluation& evaluation, const analysis::Limits& limits,
                                           std::vector<analysis::JudgedUncertainty>* uncertainties = nullptr);

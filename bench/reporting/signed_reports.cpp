@@ -25,6 +25,17 @@ std::string signed_report_in(const std::string& path, const db::RunStore& store)
   return {};
 }
 
+std::string free_report_path(const db::RunStore& store, const std::string& name, const std::string& numbered,
+                             const std::string& uuid) {
+  const std::filesystem::path folder = std::filesystem::path(store.path()).parent_path() / "reports";
+  const std::string path = (folder / name).string();
+  std::error_code unknown;
+  if (!std::filesystem::is_regular_file(path, unknown)) return path;
+  const bool readable = !path.ends_with(".pdf");
+  const bool other = readable && file_text(path).find(uuid) == std::string::npos;
+  return other || !signed_report_in(path, store).empty() ? (folder / numbered).string() : path;
+}
+
 bool may_be_written(const std::string& path, const std::string& number, const db::RunStore& store) {
   const std::string there = signed_report_in(path, store);
   if (there.empty()) return true;

@@ -74,7 +74,7 @@ class Verification {
       // The laboratory file is not in the store. Its dates can only withhold a verdict.
       analysis::ReferenceUncertainty overdue;
       overdue.overdue = true;
-      analysis::withhold_overdue(anew, run_, overdue);
+      analysis::withhold_untraced(anew, run_, overdue);
       by_laboratory = analysis::first_difference(verdicts, anew, tolerance).empty();
       return by_laboratory ? std::string() : difference;
     });

@@ -74,6 +74,8 @@ db::DeviceRecord reference_record(const devices::Identity& identity, const Bench
        {std::pair("hysteresis_psi", limits.hysteresis_psi), std::pair("zero_psi", limits.zero_psi),
         std::pair("temperature_psi", limits.temperature_psi)})
     if (limit > 0.0) json[key] = limit;
+  if (config.certificate_low_psi < config.certificate_high_psi)
+    json["certificate_range_psi"] = {config.certificate_low_psi, config.certificate_high_psi};
   if (config.reference_resolution_psi > 0.0) json["resolution_psi"] = config.reference_resolution_psi;
   return record_of(identity, json);
 }

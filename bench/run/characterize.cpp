@@ -148,7 +148,8 @@ class RunLifecycle {
     if (needs_press(request_.recipes)) rig_->name_press_instruments();
     const std::vector<db::DeviceRecord> devices = rig_->devices();
     recorder_->write([this, devices] { bench::keep_devices(store_, result_.run, devices); });
-    for (const std::string& line : calibration_warnings(request_.bench, devices, utc_now().substr(0, 10)))
+    for (const std::string& line :
+         calibration_warnings(request_.bench, devices, utc_now().substr(0, 10), sequences::compile(request_.recipes)))
       recorder_->event("warning", "TB-CALIBRATION", line);
   }
 

@@ -9,6 +9,7 @@
 #include <limits>
 #include <set>
 
+#include "analysis/loop.h"
 #include "bench/common/error.h"
 #include "bench/run/stage_steps.h"
 
@@ -67,9 +68,8 @@ void check_press_of(const Recipe& recipe, const BenchConfig& bench) {
   any.fill(std::numeric_limits<double>::infinity());
   const std::vector<std::string> complaints = press_complaints(recipe, bench, any);
   if (complaints.empty()) return;
-  throw Error(
-      "TB-RECIPE-LIMIT", complaints.front(), fmt::format("recipe '{}', bench '{}'", recipe.name, bench.id),
-      "lower forces_n, or slow approach or servo down; the limits are [limits] force_n and clear_z_mm and those "
+  throw Error("TB-RECIPE-LIMIT", complaints.front(), fmt::format("recipe '{}', bench '{}'", recipe.name, bench.id),
+              "lower forces_n, or slow approach or servo down; the limits are [limits] force_n and clear_z_mm and those "
       "of [stage]");
 }
 
@@ -132,11 +132,13 @@ std::vector<LackingLevel> lacking_levels(const std::vector<sequences::Step>& ste
     if (mpe.low_psi == mpe.high_psi) judged.push_back(mpe.low_psi);
   for (const double pressure_psi : judged) {
     const auto above = both.lower_bound(key(pressure_psi));
-    if (above != both.end() && *above == key(pressure_psi)) continue;
-    LackingLevel& level = lacking.emplace_back();
-    level.pressure_psi = pressure_psi;
+    LackingLevel level{pressure_psi, {}};
     if (above != both.begin()) level.nearest_psi.push_back(1e-6 * static_cast<double>(*std::prev(above)));
     if (above != both.end()) level.nearest_psi.push_back(1e-6 * static_cast<double>(*above));
+    const bool met = std::ranges::any_of(level.nearest_psi, [&](double nearest) {
+      return std::abs(nearest - pressure_psi) <= analysis::kTypedLevelPsi;
+    });
+    if (!met) lacking.push_back(std::move(level));
   }
   return lacking;
 }

@@ -68,7 +68,8 @@ class TomlDocument {
   std::shared_ptr<Node> node_;
 };
 
-// A table being read. Reading a key marks it known; finish() refuses the keys that were not read.
+// A table being read. Reading a key marks it known; finish() refuses the keys that were not read. Where a key's name
+// ends with _psi its numbers may be texts with a unit, "100 kPa" (pressure_text.h).
 class TomlTable {
  public:
   [[nodiscard]] bool has(const std::string& key) const;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "sequences/toml/pressure_text.h"
 #include "sequences/toml/strict_toml.h"
 #include "sequences/toml/strict_toml_view.h"
 
@@ -12,7 +13,7 @@ namespace tactbench::sequences {
 std::optional<double> TomlTable::View::number_of(const toml::node& node, const std::string& key) const {
   if (node.is_number()) return node.value<double>();
   const std::string name = node.is_string() ? node.value_or(std::string()) : std::string();
-  if (!name.starts_with('$')) return std::nullopt;
+  if (!name.starts_with('$')) return key.ends_with("_psi") ? typed_pressure_psi(name) : std::nullopt;
   TomlDocument::Node& document = *owner;
   const auto found = document.parameters.find(name.substr(1));
   if (found == document.parameters.end()) {
@@ -36,7 +37,8 @@ double TomlTable::number(const std::string& key) const {
   const std::optional<double> value = view_->number_of(*node, key);
   if (!value) {
     fail(key, fmt::format("'{}' must be a number, it is {}", key, kind_of(*node)),
-         "write the number alone; its unit is in the key");
+         key.ends_with("_psi") ? "write the number alone, in psi, or a text with its unit: \"100 kPa\""
+                               : "write the number alone; its unit is in the key");
   }
   if (!std::isfinite(*value)) fail(key, fmt::format("'{}' must be finite", key), "write a finite number");
   view_->note(node, key, fmt::format("{}", *value));

@@ -1,5 +1,9 @@
 // The very steps that a recipe of levels becomes, all their fields, against lists written out by hand.
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <map>
+#include <set>
+#include <string>
 
 #include "sequences/recipe.h"
 #include "tests/sequences/recipe_text.h"
@@ -248,4 +252,29 @@ TEST_CASE("the way back to a falling branch of a press, field by field") {
   // Its rising branch begins at contact with frame 3.
   const auto rising = way_back(recipe, 2, repeat, 2);
   CHECK((rising.size() == 8 && rising.back().kind == kDown && rising.back().ordinal == 3));
+}
+
+TEST_CASE("levels are the decimals of the file's unit, the same on every way up and down") {
+  struct Row {
+    const char* unit;
+    double step, top, psi_per_unit;
+  };
+  for (const Row& row :
+       {Row{"kPa", 20.0, 400.0, 1.0 / 6.894757293168361}, Row{"kPa", 0.1, 2.0, 1.0 / 6.894757293168361},
+        Row{"bar", 0.1, 4.0, 100.0 / 6.894757293168361}, Row{"psi", 1.0, 60.0, 1.0}, Row{"psi", 0.01, 1.0, 1.0}}) {
+    CAPTURE(row.unit, row.step);
+    const std::string text = "schema = 1\nname = \"r\"\nunit = \"" + std::string(row.unit) +
+                             "\"\nstep = " + std::to_string(row.step) + "\nturning_points = [0, " +
+                             std::to_string(row.top) + ", 0]\n";
+    std::map<long, std::set<double>> found;  // by steps from 0
+    for (const Step& step : compile(parse_recipe(TomlDocument::from_text(text, "r.toml")), 0))
+      found[std::lround(step.setpoint.value() / row.psi_per_unit / row.step)].insert(step.setpoint.value());
+    CHECK(found.size() == static_cast<std::size_t>(std::lround(row.top / row.step)) + 1);
+    const double per_unit = std::round(1.0 / row.step);  // steps in a unit, where a step is a part of it
+    for (const auto& [steps, levels] : found) {
+      const double decimal =
+          row.step < 1.0 ? static_cast<double>(steps) / per_unit : static_cast<double>(steps) * row.step;
+      CHECK((levels.size() == 1 && *levels.begin() == decimal * row.psi_per_unit));
+    }
+  }
 }

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "sequences/pressure_text.h"
 #include "sequences/recipe.h"
+#include "sequences/toml/pressure_text.h"
 #include "tests/sequences/recipe_text.h"
 #include "tests/sequences/refusal.h"
 

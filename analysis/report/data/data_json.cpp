@@ -172,7 +172,7 @@ Json judgement_json(const ReportInput& input) {
           {"not_judged", notes.not_judged},
           {"trajectories", trajectories},
           {"not_assessed", missing},
-          {"overdue", notes.overdue},
+          {"untraced", notes.untraced},
           {"runs", runs},
           {"remarks", notes.remarks},
           {"stored_worse", stored}};

@@ -118,6 +118,7 @@ UncertaintyJson reading_json(const Uncertainty& uncertainty) {
                            {"calibrated", reference.calibration.calibrated_on},
                            {"due", reference.calibration.due},
                            {"overdue", reference.overdue},
+                           {"not_covered", reference.beyond},
                            {"independent", reference.independent},
                            {"certificate_covers", in_words(reference.covers)},
                            {"beyond_the_certificate_psi", limits},

@@ -152,7 +152,7 @@ std::optional<Verdict> final_verdict(std::span<const db::VerdictRecord> verdicts
 }
 
 std::string condition_in_words(Verdict overall, const JudgementNotes& notes) {
-  if (overall == Verdict::kInconclusive && !notes.overdue.empty()) return ": reference overdue";
+  if (overall == Verdict::kInconclusive && !notes.untraced.empty()) return ": " + notes.untraced;
   const bool passes = overall == Verdict::kPass || overall == Verdict::kConditionalPass;
   return passes && !notes.not_assessed.empty() ? ", under repeatability conditions only" : "";
 }
@@ -201,11 +201,12 @@ Markup overall_part(const ReportInput& input) {
   } else {
     const std::string reason = reason_of_verdict(input);
     out += markup("<p>All requirements together: {}{}{}.</p>\n", verdict_mark(*overall, is_simulated(input)),
-                  Text(reason.empty() ? condition_in_words(*overall, notes) : ": " + reason), Text(decided_by(input)));
+                  Text(input.unit.both_in_text(reason.empty() ? condition_in_words(*overall, notes) : ": " + reason)),
+                  Text(decided_by(input)));
   }
   if (input.more.previous && !input.more.previous->doubt.empty()) out += warning(input.more.previous->doubt);
   out += stored_part(input);
-  for (const std::string& remark : notes.remarks) out += warning(remark);
+  for (const std::string& remark : notes.remarks) out += warning(input.unit.both_in_text(remark));
   return out;
 }
 

@@ -56,7 +56,14 @@ Traceability traced_to(const TracedQuantity& traced, const db::RunRecord& run, s
 }
 
 Traceability pressure_traceability(const db::RunRecord& run, std::span<const InstrumentNote> notes) {
-  if (has_reference(run)) return traced_to(kTracedPressure, run, notes);
+  if (has_reference(run)) {
+    Traceability traced = traced_to(kTracedPressure, run, notes);
+    if (const std::string beyond = reference_uncertainty(run, notes).beyond; traced.traceable && !beyond.empty()) {
+      traced.traceable = false;
+      traced.statement += fmt::format(" But {}, and no U is stated there.", beyond);
+    }
+    return traced;
+  }
   return {kTracedPressure.title,
           "Pressure not independently traceable: no separate measurement standard took part, the regulator's feedback "
           "stands in.",
@@ -119,6 +126,12 @@ Markup instruments_warning(const ReportInput& input) {
     }
   }
   Markup out;
+  for (const auto& [name, run] : runs_of(input)) {
+    const std::string beyond = reference_uncertainty(*run, input.laboratory.instruments).beyond;
+    if (!beyond.empty())
+      out += markup("<p><span class=\"fail\"><span class=\"sign\">✗</span> {}: {}.</span></p>\n", Text(name),
+                    Text(input.unit.both_in_text(beyond)));
+  }
   for (const auto& [what, runs] : overdue)
     out += markup("<p><span class=\"fail\"><span class=\"sign\">✗</span> {} when measured: {}.</span></p>\n",
                   Text(what), Text(runs));
@@ -133,8 +146,7 @@ std::string reason_of_verdict(const ReportInput& input) {
     const std::int64_t number = run->run;
     if (std::ranges::find(input.verdicts, number, &db::VerdictRecord::run) == input.verdicts.end()) continue;
     const ReferenceUncertainty reference = reference_uncertainty(*run, input.laboratory.instruments);
-    if (reference.overdue)
-      return fmt::format("reference overdue since {} when {} was made", reference.calibration.due, name);
+    if (const std::string why = reference.untraced(); !why.empty()) return fmt::format("{}: {}", name, why);
   }
   return {};
 }

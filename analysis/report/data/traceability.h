@@ -25,7 +25,8 @@ std::string traceability_json(const ReportInput& input);
 // For page 1: instruments that were overdue when the report's runs were made, and contradictions about them. Empty:
 // none.
 html::Markup instruments_warning(const ReportInput& input);
-// Reason of an overall verdict of inconclusive: "reference overdue since ...". Empty: another reason.
+// Reason of an overall verdict of inconclusive: "reference overdue since ...", or beyond its
+// certificate. Empty: another reason.
 std::string reason_of_verdict(const ReportInput& input);
 
 }  // namespace tactbench::analysis

@@ -128,7 +128,8 @@ html::Markup overall_cell(const ReportInput& input, const char* without_limits) 
     cell += html::markup("<br/>not judged: {}", html::Text(input.judgement.not_judged));
   else if (overall != now)
     cell += html::markup("<br/>stored; now {}", html::Text(verdict_word(now)));
-  for (const std::string& remark : input.judgement.remarks) cell += html::markup("<br/>{}", html::Text(remark));
+  for (const std::string& remark : input.judgement.remarks)
+    cell += html::markup("<br/>{}", html::Text(input.unit.both_in_text(remark)));
   return cell;
 }
 

@@ -97,7 +97,7 @@ Markup found_verdicts(const ReportInput& input) {
                verdict_mark(verdict_in(verdict), is_simulated(input)));
   Markup out = markup("<p>As found: {}. As left: {}{}.</p>\n", verdict_mark(*as_found, is_simulated(input)),
                       as_left ? verdict_mark(*as_left, is_simulated(input)) : markup("no verdict"),
-                      Text(as_left ? condition_in_words(*as_left, input.judgement) : ""));
+                      Text(as_left ? input.unit.both_in_text(condition_in_words(*as_left, input.judgement)) : ""));
   if (!found.doubt.empty())
     out += markup("<p class=\"fail\"><span class=\"sign\">✗</span> {}</p>\n", Text(found.doubt));
   out += markup(

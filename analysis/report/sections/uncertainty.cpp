@@ -50,11 +50,13 @@ Markup measurand(const Uncertainty& uncertainty, PressureUnit unit) {
       "|c_i| u(x_i) (Eq. 10, inputs taken as independent). Sources that are not assessed are listed below and are not "
       "in U.</p>\n");
   out += markup(
-      "<p class=\"note\">Measurement standard of pressure: certificate {}, due {}{}; it covers: {}. Not included "
+      "<p class=\"note\">Measurement standard of pressure: certificate {}, due {}{}; it covers: {}.{} Not included "
       "because negligible: "
       "the height of the air line (below {} a metre at {}).</p>\n",
       html::stated(reference.calibration.certificate), html::stated(reference.calibration.due),
       Text(reference.overdue ? ", overdue when the run began" : ""), Text(in_words(reference.covers)),
+      Text(reference.beyond.empty() ? std::string()
+                                    : fmt::format(" No U is stated where {}.", unit.both_in_text(reference.beyond))),
       html::pressure(0.01, unit, 2), html::pressure(60.0, unit, 0));
   return out;
 }

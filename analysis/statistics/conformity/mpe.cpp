@@ -64,6 +64,10 @@ std::vector<LevelErrors> level_errors(const Dataset& measured, const SensorModel
   return levels;
 }
 
+bool counts_for(const Limits::Mpe& mpe, const LevelErrors& level) {
+  return level.pressure_psi >= mpe.low_psi - kTypedLevelPsi && level.pressure_psi <= mpe.high_psi + kTypedLevelPsi;
+}
+
 // U of a reading; NaN where no budget of the branch knows the taxel.
 double expanded_at(const Uncertainty& readings, double pressure_psi, bool up, std::size_t taxel) {
   double below = kNan, above = kNan, low = -std::numeric_limits<double>::infinity(), high = -low;
@@ -110,22 +114,19 @@ std::vector<MpeFigure> mpe_figures(const Dataset& judged, const SensorModel& fit
       double error = kNan, most = kNan;
       bool known = readings != nullptr;
       for (const LevelErrors& level : levels) {
-        if (level.pressure_psi < mpe.low_psi - kSameLevelPsi || level.pressure_psi > mpe.high_psi + kSameLevelPsi)
-          continue;
+        if (!counts_for(mpe, level)) continue;
         const double own = std::abs(level.sum_psi[taxel] / level.frames);
         error = std::fmax(error, own);
         if (!known) continue;
         const double expanded = expanded_at(*readings, level.pressure_psi, level.up, taxel);
-        known = !std::isnan(expanded);
+        known = !std::isnan(expanded) && readings->reference.holds_at(level.pressure_psi);
         most = std::fmax(most, own + expanded);
       }
       if (!std::isnan(error)) errors.push_back(error);
       with_u.push_back(known ? most : std::numeric_limits<double>::infinity());
     }
-    for (const LevelErrors& level : levels)
-      figure.levels +=
-          level.pressure_psi >= mpe.low_psi - kSameLevelPsi && level.pressure_psi <= mpe.high_psi + kSameLevelPsi ? 1
-                                                                                                                  : 0;
+    figure.levels = static_cast<int>(
+        std::ranges::count_if(levels, [&](const LevelErrors& level) { return counts_for(mpe, level); }));
     figure.value_psi = quantile_over_taxels(std::move(errors), mpe.share);
     const double guarded = quantile_over_taxels(std::move(with_u), mpe.share);
     if (std::isfinite(guarded)) figure.expanded_psi = guarded - figure.value_psi;

@@ -101,11 +101,12 @@ std::vector<db::VerdictRecord> judge(const Evaluation& evaluation, const SensorM
   const std::size_t unfit = fit.array().size() - fit.fitted().size();
   add("unfit_taxels", "array", static_cast<double>(unfit), limits.unfit_taxels, "taxels");
   for (const Limits::Mismatch& mismatch : limits.mismatch) {
-    const auto level = std::ranges::find_if(evaluation.levels, [&](const LevelFigures& figures) {
-      return same_level(figures.pressure_psi, mismatch.pressure_psi);
-    });
-    const bool measured = level != evaluation.levels.end();
-    const std::string scope = fmt::format("{:g} psi", mismatch.pressure_psi);
+    const auto off = [&](const LevelFigures& figures) {
+      return std::abs(figures.pressure_psi - mismatch.pressure_psi);
+    };
+    const auto level = std::ranges::min_element(evaluation.levels, {}, off);
+    const bool measured = level != evaluation.levels.end() && off(*level) <= kTypedLevelPsi;
+    const std::string scope = fmt::format("{:g} psi", measured ? level->pressure_psi : mismatch.pressure_psi);
     add("mismatch", fmt::format("{} up", scope), measured ? level->comp_std_up : kNan, mismatch.std_fs, "FS");
     add("mismatch", fmt::format("{} down", scope), measured ? level->comp_std_down : kNan, mismatch.std_fs, "FS");
   }

@@ -70,9 +70,10 @@ std::vector<db::VerdictRecord> judge(const Evaluation& evaluation, const SensorM
                                      std::span<const MpeFigure> mpe = {});
 
 // What rests on the pressure reference (mean_compensation_error, worst_taxel_error, mpe) is inconclusive where the
-// reference was overdue when `run` was made, whatever U and limit say; the other criteria hold differences and counts.
-// Verdicts of other runs and "report only" stay. `reference` is that of `run`.
-void withhold_overdue(std::vector<db::VerdictRecord>& verdicts, std::int64_t run,
-                      const ReferenceUncertainty& reference);
+// reference was overdue when `run` was made, or where its certificate does not reach, whatever U and limit say; the
+// other criteria hold differences and counts. Verdicts of other runs and "report only" stay. `reference` is that of
+// `run`.
+void withhold_untraced(std::vector<db::VerdictRecord>& verdicts, std::int64_t run,
+                       const ReferenceUncertainty& reference);
 
 }  // namespace tactbench::analysis

@@ -102,6 +102,7 @@ JudgedUncertainty error_uncertainty(const char* criterion, const FigureScatter& 
                                     const ReferenceUncertainty& reference) {
   JudgedUncertainty out = figure_of(criterion, "array", "psi");
   if (!reference.certificate_missing.empty()) return unknown(std::move(out), reference.certificate_missing);
+  if (!reference.beyond.empty()) return unknown(std::move(out), reference.beyond);
   if (!scatter.known()) return unknown(std::move(out), kOneRepeat);
   out.basis = fmt::format(
       "reference (certificate{}{}{}), which moves a mean of absolute errors by at most its own error (c = 1); and {}",

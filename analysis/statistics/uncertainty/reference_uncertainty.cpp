@@ -49,6 +49,30 @@ void read_certificate(const ReferenceJson& calibration, ReferenceUncertainty& re
   reference.expanded_psi.clear();
 }
 
+// A correction holds from its first corrected reading to its last, and a certificate between the ends that it states.
+void find_range(const ReferenceJson& calibration, const db::RunRecord& run, ReferenceUncertainty& reference) {
+  const std::vector<double> stated = numbers_in(calibration, "certificate_range_psi");
+  if (stated.size() == 2) reference.low_psi = stated[0], reference.high_psi = stated[1];
+  std::string what = "certificate";
+  if (calibration.contains("correction") && calibration["correction"].is_object()) {
+    const std::vector<double> readings = numbers_in(calibration["correction"], "reading_psi");
+    const std::vector<double> corrections = numbers_in(calibration["correction"], "correction_psi");
+    if (!readings.empty() && readings.size() == corrections.size()) {
+      reference.low_psi = std::max(reference.low_psi, readings.front() + corrections.front());
+      reference.high_psi = std::min(reference.high_psi, readings.back() + corrections.back());
+      what = fmt::format("correction (readings of {:g} to {:g} psi)", readings.front(), readings.back());
+    }
+  }
+  const bool low = !reference.holds_at(run.lowest_psi), high = !reference.holds_at(run.highest_psi);
+  if (!(run.highest_psi > run.lowest_psi) || !(low || high)) return;
+  const std::string which =
+      fmt::format("{}{}{}", low ? fmt::format("below {:g} psi", reference.low_psi) : "", low && high ? " and " : "",
+                  high ? fmt::format("above {:g} psi", reference.high_psi) : "");
+  reference.beyond = fmt::format(
+      "levels {} are not traceable: the run goes from {:g} to {:g} psi, the reference's {} covers {:g} to {:g} psi",
+      which, run.lowest_psi, run.highest_psi, what, reference.low_psi, reference.high_psi);
+}
+
 // One step of the converter that reads the transducer, in psi: the module's volts a count times the span's psi a volt.
 double converter_step(const db::RunRecord& run, const ReferenceJson& calibration) {
   if (!calibration.contains("psi_high") || !calibration.contains("volts_high")) return 0.0;
@@ -127,6 +151,15 @@ void set_drift(ReferenceUncertainty& reference, const std::string& utc) {
 
 }  // namespace
 
+bool ReferenceUncertainty::holds_at(double pressure_psi) const {
+  const double spare = std::isinf(high_psi) ? 0.0 : 0.01 * std::max(std::abs(low_psi), std::abs(high_psi));
+  return pressure_psi >= low_psi - spare && pressure_psi <= high_psi + spare;
+}
+
+std::string ReferenceUncertainty::untraced() const {
+  return overdue ? fmt::format("reference overdue since {}", calibration.due) : beyond;
+}
+
 double ReferenceUncertainty::certificate_u(double pressure_psi) const {
   if (reading_psi.empty()) return 0.0;
   const auto above = std::ranges::upper_bound(reading_psi, pressure_psi);
@@ -172,6 +205,7 @@ ReferenceUncertainty reference_uncertainty(const db::RunRecord& run, std::span<c
       reference.calibration = calibration_of(device, notes);
       reference.independent = json.value("independent", true);
       read_certificate(json, reference);
+      find_range(json, run, reference);
       reference.covers = covers_of(device);
       read_limits(json, reference);
       reference.drift_stated_psi = positive_number(json, "drift_psi");

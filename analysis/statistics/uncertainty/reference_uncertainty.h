@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -35,6 +36,9 @@ struct ReferenceUncertainty {
   // Certificate: U (psi, with coverage factor k) at readings, rising; empty: none.
   std::vector<double> reading_psi, expanded_psi;
   double coverage_factor = 2.0;
+  // Pressures that it holds for; no ends: it states none.
+  double low_psi = -std::numeric_limits<double>::infinity(), high_psi = std::numeric_limits<double>::infinity();
+  std::string beyond;             // which pressures of the run lie outside, not traceable; empty: none
   double drift_stated_psi = 0.0;  // limit of the change from calibration to due date; 0: not stated
   double drift_psi = 0.0;         // limit on the run's day: the stated one, times drift_growth(); never less
   std::string drift_basis;        // the same in words
@@ -45,6 +49,10 @@ struct ReferenceUncertainty {
   // Why a contribution is not assessed; empty where it is.
   std::string certificate_missing, drift_missing, resolution_missing;
 
+  // Within 1 % of the range beyond its ends, by which a regulator misses its set-point, counts as held.
+  [[nodiscard]] bool holds_at(double pressure_psi) const;
+  // Why errors against the reference are not traceable: overdue, or beyond the certificate; empty: they are.
+  [[nodiscard]] std::string untraced() const;
   // u(p) = U(p) / k in psi (JCGM 100, 4.3.3), between the certificate's points linear, beyond them the last one's.
   [[nodiscard]] double certificate_u(double pressure_psi) const;
   [[nodiscard]] double largest_certificate_u() const;

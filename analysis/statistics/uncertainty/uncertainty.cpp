@@ -130,7 +130,8 @@ ArrayUncertainty array_uncertainty(const std::vector<Budget>& budgets, int colum
 }
 
 ConditionUncertainty under_condition(UseCondition condition, const BudgetMaker& maker, const SweepErrors& errors,
-                                     const SensorModel& fit, const std::vector<std::size_t>& fitted, int threads) {
+                                     const SensorModel& fit, const ReferenceUncertainty& reference,
+                                     const std::vector<std::size_t>& fitted, int threads) {
   ConditionUncertainty out;
   out.condition = condition;
   out.not_valid = maker.not_valid(condition);
@@ -139,7 +140,7 @@ ConditionUncertainty under_condition(UseCondition condition, const BudgetMaker& 
   out.scale = maker.scale_of(condition);
   const std::size_t width = fit.array().size();
   for (std::size_t i = 0; i < errors.levels.size(); ++i) {
-    if (errors.levels[i].readings == 0) continue;
+    if (errors.levels[i].readings == 0 || !reference.holds_at(errors.levels[i].pressure_psi)) continue;
     out.pressure_psi.push_back(errors.levels[i].pressure_psi);
     out.up.push_back(errors.levels[i].up);
     const std::size_t row = out.expanded_psi.size();
@@ -152,6 +153,7 @@ ConditionUncertainty under_condition(UseCondition condition, const BudgetMaker& 
     });
   }
   out.median_psi = median_of(out.expanded_psi);
+  if (out.pressure_psi.empty()) out.not_valid = reference.beyond;
   return out;
 }
 
@@ -214,7 +216,7 @@ Uncertainty assess_uncertainty(const Dataset& measured, const SensorModel& measu
   const std::vector<std::size_t> fitted = Fitted(fit).taxels();
   if (fitted.empty()) throw AnalysisError("TB-ANALYSIS-NO-TAXEL", "the fit has no fitted taxel", "fit another run");
   for (std::size_t i = 0; i < errors.levels.size(); ++i) {
-    if (errors.levels[i].readings == 0) continue;
+    if (errors.levels[i].readings == 0 || !out.reference.holds_at(errors.levels[i].pressure_psi)) continue;
     LevelUncertainty level;
     level.pressure_psi = errors.levels[i].pressure_psi;
     level.up = errors.levels[i].up;
@@ -236,7 +238,8 @@ Uncertainty assess_uncertainty(const Dataset& measured, const SensorModel& measu
   out.chosen = chosen_level(out.levels);
   out.dwell = maker.histories().dwell;
   for (std::size_t which = 1; which < kUseConditions; ++which)
-    out.conditions.push_back(under_condition(static_cast<UseCondition>(which), maker, errors, fit, fitted, threads));
+    out.conditions.push_back(
+        under_condition(static_cast<UseCondition>(which), maker, errors, fit, out.reference, fitted, threads));
   return out;
 }
 

@@ -166,7 +166,7 @@ ReadingUncertainty reading_uncertainty(const ConditionUncertainty& condition, st
 
 struct Uncertainty {
   ReferenceUncertainty reference;
-  std::vector<LevelUncertainty> levels;                  // up by rising pressure, then down; only levels with readings
+  std::vector<LevelUncertainty> levels;  // up by rising pressure, then down; with readings, in the certificate's range
   std::array<std::string, kUncertaintySources> missing;  // why a source is not assessed; empty: it is
   std::array<std::string, kUncertaintySources> from;     // where a given figure comes from
   CreepEffect creep;

@@ -115,11 +115,12 @@ std::string verdict_page(const CalibrationResult& result) {
   const std::string word = large_verdict(result.judgement);
   std::string text = word.empty() ? std::string("\n") : "\n" + large_word(word, margin_of(result.origin)) + "\n";
   text +=
-      fmt::format("sensor {}: {}: {}\n", one_line(result.sensor), shown_overall(result),
+      fmt::format("sensor {}: {}: {}\n", one_line(result.sensor), result.unit.in_text(shown_overall(result)),
                   one_line(reason_text(result.judgement, result.limits, result.held_out, result.unit), kLongestText));
   text += conditions_text(result.judgement.notes);
   text += bad_taxels_text(bad_taxels(result.fit, result.judgement, result.unit));
-  for (const std::string& remark : result.judgement.notes.remarks) text += fmt::format("note: {}\n", remark);
+  for (const std::string& remark : result.judgement.notes.remarks)
+    text += fmt::format("note: {}\n", result.unit.in_text(remark));
   return text;
 }
 

@@ -156,8 +156,8 @@ std::string fitted_text(const FittedRun& fitted, analysis::PressureUnit unit) {
   text += figures_table(fitted.evaluations, unit);
   const std::vector<db::VerdictRecord>& verdicts = fitted.judgement.verdicts;
   if (!verdicts.empty())
-    text +=
-        fmt::format("\n{}{}", verdict_table(verdicts, fit.origin, unit), judgement_text(fitted.judgement, fit.origin));
+    text += fmt::format("\n{}{}", verdict_table(verdicts, fit.origin, unit),
+                        unit.in_text(judgement_text(fitted.judgement, fit.origin)));
   return text;
 }
 

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -21,7 +22,7 @@
 #include "bench/safety/ramp.h"
 #include "bench/safety/safe_state.h"
 #include "devices/fault.h"
-#include "sequences/pressure_text.h"
+#include "sequences/toml/pressure_text.h"
 
 namespace tactbench::bench {
 
@@ -137,10 +138,21 @@ std::vector<GaugePoint> measure(Rig& rig, const CalibrationOptions& options, con
   for (const auto& [level, rising] : course) {
     settle(rig, level, stop);
     GaugePoint point{level, rising, 0.0, 0.0};
-    point.gauge_psi = prompt.pressure_psi(
-        fmt::format("{:>2} of {}: {}, {}. Hand gauge reads [{}, q ends]: ", points.size() + 1, course.size(),
-                    unit.short_text(level), rising ? "increasing" : "decreasing", unit.symbol()));
-    point.reference_psi = mean_reference(rig, stop);
+    for (bool likely = false; !likely;) {
+      point.gauge_psi = prompt.pressure_psi(
+          fmt::format("{:>2} of {}: {}, {}. Hand gauge reads [{}, q ends]: ", points.size() + 1, course.size(),
+                      unit.short_text(level), rising ? "increasing" : "decreasing", unit.symbol()));
+      point.reference_psi = mean_reference(rig, stop);
+      const double feedback_psi = rig.source().feedback().pressure.value(), most = rig.config().limits.disagreement_psi;
+      likely =
+          std::min(std::abs(point.gauge_psi - point.reference_psi), std::abs(point.gauge_psi - feedback_psi)) <= most;
+      if (!likely)
+        tty::print(stderr,
+                   "{}? the reference reads {} and the regulator's feedback {}: both differ by more than [limits] "
+                   "disagreement_psi ({}). Read the gauge again, or q to end\n",
+                   unit.text(point.gauge_psi, 1), unit.text(point.reference_psi, 1), unit.text(feedback_psi, 1),
+                   unit.text(most, 1));
+    }
     points.push_back(point);
     // A reference that does not rise is told of now, and not after the last reading.
     if (points.size() > 1) calibrate_reference(points, options.uncertainty_psi, options.resolution_psi);

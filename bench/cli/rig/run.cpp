@@ -88,11 +88,12 @@ void show_run_result(const CarriedOut& done, const Session& session) {
 }
 
 // Before any device is opened; the run stores the same as events.
-void warn_of_instruments(const RunRequest& request) {
+void warn_of_instruments(const RunRequest& request, analysis::PressureUnit unit) {
   refuse_placeholders(request.bench);
   const auto instruments = stated_instruments(request.bench, needs_press(request.recipes));
-  for (const std::string& line : calibration_warnings(request.bench, instruments, utc_now().substr(0, 10)))
-    tty::print(stderr, "warning: {}\n", line);
+  for (const std::string& line :
+       calibration_warnings(request.bench, instruments, utc_now().substr(0, 10), sequences::compile(request.recipes)))
+    tty::print(stderr, "warning: {}\n", unit.in_text(line));
 }
 
 CarriedOut begin_and_carry_out(const RunOptions& options, const Session& session) {
@@ -105,7 +106,7 @@ CarriedOut begin_and_carry_out(const RunOptions& options, const Session& session
     request.recipes.push_back(sequences::read_recipe(find_recipe(name), overrides.recipe));
   }
   check_recipes(request.recipes, request.bench);
-  warn_of_instruments(request);
+  warn_of_instruments(request, session.unit());
   refuse_tripped(request.bench);
   request.overrides = overrides.all;
   request.operator_name = options.operator_name;
@@ -175,7 +176,7 @@ void resume_run(std::int64_t number, const ResumeOptions& options, Session& sess
                                 overrides.recipe));
   }
   request.resume = number;
-  warn_of_instruments(request);
+  warn_of_instruments(request, session.unit());
   request.on_event = options.on_event;
   request.assume_yes = options.assume_yes;
   const BenchLock bench_lock(request.bench);

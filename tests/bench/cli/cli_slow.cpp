@@ -63,7 +63,7 @@ TEST_CASE("usage and configuration errors end with 2 and touch nothing") {
   check_error(call(folder, {"run", "small.toml"}), 2, "TB-USAGE", true);
   check_error(call(folder, small_run({"--set", "limits.comand_psi=50"})), 2, "TB-FILE-KEY", true);
   check_error(call(folder, small_run({"--set", "nonsense"})), 2, "TB-USAGE", true);
-  check_error(call(folder, small_run({"--set", "limits.command_psi=\"60 psi\""})), 2, "TB-FILE-VALUE", true);
+  check_error(call(folder, small_run({"--set", "limits.command_psi=\"60 mbar\""})), 2, "TB-FILE-VALUE", true);
   std::vector<std::string> by_nobody = small_run();
   *std::find(by_nobody.begin(), by_nobody.end(), "tester") = " ";
   check_error(call(folder, by_nobody), 2, "TB-USAGE", true);

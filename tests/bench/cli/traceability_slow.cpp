@@ -147,6 +147,40 @@ TEST_CASE("verify refuses a stored pass on an overdue reference") {
   (void)report_json(folder, {"1"}, 6);  // no pass is printed
 }
 
+TEST_CASE("pressures beyond the certificate: warned of by plan and run, no pass, and no U in the report") {
+  const TemporaryFolder folder;
+  prepare_traced_run(folder);
+  const std::vector<std::vector<std::string>> ranges = {
+      {"--set", "reference.certificate_range_psi=[0, 40]"},
+      {"--set", "reference.correction.reading_psi=[0, 20, 40]", "--set",
+       "reference.correction.correction_psi=[0, 0, 0]", "--set",
+       "reference.correction.expanded_uncertainty_psi=[0.05, 0.05, 0.05]"}};
+  std::int64_t run = 1;
+  for (const std::vector<std::string>& range : ranges) {
+    CAPTURE(run);
+    const Finished plan =
+        call(folder, joined_words({"plan", "small.toml", "--bench", "bench.toml", "--units", "psi"}, range));
+    CHECK(plan.code == 0);
+    CHECK_THAT(plan.err, Catch::Contains("0 to 40 psi") && Catch::Contains("60 psi"));
+    for (int i = 0; i < 2; ++i) run_recipe(folder, "small.toml", range);
+    const std::string models = std::to_string(run), judged = std::to_string(run + 1);
+    CHECK_THAT(call(folder, {"runs", "show", models}).out, Catch::Contains("TB-CALIBRATION"));
+    CHECK(call(folder, {"fit", models, "--held-out", judged, "--limits", "far.toml"}).code == 6);
+    const json report = report_json(folder, {models}, 6);
+    for (const json& verdict : report["results"]["verdicts"])
+      CHECK((verdict["verdict"] == "inconclusive") == (verdict["unit"] == "psi"));
+    CHECK(report["identification"]["traceability"][0]["traceable"] == false);
+    for (const json& level : report["sections"]["uncertainty"]["reading"]["levels"])
+      CHECK(level["pressure_psi"] <= 40.0);
+    CHECK(call(folder, {"verify", models}).code == 0);
+    CHECK(call(folder, {"verify", judged}).code == 0);
+    run += 2;
+  }
+  const std::vector<std::string> whole = {"--set", "reference.certificate_range_psi=[0, 60]"};
+  CHECK_THAT(call(folder, joined_words({"plan", "small.toml", "--bench", "bench.toml"}, whole)).err,
+             !Catch::Contains("warning"));
+}
+
 TEST_CASE("hardware: FILL-IN in the bench file keeps every device closed") {
   const TemporaryFolder folder;
   REQUIRE(call(folder, {"init", "--rig"}).code == 0);

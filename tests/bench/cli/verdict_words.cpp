@@ -118,7 +118,7 @@ TEST_CASE("judgement as JSON: all of it, and an empty word for none") {
   judgement.notes.not_assessed = {{"re-mounting", "no run"}};
   judgement.notes.stored_worse = {judged_row(5, "fail")};
   judgement.notes.remarks = {"a"};
-  judgement.notes.overdue = "reference overdue";
+  judgement.notes.untraced = "reference overdue";
   db::RunRecord gone;
   gone.run = 9;
   gone.void_reason = "door";
@@ -132,7 +132,7 @@ TEST_CASE("judgement as JSON: all of it, and an empty word for none") {
   REQUIRE(json.at("trajectories").size() == 1);
   CHECK(json.at("trajectories").at(0).at("run") == 2);
   CHECK(json.at("not_assessed") == nlohmann::ordered_json::parse(R"([{"source": "re-mounting", "why": "no run"}])"));
-  CHECK(json.at("overdue") == "reference overdue");
+  CHECK(json.at("untraced") == "reference overdue");
   CHECK(json.at("not_judged") == "");
   CHECK(json.at("runs") ==
         nlohmann::ordered_json::parse(R"([{"run": 4, "verdict": "fail"}, {"run": 2, "verdict": "pass"}])"));

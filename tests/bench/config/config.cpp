@@ -73,7 +73,7 @@ TEST_CASE("limits are read strictly, and the decision rule by name") {
 }
 
 TEST_CASE("bad bench values are refused with place and remedy") {
-  refused({"limits.command_psi", "\"60 psi\""});
+  refused({"limits.command_psi", "\"60 mbar\""});
   refused({"reference.channel", "0"});
   refused({"bench.id", "\" \""});
   refused({"bench.origin", "real"});

@@ -90,12 +90,18 @@ TEST_CASE("a reference without a transducer, with a gauge, and with a correction
                    {"reference.correction.correction_psi", added},
                    {"reference.correction.expanded_uncertainty_psi", uncertainty}};
   };
-  check_refused_where_accepted(
-      text,
-      {with_change(gauge, "reference.channel", "2"), with_change(gauge, "reference.span_v", "[0, 5]"),
-       with_change(gauge, "reference.span_psi", "[0, 50]"), correction("[30, 30]", "[0.1, 0.2]", "[0.05, 0.05]"),
-       correction("[0, 30, 29]", "[0, 0, 0]", "[1, 1, 1]"), correction("[0, 30]", "[0.1]", "[0.05, 0.05]"),
-       correction("[0, 30]", "[0.1, 0.2]", "[0.05]"), correction("[]", "[]", "[]"),
-       with_change(correction("[0]", "[0]", "[0]"), "reference.correction_file", "f.toml")},
-      {correction("[0, 30]", "[0.1, 0.2]", "[0.05, 0.05]")});
+  check_refused_where_accepted(text,
+                               {with_change(gauge, "reference.channel", "2"),
+                                with_change(gauge, "reference.span_v", "[0, 5]"),
+                                with_change(gauge, "reference.span_psi", "[0, 50]"),
+                                correction("[30, 30]", "[0.1, 0.2]", "[0.05, 0.05]"),
+                                correction("[0, 30, 29]", "[0, 0, 0]", "[1, 1, 1]"),
+                                correction("[0, 30]", "[0.1]", "[0.05, 0.05]"),
+                                correction("[0, 10, 20]", "[0, 45, 0]", "[1, 1, 1]"),
+                                correction("[0, 10]", "[0, -10]", "[1, 1]"),
+                                {{"reference.certificate_range_psi", "[40, 0]"}},
+                                correction("[0, 30]", "[0.1, 0.2]", "[0.05]"),
+                                correction("[]", "[]", "[]"),
+                                with_change(correction("[0]", "[0]", "[0]"), "reference.correction_file", "f.toml")},
+                               {correction("[0, 30]", "[0.1, 0.2]", "[0.05, 0.05]")});
 }

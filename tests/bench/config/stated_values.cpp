@@ -146,7 +146,8 @@ TEST_CASE("the reference's chain becomes rows, and a run of before the word is r
   const BenchConfig config = hardware_bench({{"reference.certificate_covers", "transducer"},
                                              {"reference.expanded_uncertainty_psi", "0.05"},
                                              {"reference.input_limit_v", "0.03"},
-                                             {"reference.hysteresis_psi", "0.1"}});
+                                             {"reference.hysteresis_psi", "0.1"},
+                                             {"reference.certificate_range_psi", "[0, 50]"}});
   db::RunRecord run;
   run.started_utc = "2026-05-06T07:08:09Z";
   run.devices = {reference_record({"pressure reference", "m", "s", "", config.origin}, config)};
@@ -155,6 +156,7 @@ TEST_CASE("the reference's chain becomes rows, and a run of before the word is r
   CHECK(known.covers == analysis::CertificateCovers::kTransducer);
   CHECK(known.limit(ReferencePart::kVoltageInput).half_width_psi == Approx(0.3));  // 0.3 % of 100 psi, the audit's
   CHECK(known.limit(ReferencePart::kHysteresis).half_width_psi == 0.1);
+  CHECK((known.low_psi == 0.0 && known.high_psi == 50.0));
   CHECK_THAT(known.limit(ReferencePart::kZero).part.missing, Catch::Contains("[reference] zero_psi"));
   // 0.3 psi / sqrt(3): the audit's u = 0.17 psi.
   CHECK(known.combined_u(30.0) == Approx(std::sqrt(0.3 * 0.3 / 3.0 + 0.01 / 3.0 + 0.025 * 0.025)));

@@ -10,6 +10,7 @@
 #include "bench/config/config.h"
 #include "bench/config/config_laboratory.h"
 #include "bench/config/operator_profile.h"
+#include "sequences/toml/pressure_text.h"
 #include "tests/bench/config/bench_text.h"
 #include "tests/support/process.h"
 #include "tests/support/variable.h"
@@ -90,6 +91,29 @@ TEST_CASE("limits: percents become shares, and an [[mpe]] is of a level or of a 
         "pressure_psi = 20\nmpe_psi = -1\n", "pressure_psi = 20\nmpe_psi = 2\ntaxels_percent = 101\n"})
     CHECK_FALSE(mpe_taken(row));
   CHECK(mpe_taken("pressure_psi = 20\nmpe_psi = 1e-6\n"));
+}
+
+TEST_CASE("limits in kPa, bar and psi are the same numbers, bit for bit those of a recipe") {
+  const double level = sequences::psi_per_unit("kPa") * 100.0;
+  for (const char* typed : {"\"100 kPa\"", "\"100kPa\"", "\"1 bar\"", "14.503773773020922"}) {
+    CAPTURE(typed);
+    const analysis::Limits limits = bench::parse_limits(
+        kLimitsHead + std::string("mean_compensation_error_psi = ") + typed + "\nworst_taxel_error_psi = " + typed +
+            "\ndistance_of_mean_percent_fs = 1.5\nunfit_taxels = 4\n[[mismatch]]\npressure_psi = " + typed +
+            "\nstd_percent_fs = 5\n[[mpe]]\nspan_psi = [\"0 kPa\", " + typed + "]\nmpe_psi = " + typed + "\n",
+        "f");
+    for (const double read : {limits.mean_compensation_error_psi, limits.worst_taxel_error_psi,
+                              limits.mismatch.at(0).pressure_psi, limits.mpe.at(0).high_psi, limits.mpe.at(0).mpe_psi})
+      CHECK(read == Approx(level).epsilon(1e-15));
+  }
+  for (const char* wrong : {"pressure_psi = \"100\"", "pressure_psi = \"100 mbar\"", "std_percent_fs = \"5 kPa\""}) {
+    CAPTURE(wrong);
+    const std::string other = wrong[0] == 'p' ? "\nstd_percent_fs = 5\n" : "\npressure_psi = 10\n";
+    const auto refused = file_refusal([&] {
+      (void)bench::parse_limits(kLimitsHead + kFourLimits + std::string("[[mismatch]]\n") + wrong + other, "f");
+    });
+    CHECK(refused.id == "TB-FILE-VALUE");
+  }
 }
 
 TEST_CASE("laboratory: each field is its own") {

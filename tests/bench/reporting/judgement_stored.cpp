@@ -108,8 +108,8 @@ TEST_CASE("judged and stored: rows of each run with the fit, none by a file that
   CHECK(film_mean_words(made.store.verdicts(2)) ==
         "2 mean_compensation_error 0.5 of 1: pass; 2 mean_compensation_error 0.5 of 10: inconclusive; ");
   REQUIRE(withheld.notes.remarks.size() == 2);
-  CHECK_THAT(withheld.notes.remarks[1], Catch::Contains("2026-02-01") && Catch::Contains("run 3 "));
-  CHECK_THAT(withheld.notes.overdue, Catch::Contains("2026-02-01"));
+  CHECK_THAT(withheld.notes.remarks[1], Catch::Contains("2026-02-01") && Catch::Contains("run 3"));
+  CHECK_THAT(withheld.notes.untraced, Catch::Contains("2026-02-01"));
 }
 
 TEST_CASE("judged for a report: by the file named, else by the limits last used, else not at all") {

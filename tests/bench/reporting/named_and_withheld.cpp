@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -131,6 +132,23 @@ TEST_CASE("signed reports: found in pages, data and by a title in a PDF, and nev
   CHECK(bench::report_path(made.store, "x.html") == made.path("reports/x.html"));
 }
 
+TEST_CASE("a report is not written over that of another store's run, nor over a signed one") {
+  NamedByHand made;
+  const auto path = [&](const std::string& uuid, const char* ending = "html") {
+    const std::string dot = std::string(".") + ending;
+    return bench::free_report_path(made.store, "run-1" + dot, "run-1-abc" + dot, uuid);
+  };
+  const std::string usual = made.path("reports/run-1.html");
+  CHECK(path("u-1") == usual);
+  std::filesystem::create_directories(made.path("reports"));
+  tests::write_file(usual, R"(<!DOCTYPE html><script>{"uuid":"u-1"}</script>)");
+  CHECK(path("u-1") == usual);
+  CHECK(path("u-2") == made.path("reports/run-1-abc.html"));
+  CHECK(path("u-2", "json") == made.path("reports/run-1.json"));
+  tests::write_file(made.path("reports/run-1.pdf"), "%PDF-1.4");
+  CHECK(path("u-2", "pdf") == made.path("reports/run-1.pdf"));  // nothing tells whose it is
+}
+
 TEST_CASE("an overdue reference withholds the verdicts that rest on it, run by run") {
   NamedByHand made;
   made.add_due("2027-01-01");
@@ -139,7 +157,7 @@ TEST_CASE("an overdue reference withholds the verdicts that rest on it, run by r
   std::vector<db::VerdictRecord> verdicts = {verdict_of(2, "mpe", "pass"), verdict_of(1, "mpe", "pass"),
                                              verdict_of(2, "unfit_taxels", "pass"),
                                              verdict_of(2, "mean_compensation_error", "fail")};
-  CHECK(bench::withhold_overdue_runs(runs, verdicts, {}).size() == 1);
+  CHECK(bench::withhold_untraced_runs(runs, verdicts, {}).size() == 1);
   std::vector<std::string> words;
   for (const db::VerdictRecord& verdict : verdicts) words.push_back(verdict.verdict);
   CHECK(words == std::vector<std::string>{"inconclusive", "pass", "pass", "inconclusive"});

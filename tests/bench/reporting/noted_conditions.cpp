@@ -66,7 +66,7 @@ TEST_CASE("noted conditions: a judged run that is like that of the models leaves
   REQUIRE(notes.trajectories.size() == 1);
   CHECK(notes.trajectories[0].run == same);
   CHECK(notes.trajectories[0].trajectory == analysis::Trajectory::kAsFitted);
-  CHECK(notes.overdue.empty());
+  CHECK(notes.untraced.empty());
   CHECK(made.missing({same}) == kAllOpen);
 }
 
@@ -138,11 +138,11 @@ TEST_CASE("noted conditions: an undated reference, and one that was overdue, are
   }
   CHECK(made.missing({good}) == kAllOpen);
   CHECK(made.missing({made.add_calibrated("2026-01-01", "")}) == kAllOpen);
-  CHECK(made.notes({good}).overdue.empty());
+  CHECK(made.notes({good}).untraced.empty());
   const std::int64_t first = made.add_calibrated("2019-01-31", "2020-01-31"),
                      second = made.add_calibrated("2019-01-31", "2021-01-31");
-  CHECK_THAT(made.notes({first, second}).overdue, Catch::EndsWith("2020-01-31"));
-  CHECK_THAT(made.notes({good, second}).overdue, Catch::EndsWith("2021-01-31"));
+  CHECK_THAT(made.notes({first, second}).untraced, Catch::EndsWith("2020-01-31"));
+  CHECK_THAT(made.notes({good, second}).untraced, Catch::EndsWith("2021-01-31"));
 }
 
 TEST_CASE(
@@ -166,15 +166,15 @@ TEST_CASE("noted conditions: a statement is a pass or a fail, others have no not
   NotedRuns made;
   (void)made.add();
   const std::int64_t same = made.add();
-  made.before.overdue = "of before";
+  made.before.untraced = "of before";
   made.before.not_assessed.push_back({"of before", ""});
   made.before.trajectories.resize(3);
   for (const char* stated : {"pass", "conditional pass", "conditional fail", "fail"}) {
     const analysis::JudgementNotes notes = made.notes({same}, nullptr, stated);
-    CHECK((notes.trajectories.size() == 1 && notes.not_assessed.size() == 5 && notes.overdue.empty()));
+    CHECK((notes.trajectories.size() == 1 && notes.not_assessed.size() == 5 && notes.untraced.empty()));
   }
   const auto nothing = [](const analysis::JudgementNotes& notes) {
-    return notes.trajectories.empty() && notes.not_assessed.empty() && notes.overdue.empty();
+    return notes.trajectories.empty() && notes.not_assessed.empty() && notes.untraced.empty();
   };
   CHECK(nothing(made.notes({same}, nullptr, "report only")));
   CHECK(nothing(made.notes({})));

@@ -75,7 +75,7 @@ TEST_CASE("report input: verdicts of before an overdue reference are withheld, a
   REQUIRE(input.verdicts.size() == 4);
   CHECK(input.verdicts[0].verdict == "inconclusive");
   CHECK(input.verdicts[3].verdict == "pass");
-  CHECK_THAT(input.judgement.overdue, Catch::EndsWith("2026-02-01"));
+  CHECK_THAT(input.judgement.untraced, Catch::EndsWith("2026-02-01"));
   CHECK_FALSE(input.uncertainty);
   CHECK(input.evaluation.levels.empty());
 }

@@ -2,6 +2,8 @@
 #include "bench/run/recipe_check.h"
 
 #include <catch2/catch.hpp>
+#include <string>
+#include <utility>
 
 #include "bench/common/error.h"
 
@@ -163,7 +165,8 @@ TEST_CASE("lacking levels: what no pair of sweeps passes, with the nearest that 
   steps.push_back(measure(4.0 + 4e-7, 8.0, 0.0));  // the same but for a rounding
   CHECK(lacking(steps, {4.0}).empty());
   CHECK(lacking(steps, {4.0 + 4e-7}).empty());
-  CHECK(lacking(steps, {4.000002}).size() == 1);
+  CHECK(lacking(steps, {4.009}).empty());  // as people type it, or another unit's
+  CHECK(lacking(steps, {4.011}).size() == 1);
   steps.back().setpoint = devices::Psi(4.000002);
   CHECK(lacking(steps, {4.0}).size() == 1);
   steps.back().kind = StepKind::kConditioning;

@@ -126,7 +126,7 @@ TEST_CASE("data of the reference by hand: what is missing, and limits that are s
   const auto data = reading_of(input);
   CHECK(data["not_assessed"] == nlohmann::json::parse(R"({"creep under load":"no hold"})"));
   CHECK(data["reference"] == nlohmann::json::parse(R"({"certificate":"C-1","calibrated":"2024-01-01",
-    "due":"2025-01-01","overdue":true,"independent":true,"certificate_covers":"not stated",
+    "due":"2025-01-01","overdue":true,"not_covered":"","independent":true,"certificate_covers":"not stated",
     "beyond_the_certificate_psi":{"reference, voltage input":0.04,"reference, hysteresis":"in the certificate",
       "reference, zero":"not assessed: no zero","reference, temperature":""},
     "largest_u_psi":0.25,"resolution_psi":0.01,"drift_psi":0.02,"drift_stated_psi":0.03,"drift_basis":"a year"})"));

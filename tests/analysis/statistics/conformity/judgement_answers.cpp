@@ -102,6 +102,27 @@ TEST_CASE("verdicts row by row: criterion, scope, value, limit, unit and word of
   CHECK(judge(none, straight_fit(), few)[0].verdict == "pass");
 }
 
+TEST_CASE("a level is met by the nearest one measured within 0.01 psi, and is called as that one") {
+  Evaluation evaluation = evaluated();
+  evaluation.levels[0].pressure_psi = 100.0 / 6.894757293168361;  // 14.503774 psi; the other is 40
+  Limits limits = limits_set();
+  limits.mpe.clear();
+  for (const double typed : {14.5038, 14.5, 14.51, 14.50377}) {
+    CAPTURE(typed);
+    limits.mismatch = {{typed, 0.05}};
+    const auto rows = judge(evaluation, straight_fit(), limits);
+    CHECK((rows[4].value == 0.02 && rows[4].verdict == "pass" && rows[4].scope == "14.5038 psi up"));
+  }
+  for (const double other : {14.49, 14.515, 15.0}) {
+    CAPTURE(other);
+    limits.mismatch = {{other, 0.05}};
+    CHECK(judge(evaluation, straight_fit(), limits)[4].verdict == "inconclusive");
+  }
+  evaluation.levels[1].pressure_psi = 14.498;  // steps finer than that: the nearest, not the first
+  limits.mismatch = {{14.497, 0.05}};
+  CHECK(judge(evaluation, straight_fit(), limits)[4].value == 0.04);
+}
+
 TEST_CASE("the default rule is four-way where U of the criterion is known, and takes it from the same scope and run") {
   Limits limits = limits_set();
   limits.rule = DecisionRule::kDefault;

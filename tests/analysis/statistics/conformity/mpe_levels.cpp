@@ -89,19 +89,29 @@ TEST_CASE("mpe: a taxel without U at a level has none, and a share that needs it
   CHECK(std::isnan(figure_at(0, 60, 0.95, known, data).expanded_psi));
 }
 
-TEST_CASE("mpe: levels of a span are counted by branch, with both ends and a millionth of a psi beyond") {
+TEST_CASE("mpe: beyond the certificate of the models' run there is no U, whatever budgets lie near") {
+  const Dataset data = straight_array::known_loop();
+  Uncertainty known = unequal();
+  known.reference.low_psi = 0.0;
+  known.reference.high_psi = 30.0;
+  CHECK(figure_at(0, 20, 0.95, known, data).expanded_psi == Approx(13 - 6));
+  CHECK(figure_at(0, 40, 0.95, known, data).value_psi == Approx(6.0));
+  CHECK(std::isnan(figure_at(0, 40, 0.95, known, data).expanded_psi));
+}
+
+TEST_CASE("mpe: levels of a span are counted by branch, with both ends and 0.01 psi beyond, as people type them") {
   const Dataset data = straight_array::known_loop();
   const auto levels = [&](double low, double high) { return figure_at(low, high, 0.95, unequal(), data).levels; };
   CHECK(levels(0, 60) == 7);
   CHECK(levels(20, 40) == 4);
-  CHECK(levels(20.0000009, 39.9999991) == 4);
-  CHECK(levels(20.0000011, 40) == 2);
-  CHECK(levels(20, 39.9999989) == 2);
+  CHECK(levels(20.009, 39.991) == 4);
+  CHECK(levels(20.011, 40) == 2);
+  CHECK(levels(20, 39.989) == 2);
   CHECK(levels(25, 35) == 0);
   CHECK(std::isnan(figure_at(25, 35, 0.95, unequal(), data).value_psi));
-  CHECK(figure_at(20.0000011, 40, 0.95, unequal(), data).value_psi == Approx(3.0));
-  CHECK(figure_at(20, 39.9999989, 0.95, unequal(), data).value_psi == Approx(6.0));
-  CHECK(figure_at(20.0000009, 20.0000009, 0.95, unequal(), data).value_psi == Approx(6.0));
+  CHECK(figure_at(20.011, 40, 0.95, unequal(), data).value_psi == Approx(3.0));
+  CHECK(figure_at(20, 39.989, 0.95, unequal(), data).value_psi == Approx(6.0));
+  CHECK(figure_at(20.009, 20.009, 0.95, unequal(), data).value_psi == Approx(6.0));
 }
 
 TEST_CASE("mpe: the smallest share is that of one taxel, and the scope says levels and share") {

@@ -153,6 +153,19 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("U of an error is not known where the run goes beyond the certificate, a distance keeps its own") {
+  using namespace straight_array;
+  const Dataset data = repeats_a_step_apart();
+  ReferenceUncertainty reference = certified(0.02);
+  reference.beyond = "a part of the run";
+  const auto all = judged_uncertainties(data, data, straight_fit(), evaluate(data, straight_fit()), reference);
+  for (const char* criterion : {"mean_compensation_error", "worst_taxel_error"}) {
+    CHECK(std::isnan(find_uncertainty(all, criterion, "array")->expanded));
+    CHECK(find_uncertainty(all, criterion, "array")->missing == reference.beyond);
+  }
+  CHECK(find_uncertainty(all, "distance_of_mean", "array")->expanded > 0.0);
+}
+
 TEST_CASE("a drift that has outgrown what was stated never lowers U, though few repeats make k large") {
   // Three repeats as above: u^2 1/294 psi^2 with four degrees of freedom. With the drift's share taken as knowledge k
   // would fall while u grows.

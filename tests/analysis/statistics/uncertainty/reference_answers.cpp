@@ -48,6 +48,42 @@ TEST_CASE("reference: the certificate's points, its factor, and what lies betwee
   CHECK(ReferenceUncertainty().largest_certificate_u() == 0.0);
 }
 
+TEST_CASE("reference: a certificate holds between its ends, and a run beyond them is not traceable there") {
+  const std::string stated = R"("expanded_uncertainty_psi":0.1)", range = R"("certificate_range_psi":[0,50])";
+  const auto corrected = [](const std::string& readings, const std::string& corrections) {
+    return correction(readings, "[0.1,0.1]", R"(,"correction_psi":)" + corrections);
+  };
+  struct Row {
+    std::string members;
+    double low_psi, high_psi;  // of the run
+    bool beyond;
+    double held_psi, not_held_psi;  // not held: NaN, none
+  };
+  const double none = std::nan("");
+  const std::vector<Row> rows = {
+      {stated, 0.0, 60.0, false, 1e6, none},
+      {stated + "," + range, 0.0, 60.0, true, 50.4, 51.0},  // 1 % beyond the end counts as within
+      {stated + "," + range, 0.0, 50.4, false, 0.0, -1.0},
+      {corrected("[0,40]", "[0,1.2]"), 0.0, 60.0, true, 41.2, 44.0},
+      {corrected("[0,40]", "[0,-2]"), 0.0, 40.0, true, 38.0, 40.0},
+      {corrected("[10,60]", "[0,0]"), 0.0, 60.0, true, 10.0, 8.0},
+      {corrected("[10,60]", "[0,0]"), 10.0, 60.0, false, 60.0, 61.0},
+      {corrected("[0,60]", "[0,0]") + "," + range, 0.0, 60.0, true, 50.0, 52.0},
+      {corrected("[0,40]", "[0,0]"), 0.0, 0.0, false, 40.0, 41.0},  // a run that presses
+  };
+  for (const Row& row : rows) {
+    CAPTURE(row.members, row.low_psi, row.high_psi);
+    db::RunRecord run = read_by(row.members);
+    run.lowest_psi = row.low_psi;
+    run.highest_psi = row.high_psi;
+    const ReferenceUncertainty found = reference_uncertainty(run);
+    CHECK(found.beyond.empty() != row.beyond);
+    CHECK(found.untraced() == found.beyond);
+    CHECK(found.holds_at(row.held_psi));
+    if (!std::isnan(row.not_held_psi)) CHECK_FALSE(found.holds_at(row.not_held_psi));
+  }
+}
+
 TEST_CASE("reference: a correction whose points do not rise, do not match or are not positive is none") {
   CHECK(reference_of(correction("[10]", "[0.3]")).certificate_missing.empty());
   for (const std::string& odd :

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <string>
 
 #include "analysis/statistics/conformity/verdict.h"
 #include "tests/analysis/support/uncertainty_example.h"
@@ -120,6 +121,25 @@ TEST_CASE(
   CHECK(one.levels[3].median.expanded_psi > 0.0);
 }
 
+TEST_CASE("beyond the certificate no level has a U, and within it each has the same as before") {
+  const Example example;
+  db::RunRecord run = record_with_reference(kWithCertificate);
+  const Uncertainty whole = assess_uncertainty(example.dataset, example.fit, run);
+  const auto with_range = [&](const char* range) {
+    run = record_with_reference(std::string(kWithCertificate) + R"(,"certificate_range_psi":)" + range);
+    run.highest_psi = 60.0;
+    return assess_uncertainty(example.dataset, example.fit, run);
+  };
+  const Uncertainty found = with_range("[0,40]");
+  CHECK_FALSE(found.reference.beyond.empty());
+  CHECK(found.level(44.0, true) == nullptr);
+  CHECK(found.level(60.0, true) == nullptr);
+  for (const LevelUncertainty& level : found.levels)
+    CHECK(level.worst.expanded_psi == whole.level(level.pressure_psi, level.up)->worst.expanded_psi);
+  const Uncertainty none = with_range("[80,90]");
+  CHECK(none.levels.empty());
+}
+
 TEST_CASE("taxels without a model have no uncertainty, and threads change nothing") {
   Example example;
   example.fit.taxels[1].status = TaxelStatus::kDead;
@@ -211,4 +231,7 @@ TEST_CASE("a condition that was not assessed states why, and U is not valid for 
   const ReadingUncertainty high = reading_uncertainty(with.condition(UseCondition::kAnyHistory), 1, 32.0, true);
   CHECK(at.expanded_psi == Approx(0.5 * (low.expanded_psi + high.expanded_psi)));
   CHECK(at.error_psi == Approx(0.5 * (low.error_psi + high.error_psi)));
+  const std::string in_part = std::string(kWithCertificate) + R"(,"certificate_range_psi":[0,40])";
+  const Uncertainty part = assess_uncertainty(example.dataset, example.fit, record_with_reference(in_part), inputs);
+  CHECK(std::ranges::max(part.condition(UseCondition::kAnyHistory).pressure_psi) == 40.0);
 }

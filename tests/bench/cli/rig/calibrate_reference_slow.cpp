@@ -1,5 +1,6 @@
 // devices calibrate-reference with a gauge's readings typed in: what it asks, what it makes of them, and its refusals.
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -75,6 +76,18 @@ TEST_CASE("calibrate-reference: each level is read on the way up and down") {
     CHECK(readings[i].gauge == Approx(gauge[i]).margin(1e-4));
     CHECK(readings[i].reference == Approx(levels[i]).margin(0.3));
   }
+}
+
+TEST_CASE("calibrate-reference: a reading that neither instrument can have seen is asked for again") {
+  const TypedReadings of;
+  // Ten times too much, another level's, the wrong unit; then the right one.
+  REQUIRE(
+      of.calibrate("0\n100.1\n20.1\n69kPa\n10.1\n206.8\n20.1\n20.1\n1.01\n10.1\n0\n", "--levels 0,10,20 -o ref.toml")
+          .code == 0);
+  const std::vector<Recorded> readings = recorded(of.file("ref.toml"));
+  REQUIRE(readings.size() == 6);
+  for (const Recorded& one : readings) CHECK(std::abs(one.gauge - one.reference) < 0.5);
+  of.ended("0\n100.1\n20.1\n20.1\n0.0\n", "--levels 0,10,20", 4, "TB-CALIBRATION-STOPPED");
 }
 
 TEST_CASE("calibrate-reference: in kPa it reads kPa, and the file keeps psi") {

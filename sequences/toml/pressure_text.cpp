@@ -1,4 +1,4 @@
-#include "sequences/pressure_text.h"
+#include "sequences/toml/pressure_text.h"
 
 #include <fmt/format.h>
 
