@@ -40,7 +40,8 @@ void chart(FollowedFigure& figure, const Followed& followed, const std::map<std:
   if (followed.same_seeds != 0) figure.chart.ewma.reset();
   figure.missing = figure.runs.back() != followed.run;
   const std::optional<analysis::ControlBand>& band = figure.chart.band;
-  figure.outside = band && (figure.missing || (!figure.accepted.back() && !band->holds(figure.values.back())));
+  figure.compared = band && (figure.missing || !figure.accepted.back());
+  figure.outside = figure.compared && (figure.missing || !band->holds(figure.values.back()));
 }
 
 }  // namespace

@@ -21,9 +21,10 @@ struct FollowedFigure {
   // Start-up: the baseline's values, each measurement once. Later: those of the runs after the baseline's last one,
   // without simulated runs that repeat the seeds of an earlier one. No EWMA when the newest run is such a run.
   analysis::FigureChart chart;
-  bool missing = false;  // the newest run has none
-  bool outside = false;  // the newest run's value is outside the wide band, or not the constant, or missing
-  bool shifted = false;  // the EWMA is reported among the figures judged together
+  bool compared = false;  // it has a band, and its newest run is not one of the baseline's
+  bool missing = false;   // the newest run has none
+  bool outside = false;   // the newest run's value is outside the wide band, or not the constant, or missing
+  bool shifted = false;   // the EWMA is reported among the figures judged together
 };
 
 struct Followed {

@@ -109,8 +109,12 @@ void add_as_found(analysis::Runs& runs, analysis::ReportInput& first, const anal
   if (!found.empty()) first.held_out.push_back({"as found", second.run, found.front().evaluation});
 }
 
-std::string path_of(const db::RunStore& store, const ReportOptions& options, const std::string& name) {
-  return options.output.empty() ? report_path(store, fmt::format("{}.{}", name, options.format)) : options.output;
+// `name` and `numbered` without their ending; `uuid` of the first run.
+std::string path_of(const db::RunStore& store, const ReportOptions& options, const std::string& name,
+                    const std::string& numbered, const std::string& uuid) {
+  return !options.output.empty() ? options.output
+                                 : free_report_path(store, fmt::format("{}.{}", name, options.format),
+                                                    fmt::format("{}.{}", numbered, options.format), uuid);
 }
 
 WrittenReport several_runs(analysis::Runs& runs, const ReportOptions& options, const Session& session) {
@@ -134,9 +138,11 @@ WrittenReport several_runs(analysis::Runs& runs, const ReportOptions& options, c
     out.started_utc = std::max(out.started_utc, inputs[row].run.started_utc);
   }
   out.origin = inputs.front().run.origin;
-  out.path = path_of(store, options,
-                     options.compare ? fmt::format("compare-{}-{}", options.runs[0], options.runs[1])
-                                     : fmt::format("batch-{}", out.report.number));
+  out.path =
+      path_of(store, options,
+              options.compare ? fmt::format("compare-{}-{}", options.runs[0], options.runs[1])
+                              : fmt::format("batch-{}", out.report.number),
+              fmt::format("{}-{}", options.compare ? "compare" : "batch", out.report.number), inputs.front().run.uuid);
   out.written = may_be_written(out.path, out.report.number, store);
   return out;
 }
@@ -150,10 +156,11 @@ WrittenReport one_run(db::RunStore& store, analysis::Runs& runs, const ReportOpt
   const bool signing = !options.approve_by.empty();
   check_reason(input.approvals, out.report.number, options.reason, signing);
   // A signed report has a file of its own, named by its number.
+  const std::string numbered = "run-" + out.report.number;
   out.path = path_of(
       store, options,
-      fmt::format("run-{}", signing || analysis::is_signed(input, out.report.number) ? out.report.number
-                                                                                     : std::to_string(input.run.run)));
+      signing || analysis::is_signed(input, out.report.number) ? numbered : fmt::format("run-{}", input.run.run),
+      numbered, input.run.uuid);
   out.written = may_be_written(out.path, out.report.number, store);
   if (signing) {
     pause_progress();  // it may ask
@@ -236,7 +243,7 @@ void report_runs(const ReportOptions& options, Session& session) {
     return;
   }
   if (one && !verdicts.empty()) tty::print("{}", verdict_table(verdicts, written.origin, session.unit()));
-  if (one) tty::print("{}", judgement_text(written.judgements.front(), written.origin));
+  if (one) tty::print("{}", session.unit().in_text(judgement_text(written.judgements.front(), written.origin)));
   tty::print("report {}: {}{}\n", written.report.number, path,
              written.written ? "" : " (signed: the file stays as it is)");
 }

@@ -117,10 +117,17 @@ void trend(const TrendOptions& options, Session& session) {
   const auto any = [&](bool FollowedFigure::*what) {
     return std::ranges::any_of(subjects, [&](const Followed& f) { return std::ranges::any_of(f.figures, what); });
   };
-  if (options.check)
-    session.code = any(&FollowedFigure::outside)   ? ExitCode::kCriterionFailed
-                   : any(&FollowedFigure::shifted) ? ExitCode::kInconclusive
-                                                   : ExitCode::kPass;
+  const bool compared = any(&FollowedFigure::compared);
+  if (options.check) {
+    session.code = any(&FollowedFigure::outside)                ? ExitCode::kCriterionFailed
+                   : any(&FollowedFigure::shifted) || !compared ? ExitCode::kInconclusive
+                                                                : ExitCode::kPass;
+    if (!compared)
+      tty::print(
+          stderr,
+          "warning: nothing was compared: no figure has a value after a baseline of enough runs; accept one with "
+          "tactbench baseline accept\n");
+  }
   if (!options.html.empty())
     write_output(options.html, trend_page("Figures over time", origin, subjects), session.replace);
   if (session.json) {
@@ -141,8 +148,9 @@ void add_trend_options(CLI::App& verb, TrendOptions& options, Session& session) 
   verb.add_option("--figure", options.figure, "this figure alone");
   verb.add_option("--html", options.html, "write a page with a plot for each figure");
   add_replace(verb, session);
-  verb.add_flag("--check", options.check,
-                "exit 1 when the newest value of a figure is outside its band, 6 when one has shifted");
+  verb.add_flag(
+      "--check", options.check,
+      "exit 1 when the newest value of a figure is outside its band, 6 when one has shifted or none was compared");
   add_units(verb, session);
 }
 

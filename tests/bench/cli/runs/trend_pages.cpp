@@ -72,6 +72,20 @@ TEST_CASE("trend: a figure from within its band to shifted, outside and missing"
   CHECK(told.at("figures").at(1).at("slope_per_run").get<double>() == Approx(0.2916667));
 }
 
+TEST_CASE("trend --check that compared nothing is inconclusive") {
+  StoreOfTrends store;
+  store.add("rig/b", {{"mean_error_psi", 10.0}});
+  CHECK(store.trend({"--check"}).code == 6);  // no baseline
+  store.add_baseline("rig/a", "mean_error_psi");
+  CHECK(store.trend({"--check"}).code == 6);  // the newest run is the baseline's own
+  CHECK(store.trend({"--check", "--json"}).code == 6);
+  CHECK(store.trend().code == 0);
+  store.add("rig/a", {{"mean_error_psi", 10.0}, {"frames", 100.0}});
+  CHECK(store.trend({"--check"}).code == 0);
+  CHECK(store.trend({"--check", "--subject", "rig/b"}).code == 6);
+  CHECK(store.trend({"--check", "--subject", "rig/a"}).code == 0);
+}
+
 TEST_CASE("trend: all that JSON has of a figure") {
   StoreOfTrends store;
   store.add_baseline("rig/a", "mean_error_psi");
@@ -137,7 +151,6 @@ TEST_CASE("trend: subjects that are chosen, and what is refused") {
   CHECK(subjects({"--sensor", "S-1"}) == Names{one});
   CHECK(subjects({"--subject", "sensor/S-10"}) == Names{ten});
   CHECK(subjects({"--subject", "sensor/", "--sensor", "S-10"}) == Names{ten});
-  CHECK(store.trend({"--check"}).code == 0);
   refused({"--sensor", "S-2"});
   refused({"--subject", "ensor"});
   refused({"--figure", "x"});
