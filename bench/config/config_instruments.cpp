@@ -70,8 +70,9 @@ KeyTable scanner_keys(BenchConfig& config) {
   const bool hid = config.scanner_kind == ScannerKind::kHid;
   return {
       key::text("serial", scanner.expected_serial, "Serial number of the scanner; another one is refused. \"\": any"),
-      key::number("rows", scanner.rows, kOne, {1, 64}, "Rows of the array"),
-      key::number("columns", scanner.columns, kOne, hid ? Range{16, 16} : Range{1, 64}, "Columns of the array"),
+      key::number("rows", scanner.rows, kOne, {1, 64}, "Rows of the array; a frame source states its own"),
+      key::number("columns", scanner.columns, kOne, hid ? Range{16, 16} : Range{1, 64},
+                  "Columns of the array; a frame source states its own"),
       key::number("frame_timeout_ms", scanner.frame_timeout, kMilliseconds, {10.0, 10000.0},
                   "Longest time to wait for one scan"),
       key::text("cable", config.scanner_cable, "Which cable connects array and scanner; stored with each run"),
@@ -116,8 +117,9 @@ void read_scanner(const TomlTable& table, BenchConfig& config) {
                  "write \"tcp:HOST:PORT\" or \"unix:PATH\"");
     }
     source.expected_serial = config.scanner.expected_serial;
-    source.rows = config.scanner.rows;
-    source.columns = config.scanner.columns;
+    // It states them itself; the simulated one in this process has those of `scanner`.
+    source.rows = config.in_process || table.has("rows") ? config.scanner.rows : 0;
+    source.columns = config.in_process || table.has("columns") ? config.scanner.columns : 0;
     source.frame_timeout = config.scanner.frame_timeout;
     source.origin = config.origin;
   }

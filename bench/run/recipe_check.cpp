@@ -61,6 +61,16 @@ void check_devices_of(const Recipe& recipe, const BenchConfig& bench) {
   }
 }
 
+void check_times_of(const Recipe& recipe, const BenchConfig& bench) {
+  const double longest = *std::ranges::max_element(recipe.dwell_s);
+  if (recipe.step_timeout_s == 0.0 || recipe.step_timeout_s > longest) return;
+  throw Error("TB-RECIPE-LIMIT",
+              fmt::format("recipe '{}' lets a step take {:g} s, and waits {:g} s before a frame: no step would end in "
+                          "time",
+                          recipe.name, recipe.step_timeout_s, longest),
+              fmt::format("recipe '{}', bench '{}'", recipe.name, bench.id), "raise timeout.step_s, or lower dwell_s");
+}
+
 // The force sensor's calibrated range is known once it is open: StageSteps checks again then.
 void check_press_of(const Recipe& recipe, const BenchConfig& bench) {
   if (recipe.kind != RecipeKind::kPress) return;
@@ -69,8 +79,8 @@ void check_press_of(const Recipe& recipe, const BenchConfig& bench) {
   const std::vector<std::string> complaints = press_complaints(recipe, bench, any);
   if (complaints.empty()) return;
   throw Error("TB-RECIPE-LIMIT", complaints.front(), fmt::format("recipe '{}', bench '{}'", recipe.name, bench.id),
-              "lower forces_n, or slow approach or servo down; the limits are [limits] force_n and clear_z_mm and those "
-      "of [stage]");
+              "lower forces_n, or slow approach_mm_per_s or servo_mm_per_s down; the limits are [limits] force_n and "
+              "clear_z_mm and those of [stage], maximum_speed_mm_per_s among them");
 }
 
 }  // namespace
@@ -148,10 +158,37 @@ bool needs_press(const std::vector<Recipe>& recipes) {
                      [](const Recipe& recipe) { return recipe.kind == RecipeKind::kPress; });
 }
 
+std::vector<std::string> recipe_warnings(const std::vector<Recipe>& recipes, const BenchConfig& bench) {
+  const devices::LinearScale volts = bench.module.profile.outputs.volts, psi = bench.regulator.command_span.scale();
+  const double count_psi = std::abs((volts.high - volts.low) / (volts.raw_high - volts.raw_low) * (psi.high - psi.low) /
+                                    (psi.raw_high - psi.raw_low));
+  std::vector<std::string> warnings;
+  for (const Recipe& recipe : recipes) {
+    if (recipe.kind == RecipeKind::kPress || recipe.turning_points.size() < 2) continue;
+    std::string finer;
+    if (recipe.step.value() < count_psi)
+      finer = fmt::format("one count of the output ({:.3g} psi): several levels have the same set-point", count_psi);
+    if (recipe.settle && recipe.step.value() < bench.settling.band_psi)
+      finer += fmt::format("{}[settling] band_psi ({:g} psi): a level counts as reached where its neighbour is",
+                           finer.empty() ? "" : ", and than ", bench.settling.band_psi);
+    if (!finer.empty())
+      warnings.push_back(
+          fmt::format("recipe '{}' has steps of {:.4g} psi, finer than {}", recipe.name, recipe.step.value(), finer));
+    const double fastest = *std::ranges::max_element(recipe.ramp_psi_per_s), rate = bench.limits.rate_psi_per_s;
+    if (fastest > rate)
+      warnings.push_back(
+          fmt::format("recipe '{}' has ramps of {:g} psi/s, and the pressure moves at the {:g} psi/s of "
+                      "[limits] rate_psi_per_s",
+                      recipe.name, fastest, rate));
+  }
+  return warnings;
+}
+
 void check_recipes(const std::vector<Recipe>& recipes, const BenchConfig& bench) {
   for (const Recipe& recipe : recipes) {
     check_devices_of(recipe, bench);
     check_limits_of(recipe, bench);
+    check_times_of(recipe, bench);
     check_press_of(recipe, bench);
   }
 }

@@ -35,6 +35,10 @@ std::vector<LackingLevel> lacking_levels(const std::vector<sequences::Step>& ste
 // True when a recipe presses objects on the array, which needs stage and force sensor.
 bool needs_press(const std::vector<sequences::Recipe>& recipes);
 
+// What a run would carry out otherwise than asked, a sentence each: steps finer than a count of the output or than the
+// band in which a level counts as reached, and ramps faster than the bench allows.
+std::vector<std::string> recipe_warnings(const std::vector<sequences::Recipe>& recipes, const BenchConfig& bench);
+
 // Throws Error with ExitCode::kUsage: TB-RECIPE-LIMIT (names recipe, axis and limit), TB-RECIPE-DEVICES.
 void check_recipes(const std::vector<sequences::Recipe>& recipes, const BenchConfig& bench);
 

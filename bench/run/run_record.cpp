@@ -107,7 +107,8 @@ std::optional<BenchConfig> stored_bench(const db::RunRecord& run) {
 
 void check_geometry(const RunRequest& request) {
   const devices::HidScannerOptions& scanner = request.bench.scanner;
-  if (request.sensor_type.rows == scanner.rows && request.sensor_type.columns == scanner.columns) return;
+  const bool stated = request.bench.scanner_kind != ScannerKind::kFrameSource || request.bench.frame_source.rows != 0;
+  if (!stated || (request.sensor_type.rows == scanner.rows && request.sensor_type.columns == scanner.columns)) return;
   throw Error("TB-SENSOR-GEOMETRY",
               fmt::format("sensor type '{}' has {} x {} taxels, the bench's scanner {} x {}", request.sensor_type.name,
                           request.sensor_type.rows, request.sensor_type.columns, scanner.rows, scanner.columns),

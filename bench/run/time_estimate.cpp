@@ -80,7 +80,23 @@ sequences::TimeModel time_model(const BenchConfig& bench) {
   model.rise_psi_per_s = model.fall_psi_per_s = bench.limits.rate_psi_per_s;
   model.settle_s = devices::in_seconds(bench.regulator.feed_interval) + bench.settling.poll_s;
   model.prompt_s = 0.0;
+  if (!bench.stage) return model;
+  constexpr double kUsualSpeed = 4.0;  // mm/s, for which the model's ways of the stage are
+  for (const devices::ZaberAxisOptions& axis : bench.stage->options.axes) {
+    const double slower = std::max(1.0, kUsualSpeed / axis.maximum_speed.value());
+    model.home_s = std::max(model.home_s, slower * sequences::TimeModel().home_s);
+    model.move_s = std::max(model.move_s, slower * sequences::TimeModel().move_s);
+  }
   return model;
+}
+
+std::size_t steps_done(const std::vector<Step>& steps, std::int64_t frames) {
+  for (const sequences::BranchSpan& span : sequences::branches(steps)) {
+    if (span.kind != sequences::SpanKind::kBranch) continue;
+    for (std::size_t i = span.first; i < span.first + span.count; ++i) frames -= takes_frame(steps[i]) ? 1 : 0;
+    if (frames < 0) return span.first;
+  }
+  return steps.size();
 }
 
 TimeEstimate::TimeEstimate(const std::vector<Recipe>& recipes, const std::vector<Step>& steps,

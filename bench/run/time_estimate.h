@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,6 +23,9 @@ struct TimeBand {  // a tenth of the runs is expected to be shorter than p10, a 
   int runs = 0;     // smallest number of runs learned from, over the recipes; 0: at least one is by the model
   int prompts = 0;  // to the operator, not included
 };
+
+// Of a run with that many frames that count: the step with which its first branch that is not complete begins.
+std::size_t steps_done(const std::vector<sequences::Step>& steps, std::int64_t frames);
 
 class TimeEstimate {
  public:

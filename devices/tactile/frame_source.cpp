@@ -46,11 +46,14 @@ void FrameSource::identify() {
   if (described_.version != protocol::kVersion) {
     corrupt(fmt::format("it speaks version {} of the protocol, not {}", described_.version, protocol::kVersion));
   }
+  if (options_.rows == 0) options_.rows = described_.rows;
+  if (options_.columns == 0) options_.columns = described_.columns;
   if (described_.rows != options_.rows || described_.columns != options_.columns) {
     throw Fault("TB-SCANNER-GEOMETRY", kSourceDevice,
-                fmt::format("a scanner of {} x {} taxels is configured, {} reports {} x {}", options_.rows,
-                            options_.columns, stream_->description(), described_.rows, described_.columns),
-                "Correct rows and columns in the sensor file, or connect the right scanner.");
+                fmt::format("{} x {} taxels are expected, {} reports {} x {}", options_.rows, options_.columns,
+                            stream_->description(), described_.rows, described_.columns),
+                "Correct rows and columns in the sensor file, and under [scanner] of the bench file, where a frame "
+                "source needs none; or connect the right scanner.");
   }
   if (!options_.expected_serial.empty() && described_.serial != options_.expected_serial) {
     throw Fault("TB-SCANNER-SERIAL", kSourceDevice,

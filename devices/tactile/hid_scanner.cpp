@@ -55,7 +55,7 @@ HidScanner::HidScanner(std::unique_ptr<ReportLink> link, HidScannerOptions optio
                     "per count",
                     options_.rows, options_.columns, kScanColumns, link_->description(), described_.rows,
                     described_.columns, described_.volts_per_count),
-        "Correct rows and columns in the sensor file, or connect the right scanner.");
+        "Correct rows and columns under [scanner] of the bench file, or connect the right scanner.");
   }
   if (!options_.expected_serial.empty() && described_.serial != options_.expected_serial) {
     throw Fault("TB-SCANNER-SERIAL", kHidDevice,

@@ -259,6 +259,8 @@ void plan(const PlanOptions& options, Session& session) {
   const double frame_bytes = 2.0 * plan.bench.scanner.rows * plan.bench.scanner.columns * plan.bench.scans_per_frame;
   plan.estimate = sequences::estimate(plan.recipes, plan.steps, time_model(plan.bench), frame_bytes);
   const TimeEstimate time = estimate_time(plan, overrides, session);
+  for (const std::string& line : recipe_warnings(plan.recipes, plan.bench))
+    tty::print(stderr, "warning: {}\n", session.unit().in_text(line));
   for (const std::string& line :
        calibration_warnings(plan.bench, instruments_of(plan), utc_now().substr(0, 10), plan.steps))
     tty::print(stderr, "warning: {}\n", session.unit().in_text(line));

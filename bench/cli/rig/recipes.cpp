@@ -108,6 +108,8 @@ void check(const RecipesOptions& options, Session& session) {
       const std::string path = find_recipe(name);
       const Recipe recipe = sequences::read_recipe(path);
       check_recipes({recipe}, bench);
+      for (const std::string& line : recipe_warnings({recipe}, bench))
+        tty::print(stderr, "warning: {}\n", session.unit().in_text(line));
       if (session.json) {
         ordered_json good = recipe_json(recipe, path);
         good["good"] = true;

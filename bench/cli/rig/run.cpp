@@ -52,10 +52,13 @@ CarriedOut carry_out(RunRequest& request, db::RunStore& store, const std::string
   request.sensor = registered(store, sensor, session.db);
   request.sensor_type = parse_sensor_type(request.sensor.type_toml, "sensor type of " + sensor);
   Progress progress(Progress::mode_for(session.quiet), session.unit());
-  TimeEstimate estimate(request.recipes, sequences::compile(request.recipes), time_model(request.bench));
+  const std::vector<sequences::Step> steps = sequences::compile(request.recipes);
+  TimeEstimate estimate(request.recipes, steps, time_model(request.bench));
   estimate.learn(store, request.bench.id, request.overrides, true);
   request.estimate = &estimate;
-  const TimeBand band = estimate.total();
+  const std::int64_t frames =
+      request.resume == 0 ? 0 : store.frame_count(request.resume) - store.void_frame_count(request.resume);
+  const TimeBand band = estimate.remaining(frames > 0 ? steps_done(steps, frames) : 0);
   const std::string basis =
       band.runs > 0 ? fmt::format("learned from {} run{}", band.runs, band.runs == 1 ? "" : "s") : "by the model";
   const std::string estimated =
@@ -91,6 +94,8 @@ void show_run_result(const CarriedOut& done, const Session& session) {
 void warn_of_instruments(const RunRequest& request, analysis::PressureUnit unit) {
   refuse_placeholders(request.bench);
   const auto instruments = stated_instruments(request.bench, needs_press(request.recipes));
+  for (const std::string& line : recipe_warnings(request.recipes, request.bench))
+    tty::print(stderr, "warning: {}\n", unit.in_text(line));
   for (const std::string& line :
        calibration_warnings(request.bench, instruments, utc_now().substr(0, 10), sequences::compile(request.recipes)))
     tty::print(stderr, "warning: {}\n", unit.in_text(line));

@@ -79,6 +79,11 @@ void check_places(const PressPlanned& planned, const PressOptions& options, cons
     check("x", x_mm, 0);
     check("y", y_mm, 1);
   }
+  for (const auto& [key, speed] :
+       {std::pair("approach_mm_per_s", options.approach_mm_per_s), std::pair("servo_mm_per_s", options.servo_mm_per_s)})
+    if (!(speed <= options.travel_mm_per_s))
+      complaints.push_back(
+          fmt::format("{} = {:g} is more than the {:g} mm/s that z may move at", key, speed, options.travel_mm_per_s));
   check("clear z", options.clear_z_mm, 2);
   check("deepest z", options.deepest_z_mm, 2);
   if (!(options.clear_z_mm < options.deepest_z_mm)) complaints.emplace_back("clear z is not above the deepest z");

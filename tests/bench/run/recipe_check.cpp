@@ -127,6 +127,13 @@ TEST_CASE("recipe check: at the limit it passes, beyond it is refused with what 
   config.stage->options.axes[0].high = devices::Millimetres(60.0);
   config.stage->options.axes[1].low = devices::Millimetres(31.0);
   refused(press, config, "TB-RECIPE-LIMIT", {"30.00 mm", "31.00 mm", " y"});
+  config = {};
+  Recipe timed = levels_recipe(20.0);
+  timed.dwell_s = {1.0, 3.0};
+  timed.step_timeout_s = 4.0;
+  CHECK(refusal(timed, config) == "none");
+  timed.step_timeout_s = 3.0;
+  refused(timed, config, "TB-RECIPE-LIMIT", {"3 s"});
   Recipe waits = levels_recipe(20.0);
   waits.suspend.push_back({"supply_bar", true, 6.0, 6.5});
   config = {};
@@ -134,6 +141,61 @@ TEST_CASE("recipe check: at the limit it passes, beyond it is refused with what 
   refused(waits, config, "TB-RECIPE-DEVICES", {"supply_bar"});
   config.environment.emplace_back().quantity = "supply_bar";
   CHECK(refusal(waits, config) == "none");
+}
+
+TEST_CASE("recipe check: a speed that the guard would refuse is refused before anything is touched") {
+  BenchConfig config;
+  config.stage.emplace();
+  config.force.emplace();
+  Recipe press;
+  press.name = "press";
+  press.kind = RecipeKind::kPress;
+  press.press.positions_mm = {{30.0, 30.0}};
+  press.press.forces_n = {2.0, 10.0};
+  const auto at = [&](double most, double approach, double servo) {
+    config.stage->options.axes[2].maximum_speed = devices::MillimetresPerSecond(most);
+    press.press.approach_mm_per_s = approach;
+    press.press.servo_mm_per_s = servo;
+    return refusal(press, config);
+  };
+  CHECK(at(0.5, 0.5, 0.5) == "none");
+  for (const auto& [what, key] :
+       {std::pair(at(0.05, 0.5, 0.05), "approach_mm_per_s"), std::pair(at(0.2, 0.2, 0.25), "servo_mm_per_s")}) {
+    INFO(what);
+    CHECK(what.starts_with("TB-RECIPE-LIMIT: "));
+    CHECK(what.find(key) != std::string::npos);
+  }
+}
+
+TEST_CASE("recipe check: steps finer than the output or the band are warned of, with the figure") {
+  BenchConfig config;  // 12 bits of 10 V, 130 psi: 0.0317 psi a count
+  config.module.profile.outputs.volts = {0.0, 4095.0, 0.0, 10.0};
+  config.regulator.command_span = {devices::Volts(0.0), devices::Volts(10.0), devices::Psi(0.0), devices::Psi(130.0)};
+  config.settling.band_psi = 0.25;
+  const auto warned = [&](double step, bool settle = true) {
+    Recipe recipe = levels_recipe(60.0);
+    recipe.step = devices::Psi(step);
+    recipe.settle = settle;
+    const std::vector<std::string> lines = bench::recipe_warnings({recipe, levels_recipe(60.0)}, config);
+    REQUIRE(lines.size() <= 1);
+    return lines.empty() ? std::string() : lines.front();
+  };
+  CHECK(warned(0.25).empty());
+  CHECK(warned(0.04, false).empty());  // taken as the ramp passes: no band
+  CHECK(warned(0.01).find("0.0317") != std::string::npos);
+  CHECK(warned(0.01, false).find("0.0317") != std::string::npos);
+  CHECK(warned(0.01).find("band_psi") != std::string::npos);
+  CHECK(warned(0.1).find("0.0317") == std::string::npos);
+  CHECK(warned(0.1).find("band_psi") != std::string::npos);
+  Recipe fast = levels_recipe(60.0);
+  fast.ramp_psi_per_s = {0.5, 30.0};
+  CHECK(bench::recipe_warnings({fast}, config).size() == 1);
+  fast.ramp_psi_per_s = {config.limits.rate_psi_per_s};
+  CHECK(bench::recipe_warnings({fast}, config).empty());
+  Recipe press = levels_recipe(60.0);
+  press.kind = RecipeKind::kPress;
+  press.step = devices::Psi(0.01);
+  CHECK(bench::recipe_warnings({press}, config).empty());
 }
 
 TEST_CASE("recipe check: the devices that recipes need, each once, in the order of use") {

@@ -51,6 +51,17 @@ TEST_CASE("without history the model's time band is given and labelled as the mo
   CHECK(estimate.remaining(39).p50_s == Approx(2.65 + 2.0 / 60.0));  // the last level
 }
 
+TEST_CASE("of a run that is resumed the complete branches are done") {
+  const auto steps = sequences::compile(long_recipe(), 0);  // two of conditioning, 33 frames up, 32 down
+  const auto first_undone = [&](std::int64_t frames) { return steps_done(steps, frames); };
+  CHECK(first_undone(32) == 2);
+  CHECK(first_undone(33) == 35);
+  CHECK(first_undone(64) == 35);
+  CHECK(first_undone(65) == steps.size());
+  const TimeEstimate estimate({long_recipe()}, steps, sequences::TimeModel());
+  CHECK(estimate.remaining(first_undone(33)).p50_s == Approx(32 * 2.65 + 64.0 / 60.0));
+}
+
 TEST_CASE("time already lost in a run is not added to the remaining time") {
   Bed bed;
   const std::vector<Recipe> recipes = {recipe_named("a")};

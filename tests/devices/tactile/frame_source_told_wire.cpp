@@ -5,6 +5,7 @@
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <thread>
+#include <tuple>
 
 #include "devices/tactile/frame_source.h"
 #include "tests/devices/packet_listener.h"
@@ -80,6 +81,14 @@ TEST_CASE("frame source told: what is wrong with its identity") {
   CHECK(opened(protocol::Description{1, 2, 1, 0.5, "M", "S1", "F1"}) == "TB-SCANNER-GEOMETRY");
   CHECK(opened(protocol::Description{1, 2, 2, 0.5, "M", "S2", "F1"}) == "TB-SCANNER-SERIAL");
   CHECK(opened(protocol::Error{protocol::ErrorCode::kOtherVersion, "old"}) == "TB-SCANNER-REFUSED");
+  const protocol::Description eight_by_twelve{1, 8, 12, 0.5, "M", "S1", "F1"};
+  for (const auto& [rows, columns, id] : {std::tuple(0, 0, "none"), std::tuple(8, 0, "none"), std::tuple(0, 12, "none"),
+                                          std::tuple(0, 8, "TB-SCANNER-GEOMETRY")}) {
+    ToldSource sized([&](int, Tag tag) { return told(tag, eight_by_twelve); });
+    sized.options.rows = rows;  // 0: what the source states
+    sized.options.columns = columns;
+    CHECK(sized.opened() == id);
+  }
   ToldSource any([](int, Tag tag) { return told(tag, kTwoByTwo); });
   any.options.expected_serial.clear();
   CHECK(any.opened() == "none");
