@@ -25,7 +25,7 @@ class Watching {
 
   std::optional<StoredRun> until_end(const StopRequest& stop) {
     for (std::optional<LiveRun> answer = last_.live; stop.signal() == 0;
-         answer = send_command(name_, Command::kStatus)) {
+         answer = send_command(name_, Command::kStatus, last_.live.server)) {
       const bool ours =
           answer && !answer->denied && answer->status.run == run() && answer->status.store == last_.live.status.store;
       if (ours) {

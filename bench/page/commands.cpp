@@ -19,11 +19,11 @@ constexpr std::chrono::seconds kLongestWait{5};
 constexpr std::size_t kMostUnderWay = 16;  // a panic has as many places of its own
 constexpr int kLargestNumber = std::numeric_limits<int>::max();
 
-HttpResponse told(int status, bool taken, const std::string& text) {
+HttpResponse told(int status, bool taken, const std::string& text, const std::string& by = {}) {
   return {.status = status,
           .type = "application/json",
           .body = std::make_shared<const std::string>(
-              analysis::printable_json(nlohmann::json{{"taken", taken}, {"text", text}}))};
+              analysis::printable_json(nlohmann::json{{"taken", taken}, {"text", text}, {"by", by}}))};
 }
 
 struct Asked {
@@ -69,7 +69,7 @@ void Commands::send(const std::string& body, const LiveRun* live, const std::str
     return reply(told(200, false, fmt::format("run {} is live now, not run {}", live->status.run, asked->run)));
   if (sent_.size() >= (asked->panics ? 2 : 1) * kMostUnderWay)
     return reply(told(200, false, "too many commands wait for the run"));
-  auto connection = std::make_unique<RunConnection>(live->name, asked->words);
+  auto connection = std::make_unique<RunConnection>(live->name, asked->words, live->status.store);
   if (!connection->open()) return reply(told(200, false, fmt::format("run {} does not answer", asked->run)));
   Sent& sent = sent_.emplace_back();
   sent.connection = std::move(connection);
@@ -84,7 +84,7 @@ void Commands::receive(Sent& sent) {
   if (!answer && sent.connection->open()) return;
   sent.done = true;  // look() removes it: this is called by what it would remove
   if (!answer) return sent.reply(told(200, false, "the run has hung up without an answer"));
-  sent.reply(told(200, answer->taken, one_line(answer->text, kLongestReply)));
+  sent.reply(told(200, answer->taken, one_line(answer->text, kLongestReply), peer_text(answer->server)));
 }
 
 void Commands::look() {

@@ -16,7 +16,7 @@ class Commands {
  public:
   explicit Commands(HttpServer& server) : server_(server) {}
   // `body`: {"word": "pause"} or {"word": "answer", "question": 3, "text": "done"}, with "run", the number that the
-  // person saw. `behalf`: who asks, for the run's events. The reply is JSON: taken, text.
+  // person saw. `behalf`: who asks, for the run's events. The reply is JSON: taken, text, and by whom.
   void send(const std::string& body, const LiveRun* live, const std::string& behalf, Reply reply);
   void look();  // to be called a few times a second: gives up what is not acknowledged
 

@@ -30,11 +30,14 @@ void RunFollower::look() {
     if (live_ || now - last_ < kFirstAnswer) return;
     let_go(false);
   }
+  std::erase_if(foreign_, [now](const auto& asked) { return now - asked.second >= kAskForeignAgain; });
   for (const std::string& name : run_names(bench_)) {
-    const auto asked = foreign_.find(name);
-    if (asked != foreign_.end() && now - asked->second < kAskForeignAgain) continue;
-    auto made = std::make_unique<RunConnection>(name, "follow");
-    if (!made->open()) continue;
+    if (foreign_.contains(name)) continue;
+    auto made = std::make_unique<RunConnection>(name, "follow", db_);
+    if (!made->open()) {
+      foreign_[name] = now;
+      continue;
+    }
     connection_ = std::move(made);
     name_ = name;
     last_ = now;

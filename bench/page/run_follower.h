@@ -38,7 +38,8 @@ class RunFollower {
   std::string our_store_;  // as the run on the connection names it; empty: not compared yet
   std::optional<LiveRun> live_;
   RealClock::time_point last_{};
-  std::map<std::string, RealClock::time_point> foreign_;  // benches of other stores, and when they were asked
+  std::map<std::string, RealClock::time_point>
+      foreign_;  // benches of other stores or of strangers, and when they were asked
 };
 
 }  // namespace tactbench::bench

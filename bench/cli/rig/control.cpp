@@ -26,7 +26,7 @@ struct ControlOptions : NamedRun {  // bench of `resume`: a file
 
 // The answer of the run that took the command; throws when it did not.
 LiveRun taken_by(const LiveRun& chosen, Command command) {
-  std::optional<LiveRun> answer = send_command(chosen.name, command);
+  std::optional<LiveRun> answer = send_command(chosen.name, command, chosen.server);
   if (!answer) {
     refuse_word("TB-RUN-NOT-LIVE", fmt::format("run {} no longer answers", chosen.status.run), shown_name(chosen.name),
                 fmt::format("see `tactbench runs show {} --db {}`", chosen.status.run, chosen.status.store));
@@ -72,9 +72,10 @@ void say(const ControlOptions& options, const Session& session, Command command,
                                     {"state", to_string(answer.status.state)},
                                     {"step", answer.status.step},
                                     {"steps", answer.status.steps},
-                                    {"answer", answer.text}});
+                                    {"answer", answer.text},
+                                    {"by", peer_text(answer.server)}});
   } else {
-    tty::print("{}\n", session.unit().in_text(answer.text));
+    tty::print("{} (answered by {})\n", session.unit().in_text(answer.text), peer_text(answer.server));
   }
 }
 

@@ -23,8 +23,8 @@ std::string run_text(const LiveRun& live) {
                      to_string(live.status.state), live.status.step, live.status.steps);
 }
 
-// In words; root accepts all users, so for root it did not answer at all.
-bool unheard(const SilentBench& silent) { return silent.stranger && ::geteuid() != 0; }
+// In words; root asks all users, so for root one that told no lie did not answer at all.
+bool unheard(const SilentBench& silent) { return silent.stranger && (silent.lied || ::geteuid() != 0); }
 
 }  // namespace
 
@@ -58,6 +58,7 @@ Candidates candidates(const NamedRun& named, const Session& session) {
     const bool other_run = named.run != 0 && silent.run != 0 && silent.run != named.run;
     if (!other_run) found.silent.push_back(silent);
   }
+  std::ranges::stable_partition(found.silent, std::not_fn(&SilentBench::stranger));
   return found;
 }
 
@@ -82,13 +83,16 @@ std::string listed(const std::vector<LiveRun>& runs, const std::vector<SilentBen
 [[noreturn]] void refuse_silent(const std::vector<SilentBench>& silent) {
   const SilentBench& first = silent.front();
   if (unheard(first)) {
-    refuse_word(
-        "TB-RUN-DENIED",
-        fmt::format("{}: neither root, nor your own user, nor of the group '{}'", listed({}, silent), kGroupName),
-        shown_name(first.name),
-        fmt::format(
-            "ask that user, or give the command as root; members of the group '{}' may command each other's runs",
-            kGroupName));
+    refuse_word("TB-RUN-DENIED",
+                fmt::format("{}: neither root, nor your own user, nor of the group '{}'{}", listed({}, silent),
+                            kGroupName, first.lied ? ", nor at work on a run of the store that it names" : ""),
+                shown_name(first.name),
+                first.lied
+                    ? fmt::format("nothing was commanded by it: look at the rig; `kill {}` ends that process",
+                                  first.server->process)
+                    : fmt::format("ask that user, or give the command as root; members of the group '{}' may command "
+                                  "each other's runs",
+                                  kGroupName));
   }
   const std::string process = first.server ? std::to_string(first.server->process) : "PID";
   refuse_word("TB-RUN-SILENT", listed({}, silent), shown_name(first.name),

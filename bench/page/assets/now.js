@@ -185,7 +185,7 @@ async function send(word, more) {
   put(note, `${word}: sent, not acknowledged yet`);
   try {
     const answer = await command({ word, run, ...more });
-    put(note, answer.text);
+    put(note, answer.by ? `${answer.text} (answered by ${answer.by})` : answer.text);
     return answer;
   } catch {
     put(note, `${word} was not sent: the page’s program does not answer. At the bench: tactbench ${word} ${run}`);

@@ -13,6 +13,7 @@
 
 #include "analysis/json_io.h"
 #include "bench/common/private_files.h"
+#include "bench/run/control/locks.h"
 #include "bench/run/control/machine_name.h"
 
 namespace tactbench::bench {
@@ -64,8 +65,8 @@ class Asking {
  public:
   enum class State { kToConnect, kAsked, kAnswered, kSilent, kGone };
 
-  Asking(std::string name, std::string word, std::optional<gid_t> group)
-      : name_(std::move(name)), word_(std::move(word)), group_(group) {
+  Asking(std::string name, std::string word, std::optional<gid_t> group, const std::optional<Peer>& known)
+      : name_(std::move(name)), word_(std::move(word)), group_(group), known_(known) {
     connect();
   }
   ~Asking() { hang_up(); }
@@ -73,9 +74,11 @@ class Asking {
       : name_(std::move(other.name_)),
         word_(std::move(other.word_)),
         group_(other.group_),
+        known_(other.known_),
         descriptor_(std::exchange(other.descriptor_, -1)),
         server_(other.server_),
         stranger_(other.stranger_),
+        lied_(other.lied_),
         state_(other.state_),
         answer_(std::move(other.answer_)) {}
   Asking& operator=(Asking&&) = delete;
@@ -103,6 +106,10 @@ class Asking {
     const ssize_t size = ::recv(descriptor_, bytes.data(), bytes.size(), MSG_DONTWAIT);
     if (size < 0 && (errno == EAGAIN || errno == EINTR)) return;
     if (size > 0) answer_ = read_answer(name_, *server_, std::string(bytes.data(), static_cast<std::size_t>(size)));
+    if (answer_ && stranger_ && !believed(*answer_)) {
+      lied_ = true;
+      answer_.reset();
+    }
     // One that hangs up without a word has ended, or had to make room for others before this word came: asked again, it
     // is known which.
     state_ = answer_ ? State::kAnswered : size > 0 ? State::kSilent : State::kToConnect;
@@ -113,10 +120,14 @@ class Asking {
   [[nodiscard]] int descriptor() const { return descriptor_; }
   [[nodiscard]] const LiveRun& answer() const { return *answer_; }
   [[nodiscard]] SilentBench silent(const std::vector<std::string>& held) const {
-    return {name_, bench_part(name_), told_run(name_, held), server_, stranger_};
+    return {name_, bench_part(name_), told_run(name_, held), server_, stranger_, lied_};
   }
 
  private:
+  [[nodiscard]] bool believed(const LiveRun& live) const {
+    return (known_ && known_->process == live.server.process && known_->user == live.server.user) ||
+           carries_out_run_of(live.server, live.status.store);
+  }
   void hang_up() {
     if (descriptor_ >= 0) ::close(descriptor_);
     descriptor_ = -1;
@@ -124,9 +135,10 @@ class Asking {
 
   std::string name_, word_;
   std::optional<gid_t> group_;
+  std::optional<Peer> known_;
   int descriptor_ = -1;
   std::optional<Peer> server_;
-  bool stranger_ = false;
+  bool stranger_ = false, lied_ = false;
   State state_ = State::kToConnect;
   std::optional<LiveRun> answer_;
 };
@@ -171,7 +183,7 @@ Heard say_to(const std::vector<std::string>& names, Command command, const Liste
   const std::optional<gid_t> group = commanding_group();
   std::vector<Asking> all;
   all.reserve(names.size());
-  for (const std::string& name : names) all.emplace_back(name, to_string(command), group);
+  for (const std::string& name : names) all.emplace_back(name, to_string(command), group, options.known);
   bool heard_wanted = false, heard_enough = false;
   while (!heard_enough && std::any_of(all.begin(), all.end(), [](const Asking& one) { return one.open(); }) &&
          WordClock::now() < end) {
@@ -198,8 +210,10 @@ Heard say_to(const std::vector<std::string>& names, Command command, const Liste
   return heard;
 }
 
-std::optional<LiveRun> send_command(const std::string& name, Command command) {
-  Heard heard = say_to({name}, command);
+std::optional<LiveRun> send_command(const std::string& name, Command command, const std::optional<Peer>& known) {
+  ListenOptions options;
+  options.known = known;
+  Heard heard = say_to({name}, command, options);
   if (heard.answers.empty()) return std::nullopt;
   return std::move(heard.answers.front());
 }

@@ -32,6 +32,7 @@ struct SilentBench {
   std::int64_t run = 0;     // 0: not known
   std::optional<Peer> server;
   bool stranger = false;  // not trusted: neither root, nor the caller's user, nor a member of the group
+  bool lied = false;      // it did answer, and carries out no run of the store that it names
 };
 
 struct Heard {
@@ -47,13 +48,14 @@ struct ListenOptions {
   std::chrono::milliseconds stragglers{200}, longest{2000};
   std::function<bool(const LiveRun&)> wanted;  // empty: any
   std::function<bool(const LiveRun&)> enough;  // after this no further answer is needed; empty: none
+  std::optional<Peer> known;                   // was believed before: it may be ending now
 };
 
-// Sends `command` to all of them. Root accepts any answer; for other users, runs of strangers count as silent, and the
-// command is not sent to them.
+// Sends `command` to all of them. Strangers count as silent: root asks them, but believes only those that carry out a
+// run of the store that they name (locks.h); other users do not ask them.
 Heard say_to(const std::vector<std::string>& names, Command command, const ListenOptions& options = {});
 
-// The same to one; none: no answer.
-std::optional<LiveRun> send_command(const std::string& name, Command command);
+// The same to one; none: no answer that is believed.
+std::optional<LiveRun> send_command(const std::string& name, Command command, const std::optional<Peer>& known = {});
 
 }  // namespace tactbench::bench

@@ -9,6 +9,7 @@
 
 #include "bench/config/config.h"
 #include "bench/run/control/machine_name.h"
+#include "bench/run/control/peer.h"
 #include "db/run_store.h"
 #include "devices/clock.h"
 
@@ -46,6 +47,9 @@ class StoreLocks {
   void share(std::chrono::milliseconds longest) const;
   // Locks the run for this process. Throws Error TB-RUN-LIVE when another process still holds it after `longest`.
   void take_run(std::int64_t run, std::chrono::milliseconds longest) const;
+  // The file is empty and looks like rubbish. True: it had been removed or replaced, and another one was made and holds
+  // the same locks. Throws as share() and take_run() where another process was quicker.
+  bool renew(std::int64_t run);
 
  private:
   static constexpr std::int64_t kWhole = 0;  // a run's byte is at its number
@@ -62,6 +66,7 @@ class RunLock {
   void take_new(std::int64_t run) const;         // whose row was just made
   // A run to be resumed. Throws Error TB-RUN-LIVE at once when another process carries it out.
   void take_again(std::int64_t run) const;
+  bool renew(std::int64_t run) { return locks_.renew(run); }
 
  private:
   StoreLocks locks_;
@@ -69,6 +74,9 @@ class RunLock {
 
 // Whether a process carries out that run of the store now; takes no lock. None: no readable lock file.
 std::optional<bool> is_carried_out(const std::string& db_path, std::int64_t run);
+// Whether that very process carries out a run of the store: by the kernel's account it holds a lock that only who may
+// write the store can take. False, too, where the kernel does not tell: root learns it of any process.
+bool carries_out_run_of(const Peer& process, const std::string& db_path);
 
 // Opens the store for a run: FULL durability on hardware, NORMAL under the turned clock. If no process writes a run to
 // this store, unended runs of dead processes become `interrupted`.

@@ -7,16 +7,16 @@
 #include <cerrno>
 #include <utility>
 
-#include "bench/run/control/machine_name.h"
+#include "bench/run/control/locks.h"
 
 namespace tactbench::bench {
 
-RunConnection::RunConnection(std::string name, const std::string& words) : name_(std::move(name)) {
+RunConnection::RunConnection(std::string name, const std::string& words, const std::string& db)
+    : name_(std::move(name)) {
   descriptor_ = connect_to_name(name_);
   if (descriptor_ < 0) return;
   const std::optional<Peer> server = peer_of(descriptor_);
-  const uid_t own = ::geteuid();
-  if (!server || (own != 0 && !is_trusted(*server, own))) {
+  if (!server || (!is_trusted(*server, ::geteuid()) && !carries_out_run_of(*server, db))) {
     close();
     return;
   }

@@ -13,8 +13,8 @@ namespace tactbench::bench {
 class RunConnection {
  public:
   // Connects to the name of a bench and sends `words` (client_words.h). Not open where nobody answers to the name, or
-  // one whom this user does not trust.
-  RunConnection(std::string name, const std::string& words);
+  // a stranger (peer.h) that carries out no run of the store `db` (locks.h).
+  RunConnection(std::string name, const std::string& words, const std::string& db = {});
   ~RunConnection();
   RunConnection(const RunConnection&) = delete;
   RunConnection& operator=(const RunConnection&) = delete;

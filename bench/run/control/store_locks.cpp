@@ -6,7 +6,9 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <thread>
+#include <utility>
 
 #include "bench/common/error.h"
 #include "bench/common/utc.h"
@@ -16,8 +18,13 @@ namespace tactbench::bench {
 
 namespace {
 
+constexpr const char* kEnding = "-lock";
 constexpr std::chrono::milliseconds kLockTurn{5};
 constexpr std::chrono::seconds kOtherStart{15};  // longer than a busy store delays it
+
+std::string lock_path(const std::string& db_path) {
+  return std::filesystem::weakly_canonical(db_path).string() + kEnding;
+}
 
 // As SQLite does for its own files beside the store: the same users may write them.
 int make_lock_file(const std::string& path, const std::string& db_path) {
@@ -43,8 +50,7 @@ int open_lock_file(const std::string& path, const std::string& db_path) {
 
 }  // namespace
 
-StoreLocks::StoreLocks(const std::string& db_path)
-    : path_(std::filesystem::weakly_canonical(db_path).string() + "-lock"), file_(open_lock_file(path_, db_path)) {
+StoreLocks::StoreLocks(const std::string& db_path) : path_(lock_path(db_path)), file_(open_lock_file(path_, db_path)) {
   struct stat found {};
   if (file_ >= 0 && ::fstat(file_, &found) == 0 && S_ISREG(found.st_mode)) return;
   const std::string why = file_ >= 0 ? "it is no file" : std::strerror(errno);
@@ -88,6 +94,19 @@ void StoreLocks::take_run(std::int64_t run, std::chrono::milliseconds longest) c
               "wait for it to end, or end it: tactbench stop " + std::to_string(run));
 }
 
+bool StoreLocks::renew(std::int64_t run) {
+  struct stat open {
+  }, there{};
+  if (::fstat(file_, &open) == 0 && ::lstat(path_.c_str(), &there) == 0 && open.st_ino == there.st_ino &&
+      open.st_dev == there.st_dev)
+    return false;
+  StoreLocks again(path_.substr(0, path_.size() - std::strlen(kEnding)));
+  again.share({});
+  again.take_run(run, {});
+  std::swap(file_, again.file_);
+  return true;
+}
+
 RunLock::RunLock(const std::string& db_path) : locks_(db_path) { locks_.share(kOtherStart); }
 
 // Another process that tries to resume this number holds its lock for a moment.
@@ -96,8 +115,7 @@ void RunLock::take_new(std::int64_t run) const { locks_.take_run(run, kOtherStar
 void RunLock::take_again(std::int64_t run) const { locks_.take_run(run, std::chrono::milliseconds(0)); }
 
 std::optional<bool> is_carried_out(const std::string& db_path, std::int64_t run) {
-  const std::string path = std::filesystem::weakly_canonical(db_path).string() + "-lock";
-  const int file = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK);
+  const int file = ::open(lock_path(db_path).c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK);
   if (file < 0) return std::nullopt;
   struct flock asked {};
   asked.l_type = F_RDLCK;
@@ -107,6 +125,27 @@ std::optional<bool> is_carried_out(const std::string& db_path, std::int64_t run)
   const bool told = ::fcntl(file, F_OFD_GETLK, &asked) == 0;
   ::close(file);
   return told ? std::optional(asked.l_type != F_UNLCK) : std::nullopt;
+}
+
+bool carries_out_run_of(const Peer& process, const std::string& db_path) {
+  constexpr int kMost = 256;  // descriptors that are looked at: a run opens this one early, a stranger may have many
+  const std::filesystem::path folder = fmt::format("/proc/{}", process.process);
+  struct stat lock {
+  }, found{};
+  if (::stat(lock_path(db_path).c_str(), &lock) != 0) return false;
+  // The number may be another process's by now.
+  if (::stat(folder.c_str(), &found) != 0 || found.st_uid != process.user) return false;
+  std::error_code failed;
+  std::filesystem::directory_iterator file(folder / "fd", failed);
+  for (int i = 0; !failed && i < kMost && file != std::filesystem::directory_iterator(); ++i, file.increment(failed)) {
+    if (::stat(file->path().c_str(), &found) != 0 || found.st_dev != lock.st_dev || found.st_ino != lock.st_ino)
+      continue;
+    std::ifstream told(folder / "fdinfo" /
+                       file->path().filename());  // "lock: 1: OFDLCK ADVISORY  WRITE -1 fe:00:812 7 7"
+    for (std::string line; std::getline(told, line);)
+      if (line.starts_with("lock:") && line.find(" WRITE ") != std::string::npos) return true;
+  }
+  return false;
 }
 
 db::RunStore open_for_running(const std::string& db_path, const BenchConfig& config) {

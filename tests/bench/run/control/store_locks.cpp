@@ -63,6 +63,7 @@ class OtherRun {
       try {
         if (read(told_[0], &byte, 1) != 1) _exit(1);
         const RunLock lock(db_path);
+        lock.take_new(kNumber);
         (void)!write(ends_[1], "x", 1);
         pause();
       } catch (...) {
@@ -76,6 +77,8 @@ class OtherRun {
     waitpid(child_, nullptr, 0);
     for (const int end : {ends_[0], told_[0], told_[1]}) close(end);
   }
+  static constexpr std::int64_t kNumber = 12;
+  [[nodiscard]] Peer peer() const { return {child_, geteuid(), false}; }
   void begin() const { REQUIRE(write(told_[1], "x", 1) == 1); }
   OtherRun(const OtherRun&) = delete;
   OtherRun& operator=(const OtherRun&) = delete;
@@ -155,6 +158,41 @@ TEST_CASE("store locks: a run has one process, another run of the store can have
   holder.take_again(request.resume);
   CHECK(lock_refused_as([&] { (void)run_small(request, own.store); }) == "TB-RUN-LIVE");
   CHECK(own.store.run(request.resume).outcome == db::Outcome::kIncomplete);
+}
+
+TEST_CASE("store locks: a process is known to carry out a run of a store by the lock that it holds, and by no other") {
+  const LockedStore own, other;
+  const OtherRun run(own.path);
+  const RunLock shared(own.path), beside(other.path);
+  CHECK_FALSE(carries_out_run_of(run.peer(), own.path));
+  run.begin();
+  REQUIRE(run.holds_within(10'000));
+  CHECK(is_carried_out(own.path, OtherRun::kNumber) == true);
+  CHECK(carries_out_run_of(run.peer(), own.path));
+  CHECK_FALSE(carries_out_run_of(run.peer(), other.path));
+  CHECK_FALSE(carries_out_run_of(run.peer(), own.folder.path("none.db")));
+  CHECK_FALSE(carries_out_run_of({run.peer().process, geteuid() + 1, false}, own.path));  // the number was another's
+  CHECK_FALSE(carries_out_run_of({getpid(), geteuid(), false}, own.path));  // has the file open, and carries out none
+}
+
+TEST_CASE("store locks: a lock file that goes is made again with its locks, unless another process was quicker") {
+  LockedStore own;
+  const std::string lock = own.path + "-lock";
+  RunLock run(own.path);
+  run.take_again(7);
+  CHECK_FALSE(run.renew(7));
+  for (const bool replaced : {false, true}) {
+    std::filesystem::remove(lock);
+    if (replaced) write_file(lock, "");
+    CHECK(is_carried_out(own.path, 7) != true);
+    CHECK(run.renew(7));
+    CHECK(is_carried_out(own.path, 7) == true);
+    CHECK_FALSE(StoreLocks(own.path).take_whole());
+  }
+  std::filesystem::remove(lock);
+  const StoreLocks start(own.path);
+  REQUIRE(start.take_whole());
+  CHECK(lock_refused_as([&] { (void)run.renew(7); }) == "TB-STORE-LOCK");
 }
 
 TEST_CASE("store locks: one empty file beside the store, never the target of a link") {

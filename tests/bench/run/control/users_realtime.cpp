@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "bench/run/control/machine_name.h"
+#include "tests/bench/page/served_page.h"
 #include "tests/bench/run/control/apart.h"
 #include "tests/support/endless_run.h"
 #include "tests/support/variable.h"
@@ -47,14 +48,15 @@ struct Users {
   const TemporaryFolder folder;
 };
 
-// Another user's process that holds a name and answers whoever asks that it is a run on `bench` and takes all.
+// Another user's process that holds a name and answers whoever asks that it is run 1 of `store` on `bench` and takes
+// all.
 struct Stranger : Apart {
-  Stranger(const std::string& what, const std::string& bench)
+  Stranger(const std::string& what, const std::string& bench, const std::string& store = "x.db")
       : Apart([&](const Stay& stay) {
           become_nobody(kNobodyHere);
           const bench::MachineName name(what);
           const std::string lie = fmt::format(
-              R"({{"bench":"{}","taken":true,"run":1,"state":"running","store":"x.db","text":"run 1"}})", bench);
+              R"({{"bench":"{}","taken":true,"run":1,"state":"running","store":"{}","text":"run 1"}})", bench, store);
           std::thread([&] {
             for (;;) {
               const int client = accept4(name.descriptor(), nullptr, nullptr, SOCK_CLOEXEC);
@@ -128,5 +130,36 @@ TEST_CASE("users: a false answer in a run's name does not keep root's panic from
   const Finished panic = users.say(0, false, "panic --bench " + id);
   INFO(panic.err);
   CHECK(panic.code == 0);
+  CHECK(run.process().wait() == 4);
+}
+
+TEST_CASE("users: root, too, believes no stranger that says it is a run of the store, by words or on the page") {
+  const Users users;
+  if (!users.can()) return;
+  const Variable scope("TACTBENCH_RUNTIME_DIR", std::nullopt);
+  const std::string id = fmt::format("{}", getpid());
+  EndlessRun run("run-" + id, as_user(kOwner, false, users.folder.path()));
+  const std::string store = run.folder.path("runs.db");
+  // Before the run's name in the alphabet, as many as an impatient look might give up at.
+  std::vector<std::unique_ptr<Stranger>> strangers;
+  for (const char* name : {"a", "b", "c", "d"})
+    strangers.push_back(std::make_unique<Stranger>(name + id, name + id, store));
+  const std::string named = fmt::format("nobody (pid {})", strangers[0]->process());
+  for (const char* word : {"panic", "stop", "abort"}) {
+    const Finished said = users.say(0, false, fmt::format("{} --bench a{}", word, id));
+    INFO(said.err);
+    CHECK(said.code == 2);
+    CHECK_THAT(said.err, Catch::Contains("TB-RUN-DENIED") && Catch::Contains(named));
+  }
+  const Finished status = users.say(0, false, fmt::format("status --json --bench a{}", id));
+  CHECK(nlohmann::json::parse(status.out)["live"] == false);
+  REQUIRE(run.lives());
+  const WordsPage page([&](bench::PageOptions& options) { options.db = store; });
+  RawClient viewer(page.server->port());
+  REQUIRE(viewer.send(page.head("GET /events", page.server->access().read_token)));
+  CHECK_THAT(viewer.read(20'000, "\"live\":true"), Catch::Contains("\"bench\":\"run-" + id));
+  const nlohmann::json panic = page.command({{"word", "panic"}, {"run", 1}});
+  CHECK(panic["taken"] == true);
+  CHECK_THAT(panic["by"].get<std::string>(), Catch::Contains("pid") && !Catch::Contains("nobody"));
   CHECK(run.process().wait() == 4);
 }
