@@ -16,8 +16,8 @@
 
 namespace tactbench::db {
 
-// The error type of db/. id: TB-STORE-OPEN, TB-STORE-OTHER-SCHEMA, TB-STORE-NETWORK, TB-STORE-LOCKED, TB-STORE-FULL,
-// TB-STORE-NOT-FOUND, TB-STORE-SQL, TB-STORE-CONFLICT, TB-STORE-EXISTS, TB-STORE-TAG, TB-STORE-FOREIGN,
+// The error type of db/. id: TB-STORE-OPEN, TB-STORE-GONE, TB-STORE-OTHER-SCHEMA, TB-STORE-NETWORK, TB-STORE-LOCKED,
+// TB-STORE-FULL, TB-STORE-NOT-FOUND, TB-STORE-SQL, TB-STORE-CONFLICT, TB-STORE-EXISTS, TB-STORE-TAG, TB-STORE-FOREIGN,
 // TB-STORE-TOO-LONG, TB-STORE-TOO-LARGE, TB-STORE-NOT-TEXT, TB-STORE-BLANK, TB-STORE-PRUNED.
 class StoreError : public std::runtime_error {
  public:
@@ -241,6 +241,11 @@ class RunStore {
   void shrink();  // gives the file's free pages back; needs as much space again, and nobody else in the store
 
   [[nodiscard]] const std::string& path() const;
+  // TB-STORE-GONE when the file was removed, moved or replaced; what is written still goes into the open one.
+  void require_in_place() const;
+  // Saves the open store, whose file is not in its place, whole beside it (or in the system's temporary folder) and
+  // returns the name; the log that it left at its old name, which would spoil the next store there, goes.
+  [[nodiscard]] std::string rescue() const;
 
  private:
   class Database;

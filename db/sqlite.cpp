@@ -113,6 +113,7 @@ void Connection::fail(int code, const std::string& doing) const {
     if (system_error == 0) system_error = error_of_files(handle_);
   }
   if (system_error != 0) detail += fmt::format("; {}", std::strerror(system_error));
+  if (handle_ != nullptr) require_in_place();  // then this failure comes from it
   const Meaning meaning = meaning_of(code, system_error);
   if (base == SQLITE_BUSY || base == SQLITE_LOCKED) {
     const std::string holder = who_writes(path_);
@@ -127,6 +128,15 @@ void Connection::fail(int code, const std::string& doing) const {
 }
 
 void Connection::wait_for_locks(int at_most_ms) { sqlite3_busy_timeout(handle_, at_most_ms); }
+
+void Connection::require_in_place() const {
+  int moved = 0;
+  if (sqlite3_file_control(handle_, "main", SQLITE_FCNTL_HAS_MOVED, &moved) != SQLITE_OK || moved == 0) return;
+  told_gone_ = true;
+  throw StoreError("TB-STORE-GONE",
+                   fmt::format("store {}: the file was removed, moved or replaced while it was open", path_),
+                   "leave a store where it is while anything writes to it; put it back, and do it again");
+}
 
 void Connection::trust_no_schema() {
   for (const int option : {SQLITE_DBCONFIG_ENABLE_TRIGGER, SQLITE_DBCONFIG_ENABLE_VIEW}) {
@@ -242,6 +252,7 @@ void Statement::get_blob(int column, std::span<std::byte> value) const {
 Transaction::Transaction(Connection& connection) : connection_(connection) {
   // SQLite itself would report this only at the first row that changes.
   if (connection_.is_read_only()) connection_.fail(SQLITE_READONLY, "BEGIN IMMEDIATE");
+  if (!connection_.told_gone_) connection_.require_in_place();
   connection_.execute("BEGIN IMMEDIATE");
 }
 

@@ -54,11 +54,15 @@ class Connection {
   [[nodiscard]] bool is_read_only() const;  // also true when a file opened for writing could only be read
   [[nodiscard]] const std::string& path() const { return path_; }
   [[nodiscard]] sqlite3* handle() const { return handle_; }
+  // TB-STORE-GONE when the file at the path is not the open one: removed, moved or replaced, while SQLite writes on.
+  void require_in_place() const;
   [[noreturn]] void fail(int code, const std::string& doing) const;
 
  private:
+  friend class Transaction;
   std::string path_;
   sqlite3* handle_ = nullptr;
+  mutable bool told_gone_ = false;
 };
 
 // Values go in with bind(...) and come out with read(...), in the order of the SQL text. Vectors and arrays of numbers
@@ -163,7 +167,8 @@ class Statement {
   sqlite3_stmt* handle_ = nullptr;
 };
 
-// Takes the write lock at once; rolls back unless committed.
+// Takes the write lock at once; rolls back unless committed. Refused on a file that is not in its place, unless that
+// was told before: then it is what a run still has to say before the store is saved (RunStore::rescue).
 class Transaction {
  public:
   explicit Transaction(Connection& connection);

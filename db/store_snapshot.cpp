@@ -2,9 +2,11 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 
@@ -17,32 +19,40 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Reserves the name with an empty file, so that no other file can be overwritten; on failure the name is released.
+// The copy grows under another name, which is locked, and gets its own when it is complete: a program that dies leaves
+// no file of that name, and the next copy takes over what it left.
 class TakenName {
  public:
   explicit TakenName(std::string path) : path_(std::move(path)), partial_(path_ + ".partial") {
-    const int file = ::open(path_.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
-    if (file < 0) refuse(errno);
-    ::close(file);
-    drop_partial();  // left by a program that died
+    if (fs::exists(path_)) refuse(EEXIST);
+    file_ = ::open(partial_.c_str(), O_CREAT | O_RDWR | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (file_ < 0) refuse(errno);
+    // Another one is at work, or was until now and has given the file its name.
+    if (::flock(file_, LOCK_EX | LOCK_NB) != 0 || fs::exists(path_) || ::ftruncate(file_, 0) != 0) {
+      ::close(file_);
+      refuse(EEXIST);
+    }
+    drop_logs();
   }
   ~TakenName() {
-    if (kept_) return;
-    drop_partial();
-    ::unlink(path_.c_str());
+    if (!kept_) {
+      drop_logs();
+      ::unlink(partial_.c_str());
+    }
+    ::close(file_);
   }
   TakenName(const TakenName&) = delete;
   TakenName& operator=(const TakenName&) = delete;
 
   [[nodiscard]] const std::string& partial() const { return partial_; }
   void keep() {
-    if (::rename(partial_.c_str(), path_.c_str()) != 0) refuse(errno);
+    if (::renameat2(AT_FDCWD, partial_.c_str(), AT_FDCWD, path_.c_str(), RENAME_NOREPLACE) != 0) refuse(errno);
     kept_ = true;
   }
 
  private:
-  void drop_partial() const {
-    for (const char* ending : {"", "-journal", "-wal", "-shm"}) ::unlink((partial_ + ending).c_str());
+  void drop_logs() const {
+    for (const char* ending : {"-journal", "-wal", "-shm"}) ::unlink((partial_ + ending).c_str());
   }
   [[noreturn]] void refuse(int error) const {
     if (error == EEXIST) {
@@ -55,6 +65,7 @@ class TakenName {
   }
 
   std::string path_, partial_;
+  int file_ = -1;
   bool kept_ = false;
 };
 
@@ -68,17 +79,50 @@ void copy_store(const sqlite::Connection& source, const std::string& path) {
   TakenName name(fs::absolute(path).string());
   {
     sqlite::Connection target(name.partial(), sqlite::Access::kReadWrite);
+    target.execute("PRAGMA journal_mode = MEMORY");
     source.copy_to(target);
   }
   name.keep();
 }
 
+namespace {
+
+std::string free_name(const std::string& wanted) {
+  std::string name = wanted;
+  for (int i = 2; fs::exists(name); ++i) name = fmt::format("{}.{}", wanted, i);
+  return name;
+}
+
+// Whether this process has that very file open, by whatever name.
+bool is_open_here(const std::string& path) {
+  std::error_code failed;
+  for (const fs::directory_entry& open : fs::directory_iterator("/proc/self/fd", failed))
+    if (fs::equivalent(open.path(), path, failed)) return true;
+  return false;
+}
+
+}  // namespace
+
 void RunStore::snapshot(const std::string& path) const { copy_store(database_->connection, path); }
 
+void RunStore::require_in_place() const { database_->connection.require_in_place(); }
+
+std::string RunStore::rescue() const {
+  const fs::path lost = database_->connection.path();
+  std::string saved = free_name(lost.string() + ".rescued");
+  try {
+    snapshot(saved);
+  } catch (const StoreError&) {  // its folder is gone, too, or full
+    saved = free_name((fs::temp_directory_path() / lost.filename()).string() + ".rescued");
+    snapshot(saved);
+  }
+  for (const char* ending : {"-wal", "-shm"})
+    if (is_open_here(lost.string() + ending)) ::unlink((lost.string() + ending).c_str());
+  return saved;
+}
+
 std::string backup_path(const std::string& path, int version) {
-  std::string backup = fmt::format("{}.schema-{}.backup", path, version);
-  for (int i = 2; fs::exists(backup); ++i) backup = fmt::format("{}.schema-{}.backup.{}", path, version, i);
-  return backup;
+  return free_name(fmt::format("{}.schema-{}.backup", path, version));
 }
 
 void bring_up_to_date(sqlite::Connection& connection, const std::string& path, const Migrations& known) {

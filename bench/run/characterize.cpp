@@ -49,6 +49,7 @@ class RunLifecycle {
     work_.recipes = request.recipes;
     work_.steps = sequences::compile(request.recipes);
     work_.on_step = request.on_step;
+    work_.on_poll = [this] { look_at_store(); };
     work_.estimate = request.estimate;
     work_.assume_yes = request.assume_yes;
     if (!request.attended) control_.end_by_first_interrupt();
@@ -156,6 +157,14 @@ class RunLifecycle {
       recorder_->event("warning", "TB-CALIBRATION", line);
   }
 
+  void look_at_store() {
+    store_.require_in_place();
+    if (!lock_.renew(result_.run)) return;
+    recorder_->event(
+        "warning", "TB-STORE-LOCK",
+        fmt::format("the lock file {}-lock was removed or replaced, and is made again: leave it there", store_.path()));
+  }
+
   // A store that cannot be written delays or ends the run at its next frame or step, never a command.
   void log_command(const std::string& kind, const std::string& actuator, const std::string& text) {
     if (store_lost_) return;
@@ -212,10 +221,11 @@ class RunLifecycle {
     } catch (...) {  // the store itself failed: the row stays open and the next start marks it interrupted
       if (!ending_.error()) ending_.by_exception(place());
     }
+    const std::optional<std::string> way_back = save_lost_store();
     if (const std::optional<Error>& error = ending_.error()) {
       const std::string kept = fmt::format("{}; run {} kept with {}", proof_.text, result_.run,
                                            analysis::counted(result_.frames_kept, "frame"));
-      result_.error = error->with_rig_state(kept, safe);
+      result_.error = error->with_rig_state(kept, safe).with_remedy(way_back.value_or(error->remedy()));
     }
     notify_.tell(ending_.error() ? "failed" : "done", result_.run, reason);
   }
@@ -230,6 +240,25 @@ class RunLifecycle {
     end_delayed_ = end_delayed_ || waited_s > kShortLock;
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     return true;
+  }
+
+  // None: the store is in its place.
+  std::optional<std::string> save_lost_store() {
+    try {
+      store_.require_in_place();
+      return std::nullopt;
+    } catch (const db::StoreError&) {
+      if (!ending_.error()) ending_.by_exception(place());
+    }
+    try {
+      return fmt::format(
+          "the whole store, this run in it, is saved as '{}': name it with --db, or move it to where a "
+          "store belongs",
+          store_.rescue());
+    } catch (const std::exception& error) {
+      return fmt::format("it could not be saved either ({}): where it was only moved, move {}-wal to it", error.what(),
+                         store_.path());
+    }
   }
 
   void write_end(const std::string& reason) {
@@ -259,7 +288,7 @@ class RunLifecycle {
   StatusBoard board_{control_, progress_};
   Ending ending_{control_, signals_};
   Work work_;
-  const RunLock lock_;  // of the run in its store
+  RunLock lock_;  // of the run in its store
   devices::Nanoseconds offset_{0};
   std::int64_t frames_before_ = 0;  // of a resumed run
   RunResult result_;

@@ -265,6 +265,7 @@ void Conductor::set_state(RunState state, const std::string& reason) {
 
 // Shows at once that a pause was asked for or taken back.
 void Conductor::listen() {
+  if (work_.on_poll) work_.on_poll();
   record_news(sequencer_.rig(), recorder_, board_.progress());
   check_dead_man(sequencer_.rig());
   if (control_.pause_wanted() && recorder_.state() == RunState::kRunning) {

@@ -23,6 +23,7 @@ struct Work {
   std::vector<sequences::Step> steps;                   // compile(recipes)
   std::set<sequences::BranchKey> done;                  // by an earlier process
   std::function<void(const sequences::Step&)> on_step;  // called with each step before it is carried out; may be empty
+  std::function<void()> on_poll;                        // called whenever commands are looked for; may be empty
   const TimeEstimate* estimate = nullptr;               // of time left; null: none
   bool assume_yes = false;                              // operator prompts are answered with yes
 };

@@ -304,8 +304,8 @@ const std::string& Link::where() const { return state_->where; }
 
 std::string without_passwords(const std::string& text) {
   const std::string in_words =
-      std::regex_replace(text, std::regex(R"((password\s*=\s*)('([^'\\]|\\.)*'|[^\s&]+))"), "$1***");
-  return std::regex_replace(in_words, std::regex(R"((://[^\s:/@]*:)[^\s@]*@)"), "$1***@");
+      std::regex_replace(text, std::regex(R"((password\s*=\s*)('([^'\\]|\\.)*'|(\\.|[^\s\\])+))"), "$1***");
+  return std::regex_replace(in_words, std::regex(R"((://[^\s:/@]*:)\S*@)"), "$1***@");
 }
 
 Transaction::Transaction(Link& link, const char* manner) : link_(link) {

@@ -139,6 +139,20 @@ TEST_CASE("a pruned run is copied as such, and the space that frames leave is gi
   store.shrink();
   CHECK(bytes() + 100'000 < before);  // frames of one run at a time lay there
   CHECK(store.check_structure().empty());
+  // Of a program that dies before the shorter file is cut: log and file tell of different lengths.
+  const TemporaryFolder folder;
+  const std::string dying = folder.path("runs.db");
+  db::FrameRecord long_one = example_frame(begin_example(store).branch, 0);
+  long_one.trace.resize(2000);
+  store.append_frame(31, long_one);
+  store.snapshot(dying);
+  REQUIRE(in_child([&] {
+            auto* raw = new Connection(dying, Access::kReadWrite);  // never closed: the log stays
+            raw->execute("PRAGMA wal_autocheckpoint = 0; DELETE FROM frames; VACUUM");
+            return 0;
+          }) == 0);
+  CHECK(RunStore::open_read_only(dying).runs().size() == 31);
+  CHECK(RunStore::open(dying).check_structure().empty());
   NewStore copy;
   CHECK(copy.copy_runs_from(store, {3}) == std::vector<std::int64_t>{1});
   REQUIRE(copy.check_content(1).pruned);

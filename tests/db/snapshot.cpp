@@ -1,5 +1,6 @@
 // Copies of a store that another process is writing, and checks of the file.
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -58,6 +59,53 @@ TEST_CASE("a snapshot overwrites nothing, and a failed one leaves nothing") {
   for (const char* ending : {"", "-journal", "-wal", "-shm"})
     CHECK_FALSE(std::filesystem::exists(folder.path("copy.db.partial") + ending));
   CHECK(RunStore::open_read_only(folder.path("copy.db")).check_content(1).holds());
+}
+
+TEST_CASE("a program that dies over a snapshot leaves no file of its name, and the next one takes over") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  store_example(store);
+  const std::string copy = folder.path("copy.db");
+  CHECK(in_child([&] {
+          std::signal(SIGXFSZ, SIG_DFL);
+          const rlimit limit{20'000, 20'000};
+          if (setrlimit(RLIMIT_FSIZE, &limit) != 0) return 2;
+          RunStore::open_read_only(folder.path("runs.db")).snapshot(copy);
+          return 1;
+        }) == -1);
+  CHECK_FALSE(std::filesystem::exists(copy));
+  const int other = open((copy + ".partial").c_str(), O_RDWR | O_CLOEXEC);
+  REQUIRE((other >= 0 && flock(other, LOCK_EX) == 0));  // of one that is at work
+  CHECK(store_error([&] { store.snapshot(copy); }) == "TB-STORE-EXISTS");
+  close(other);
+  store.snapshot(copy);
+  CHECK(RunStore::open_read_only(copy).check_content(1).holds());
+  CHECK_FALSE(std::filesystem::exists(copy + ".partial"));
+}
+
+TEST_CASE("a store whose file is gone refuses what is new, takes what is said after that, and is saved whole") {
+  const auto replaced = GENERATE(false, true);
+  const TemporaryFolder folder;
+  const std::string path = folder.path("runs.db");
+  RunStore store = RunStore::open(path);
+  store_example(store);
+  store.snapshot(folder.path("older.db"));
+  store.add_note(1, "in the log");
+  CHECK_NOTHROW(store.require_in_place());
+  if (replaced)
+    std::filesystem::rename(folder.path("older.db"), path);
+  else
+    std::filesystem::remove(path);
+  CHECK(store_error([&] { store.add_note(1, "not stored"); }) == "TB-STORE-GONE");
+  store.add_note(1, "the last word");
+  CHECK(store_error([&] { store.require_in_place(); }) == "TB-STORE-GONE");
+  write_file(path + ".rescued", "mine");
+  const RunStore saved = RunStore::open_read_only(store.rescue());
+  CHECK(read_file(path + ".rescued") == "mine");
+  CHECK(saved.run(1).notes == "in the log\nthe last word");
+  CHECK(saved.check_content(1).holds());
+  CHECK_FALSE(std::filesystem::exists(path + "-wal"));
+  if (replaced) CHECK(RunStore::open_read_only(path).run(1).notes.empty());
 }
 
 TEST_CASE("a snapshot without free space ends with TB-STORE-FULL and leaves nothing") {

@@ -2,9 +2,13 @@
 // bounds they end, and that what is told while they run fits what is stored.
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 
+#include "bench/run/control/locks.h"
 #include "tests/bench/run/finished_run.h"
+#include "tests/support/variable.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -280,4 +284,68 @@ TEST_CASE("whole press run: a point held in three places registers where the tax
     CHECK(mount.at("offset_mm").at(axis).get<double>() == Approx(30.0 - 7.5 * 2.54).margin(1.0));
   CHECK(mount.at("rms_mm").get<double>() < 0.5);
   CHECK(mount.at("other_flip_rms_mm").get<double>() > 5.0);
+}
+
+TEST_CASE("whole run: its store goes while it works: it ends vented, and all that was measured is saved whole") {
+  namespace fs = std::filesystem;
+  using Goes = std::function<void(const std::string& path, const std::string& elsewhere)>;
+  const auto [how, goes] = GENERATE(table<std::string, Goes>({
+      {"removed", [](const std::string& path, const std::string&) { fs::remove(path); }},
+      {"moved", [](const std::string& path, const std::string&) { fs::rename(path, path + ".old"); }},
+      {"replaced by an older copy", [](const std::string& path, const std::string&) { fs::rename(path + ".copy", path); }},
+      {"replaced by another", [](const std::string& path, const std::string&) { write_file(path + "x", ""); fs::rename(path + "x", path); }},
+      {"its folder moved", [](const std::string& path, const std::string& to) { fs::rename(fs::path(path).parent_path(), to); }},
+  }));
+  INFO(how);
+  const TemporaryFolder folder;
+  const std::string path = folder.path("here/runs.db");
+  fs::create_directory(folder.path("here"));
+  const Variable temporary("TMPDIR", folder.path());
+  db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
+  const db::SensorRecord sensor = small_request().sensor;
+  store.add_sensor(sensor);
+  store.snapshot(path + ".copy");
+  bench::RunRequest request = small_request();
+  int steps = 0;
+  request.on_step = [&, does = goes](const sequences::Step&) {
+    if (++steps == 12) does(path, folder.path("there"));
+  };
+  const bench::RunResult result = run_small(request, store);
+  CHECK(steps == 12);
+  REQUIRE(result.error);
+  CHECK(result.error->id() == "TB-STORE-GONE");
+  CHECK(result.error->code() == ExitCode::kStore);
+  CHECK(result.safe == db::SafeState::kVerified);
+  const std::string remedy = result.error->remedy();
+  const std::size_t from = remedy.find('\'') + 1;
+  const std::string saved = remedy.substr(from, remedy.find('\'', from) - from);
+  CHECK(fs::path(saved).parent_path() == (fs::exists(folder.path("here")) ? folder.path("here") : folder.path()));
+  const db::RunStore rescued = db::RunStore::open_read_only(saved);
+  CHECK(result.frames_kept > 2);
+  CHECK(rescued.frame_count(result.run) == result.frames_kept);
+  CHECK(rescued.check_content(result.run).holds());
+  CHECK(rescued.check_structure().empty());
+  CHECK(rescued.run(result.run).outcome == db::Outcome::kFailed);
+  CHECK_THAT(rescued.run(result.run).reason, Catch::StartsWith("TB-STORE-GONE"));
+  // What stands in its place now is read as what it is.
+  CHECK_FALSE(fs::exists(path + "-wal"));
+  if (how == "replaced by an older copy") CHECK(db::RunStore::open_read_only(path).runs().empty());
+}
+
+TEST_CASE("whole run: a lock file that is removed while it works is there again at once, with its lock") {
+  bench::RunRequest request = small_request();
+  const TemporaryFolder folder;
+  const std::string path = folder.path("runs.db");
+  db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
+  int steps = 0;
+  request.on_step = [&](const sequences::Step&) {
+    ++steps;
+    if (steps == 12) std::filesystem::remove(path + "-lock");
+    if (steps == 14) CHECK_FALSE(bench::StoreLocks(path).take_whole());
+  };
+  const bench::RunResult result = run_small(request, store);
+  CHECK_FALSE(result.error);
+  CHECK(steps > 14);
+  const auto events = store.events(result.run);
+  CHECK(std::ranges::count(events, "TB-STORE-LOCK", &db::EventRecord::id) == 1);
 }

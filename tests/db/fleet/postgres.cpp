@@ -118,7 +118,8 @@ TEST_CASE("fleet link: what names no server is the caller's fault, and no messag
   }
   for (const char* words :
        {"host=a password=SECRET dbname=b", "password = 'SECRET with \\' blanks' host=a", "password=SECRET",
-        "postgresql://u:SECRET@h/d", "postgres://u:SEC%40RET@h/d?password=SECRET&x=1"}) {
+        "password=a\\ SECRET", "password=a&SECRET host=b", "postgresql://u:a@SECRET@h/d", "postgresql://u:SECRET@h/d",
+        "postgres://u:SEC%40RET@h/d?password=SECRET&x=1"}) {
     CAPTURE(words);
     CHECK(without_passwords(words).find("SEC") == std::string::npos);
     CHECK(without_passwords(words).find("***") != std::string::npos);
