@@ -86,6 +86,27 @@ std::string Fields::split(std::string_view line, char separator) {
   }
 }
 
+bool is_formula(std::string_view field) {
+  if (field.empty() || std::string_view("=@+-").find(field.front()) == std::string_view::npos) return false;
+  if (field.front() == '=' || field.front() == '@') return true;
+  field = trimmed(field.substr(1));
+  return field.find_first_not_of("0123456789.,+-eE") != std::string_view::npos && field != "inf" && field != "nan";
+}
+
+std::string without_formulas(std::string_view line, char separator) {
+  std::string out;
+  bool quoted = false, begins = true;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (begins && is_formula(line.substr(i, line.find(quoted ? '"' : separator, i) - i))) out += '\'';
+    begins = begins && (c == ' ' || c == '"');
+    if (c == '"') quoted = !quoted;
+    if (c == separator && !quoted) begins = true;
+    out += c;
+  }
+  return out;
+}
+
 std::string NumberText::read(std::string_view text, std::size_t line, double& value) {
   if (text.empty()) return "is blank";
   if (text.starts_with('+')) text.remove_prefix(1);

@@ -26,6 +26,17 @@ struct Fields {
   std::string split(std::string_view line, char separator);
 };
 
+// An apostrophe before a text that a spreadsheet would carry out as a formula (it begins with = + - @ and is no
+// number), as for a line's fields with that separator: then they are text there, too.
+std::string no_formula(std::string_view text);
+std::string no_formulas(std::string_view line, char separator);
+
+// Whether a spreadsheet would carry out this field as a formula: it begins with = or @, or with a sign and is no
+// number.
+bool is_formula(std::string_view field);
+// The line with an apostrophe before each such field, which makes it a text.
+std::string without_formulas(std::string_view line, char separator);
+
 // Numbers as text, with a decimal point or, a whole table alike, a decimal comma.
 class NumberText {
  public:

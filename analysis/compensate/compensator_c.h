@@ -34,7 +34,7 @@ extern "C" {
 enum tb_compensator_code {
   TB_COMPENSATOR_OK = 0,
   TB_COMPENSATOR_NULL = -1,      /* a pointer that must not be null is */
-  TB_COMPENSATOR_SIZE = -2,      /* a struct_size is smaller than version 1's, or a count is not the taxels' */
+  TB_COMPENSATOR_SIZE = -2,      /* a struct_size is below version 1's or above 64 kB, or a count is not the taxels' */
   TB_COMPENSATOR_VALUE = -3,     /* see the message */
   TB_COMPENSATOR_PRECISION = -4, /* a call for doubles with a float32 handle, or the reverse */
   TB_COMPENSATOR_MEMORY = -5

@@ -82,6 +82,9 @@ int create_handle(const Setup* given, std::size_t setup_size, const Taxel* taxel
   *handle = nullptr;
   if (given == nullptr || taxels == nullptr) return refused(TB_COMPENSATOR_NULL, "setup or taxels is null");
   if (given->struct_size < setup_size) return refused(TB_COMPENSATOR_SIZE, "setup.struct_size is below version 1's");
+  constexpr std::size_t kLargest = 65536;  // no version's struct has so many bytes
+  if (given->struct_size > kLargest || taxels->struct_size > kLargest)
+    return refused(TB_COMPENSATOR_SIZE, "a struct_size is no struct's");
   Setup setup{};
   std::memcpy(&setup, given, std::min(given->struct_size, sizeof(Setup)));
   if (const auto [code, why] = wrong(setup); code != TB_COMPENSATOR_OK) return refused(code, why);

@@ -78,6 +78,16 @@ TEST_CASE("clocks by hand: with a date and without, and what is none") {
     CHECK_FALSE(clock_seconds(none));
 }
 
+TEST_CASE("formulas by hand: a field that a spreadsheet would carry out is a text, numbers and other texts stay") {
+  for (const char* formula : {"=1", "@SUM(A1)", "+cmd|' /C calc'!A0", "-1+cmd|' /C calc'!A0", "=", "-x"})
+    CHECK(is_formula(formula));
+  for (const char* other : {"", "-", "-1", "+1,5", "-1e-3", "- 7", "-inf", "-nan", "a=b", "'=1", "1-2"})
+    CHECK_FALSE(is_formula(other));
+  CHECK(without_formulas("a,=1,-2", ',') == "a,'=1,-2");
+  CHECK(without_formulas(R"(=a,"=b,=c", =d,"x,@e")", ',') == R"('=a,"'=b,=c", '=d,"x,@e")");
+  CHECK(without_formulas("1;-2,5;@x", ';') == "1;-2,5;'@x");
+}
+
 TEST_CASE("a reader tells what it needs: columns that are not asked for, times, lines as they stand") {
   std::istringstream stream("time_s;output;step\r\n0,5;1;x\r\n;2;3\r\n");
   TableReader reader(stream, "t", {}, TableNeeds::kOutput);

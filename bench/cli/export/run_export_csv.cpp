@@ -13,6 +13,7 @@
 #include "analysis/documents/run_metadata.h"
 #include "analysis/error.h"
 #include "analysis/scanner_scale.h"
+#include "analysis/table_fields.h"
 #include "bench/common/error.h"
 #include "bench/common/for_people.h"
 
@@ -32,8 +33,9 @@ std::string csv_seconds(std::int64_t ns) {
   return text;
 }
 
-// Typed text may hold commas and quotes (RFC 4180).
-std::string csv_text(const std::string& text) {
+// Typed text may hold commas and quotes (RFC 4180), and what a spreadsheet takes for a formula.
+std::string csv_text(std::string text) {
+  if (analysis::is_formula(text)) text.insert(0, 1, '\'');
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string quoted = "\"";
   for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);

@@ -164,7 +164,8 @@ void apply(const PredictOptions& options, const Session& session, analysis::Tabl
   const std::string separator(1, reader.separator());
   std::string text;
   if (!reader.header().empty())
-    text = fmt::format("{}{}{}\n", reader.header(), separator, fmt::join(Applied::kColumns, separator));
+    text = fmt::format("{}{}{}\n", analysis::without_formulas(reader.header(), reader.separator()), separator,
+                       fmt::join(Applied::kColumns, separator));
   if (!reader.units_line().empty())
     text += fmt::format("{}{}{}\n", reader.units_line(), separator, fmt::join(Applied::units(model), separator));
   if (!options.output.empty()) check_output(options.output, kind_of_file(text), session.replace);
@@ -185,7 +186,8 @@ void apply(const PredictOptions& options, const Session& session, analysis::Tabl
     try {
       auto& history =
           histories.try_emplace({std::string(row.sequence), taxel.taxel}, model, taxel, options).first->second;
-      text += fmt::format("{}{}{}\n", row.text, separator, written(history.step(row, reader.separator()), reader));
+      text += fmt::format("{}{}{}\n", analysis::without_formulas(row.text, reader.separator()), separator,
+                          written(history.step(row, reader.separator()), reader));
     } catch (const std::invalid_argument& error) {
       throw Error("TB-MODEL-DOCUMENT",
                   fmt::format("the model of taxel {} has no value there: {}", taxel.taxel, error.what()),

@@ -79,6 +79,12 @@ TEST_CASE("C API: null pointers, wrong sizes and invalid values are refused with
   refused(TB_COMPENSATOR_SIZE, [](Given& g) { g.setup.struct_size -= 16; });
   refused(TB_COMPENSATOR_SIZE, [](Given& g) { g.taxels[0].struct_size = 8; });
   refused(TB_COMPENSATOR_SIZE, [](Given& g) { g.taxels[2].struct_size += 8; });
+  for (const std::size_t none : {std::size_t{65544}, SIZE_MAX - 7}) {  // addresses of such taxels would wrap around
+    refused(TB_COMPENSATOR_SIZE, [&](Given& g) { g.setup.struct_size = none; });
+    refused(TB_COMPENSATOR_SIZE, [&](Given& g) {
+      for (tb_compensator_taxel& taxel : g.taxels) taxel.struct_size = none;
+    });
+  }
   refused(TB_COMPENSATOR_SIZE, [](Given& g) { g.setup.knots = 1; });
   refused(TB_COMPENSATOR_SIZE, [](Given& g) { g.setup.taxels = 0; });
   refused(TB_COMPENSATOR_NULL, [](Given& g) { g.setup.pressure = nullptr; });

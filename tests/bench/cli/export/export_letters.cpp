@@ -100,6 +100,17 @@ TEST_CASE("export CSV: the lines before the table, of a run with remarks, and fi
                         Catch::Contains(",\"x,y\",0,7,0.7\n") && Catch::Contains(",plain,0,7,0.7\n"));
 }
 
+TEST_CASE("export CSV: a name that a spreadsheet would carry out is a text there") {
+  StoreToExport store;
+  db::RunRecord run = example_run();
+  run.sequences[1].name = "=cmd|'/C calc'!A0";
+  const Begun begun = begin_example(store.store, run);
+  store.store.append_frame(begun.run, plain_frame(begun.branch));
+  store.store.end_run(begun.run, db::Outcome::kCompleted, "", db::SafeState::kVerified, kUtc);
+  REQUIRE(store.exported("1").code == 0);
+  CHECK_THAT(store.text(), Catch::Contains("\n1,1,'=cmd|"));
+}
+
 TEST_CASE("export: a frame of a branch that the run lacks is damage, and said so") {
   StoreToExport store;
   const Begun begun = begin_example(store.store);
