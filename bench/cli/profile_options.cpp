@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <utility>
 
+#include "db/fleet/postgres.h"
 #include "sequences/toml/strict_toml.h"
 
 namespace tactbench::bench {
@@ -65,7 +66,7 @@ void ProfileOptions::fill_in(const CLI::App& verb) {
     if (declared.verb != &verb || value == given.end()) continue;
     declared.take(value->second);
     declared.option->required(false);
-    declared.option->default_str(fmt::format("{}", fmt::join(value->second.values, " ")));
+    declared.option->default_str(db::fleet::without_passwords(fmt::format("{}", fmt::join(value->second.values, " "))));
   }
 }
 

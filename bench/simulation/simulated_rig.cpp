@@ -3,25 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
-#include <filesystem>
 
-#include "bench/common/private_files.h"
 #include "devices/fault.h"
 
 namespace tactbench::bench {
 
 namespace {
-
-// A private folder (mode 0700) for socket files.
-std::string make_socket_folder() {
-  std::string pattern = temporary_folder() + "/tactbench-XXXXXX";
-  if (mkdtemp(pattern.data()) == nullptr) {
-    throw devices::Fault("TB-SIM-LISTEN", "simulated rig", "cannot make a temporary folder at " + pattern,
-                         "check that the folder for temporary files exists and can be written (TMPDIR)");
-  }
-  return pattern;
-}
 
 // The Nano17's SI-25-0.25 calibration: ranges from protocols' real .cal files, the rest invented.
 constexpr std::array<double, 6> kNano17Range{25.0, 25.0, 35.0, 250.0, 250.0, 250.0};
@@ -54,10 +41,7 @@ devices::DigitalCalibration digital_calibration(const std::string& serial) {
 }  // namespace
 
 SimulatedRig::SimulatedRig(BenchConfig& config, const devices::Clock& clock, bool free_running)
-    : clock_(clock),
-      free_running_(free_running),
-      plant_(config.simulation->plant, clock),
-      socket_folder_(make_socket_folder()) {
+    : clock_(clock), free_running_(free_running), plant_(config.simulation->plant, clock) {
   lines_ = std::make_unique<SimulatedLines>(config, plant_, clock_);
   if (free_running_) lines_->serve_waveshare(plant_, clock_);
   for (const std::string& line : lines_->descriptions()) served_.push_back({"pressure and environment", line});
@@ -74,8 +58,6 @@ SimulatedRig::~SimulatedRig() {
   chain_.reset();
   scanner_.reset();
   frame_source_.reset();
-  std::error_code ignored;
-  std::filesystem::remove_all(socket_folder_, ignored);
 }
 
 devices::FaultInjector SimulatedRig::injector_of(Instrument instrument) {
@@ -92,7 +74,7 @@ void SimulatedRig::serve_scanner(BenchConfig& config) {
     identity.volts_per_count = static_cast<float>(volts_per_count);
     identity.serial = simulation.scanner_serial;
     identity.firmware = "sim-1";
-    config.scanner_socket = socket_folder_ + "/scanner";
+    config.scanner_socket = sockets_.path() + "/scanner";
     devices::SimulatedScannerFaults faults = simulation.scanner_faults;
     faults.inject = injector_of(Instrument::kScanner);
     scanner_ = std::make_unique<devices::SimulatedScanner>(config.scanner_socket, identity, plant_, clock_, faults);

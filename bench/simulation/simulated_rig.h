@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/common/private_files.h"
 #include "bench/config/config.h"
 #include "bench/simulation/passing_names.h"
 #include "bench/simulation/plant.h"
@@ -26,7 +27,8 @@ struct Served {
 class SimulatedRig {
  public:
   // Starts the ends that `config` names and writes where they are into it. `clock` outlives this. `free_running`: the
-  // clock runs by itself, and instruments say unasked what the real ones do. Throws Fault.
+  // clock runs by itself, and instruments say unasked what the real ones do. Throws Fault, Error
+  // TB-FOLDER-UNSAFE.
   SimulatedRig(BenchConfig& config, const devices::Clock& clock, bool free_running);
   ~SimulatedRig();
   SimulatedRig(const SimulatedRig&) = delete;
@@ -43,7 +45,7 @@ class SimulatedRig {
   const devices::Clock& clock_;
   bool free_running_;
   Plant plant_;
-  std::string socket_folder_;
+  ScratchFolder sockets_{"tactbench-sim"};
   std::vector<Served> served_;
   PassingNames passing_names_;
   std::unique_ptr<SimulatedLines> lines_;

@@ -24,10 +24,13 @@ struct ConfigOptions {
 // What verbs take where nothing is typed, as settings "profile.KEY".
 std::vector<sequences::Setting> profile_settings(const OperatorProfile& profile) {
   std::vector<sequences::Setting> settings;
-  for (const auto& [key, given] : profile)
-    settings.push_back({fmt::format("profile.{}", to_string(key)),
-                        db::fleet::without_passwords(fmt::format("\"{}\"", fmt::join(given.values, "\", \""))),
-                        given.origin});
+  for (const auto& [key, given] : profile) {
+    std::vector<std::string> values;
+    for (const std::string& value : given.values)
+      values.push_back(fmt::format("\"{}\"", db::fleet::without_passwords(value)));
+    settings.push_back(
+        {fmt::format("profile.{}", to_string(key)), fmt::format("{}", fmt::join(values, ", ")), given.origin});
+  }
   return settings;
 }
 

@@ -66,6 +66,14 @@ TEST_CASE("profile options: the command line before the environment before the f
   CHECK(program.bench_file == "typed.toml");
 }
 
+TEST_CASE("profile options: help shows what is given, without passwords") {
+  ProgramOfTwoVerbs program("bench = \"host=db password=SECRET user=u\"\n");
+  program.parse({"run", "x"});
+  CHECK(program.bench_file == "host=db password=SECRET user=u");
+  const std::string help = program.app.get_subcommand("run")->help();
+  CHECK_THAT(help, Catch::Contains("host=db") && !Catch::Contains("SECRET"));
+}
+
 TEST_CASE("profile options: what no source gives is required") {
   ProgramOfTwoVerbs program("operator = \"me\"\n");
   CHECK_THROWS_AS(program.parse({"watch"}), CLI::RequiredError);

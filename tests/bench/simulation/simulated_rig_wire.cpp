@@ -6,7 +6,10 @@
 #include <set>
 
 #include "bench/rig/rig.h"
+#include "tests/bench/run/control/apart.h"
+#include "tests/support/process.h"
 #include "tests/support/small_run.h"
+#include "tests/support/variable.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -42,6 +45,26 @@ TEST_CASE("simulated rig: each instrument of the bench is served at a place of i
   CHECK(served_by({{"scanner.kind", "frame-source"}, {"force.kind", "digital"}}, false).ends == 4);
   // A second line of modules, the other scanner and the other force sensor beside them.
   CHECK(served_by({}, true).ends == 8);
+}
+
+TEST_CASE("simulated rig: a process that is killed leaves no folder for long") {
+  const TemporaryFolder folder;
+  const Variable temporary("TMPDIR", folder.path());
+  const auto folders = [&] {
+    return std::distance(std::filesystem::directory_iterator(folder.path()), std::filesystem::directory_iterator());
+  };
+  {
+    const Apart killed([](const Stay& stay) {
+      const bench::Rig rig(small_request().bench);
+      stay();
+    });
+    REQUIRE(killed.ready());
+    const bench::Rig beside(small_request().bench);  // of a process that lives
+    CHECK(folders() == 2);
+  }
+  CHECK(folders() == 1);
+  { const bench::Rig next(small_request().bench); }
+  CHECK(folders() == 0);
 }
 
 TEST_CASE("simulated rig: the digital force sensor's calibration and its gauges") {
