@@ -67,6 +67,9 @@ def check_actions():
     junit = re.search(r"--junit (\S+)", command).group(1)
     published = [step for step in steps if junit in str(step.get("with", ""))]
     assert published and all(step["if"] == "always()" for step in published), "a red night is to be published, too"
+    assert set(workflow["permissions"].values()) == {"read"}, workflow["permissions"]
+    for step in steps:
+        assert re.fullmatch(r"actions/[\w-]+@[0-9a-f]{40}", step.get("uses", "actions/x@" + 40 * "0")), step
 
 
 note = check_units()
