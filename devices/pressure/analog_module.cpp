@@ -46,7 +46,8 @@ void AnalogModule::prepare() {
   const std::size_t values = size(in.channels) * in.format.words();
   const std::size_t status = in.status_offset < 0 ? 0 : size(in.status_offset + in.channels);
   inputs_.resize(std::max(values, status));
-  outputs_.resize(size(profile_.outputs.channels), counts(Volts(0.0)));
+  rest_.resize(size(profile_.outputs.channels), counts(Volts(0.0)));
+  outputs_ = rest_;
 }
 
 std::vector<std::uint16_t> AnalogModule::read_all() {
@@ -119,10 +120,10 @@ void AnalogModule::send_outputs(const std::vector<std::uint16_t>& image) {
   }
   last_write_time_ = time;
   if (profile_.outputs.function == 23) {
-    take_image(time);
+    image_time_ = time;
   } else if (profile_.inputs.channels > 0) {
     read_inputs();
-    take_image(time);
+    image_time_ = time;
   }
 }
 
@@ -167,7 +168,7 @@ void AnalogModule::refresh(Nanoseconds max_age) {
   const Nanoseconds time = clock_.now();
   if (profile_.inputs.channels == 0 || (image_time_ >= Nanoseconds(0) && time - image_time_ <= max_age)) return;
   read_inputs();
-  take_image(time);
+  image_time_ = time;
 }
 
 void AnalogModule::read_inputs() {
@@ -179,25 +180,17 @@ void AnalogModule::read_inputs() {
   }
 }
 
-void AnalogModule::take_image(Nanoseconds time) {
-  image_time_ = time;
-  const ModuleInputs& in = profile_.inputs;
-  if (in.status_offset < 0) return;
-  for (int channel = 0; channel < in.channels; ++channel) {
-    const unsigned status = inputs_[size(in.status_offset + channel)];
-    if ((status & 7U) == 0) continue;
-    throw Fault("TB-MODULE-INPUT", kModuleDevice,
-                fmt::format("input {} of {} reports status 0x{:04X}:{}{}{}", channel, link_.peer(), status,
-                            (status & 1U) != 0 ? " above its range" : "", (status & 2U) != 0 ? " below its range" : "",
-                            (status & 4U) != 0 ? " calibration not valid" : ""),
-                "Check the transducer's wiring and supply, and the input's range setting.");
-  }
-}
-
 RegisterValue AnalogModule::input(int channel) const {
-  const std::size_t words = profile_.inputs.format.words();
-  if (channel < 0 || channel >= profile_.inputs.channels) throw std::out_of_range("AnalogModule::input");
-  return decode_register(profile_.inputs.format, std::span(inputs_).subspan(size(channel) * words, words));
+  const ModuleInputs& in = profile_.inputs;
+  const std::size_t words = in.format.words();
+  if (channel < 0 || channel >= in.channels) throw std::out_of_range("AnalogModule::input");
+  const unsigned status = in.status_offset < 0 ? 0U : inputs_[size(in.status_offset + channel)];
+  if ((status & 7U) == 0) return decode_register(in.format, std::span(inputs_).subspan(size(channel) * words, words));
+  throw Fault("TB-MODULE-INPUT", kModuleDevice,
+              fmt::format("input {} of {} reports status 0x{:04X}:{}{}{}", channel, link_.peer(), status,
+                          (status & 1U) != 0 ? " above its range" : "", (status & 2U) != 0 ? " below its range" : "",
+                          (status & 4U) != 0 ? " calibration not valid" : ""),
+              "Check the transducer's wiring and supply, and the input's range setting.");
 }
 
 std::uint16_t AnalogModule::output(int channel) const { return outputs_.at(size(channel)); }
@@ -215,22 +208,21 @@ bool AnalogModule::zero_outputs() noexcept {
   if (profile_.outputs.channels == 0) return false;
   for (int attempt = 0; attempt < 2; ++attempt) {
     try {
-      const std::vector<std::uint16_t> zeros(outputs_.size(), counts(Volts(0.0)));
       const Nanoseconds time = clock_.now();
       try {
         if (profile_.outputs.function == 6) {
-          put_outputs(zeros);
+          put_outputs(rest_);
         } else {
-          link_.write_registers(profile_.outputs.address, zeros);
+          link_.write_registers(profile_.outputs.address, rest_);
         }
         last_write_time_ = time;
       } catch (const Fault& fault) {
-        // A module whose watchdog has tripped refuses the write, but its output is zero: the readback decides.
+        // A module whose watchdog has tripped refuses the write, but its output is at rest: the readback decides.
         if (fault.id() != "TB-MODBUS-EXCEPTION") throw;
       }
       // If outputs cannot be read back, the acknowledged write is the only evidence.
-      if (profile_.outputs.readback == 0 || same(read_outputs(), zeros)) {
-        outputs_ = zeros;
+      if (profile_.outputs.readback == 0 || same(read_outputs(), rest_)) {
+        outputs_ = rest_;
         return true;
       }
     } catch (...) {

@@ -43,12 +43,13 @@ class AnalogModule {
   // Reads the outputs back. Throws Fault TB-MODULE-READBACK when another master has changed them. A module that cannot
   // be read back passes this check.
   void verify_outputs();
-  // Reads the input image (one exchange) unless it is at most `max_age` old. Throws Fault TB-MODULE-INPUT when a
-  // status word names a channel out of range.
+  // Reads the input image (one exchange) unless it is at most `max_age` old.
   void refresh(Nanoseconds max_age = Nanoseconds(0));
   void forget_image() { image_time_ = Nanoseconds(-1); }  // the next refresh() reads again
 
-  [[nodiscard]] RegisterValue input(int channel) const;   // of the last image
+  // Of the last image. Throws Fault TB-MODULE-INPUT when the channel's own status word tells that it is out of range:
+  // the other channels' readings stand.
+  [[nodiscard]] RegisterValue input(int channel) const;
   [[nodiscard]] std::uint16_t output(int channel) const;  // raw counts last written and read back
   [[nodiscard]] Nanoseconds image_time() const { return image_time_; }
   [[nodiscard]] Nanoseconds last_write_time() const { return last_write_time_; }
@@ -60,8 +61,10 @@ class AnalogModule {
   [[nodiscard]] Identity identity() const;
   [[nodiscard]] const ModuleProfile& profile() const { return profile_; }
   [[nodiscard]] const ModbusLink& link() const { return link_; }
-  // Writes 0 V to every output and reads it back; reconnects once if needed: at most two attempts of two exchanges.
-  // True: every output was read back as 0 V.
+  // From now on this output rests at `volts` instead of 0 V; bring_up() and zero_outputs() put it there.
+  void rest_at(int output, Volts volts) { rest_.at(static_cast<std::size_t>(output)) = counts(volts); }
+  // Writes the resting voltage, 0 V, to every output and reads it back; reconnects once if needed: at most two attempts
+  // of two exchanges. True: every output was read back so.
   [[nodiscard]] bool zero_outputs() noexcept;
   // The dump valve on the profile's coil (FC 5, energised = closed). Without such a valve both functions do nothing.
   // close_dump() writes only when the valve is not known to be closed, and throws Fault; open_dump() tries twice. True:
@@ -79,7 +82,6 @@ class AnalogModule {
   std::vector<std::uint16_t> read_outputs();
   [[nodiscard]] bool same(const std::vector<std::uint16_t>& stands, const std::vector<std::uint16_t>& wanted) const;
   void read_inputs();
-  void take_image(Nanoseconds time);
   void set_register(int address, std::uint16_t value);
   void set_watchdog();
   void clear_safe_mode();
@@ -91,6 +93,7 @@ class AnalogModule {
   ModbusLink link_;
   std::vector<std::uint16_t> inputs_;
   std::vector<std::uint16_t> outputs_;  // only values that were read back
+  std::vector<std::uint16_t> rest_;
   std::uint16_t fallbacks_at_start_ = 0;
   Nanoseconds image_time_{-1};
   Nanoseconds last_write_time_{-1};

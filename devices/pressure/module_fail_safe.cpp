@@ -23,7 +23,7 @@ constexpr const char* kFailSafeDevice = "analog module";
 void AnalogModule::bring_up() {
   if (profile_.fail_safe.watchdog_address >= 0 || watchdog_ != Nanoseconds(0)) set_watchdog();
   if (profile_.fail_safe.safe_mode_address >= 0) clear_safe_mode();
-  outputs_.assign(outputs_.size(), counts(Volts(0.0)));
+  outputs_ = rest_;
   last_write_time_ = Nanoseconds(-1);
   dump_closed_ = false;
   close_dump();

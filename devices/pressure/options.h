@@ -22,6 +22,8 @@ struct LinearSpan {  // LinearScale with the quantities' types: volts_low is low
   [[nodiscard]] LinearScale scale() const { return {volts_low.value(), volts_high.value(), low.value(), high.value()}; }
   [[nodiscard]] Psi pressure(Volts volts) const;
   [[nodiscard]] Volts voltage(Psi pressure) const;
+  // What a regulator does at `volts`: outside its span it stays at that end.
+  [[nodiscard]] Psi driven(Volts volts) const;
 };
 
 struct RegulatorOptions {
@@ -31,6 +33,8 @@ struct RegulatorOptions {
   int feedback_channel = 0;
   LinearSpan command_span;
   LinearSpan feedback_span;
+  Volts rest{0.0};     // what a vent puts out; not 0 V only where `relief` is named
+  std::string relief;  // what relieves the chamber where 0 V is no vent; empty: nothing is named
   Nanoseconds feed_interval = std::chrono::milliseconds(400);
   Psi command_limit{60.0};  // inclusive; command() refuses more before anything is sent (Fault TB-CHAMBER-LIMIT)
   Origin origin = Origin::kHardware;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -26,6 +27,7 @@ void check_span(const char* device, const LinearSpan& span) {
 
 Psi LinearSpan::pressure(Volts volts) const { return Psi(scale().physical(volts.value())); }
 Volts LinearSpan::voltage(Psi pressure) const { return Volts(scale().raw(pressure.value())); }
+Psi LinearSpan::driven(Volts volts) const { return pressure(std::clamp(volts, volts_low, volts_high)); }
 
 Regulator::Regulator(AnalogModule& output, AnalogModule& input, RegulatorOptions options, Clock& clock)
     : output_(output), input_(input), options_(std::move(options)), clock_(clock) {
@@ -33,6 +35,7 @@ Regulator::Regulator(AnalogModule& output, AnalogModule& input, RegulatorOptions
   check_channel("regulator", "feedback", options_.feedback_channel, input_.profile().inputs.channels);
   check_span("regulator", options_.command_span);
   check_span("regulator", options_.feedback_span);
+  output_.rest_at(options_.output_channel, options_.rest);
 }
 
 // The module's state after a failed exchange is not known: nothing more is written before the next arm().

@@ -194,32 +194,29 @@ TEST_CASE("analog module: what was not read back is not taken for the outputs' s
   CHECK(rig.module.last_write_time() == 1s);
 }
 
-TEST_CASE("analog module: each bit of a status word that counts is a fault of its channel") {
+TEST_CASE("analog module: each bit of a status word that counts is a fault of its channel, and of no other") {
   ModuleProfile profile = plain_profile();
   profile.inputs.status_offset = 4;
   const struct {
     WordsOut words;
-    std::string channel, status;
-  } cases[] = {{{0, 0}, "", ""},         {{8, 0xFFF8}, "", ""},  // other bits mean something else
-               {{1, 2}, "0 ", "0x0001"}, {{0, 2}, "1 ", "0x0002"},
-               {{0, 4}, "1 ", "0x0004"}, {{0, 0x108F}, "1 ", "0x108F"}};
-  for (const auto& [words, channel, status] : cases) {
+    std::array<std::string, 2> status;                             // that the channels' faults name
+  } cases[] = {{{0, 0}, {"", ""}},       {{8, 0xFFF8}, {"", ""}},  // other bits mean something else
+               {{1, 0}, {"0x0001", ""}}, {{0, 2}, {"", "0x0002"}},
+               {{0, 4}, {"", "0x0004"}}, {{1, 0x108F}, {"0x0001", "0x108F"}}};
+  for (const auto& [words, status] : cases) {
     Requests rig(profile);
     rig.server.set(0x24, words);
-    if (status.empty()) {
-      CHECK_NOTHROW(rig.module.refresh());
-    } else {
-      check_fault([&] { rig.module.refresh(); }, "TB-MODULE-INPUT", {}, "input " + channel);
-      rig.module.forget_image();
-      check_fault([&] { rig.module.refresh(); }, "TB-MODULE-INPUT", {}, status);
+    CHECK_NOTHROW(rig.module.refresh());
+    for (int channel = 0; channel < 2; ++channel) {
+      const std::string& named = status[static_cast<std::size_t>(channel)];
+      if (named.empty()) {
+        CHECK_NOTHROW(rig.module.input(channel));
+      } else {
+        check_fault([&] { (void)rig.module.input(channel); }, "TB-MODULE-INPUT", {}, named);
+        check_fault([&] { (void)rig.module.input_volts(channel); }, "TB-MODULE-INPUT", {},
+                    "input " + std::to_string(channel));
+      }
     }
-  }
-  Requests rig(profile);
-  rig.server.set(0x24, {0, 1});
-  for (const int function : {16, 23}) {
-    rig.profile.outputs.function = function;
-    AnalogModule module(rig.profile, rig.server.endpoint(), 0ns, rig.clock, Origin::kSimulated);
-    CHECK(fault_id_of([&] { module.write(0, 1); }) == "TB-MODULE-INPUT");
   }
 }
 
@@ -246,6 +243,15 @@ TEST_CASE("analog module: all outputs to 0 V, wherever the scale has that, in tw
     CHECK(rig.module.zero_outputs() == (times < 2));
     CHECK(rig.server.notes().size() == (times == 0 ? 2 : times == 1 ? 3 : 2));
   }
+  // An output that rests elsewhere is put there by both.
+  rig.module.rest_at(1, Volts(2.5));
+  CHECK(rig.module.zero_outputs());
+  CHECK(
+      (rig.module.output(0) == 0 && rig.module.output(1) == rig.module.counts(Volts(2.5)) && rig.module.output(1) > 0));
+  rig.module.bring_up();
+  CHECK(rig.module.output(1) == rig.module.counts(Volts(2.5)));
+  rig.module.rest_at(1, Volts(0.0));
+  (void)rig.server.notes();
   // A refusal is no success by itself: what the outputs show decides.
   rig.server.interfere([](const std::string& note) { return note[0] == '1' ? std::optional(4) : std::nullopt; });
   rig.server.set(0x10, {0, 0});
