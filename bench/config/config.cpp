@@ -143,9 +143,9 @@ BenchConfig read_document(sequences::TomlDocument document, const std::vector<se
   read_whole(root.table("dead_man"), dead_man_keys(config.dead_man));
   read_whole(root.table("settling"), settling_keys(config.settling));
   read_pressure(root, config);
-  if (!config.dead_man.blind_ends && config.watchdog_s <= 0.0) {
+  if (!config.dead_man.blind_ends && (config.watchdog_s <= 0.0 || !zero_volt_vents(config))) {
     root.table("dead_man")
-        .fail("blind", "blind = \"warn\" on a module without a watchdog that tactbench sets",
+        .fail("blind", "blind = \"warn\" on a module without a watchdog that tactbench sets and that vents",
               "write blind = \"end\": when the dead-man cannot reach this module, nothing else would "
               "vent");
   }

@@ -154,6 +154,11 @@ struct BenchConfig {
   std::vector<sequences::Setting> settings;    // every value, and its source
 };
 
+// The pressure that 0 V at the regulator means, psi: what a module without power, or one whose watchdog has acted,
+// sets.
+double zero_volt_psi(const BenchConfig& config);
+bool zero_volt_vents(const BenchConfig& config);  // it is within safe_psi of 0 psi
+
 struct SensorType {
   std::string name;
   int rows = 0, columns = 0;

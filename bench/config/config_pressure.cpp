@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <filesystem>
 
 #include "bench/common/process_time.h"
@@ -65,9 +66,9 @@ void read_channels(const TomlTable& table, devices::ModuleProfile& profile) {
 
 KeyTable watchdog_keys(BenchConfig& config) {
   config.watchdog_s = 1.0;  // where the module has one
-  return {key::number("watchdog_ms", config.watchdog_s, kMilliseconds, {500.0, 60000.0},
-                      "The module sets its outputs to 0 V when it is not written to for this long; only of a module "
-                      "whose profile has a watchdog")};
+  return {key::number("watchdog_ms", config.watchdog_s, kMilliseconds, {500.0, 60000.0, true},
+                      "The module sets its outputs to 0 V when it is not written to for this long; of a module whose "
+                      "profile has no watchdog 0, or omitted")};
 }
 
 KeyTable dump_keys(devices::ModuleProfile& profile) {
@@ -99,15 +100,18 @@ void read_modules(const TomlTable& root, BenchConfig& config) {
     table.fail("profile", fmt::format("'{}' has no outputs to drive the regulator", config.module.profile.name),
                "name the output module here and this one in [input_module]");
   }
-  if (config.module.profile.fail_safe.watchdog_address >= 0) {
-    read_keys(table, watchdog_keys(config));
-    // A feeding begins by 0.6 of the watchdog's time, so a module that was busy is still fed in time.
+  const bool has_watchdog = config.module.profile.fail_safe.watchdog_address >= 0;
+  if (has_watchdog || table.has("watchdog_ms")) read_keys(table, watchdog_keys(config));
+  if (!table.has("watchdog_ms") && !has_watchdog) config.watchdog_s = 0.0;
+  if (has_watchdog != (config.watchdog_s > 0.0)) {
+    table.fail("watchdog_ms",
+               has_watchdog ? "0 would leave the module without its watchdog"
+                            : fmt::format("'{}' has no watchdog that can be set", config.module.profile.name),
+               has_watchdog ? "give it 500 ms or more"
+                            : "omit it; `tactbench plan` and `devices check` print the fail-safe layers");
+  }
+  if (has_watchdog) {  // a feeding begins by 0.6 of its time, so a module that was busy is still fed in time
     config.module.endpoint.busy_time = std::min(config.module.endpoint.busy_time, seconds(0.4 * config.watchdog_s));
-  } else if (table.has("watchdog_ms")) {
-    table.fail("watchdog_ms", fmt::format("'{}' has no watchdog that can be set", config.module.profile.name),
-               "omit it; `tactbench plan` and `devices check` print the fail-safe layers");
-  } else {
-    config.watchdog_s = 0.0;
   }
   read_whole(table, dump_keys(config.module.profile));
   if (root.has("input_module")) {
@@ -146,14 +150,43 @@ KeyTable regulator_keys(devices::RegulatorOptions& regulator) {
       key::span("span_v", span.volts_low, span.volts_high, {"V"},
                 "Lowest and highest voltage of set-point and monitor ..."),
       key::span("span_bar", span.low, span.high, {"bar", devices::kPsiPerBar}, "... and the pressures that they mean"),
+      key::optional(key::text("relief", regulator.relief,
+                              "Where 0 V is not 0 psi: what then relieves the chamber, e.g. \"relief valve, 5 psi\"; "
+                              "without it such a regulator is refused")),
       key::number("feed_interval_ms", regulator.feed_interval, kMilliseconds, {50.0, 500.0},
                   "The set-point is written again and read back this often; at most 0.6 of the module's "
                   "watchdog_ms")};
 }
 
+// A bench that cannot be vented, or that the module's own fallback to 0 V would load.
+void check_zero_volt(const TomlTable& table, BenchConfig& config) {
+  devices::RegulatorOptions& regulator = config.regulator;
+  const devices::LinearSpan& span = regulator.command_span;
+  const devices::LinearScale& output = config.module.profile.outputs.volts;
+  if (!zero_volt_vents(config) && regulator.relief.empty()) {
+    table.fail("span_v",
+               fmt::format("0 V at the regulator means {:.1f} psi, which is no vent: a module without power, and one "
+                           "whose watchdog acts, would set it",
+                           zero_volt_psi(config)),
+               "use a regulator that vents at 0 V, or name what relieves the chamber then: relief = \"...\"");
+  }
+  const Volts at_zero = span.voltage(Psi(0.0));
+  const bool within = at_zero >= span.volts_low && at_zero <= span.volts_high;
+  if (!within || at_zero < Volts(output.low) || at_zero > Volts(output.high)) {
+    table.fail(
+        "span_v",
+        fmt::format("0 psi needs {:.2f} V, and the regulator takes {:g} to {:g} V, the module gives {:g} to {:g} "
+                    "V: the chamber could never be vented",
+                    at_zero.value(), span.volts_low.value(), span.volts_high.value(), output.low, output.high),
+        "correct span_v and span_bar, or drive the regulator by a module that reaches this voltage");
+  }
+  if (!zero_volt_vents(config)) regulator.rest = at_zero;
+}
+
 void read_regulator(const TomlTable& table, BenchConfig& config) {
   devices::RegulatorOptions& regulator = config.regulator;
   read_keys(table, regulator_keys(regulator));
+  check_zero_volt(table, config);
   regulator.feedback_span = regulator.command_span;
   const double feed_ms = std::chrono::duration<double, std::milli>(regulator.feed_interval).count();
   if (config.watchdog_s > 0.0 && feed_ms / 1000.0 > 0.6 * config.watchdog_s) {
@@ -371,6 +404,10 @@ EnvironmentSensor read_sensor(const TomlTable& table, const BenchConfig& config)
 }
 
 }  // namespace
+
+double zero_volt_psi(const BenchConfig& config) { return config.regulator.command_span.driven(Volts(0.0)).value(); }
+
+bool zero_volt_vents(const BenchConfig& config) { return std::abs(zero_volt_psi(config)) < config.limits.safe_psi; }
 
 void read_pressure(const TomlTable& root, BenchConfig& config) {
   read_modules(root, config);

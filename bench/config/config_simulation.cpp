@@ -254,6 +254,7 @@ SimulationConfig read_simulation(const TomlTable& table, const BenchConfig& conf
   plant.instruments = instruments_of(config, plant.instruments.seed);
   specimen.rows = config.scanner.rows;
   specimen.columns = config.scanner.columns;
+  plant.chamber.low_psi = config.regulator.command_span.low.value();
   plant.chamber.span_psi = config.regulator.command_span.high.value();
   read_whole(table.table("chamber"), chamber_keys(plant.chamber));
   const TomlTable contact = table.table("contact");

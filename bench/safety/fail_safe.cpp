@@ -2,7 +2,42 @@
 
 #include <fmt/format.h>
 
+#include "bench/guard/witness.h"
+
 namespace tactbench::bench {
+
+namespace {
+
+std::string relieved(const BenchConfig& config) {
+  return config.regulator.relief.empty() ? "use the relief valve"
+                                         : config.regulator.relief + " has to relieve the chamber";
+}
+
+// How each witness shows a supply that fails, or a wire that breaks.
+std::string dead_supply(const BenchConfig& config) {
+  const auto shown = [](const char* name, const devices::LinearSpan& span, const TrueRange& range) {
+    const double psi = span.pressure(devices::Volts(0.0)).value();
+    return fmt::format("{} reads {:.1f} psi, which {}", name, psi,
+                       range.holds(psi) ? "an empty chamber reads, too" : "cannot be true and is noticed");
+  };
+  std::string text = "without supply, at 0 V, " +
+                     shown("the regulator's monitor", config.regulator.feedback_span, feedback_range(config));
+  if (config.reference_independent && !config.reference_gauge)
+    text += "; " + shown("the reference", config.reference.span, reference_range(config));
+  return text;
+}
+
+}  // namespace
+
+std::string when_module_is_lost(const BenchConfig& config) {
+  if (config.watchdog_s <= 0.0) {
+    return "nothing that tactbench has set brings its output to 0 V, the last set-point may remain; " +
+           relieved(config);
+  }
+  const std::string watchdog = fmt::format("its watchdog ({:g} ms) sets 0 V, which is {:.1f} psi",
+                                           1000.0 * config.watchdog_s, zero_volt_psi(config));
+  return zero_volt_vents(config) ? watchdog : watchdog + " and no vent; " + relieved(config);
+}
 
 std::vector<std::string> fail_safe_layers(const BenchConfig& config) {
   const devices::ModuleProfile& profile = config.module.profile;
@@ -18,7 +53,8 @@ std::vector<std::string> fail_safe_layers(const BenchConfig& config) {
         : config.dead_man.blind_ends                ? "; if it can no longer reach the module the run ends"
                                                     : "; if it can no longer reach the module the run is warned"));
   } else if (!config.in_process) {
-    lines.emplace_back("WARNING: [dead_man] enabled = false: only the module vents when the program dies");
+    lines.push_back(
+        fmt::format("WARNING: [dead_man] enabled = false: when the program dies, {}", when_module_is_lost(config)));
   }
   if (profile.dump_coil >= 0) {
     lines.push_back(fmt::format("dump valve on coil {}: opens with every vent and without power", profile.dump_coil));
@@ -26,14 +62,24 @@ std::vector<std::string> fail_safe_layers(const BenchConfig& config) {
   for (const std::string& layer : profile.fail_safe.layers) {
     lines.push_back(fmt::format("{}: {}", profile.model, layer));
   }
-  if (config.watchdog_s > 0.0) {
-    lines.push_back(fmt::format("watchdog time {:g} ms, fed every {:g} ms", 1000.0 * config.watchdog_s,
-                                static_cast<double>(config.regulator.feed_interval.count()) * 1e-6));
+  if (zero_volt_vents(config)) {
+    lines.push_back(fmt::format("without power the module gives 0 V, at which the regulator vents ({:.1f} psi)",
+                                zero_volt_psi(config)));
   } else {
     lines.push_back(
-        fmt::format("WARNING: {} has no watchdog that tactbench can set or verify: if the program or the "
-                    "wire dies, the last set-point may remain. Have a relief valve and an emergency stop.",
-                    profile.model));
+        fmt::format("WARNING: without power the module gives 0 V, which is {:.1f} psi and does NOT vent; {}",
+                    zero_volt_psi(config), relieved(config)));
+  }
+  lines.push_back(dead_supply(config));
+  const std::string lost = when_module_is_lost(config);
+  if (config.watchdog_s > 0.0) {
+    lines.push_back(fmt::format("with a silent bus {}; fed every {:g} ms", lost,
+                                static_cast<double>(config.regulator.feed_interval.count()) * 1e-6));
+  } else {
+    lines.push_back(fmt::format(
+        "WARNING: {} has no watchdog that tactbench can set or verify: if the program or the wire dies, {}, "
+        "and an emergency stop",
+        profile.model, lost));
   }
   return lines;
 }

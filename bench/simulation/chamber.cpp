@@ -17,7 +17,7 @@ constexpr double kLeadPerPsi = 0.25;     // how fast the hysteresis turns over: 
 void Chamber::command(devices::Volts volts) {
   double seen = std::clamp(volts.value(), 0.0, kModuleVolts);
   if (options_.resolution_v > 0.0) seen = std::round(seen / options_.resolution_v) * options_.resolution_v;
-  target_psi_ = seen / kModuleVolts * options_.span_psi;
+  target_psi_ = options_.low_psi + seen / kModuleVolts * (options_.span_psi - options_.low_psi);
 }
 
 void Chamber::overshoot(double psi) {
@@ -51,13 +51,14 @@ void Chamber::step(double seconds) {
     const double gone = (believed_psi_ - target_psi_) / beyond_psi_;
     if (gone >= kOvershootShare || beyond_s_ <= 0.0) beyond_psi_ = 0.0;
   }
-  if (believed_psi_ < 0.0) {  // no vacuum
-    believed_psi_ = 0.0;
+  const double lowest = std::min(0.0, options_.low_psi);  // only a regulator for vacuum makes one
+  if (believed_psi_ < lowest) {
+    believed_psi_ = lowest;
     rate_psi_per_s_ = std::max(0.0, rate_psi_per_s_);
   }
   const double half = 0.5 * options_.hysteresis_share * options_.span_psi;
   lead_psi_ = std::clamp(lead_psi_ + kLeadPerPsi * (believed_psi_ - before), -half, half);
-  pressure_psi_ = std::max(0.0, believed_psi_ + lead_psi_);
+  pressure_psi_ = std::max(lowest, believed_psi_ + lead_psi_);
 }
 
 }  // namespace tactbench::bench

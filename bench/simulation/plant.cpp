@@ -69,7 +69,8 @@ devices::Volts Plant::feedback() {
   if (faults_.active(FaultKind::kRegulatorUnpowered, clock_.now())) return devices::Volts(0.0);
   const double offset = faults_.active(FaultKind::kFeedbackOffset, clock_.now()).value_or(0.0);
   const double psi = chamber_.believed().value() + offset + options_.chamber.feedback_noise_psi * noise;
-  return devices::Volts(psi / options_.chamber.span_psi * kFullScaleVolts);
+  const ChamberOptions& chamber = options_.chamber;
+  return devices::Volts((psi - chamber.low_psi) / (chamber.span_psi - chamber.low_psi) * kFullScaleVolts);
 }
 
 devices::Volts Plant::reference() {
@@ -109,7 +110,7 @@ devices::Wrench Plant::wrench() {
 void Plant::read_specimen() {
   advance_to(clock_.now());
   if (volts_fresh_) return;
-  specimen_.output_after(chamber_.pressure().value(), pending_s_, volts_, contact_psi(contact_state_.force_n));
+  specimen_.output_after(load().chamber_psi, pending_s_, volts_, contact_psi(contact_state_.force_n));
   volts_fresh_ = true;
 }
 
@@ -201,7 +202,7 @@ std::string Plant::specimen_state() {
   if (!(pending_s_ > 0.0)) return specimen_.state();
   // Lives through the pending time for the text only: asking must not cut the grid.
   const std::string before = specimen_.state();
-  specimen_.advance(chamber_.pressure().value(), pending_s_, contact_psi(contact_state_.force_n));
+  specimen_.advance(load().chamber_psi, pending_s_, contact_psi(contact_state_.force_n));
   std::string now = specimen_.state();
   specimen_.set_state(before);
   return now;

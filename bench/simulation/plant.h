@@ -3,6 +3,7 @@
 // but the noise drawn, so the same seeds and questions give the same answers.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <mutex>
 #include <optional>
@@ -77,8 +78,10 @@ class Plant final : public devices::ChamberPort, public devices::TactilePort, pu
   void follow_stage(double seconds);           // contact up to time_
   void follow(double seconds);                 // the specimen follows the load
   void move_specimen(const Load& load, double seconds);
-  void suffer();  // what is broken at time_
-  [[nodiscard]] Load load() const { return {chamber_.pressure().value(), contact_state_.force_n}; }
+  void suffer();                     // what is broken at time_
+  [[nodiscard]] Load load() const {  // a vacuum does not load the specimen
+    return {std::max(0.0, chamber_.pressure().value()), contact_state_.force_n};
+  }
   [[nodiscard]] double peak_psi(double force_n) const { return force_n * peak_psi_per_newton_; }
   // Pressure by taxel of the object; empty without contact. Valid until the next call.
   [[nodiscard]] std::span<const double> contact_psi(double force_n);

@@ -79,6 +79,9 @@ TEST_CASE("bad bench values are refused with place and remedy") {
   refused({"bench.origin", "real"});
   refused({"bench.origin", "hardware"}, "simulation");
   refused({"regulator.span_v", "[10, 0]"});
+  // 0 V is 65.3 psi, -14.5 psi, 7.3 psi; then 0 psi is out of reach.
+  for (const char* span_bar : {"[-1, 9]", "[0.5, 9]", "[0.05, 9]"}) refused({"regulator.span_bar", span_bar}, "span_v");
+  refused({"regulator.span_v", "[-10, 10]"}, "span_v");
   refused({"settling.trace_s", "1e-9"});
   refused({"module.profile", "beckhof"}, "[module] profile");
   refused({"module.profile", std::string(300, 'a')}, "[module] profile");
@@ -90,6 +93,31 @@ TEST_CASE("bad bench values are refused with place and remedy") {
   refused({"force.kind", "daq"});
   refused({"bench.simulator", "somewhere"});
   refused({"environment.sensor", "[{quantity = 'humidity', address = 1}]"});
+}
+
+TEST_CASE(
+    "a regulator that 0 V does not vent needs something named that relieves the chamber, and a voltage for 0 psi") {
+  const auto reads = [](const std::vector<sequences::Override>& changes) { return read_bench(kBench, changes); };
+  const std::vector<sequences::Override> vacuum = {{"regulator.span_bar", "[-1, 9]"}};
+  std::vector<sequences::Override> named = vacuum;
+  named.push_back({"regulator.relief", "'vacuum breaker'"});
+  CHECK(tests::file_refusal([&] { (void)reads(vacuum); }).id == "TB-FILE-VALUE");
+  const BenchConfig config = reads(named);
+  CHECK(zero_volt_psi(config) == Approx(-14.5038).margin(0.001));
+  CHECK_FALSE(zero_volt_vents(config));
+  CHECK(config.regulator.rest.value() == Approx(1.0));
+  named.push_back({"dead_man.blind", "'warn'"});  // nothing else would vent
+  CHECK(tests::file_refusal([&] { (void)reads(named); }).id == "TB-FILE-VALUE");
+  CHECK(tests::file_refusal([&] {  // of a module that reaches 0 to 10 V
+          (void)reads({{"regulator.span_v", "[-10, 10]"}, {"regulator.relief", "'valve'"}});
+        })
+            .id == "TB-FILE-VALUE");
+  for (const char* live_zero : {"[1, 5]", "[2, 10]", "[0, 5]"}) {  // below its span a regulator stays at the low end
+    const BenchConfig sound = reads({{"regulator.span_v", live_zero}});
+    CHECK(zero_volt_psi(sound) == 0.0);
+    CHECK(sound.regulator.rest.value() == 0.0);
+  }
+  CHECK(zero_volt_vents(reads({{"limits.safe_psi", "0.2"}})));
 }
 
 TEST_CASE("dates are refused unless they are dates, each at its key") {

@@ -30,13 +30,13 @@ TEST_CASE("fail-safe layers: those of this program, with their numbers, and a wa
   BenchConfig config = plain_bench();
   config.in_process = true;
   config.limits.trip_psi = 64.0;
-  CHECK(fail_safe_layers(config).size() == 2);
+  CHECK(fail_safe_layers(config).size() == 4);
   CHECK_THAT(fail_safe_layers(config)[0], Catch::Contains("64 psi"));
   CHECK(warnings(config) == 1);  // no watchdog
   config.in_process = false;
   config.dead_man.timeout_s = 0.35;
   config.dead_man.progress_s = 1.25;
-  REQUIRE(fail_safe_layers(config).size() == 3);
+  REQUIRE(fail_safe_layers(config).size() == 5);
   CHECK_THAT(fail_safe_layers(config)[1], Catch::Contains("350 ms") && Catch::Contains("1250 ms"));
   const std::string ends = fail_safe_layers(config)[1];
   config.dead_man.blind_ends = false;
@@ -63,16 +63,42 @@ TEST_CASE("fail-safe layers: dump valve, the module's own layers, and its watchd
   config.watchdog_s = 1.5;
   config.regulator.feed_interval = std::chrono::milliseconds(350);
   const std::vector<std::string> lines = fail_safe_layers(config);
-  REQUIRE(lines.size() == 5);
+  REQUIRE(lines.size() == 7);
   CHECK_THAT(lines[1], Catch::Contains("coil 0"));
   CHECK_THAT(lines[2], Catch::Contains("MODEL") && Catch::EndsWith("first"));
   CHECK_THAT(lines[3], Catch::Contains("MODEL") && Catch::EndsWith("second"));
-  CHECK_THAT(lines[4], Catch::Contains("1500 ms") && Catch::Contains("350 ms"));
+  CHECK_THAT(lines[6], Catch::Contains("1500 ms") && Catch::Contains("350 ms"));
   CHECK(warnings(config) == 0);
   config.module.profile.dump_coil = -1;
   config.watchdog_s = 0.0;
-  CHECK(fail_safe_layers(config).size() == 4);
+  CHECK(fail_safe_layers(config).size() == 6);
   CHECK(warnings(config) == 1);
+}
+
+TEST_CASE("fail-safe layers: what 0 V and a dead supply mean is computed from the spans") {
+  using devices::Psi, devices::Volts;
+  BenchConfig config = plain_bench();
+  config.in_process = true;
+  config.watchdog_s = 1.0;
+  const auto set = [](devices::LinearSpan& span, double v0, double v1, double psi0, double psi1) {
+    span = {Volts(v0), Volts(v1), Psi(psi0), Psi(psi1)};
+  };
+  const auto told = [&](const std::string& number) {
+    return std::ranges::count_if(fail_safe_layers(config),
+                                 [&](const auto& line) { return line.find(number + " psi") != std::string::npos; });
+  };
+  set(config.regulator.command_span, 0, 10, 0, 130.5);
+  set(config.reference.span, 1, 5, 0, 100);
+  CHECK(warnings(config) == 0);
+  CHECK(told("-25.0") == 1);  // of a transducer with a live zero
+  set(config.regulator.command_span, -10, 10, 0, 130.5);
+  CHECK(warnings(config) == 1);
+  CHECK(told("65.2") == 2);  // without power, and with a silent bus
+  CHECK_THAT(when_module_is_lost(config), Catch::Contains("1000 ms") && Catch::Contains("65.2 psi"));
+  config.regulator.relief = "RV-1";
+  CHECK_THAT(when_module_is_lost(config), Catch::Contains("RV-1"));
+  config.watchdog_s = 0.0;
+  CHECK_THAT(when_module_is_lost(config), Catch::Contains("RV-1") && !Catch::Contains("watchdog"));
 }
 
 TEST_CASE("shared lines: neither side keeps a line to itself, and the dead-man takes no lock") {
