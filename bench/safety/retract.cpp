@@ -7,6 +7,7 @@
 #include <exception>
 
 #include "bench/common/process_time.h"
+#include "devices/fault.h"
 
 namespace tactbench::bench {
 
@@ -31,8 +32,18 @@ class Retraction {
     std::string trouble;
     for (int i = 0; i < kRetreatTries && !proof.z_mm; ++i) proof.z_mm = back_off(proof.halted, trouble);
     proof.force_n = force_now(trouble);
+    // Pressed where the bench file says that nothing is touched: goes up as far as it can.
+    if (proof.z_mm && (overloaded_ || (proof.force_n && !is_safe(*proof.force_n)))) {
+      trouble.clear();
+      try {
+        proof.z_mm = go_up(options_.furthest_z_mm);
+      } catch (const std::exception& error) {
+        trouble = error.what();
+      }
+      proof.force_n = force_now(trouble);
+    }
     const bool clear = proof.z_mm && *proof.z_mm <= options_.clear_z_mm + kArrivedMm;
-    const bool free = proof.force_n && *proof.force_n < options_.safe_force_n;  // NaN is not
+    const bool free = proof.force_n && is_safe(*proof.force_n);
     proof.verified = clear && free;
     const char* head = proof.verified               ? "retracted, verified"
                        : proof.force_n && !free     ? "NOT SAFE: a force stands on the indenter"
@@ -47,23 +58,28 @@ class Retraction {
   }
 
  private:
+  [[nodiscard]] bool is_safe(double force_n) const { return force_n < options_.safe_force_n; }  // NaN is not
+
+  // Moves z to `to_mm` unless it is further away; returns where it then stands.
+  double go_up(double to_mm) {
+    const double way_mm = stage_.state(Axis::kZ).position.value() - to_mm;
+    if (way_mm > kArrivedMm) {
+      stage_.start_move_to(Axis::kZ, devices::Millimetres(to_mm),
+                           devices::MillimetresPerSecond(options_.speed_mm_per_s));
+      pause(seconds(way_mm / options_.speed_mm_per_s));
+      (void)stage_.wait(Axis::kZ);
+    }
+    pause(kSettle);
+    return stage_.state(Axis::kZ).position.value();
+  }
+
   // The final position of z; none when the stage did not obey.
   std::optional<double> back_off(bool& halted, std::string& trouble) {
     try {
       halted = stage_.halt();
       stage_.arm();
-      const devices::AxisState state = stage_.state(Axis::kZ);
-      if (!state.homed) {
-        stage_.home(Axis::kZ);
-      } else if (state.position.value() > options_.clear_z_mm + kArrivedMm) {
-        stage_.start_move_to(Axis::kZ, devices::Millimetres(options_.clear_z_mm),
-                             devices::MillimetresPerSecond(options_.speed_mm_per_s));
-        const double way_mm = state.position.value() - options_.clear_z_mm;
-        pause(seconds(way_mm / options_.speed_mm_per_s));
-        (void)stage_.wait(Axis::kZ);
-      }
-      pause(kSettle);
-      return stage_.state(Axis::kZ).position.value();
+      if (!stage_.state(Axis::kZ).homed) stage_.home(Axis::kZ);
+      return go_up(options_.clear_z_mm);
     } catch (const std::exception& error) {
       trouble = error.what();
       return std::nullopt;
@@ -73,7 +89,12 @@ class Retraction {
   std::optional<double> force_now(std::string& trouble) {
     for (int i = 0; i < kRetreatTries && force_ != nullptr; ++i) {
       try {
-        return std::abs(force_->read(options_.records).wrench.force_n[2]);
+        const double force_n = std::abs(force_->read(options_.records).wrench.force_n[2]);
+        overloaded_ = false;
+        return force_n;
+      } catch (const devices::Fault& fault) {
+        trouble = fault.what();
+        overloaded_ = fault.id() == "TB-FORCE-TRIP" || fault.id() == "TB-FORCE-OVERLOAD";
       } catch (const std::exception& error) {
         trouble = error.what();
       }
@@ -99,6 +120,7 @@ class Retraction {
   devices::Clock& clock_;
   const RetractOptions& options_;
   const std::function<void(Nanoseconds)>& wait_;
+  bool overloaded_ = false;  // the sensor reads no force because it is too large
 };
 
 }  // namespace

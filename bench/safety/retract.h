@@ -17,6 +17,7 @@ struct RetractOptions {
   double speed_mm_per_s = 4.0;  // largest speed of the z axis
   double safe_force_n = 0.5;
   int records = 50;
+  double furthest_z_mm = 0.0;  // the axis' low end
 };
 
 struct RetractProof {
@@ -28,10 +29,10 @@ struct RetractProof {
 };
 
 // Halts all axes, arms the stage again and moves z to clear. A z that is not homed is homed instead, which moves in the
-// same direction; a z that is further away stays. Never moves toward the specimen. Without a sensor (null) the result
-// is not verified. Waits by calling `wait` in slices of 100 ms, so that it may feed a dead-man; when that throws or
-// returns early, waits on the clock itself. Bounded by twice the halt, the travel at that speed (or the home timeout)
-// and a few replies.
+// same direction; a z that is further away stays, unless a force is felt there: then it goes to the low end of its
+// axis. Never moves toward the specimen. Without a sensor (null) the result is not verified. Waits by calling `wait` in
+// slices of 100 ms, so that it may feed a dead-man; when that throws or returns early, waits on the clock itself.
+// Bounded by twice the halt, the travel at that speed (or the home timeout) and a few replies.
 [[nodiscard]] RetractProof retract(devices::Stage& stage, devices::ForceSensor* force, devices::Clock& clock,
                                    const RetractOptions& options,
                                    const std::function<void(devices::Nanoseconds)>& wait) noexcept;

@@ -15,11 +15,14 @@ namespace {
 
 constexpr int kBackOffs = 4;  // each twice as far as the one before
 
-void check_free(const PressAxis& axis, const ForceSample& reading, double limit_n) {
-  if (std::abs(reading.force_n) < limit_n) return;
+[[noreturn]] void not_free(const PressAxis& axis, const ForceSample& reading, double limit_n) {
   throw Fault("TB-PRESS-NOT-FREE", "force sensor",
               fmt::format("{:.2f} N at z = {:.3f} mm, where nothing should be touched (below {:g} N)", reading.force_n,
                           axis.z_mm(), limit_n));
+}
+
+void check_free(const PressAxis& axis, const ForceSample& reading, double limit_n) {
+  if (!(std::abs(reading.force_n) < limit_n)) not_free(axis, reading, limit_n);
 }
 
 [[noreturn]] void no_contact(const PressAxis& axis, double from_mm) {
@@ -46,7 +49,13 @@ ContactPoint find_contact(PressAxis& axis, double clear_z_mm) {
   const PressOptions& options = axis.options();
   const double from_mm = axis.find();
   check_free(axis, axis.sample(options.level_records), options.contact_n);
-  if (from_mm < clear_z_mm) check_free(axis, axis.move_to(clear_z_mm, options.travel_mm_per_s), options.contact_n);
+  if (from_mm < clear_z_mm) {
+    // Stops at the first touch of an object that is taller than clear_z allows for.
+    const bool touched = axis.descend(clear_z_mm, options.way_mm_per_s());
+    const ForceSample there = axis.sample(options.level_records);
+    if (touched) not_free(axis, there, options.contact_n);
+    check_free(axis, there, options.contact_n);
+  }
   if (!axis.descend(options.deepest_z_mm, options.approach_mm_per_s)) no_contact(axis, from_mm);
   ContactPoint contact;
   contact.coarse_z_mm = axis.z_mm();

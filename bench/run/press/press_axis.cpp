@@ -20,6 +20,11 @@ double PressOptions::tolerance(double force_n) const {
   return std::max(tolerance_n, tolerance_share * std::abs(force_n));
 }
 
+double PressOptions::way_mm_per_s() const {
+  const double unseen_s = poll_interval_s + force_latency_s + stop_time_s;
+  return std::min(travel_mm_per_s, (force_limit_n - contact_n) / (stiffest_n_per_mm * unseen_s));
+}
+
 // Stops the axis first: handling the fault takes time.
 template <class Act>
 auto PressAxis::guarded(Act act) {
@@ -48,10 +53,19 @@ ForceSample PressAxis::read(int records, bool moving) {
   if (hooks_.sample) hooks_.sample(taken);
   if (!(std::abs(taken.force_n) <= options_.force_limit_n)) {  // NaN is beyond
     throw Fault("TB-PRESS-FORCE-LIMIT", "force sensor",
-                fmt::format("{:.2f} N on the indenter, the limit is {:g} N; the stage was halted at about {:.3f} mm",
-                            taken.force_n, options_.force_limit_n, z_mm_));
+                fmt::format("{:.2f} N on the indenter, the limit is {:g} N; {}", taken.force_n, options_.force_limit_n,
+                            stopped()));
   }
   return taken;
+}
+
+std::string PressAxis::stopped() {
+  try {
+    z_mm_ = stage_.stop(Axis::kZ).value();
+    return fmt::format("z was stopped at {:.3f} mm", z_mm_);
+  } catch (const Fault& fault) {
+    return fmt::format("where z stands is not known ({})", fault.what());
+  }
 }
 
 ForceSample PressAxis::sample(int records) {

@@ -44,6 +44,8 @@ struct PressOptions {
   int poll_records = 10, level_records = 50;
 
   [[nodiscard]] double tolerance(double force_n) const;
+  // Of z off contact: even the stiffest object that stands in the way is felt, and z stopped, within the force limit.
+  [[nodiscard]] double way_mm_per_s() const;
 };
 
 struct ForceSample {
@@ -88,6 +90,7 @@ class PressAxis {
   auto guarded(Act act);
   ForceSample read(int records, bool moving);
   bool felt();
+  std::string stopped();  // stops z and tells where the stage then reports it
   devices::Stage& stage_;
   devices::ForceSensor& force_;
   devices::Clock& clock_;

@@ -58,7 +58,7 @@ TEST_CASE("retract on an ideal stage: z at clear stays, and arrival tolerates on
 TEST_CASE("retract on an ideal stage: the force has to be below the safe one on either side, and a number") {
   const auto at = [](double force_n) {
     const RetractProof proof = Retreat(12.0, force_n).go();
-    CHECK(proof.z_mm == 10.0);
+    CHECK(proof.z_mm == (std::abs(force_n) < 0.5 ? 10.0 : 0.0));  // pressed at clear: goes home
     if (!proof.verified) CHECK_THAT(proof.text, Catch::StartsWith("NOT SAFE"));
     return proof.verified;
   };
@@ -108,6 +108,18 @@ TEST_CASE("retract on an ideal stage: a z that lost its home goes home, wherever
   CHECK(proof.z_mm == 0.0);
   CHECK(lost.bed.stage.homed_order == std::vector<devices::Axis>{devices::Axis::kZ});
   CHECK(lost.bed.stage.sent_mm.empty());
+}
+
+TEST_CASE("retract on an ideal stage: pressed by an object that is taller than clear allows for, z goes home") {
+  for (const double z_mm : {6.0, 10.0, 13.0}) {
+    Retreat tall(z_mm);
+    tall.bed.force.law = [](double at_mm) { return 20.0 * std::max(0.0, at_mm - 5.0); };
+    const RetractProof proof = tall.go();
+    CHECK(proof.verified);
+    CHECK(proof.z_mm == 0.0);
+    CHECK(proof.force_n == 0.0);
+    CHECK(tall.bed.stage.sent_mm.back() == 0.0);
+  }
 }
 
 TEST_CASE("retract on an ideal stage: waits in slices of 100 ms, and by the clock itself where the wait throws") {

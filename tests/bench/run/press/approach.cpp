@@ -33,16 +33,16 @@ TEST_CASE("approach on an ideal stage: down, back off, up in steps, each number 
   CHECK(bed.stage.speeds[0] == 4.0);
   CHECK(bed.stage.speeds[1] == 0.5);
   for (std::size_t i = 2; i < sent.size(); ++i) CHECK(bed.stage.speeds[i] == 0.05);
-  // One sample, 59 looks on 10 mm of free way (42.5 ms each: 33 N are 82.5 ms away, less 40 ms to stop), one at its
-  // end, 102 looks of the search, the touch, two samples, and one after each of the ten steps.
-  CHECK(bed.force.reads.size() == 1 + 59 + 1 + 102 + 1 + 1 + 1 + 10);
+  // One sample, 64 looks on 10 mm of free way (one each 40 ms, the last at its end), a sample there, 102 looks of the
+  // search, the touch, two samples, and one after each of the ten steps.
+  CHECK(bed.force.reads.size() == 1 + 64 + 1 + 102 + 1 + 1 + 1 + 10);
   CHECK(bed.force.reads.front().records == 50);
   CHECK(bed.force.reads[1].records == 10);
-  CHECK(bed.force.reads[1].time == milliseconds(42) + std::chrono::microseconds(500));
-  CHECK(bed.force.reads[60].records == 50);
-  CHECK(bed.force.reads[60].time == milliseconds(2550));
-  CHECK(bed.force.reads[61].time == milliseconds(2590));
-  CHECK(bed.force.reads[163].records == 10);  // the touch
+  CHECK(bed.force.reads[1].time == milliseconds(40));
+  CHECK(bed.force.reads[65].records == 50);
+  CHECK(bed.force.reads[65].time == milliseconds(2550));
+  CHECK(bed.force.reads[66].time == milliseconds(2590));
+  CHECK(bed.force.reads[168].records == 10);  // the touch
   CHECK(bed.clock.now() == milliseconds(2550 + 4040 + 2050 + 10 * 250));
   CHECK(bed.stage.halts == 0);
 }
@@ -69,13 +69,30 @@ TEST_CASE("approach on an ideal stage: the force allowed before the search is ex
   CHECK(at(std::nextafter(0.1, 0.0)) == "none");
   CHECK(at(-0.09) == "none");
   // After the way to clear the same holds.
-  IdealBed on_the_way([](double z_mm) { return z_mm > 9.9 ? 0.15 : 0.0; });
-  check_press_fault([&] { (void)bench::find_contact(on_the_way.axis, 10.0); }, "TB-PRESS-NOT-FREE",
+  IdealBed at_its_end([](double z_mm) { return z_mm > 9.9999 ? 0.15 : 0.0; });
+  check_press_fault([&] { (void)bench::find_contact(at_its_end.axis, 10.0); }, "TB-PRESS-NOT-FREE",
                     {"0.15 N", "10.000 mm", "0.1 N"});
   IdealBed lost(spring(20.0));
   lost.stage.homed = false;
   CHECK(fault_id_of([&] { (void)bench::find_contact(lost.axis, 10.0); }) == "TB-PRESS-NOT-HOMED");
   CHECK(lost.stage.sent_mm.empty());
+}
+
+TEST_CASE("approach on an ideal stage: z stops at an object that stands in the way to clear, within the force limit") {
+  for (const double surface_mm : {0.0, 3.0, 9.0}) {
+    for (const double stiffness : {1.0, 20.0, 100.0}) {
+      bench::PressOptions fast = ideal_options();
+      fast.travel_mm_per_s = 8.0;
+      IdealBed bed([=](double z_mm) { return stiffness * std::max(0.0, z_mm - surface_mm); }, fast);
+      INFO(stiffness << " N/mm at " << surface_mm << " mm");
+      CHECK(fault_id_of([&] { (void)bench::find_contact(bed.axis, 10.0); }) == "TB-PRESS-NOT-FREE");
+      CHECK(bed.stage.z_mm() > surface_mm);
+      CHECK(bed.stage.z_mm() < surface_mm + 0.5);
+      CHECK(bed.axis.z_mm() == bed.stage.z_mm());
+      for (const IdealForce::Read& read : bed.force.reads) CHECK(read.force_n < fast.force_limit_n);
+      CHECK(bed.stage.speeds.front() <= 33.0 / (100.0 * 0.08));  // a look, and what sensor and stage need to react
+    }
+  }
 }
 
 TEST_CASE(

@@ -1,6 +1,8 @@
 // The z axis on an ideal stage: when it polls, what halts it, and what a reading contains.
 #include "bench/run/press/press_axis.h"
 
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
@@ -97,7 +99,11 @@ TEST_CASE("press axis: any fault halts the stage once and is thrown on") {
   IdealBed bed([](double z_mm) { return z_mm > 12.2 ? 40.0 : 0.0; });
   bed.stage.put(devices::Axis::kZ, 12.0);
   (void)bed.axis.find();
-  CHECK(fault_id_of([&] { (void)bed.axis.move_to(13.0, 0.5); }) == "TB-PRESS-FORCE-LIMIT");
+  const auto beyond = devices::fault_of([&] { (void)bed.axis.move_to(13.0, 0.5); });
+  REQUIRE(beyond);
+  CHECK(beyond->id() == "TB-PRESS-FORCE-LIMIT");
+  CHECK_THAT(beyond->what(), Catch::Contains(fmt::format("{:.3f} mm", bed.stage.z_mm())));  // where it really stands
+  CHECK(bed.axis.z_mm() == bed.stage.z_mm());
   CHECK(bed.stage.halts == 1);
   CHECK(bed.stage.z_mm() < 12.6);
   bed.force.failures = 1;
