@@ -105,6 +105,8 @@ inline constexpr ErrorRow kErrorTable[] = {
      "check the compressor supply and for leaks; raise [settling] timeout_s or band_psi"},
     {"TB-CHAMBER-TRIP", kStopped, "the pressure was beyond its limit; the chamber was vented",
      "check regulator and reference before the next run; the limit is [limits] trip_psi"},
+    {"TB-CHAMBER-WITNESS", kStopped, "a reading of the pressure cannot be true: its instrument measures nothing",
+     "check the instrument's supply and wiring, and its span in the bench file; then tactbench devices check"},
     {"TB-CHANNEL", kDevice, "this computer gives the program no more sockets",
      "close programs that hold many files open"},
     {"TB-DAQMX-CHANNELS", kDevice,
@@ -322,7 +324,8 @@ inline constexpr ErrorRow kErrorTable[] = {
     {"TB-PRESS-NOT-CLEAR", kDevice, "the indenter is not clear of the specimen; nothing was moved",
      "check the indenter, and let the recipe retract before it tares or moves in x and y"},
     {"TB-PRESS-NOT-FREE", kDevice, "there is a force where nothing should be touched",
-     "tare the sensor in the air; check that nothing pulls at the indenter or its cable, and the clear z"},
+     "tare the sensor in the air; check that nothing pulls at the indenter or its cable; an object that is touched "
+     "above [limits] clear_z_mm needs a smaller one"},
     {"TB-PRESS-NOT-HOMED", kDevice, "the stage was to press and has not been homed; nothing was sent",
      "let the recipe home the stage first; after a loss of power too"},
     {"TB-PRESS-SIGN", kDevice, "pressing reads with the opposite sign",

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "bench/common/process_time.h"
 #include "devices/fault.h"
@@ -27,6 +28,8 @@ GuardLimits guard_limits(const BenchConfig& config) {
   limits.safety = config.limits;
   limits.safety.stale_s *= std::max(1.0, config.rate);
   limits.has_force = config.force.has_value();
+  limits.feedback = feedback_range(config);
+  limits.reference = reference_range(config);
   for (std::size_t i = 0; config.stage && i < limits.axes.size(); ++i) {
     const devices::ZaberAxisOptions& axis = config.stage->options.axes[i];
     limits.axes[i] = {axis.low.value(), axis.high.value(), axis.maximum_speed.value()};
@@ -58,10 +61,11 @@ void Guard::trip(const std::string& id, const std::string& what) noexcept {
   if (trip_) return;
   try {
     trip_ = Trip{id, what, run_, {}};
-    if (source_ != nullptr) vented(source_->vent());
+    vented_ = source_ != nullptr && source_->vent();
+    if (source_ != nullptr) vented(vented_);
     // While the dead-man works, the stage's line belongs to it.
     const bool line_is_ours = id != kDeadManFired || watcher_ == nullptr || watcher_->wait_ended(Nanoseconds(0));
-    if (stage_ != nullptr && stage_used_ && line_is_ours) (void)stage_->halt();
+    halted_ = stage_ != nullptr && stage_used_ && line_is_ours && stage_->halt();
     log("guard", fmt::format("trip {}: {}", id, what), false);
     if (sink_) sink_(*trip_);
   } catch (...) {  // a recorder that fails must not stop a trip
@@ -101,13 +105,13 @@ void Guard::check_open(const char* actuator, const std::string& asked, bool away
 }
 
 void Guard::check_fresh(const char* id, const char* actuator, const std::string& asked, const char* name,
-                        const Witness& witness) const {
-  const Nanoseconds age = clock_.now() - witness.time;
-  if (witness.time >= Nanoseconds(0) && age <= seconds(limits_.safety.stale_s)) return;
+                        Nanoseconds taken) const {
+  const Nanoseconds age = clock_.now() - taken;
+  if (taken >= Nanoseconds(0) && age <= seconds(limits_.safety.stale_s)) return;
   refuse(id, actuator, asked,
-         witness.time < Nanoseconds(0) ? fmt::format("the {} has not been read", name)
-                                       : fmt::format("the last reading of the {} is {:.2f} s old, {:g} s are allowed",
-                                                     name, devices::in_seconds(age), limits_.safety.stale_s),
+         taken < Nanoseconds(0) ? fmt::format("the {} has not been read", name)
+                                : fmt::format("the last reading of the {} is {:.2f} s old, {:g} s are allowed", name,
+                                              devices::in_seconds(age), limits_.safety.stale_s),
          "Read the instrument before loading; [limits] stale_s.");
 }
 
@@ -116,29 +120,42 @@ void Guard::judge_pressure(const char* name, double psi) {
   const std::string what =
       fmt::format("{:.1f} psi measured by the {}, above the trip of {:.1f} psi", psi, name, limits_.safety.trip_psi);
   trip("TB-CHAMBER-TRIP", what);
-  throw devices::Fault("TB-CHAMBER-TRIP", "chamber", what + "; vented");
+  throw devices::Fault("TB-CHAMBER-TRIP", "chamber",
+                       what + (vented_ ? "; vented" : "; the module did NOT confirm the vent"));
 }
 
 void Guard::note_feedback(Psi pressure, Nanoseconds time) {
-  feedback_ = {pressure.value(), time};
+  feedback_.see(pressure.value(), time);
+  reference_.see_other(feedback_);
   judge_pressure("regulator's feedback", pressure.value());
 }
 
 void Guard::note_reference(Psi pressure, Nanoseconds time) {
-  reference_ = {pressure.value(), time};
+  reference_.see(pressure.value(), time);
+  feedback_.see_other(reference_);
   judge_pressure("reference", pressure.value());
 }
 
 void Guard::note_force(const devices::Wrench& wrench, Nanoseconds time) {
   const auto& force = wrench.force_n;
-  force_ = {std::hypot(force[0], force[1], force[2]), time};
+  force_n_ = std::hypot(force[0], force[1], force[2]);
+  force_time_ = time;
   if (!armed_ || trip_) return;
   for (std::size_t i = 0; i < force.size(); ++i) {
     if (std::abs(force[i]) <= limits_.safety.force_n[i]) continue;
     const std::string what = fmt::format("F{} = {:.2f} N measured, beyond the limit of {:g} N", "xyz"[i], force[i],
                                          limits_.safety.force_n[i]);
     trip("TB-FORCE-TRIP", what);
-    throw devices::Fault("TB-FORCE-TRIP", "force sensor", what + "; stage halted");
+    throw devices::Fault("TB-FORCE-TRIP", "force sensor", what + halt_words());
+  }
+}
+
+void Guard::check_witnesses() const {
+  for (const auto& [name, witness] : {std::pair{"regulator's feedback", &feedback_}, {"reference", &reference_}}) {
+    if (witness->impossible_s() < limits_.safety.disagreement_s) continue;
+    throw devices::Fault("TB-CHAMBER-WITNESS", "chamber",
+                         fmt::format("the {} reads {:.1f} psi for {:.1f} s, which {}", name, witness->psi(),
+                                     witness->impossible_s(), witness->doubt()));
   }
 }
 
@@ -151,8 +168,13 @@ void Guard::check_pressure(Psi pressure) {
            "Correct the recipe; [limits] command_psi is the chamber's limit.");
   }
   if (psi > setpoint_psi_) {
-    check_fresh("TB-CHAMBER-STALE", kPressure, asked, "regulator's feedback", feedback_);
-    check_fresh("TB-CHAMBER-STALE", kPressure, asked, "reference", reference_);
+    for (const auto& [name, witness] : {std::pair{"regulator's feedback", &feedback_}, {"reference", &reference_}}) {
+      check_fresh("TB-CHAMBER-STALE", kPressure, asked, name, witness->time());
+      if (witness->ever_possible() && witness->impossible_s() < limits_.safety.disagreement_s) continue;
+      refuse("TB-CHAMBER-WITNESS", kPressure, asked,
+             fmt::format("the {} reads {:.1f} psi, which {}", name, witness->psi(), witness->doubt()),
+             "Check its supply and wiring, and its span in the bench file; then `tactbench devices check`.");
+    }
     const Nanoseconds now = clock_.now();
     budget_psi_ = std::min(limits_.safety.step_psi,
                            budget_psi_ + limits_.safety.rate_psi_per_s * devices::in_seconds(now - budget_time_));

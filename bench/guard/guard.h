@@ -10,6 +10,7 @@
 #include "bench/config/config.h"
 #include "bench/guard/dead_man.h"
 #include "bench/guard/trip.h"
+#include "bench/guard/witness.h"
 #include "devices/clock.h"
 #include "devices/force/force_sensor.h"
 #include "devices/pressure/pressure_source.h"
@@ -25,6 +26,7 @@ struct GuardLimits {
   SafetyLimits safety;
   std::array<AxisLimits, devices::kAxes> axes;
   bool has_force = false;  // then z presses only under a fresh force reading
+  TrueRange feedback, reference;
 };
 
 // Of a bench file. At another rate than 1 a reading ages that much faster, and stale_s is stretched by it.
@@ -37,7 +39,8 @@ using CommandLog =
 
 class Guard {
  public:
-  Guard(const GuardLimits& limits, const devices::Clock& clock) : limits_(limits), clock_(clock) {}
+  Guard(const GuardLimits& limits, const devices::Clock& clock)
+      : limits_(limits), clock_(clock), feedback_(limits.feedback), reference_(limits.reference) {}
   Guard(const Guard&) = delete;
   Guard& operator=(const Guard&) = delete;
 
@@ -57,6 +60,10 @@ class Guard {
   // Vents and halts at once, latches and stores. A first trip stays. Never throws.
   void trip(const std::string& id, const std::string& what) noexcept;
   [[nodiscard]] const std::optional<Trip>& tripped() const { return trip_; }
+  // After a trip: whether the stage confirmed that it stands.
+  [[nodiscard]] const char* halt_words() const {
+    return halted_ ? "; stage halted" : "; the stage did NOT confirm that it stands";
+  }
   // A person has inspected the rig. A dead-man that has fired stays fired.
   void reset(const std::string& who);
 
@@ -64,15 +71,19 @@ class Guard {
   // TB-FORCE-TRIP; after a trip readings are only kept.
   void note_feedback(devices::Psi pressure, devices::Nanoseconds time);
   void note_reference(devices::Psi pressure, devices::Nanoseconds time);
+  [[nodiscard]] const PressureWitness& feedback() const { return feedback_; }
+  [[nodiscard]] const PressureWitness& reference() const { return reference_; }
+  // Throws Fault TB-CHAMBER-WITNESS when the readings of one cannot be true for longer than disagreement_s.
+  void check_witnesses() const;
   void note_force(const devices::Wrench& wrench, devices::Nanoseconds time);
   // Magnitude of the last force noted; none: no force was noted.
   [[nodiscard]] std::optional<double> last_force_n() const {
-    return force_.time.count() < 0 ? std::nullopt : std::optional(force_.value);
+    return force_time_.count() < 0 ? std::nullopt : std::optional(force_n_);
   }
 
   // Checks of commands. Each logs what passes, and logs and throws Fault for what does not. Ids:
   // TB-GUARD-NOT-ARMED, TB-GUARD-TRIPPED, TB-DEADMAN-..., TB-CHAMBER-LIMIT, TB-CHAMBER-RATE, TB-CHAMBER-STALE,
-  // TB-STAGE-LIMIT, TB-STAGE-ENVELOPE, TB-FORCE-STALE.
+  // TB-CHAMBER-WITNESS, TB-STAGE-LIMIT, TB-STAGE-ENVELOPE, TB-FORCE-STALE.
   void check_pressure(devices::Psi pressure);
   void check_rewriting();  // of the present set-point
   // z toward its home passes a trip too: away from the specimen is the stage's vent. x and y move only while z is
@@ -95,16 +106,12 @@ class Guard {
   [[nodiscard]] bool line_is_ours();
 
  private:
-  struct Witness {
-    double value = 0.0;
-    devices::Nanoseconds time{-1};
-  };
   [[noreturn]] void refuse(const char* id, const char* actuator, const std::string& asked, const std::string& why,
                            const std::string& remedy) const;
   void check_open(const char* actuator, const std::string& asked, bool away);
   void hear_watcher();
   void check_fresh(const char* id, const char* actuator, const std::string& asked, const char* name,
-                   const Witness& witness) const;
+                   devices::Nanoseconds taken) const;
   void log(const std::string& actuator, const std::string& text, bool let_through) const;
   void judge_pressure(const char* name, double psi);
   void check_clear(devices::Axis axis, const std::string& asked, const devices::AxisState& z) const;
@@ -120,8 +127,11 @@ class Guard {
   bool armed_ = false;
   bool stage_used_ = false;  // one that was never armed is not halted: it may not even be there
   std::optional<Trip> trip_;
+  bool vented_ = false, halted_ = false;  // by the trip, as module and stage confirmed
   std::optional<WatcherLost> lost_;       // which trip_ is of, if it is
-  Witness feedback_, reference_, force_;  // of the force: its magnitude
+  PressureWitness feedback_, reference_;
+  double force_n_ = 0.0;  // magnitude of the last one noted
+  devices::Nanoseconds force_time_{-1};
   double setpoint_psi_ = 0.0;
   double logged_psi_ = 0.0;
   double budget_psi_ = 0.0;  // what the set-point may rise now

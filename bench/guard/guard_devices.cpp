@@ -112,7 +112,7 @@ devices::ForceReading GuardedForce::read(int records) {
   } catch (const devices::Fault& fault) {
     if (tared_ && guard_.armed() && (fault.id() == "TB-FORCE-OVERLOAD" || fault.id() == "TB-FORCE-SATURATED")) {
       guard_.trip("TB-FORCE-TRIP", fault.what());
-      throw devices::Fault("TB-FORCE-TRIP", fault.device(), std::string(fault.what()) + "; stage halted",
+      throw devices::Fault("TB-FORCE-TRIP", fault.device(), std::string(fault.what()) + guard_.halt_words(),
                            fault.remedy());
     }
     throw;

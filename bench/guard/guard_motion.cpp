@@ -39,7 +39,7 @@ void Guard::check_move(Axis axis, double target_mm, double speed_mm_per_s, const
              fmt::format("x or y moves, and beyond {:g} mm they must be at rest", limits_.safety.clear_z_mm),
              "Wait for the end of the move first; [limits] clear_z_mm.");
     }
-    if (limits_.has_force) check_fresh("TB-FORCE-STALE", name(axis), asked, "force sensor, tared,", force_);
+    if (limits_.has_force) check_fresh("TB-FORCE-STALE", name(axis), asked, "force sensor, tared,", force_time_);
   }
   if (axis != Axis::kZ) check_clear(axis, asked, read(Axis::kZ));
   log(name(axis), asked, true);
@@ -62,10 +62,10 @@ void Guard::check_clear(Axis axis, const std::string& asked, const devices::Axis
     refuse_for(fmt::format("z is at {:.2f} mm, beyond {:g} mm", z.position.value(), clear),
                "Retract z first; [limits] clear_z_mm.");
   }
-  if (force_.time < devices::Nanoseconds(0) || force_.value < limits_.safety.contact_n) return;
-  refuse_for(fmt::format("the last force reading was {:.2f} N, in contact from {:g} N", force_.value,
-                         limits_.safety.contact_n),
-             "Retract z and read the force again; [limits] contact_n.");
+  if (force_time_ < devices::Nanoseconds(0) || force_n_ < limits_.safety.contact_n) return;
+  refuse_for(
+      fmt::format("the last force reading was {:.2f} N, in contact from {:g} N", force_n_, limits_.safety.contact_n),
+      "Retract z and read the force again; [limits] contact_n.");
 }
 
 }  // namespace tactbench::bench

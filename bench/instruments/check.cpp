@@ -77,15 +77,23 @@ void look_at_module(Rig& rig, DeviceCheck& result) {
   for (const std::string& layer : fail_safe_layers(rig.config())) result.notes.push_back(layer);
 }
 
+// As a run would judge the same reading before its first command.
+void judge_zero(const PressureWitness& witness, const BenchConfig& config, const char* remedy, DeviceCheck& result) {
+  if (!witness.possible()) {
+    complain(result, fmt::format("{:.2f} psi {}", witness.psi(), witness.doubt()),
+             "check its supply and wiring (a broken wire reads below a live zero), and its span in the bench file");
+  } else if (witness.psi() >= config.limits.safe_psi) {
+    complain(result, fmt::format("not at zero: {:.2f} psi (limit {:g})", witness.psi(), config.limits.safe_psi),
+             remedy);
+  }
+}
+
 void look_at_regulator(Rig& rig, DeviceCheck& result) {
   result.found = name_of(rig.source().identity());
   const double psi = rig.source().feedback().pressure.value();
   result.reading = fmt::format("feedback {:.2f} psi", psi);
-  const double safe = rig.config().limits.safe_psi;
-  if (std::abs(psi) >= safe) {
-    complain(result, fmt::format("not at zero: {:.2f} psi by the monitor output (limit {:g})", psi, safe),
-             "vent the chamber; check span_v and span_bar, the monitor's wiring and the regulator's zero");
-  }
+  judge_zero(rig.guard().feedback(), rig.config(),
+             "vent the chamber; check span_v and span_bar, the monitor's wiring and the regulator's zero", result);
 }
 
 void look_at_reference(Rig& rig, DeviceCheck& result, const std::string& today) {
@@ -102,10 +110,7 @@ void look_at_reference(Rig& rig, DeviceCheck& result, const std::string& today) 
                                        config.reference_correction.expanded_uncertainty(devices::Psi(psi)),
                                        config.reference_correction.coverage_factor));
   }
-  if (std::abs(psi) >= config.limits.safe_psi) {
-    complain(result, fmt::format("not at zero: {:.2f} psi", psi),
-             "vent the chamber; check the transducer's span and zero");
-  }
+  judge_zero(rig.guard().reference(), config, "vent the chamber; check the transducer's span and zero", result);
 }
 
 void look_at_array(Rig& rig, DeviceCheck& result) {

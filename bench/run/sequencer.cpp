@@ -30,6 +30,11 @@ void Sequencer::follow(const sequences::Recipe& recipe) {
 
 Baseline Sequencer::read_baseline() {
   poll();
+  // Until both can be true; poll() throws when that lasts.
+  while (!rig_.guard().feedback().possible() || !rig_.guard().reference().possible()) {
+    wait_until(rig_.clock().now() + seconds(0.2));
+    poll();
+  }
   const double highest = std::max(readings_.feedback.pressure.value(), readings_.reference.pressure.value());
   if (highest >= rig_.config().limits.safe_psi) {
     throw Fault("TB-CHAMBER-NOT-VENTED", "chamber",
@@ -198,8 +203,9 @@ void Sequencer::poll() {
   readings_.reference = rig_.reference().read();
   recorder_.poll(setpoint_, readings_.feedback, readings_.reference);
   tell_readings();
+  rig_.guard().check_witnesses();
   check_agreement();
-  if (!guard_) return;
+  if (!guard_ || !rig_.guard().reference().possible()) return;
   const std::optional<std::string> broken = guard_->see(readings_.reference.pressure.value());
   if (broken && !tolerant_) throw PathBroken{*broken + " psi"};
   broken_ = broken_ || broken.has_value();

@@ -28,7 +28,8 @@ class Sequencer {
 
   // Its rules (tolerances, retries, conditions) apply from now on. Has to outlive this.
   void follow(const sequences::Recipe& recipe);
-  // Reads the unloaded array and both pressures; throws Fault TB-CHAMBER-NOT-VENTED when the chamber is under pressure.
+  // Reads the unloaded array and both pressures; throws Fault TB-CHAMBER-NOT-VENTED when the chamber is under pressure,
+  // TB-CHAMBER-WITNESS when a reading cannot be true.
   Baseline read_baseline();
 
   // Between these two calls the measured reference must move in one direction from the branch's first level on, else a
@@ -37,7 +38,7 @@ class Sequencer {
   void end_branch() { guard_.reset(); }
   void begin_step();  // starts the recipe's time limit for one step
   // A step of kind kConditioning or kMeasure. Throws Fault (devices, TB-CHAMBER-TIMEOUT, TB-CHAMBER-DISAGREE,
-  // TB-STEP-TIMEOUT), Leave, Suspended, PathBroken.
+  // TB-CHAMBER-WITNESS, TB-STEP-TIMEOUT), Leave, Suspended, PathBroken.
   void chamber_step(const sequences::Step& step);
   // Reads all K scans and retries as the recipe allows; each failure is an event and sets `flags`.
   [[nodiscard]] devices::ScanSet read_array(std::string& flags);

@@ -1,15 +1,18 @@
 #include "bench/safety/safe_state.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <functional>
 #include <optional>
 #include <utility>
 
 #include "analysis/statistics/numbers/moments.h"
 #include "bench/common/process_time.h"
+#include "bench/safety/fail_safe.h"
 #include "bench/safety/retract.h"
 
 namespace tactbench::bench {
@@ -21,25 +24,24 @@ namespace {
 constexpr double kFilmRelaxes = 10.0;
 constexpr int kTries = 3;  // after this many failures in a row the link is not tried again
 
-struct Witnesses {
-  std::optional<double> feedback_psi, reference_psi;
-};
-
-// Waits, feeding the module on the way: after a pause's proof the run goes on, which it cannot once the module has
-// fallen back. One that cannot be fed falls back to 0 V.
+// Feeds the module while it waits: after a pause's proof the run goes on, which it cannot once the module has fallen
+// back. One that cannot be fed falls back as fail_safe.h says.
 class FedWait {
  public:
   explicit FedWait(Rig& rig) : rig_(rig) {}
+  void feed() {
+    if (failures_ == kTries) return;
+    try {
+      rig_.source().keep_alive();
+    } catch (const std::exception&) {
+      ++failures_;
+    }
+  }
   void until(Nanoseconds time) {
     devices::Clock& clock = rig_.clock();
     while (clock.now() < time) {
       clock.wait_until(std::min(time, clock.now() + seconds(0.2)));
-      if (failures_ == kTries) continue;
-      try {
-        rig_.source().keep_alive();
-      } catch (const std::exception&) {
-        ++failures_;
-      }
+      feed();
     }
   }
 
@@ -48,25 +50,74 @@ class FedWait {
   int failures_ = 0;
 };
 
-// Waits for both pressures to fall, feeding the module on the way.
-Witnesses watch_pressure_fall(Rig& rig) {
-  const SafetyLimits& limits = rig.config().limits;
-  devices::Clock& clock = rig.clock();
-  const Nanoseconds deadline = clock.now() + seconds(limits.vent_timeout_s);
-  Witnesses seen;
-  for (int failures = 0; failures < kTries && clock.now() < deadline;) {
+// One instrument's reading of the chamber, as the guard sees it. Whatever befalls it, the other's stands.
+struct Witness {
+  const char* name;
+  const PressureWitness& seen;
+  std::function<double()> read;
+  double safe_psi, patience_s;
+  std::optional<double> psi = std::nullopt;  // none: the last try to read it failed
+  std::string doubt = {};                    // why this reading proves nothing
+  int failures = 0;
+  std::optional<Nanoseconds> doubted_since = std::nullopt;
+
+  void look() {
+    if (failures == kTries) return;
+    psi.reset();
     try {
-      rig.source().keep_alive();
-      seen.feedback_psi = rig.source().feedback().pressure.value();
-      seen.reference_psi = rig.reference().read().pressure.value();
-      if (*seen.feedback_psi < limits.safe_psi && *seen.reference_psi < limits.safe_psi) return seen;
+      psi = read();
     } catch (const std::exception&) {
       ++failures;
-      seen = {};
     }
+  }
+  // Once all have been read: standing still shows against the other's reading.
+  void judge(Nanoseconds now) {
+    doubt = psi ? seen.doubt() : "";
+    if (doubt.empty()) {
+      doubted_since.reset();
+    } else if (!doubted_since) {
+      doubted_since = now;
+    }
+  }
+  [[nodiscard]] bool proves() const { return psi && doubt.empty() && *psi < safe_psi; }
+  // A high reading warns even where it cannot be true.
+  [[nodiscard]] bool warns() const { return psi && *psi >= safe_psi; }
+  // There is nothing more to wait for.
+  [[nodiscard]] bool settled(Nanoseconds now) const {
+    return proves() || failures == kTries || (doubted_since && !warns() && now - *doubted_since > seconds(patience_s));
+  }
+  [[nodiscard]] std::string told() const {
+    if (!psi) return fmt::format("{} could not be read", name);
+    const double shown = std::abs(*psi) < 0.05 ? 0.0 : *psi;  // no "-0.0"
+    return fmt::format("{} {:.1f} psi{}", name, shown, doubt.empty() ? "" : " (" + doubt + ")");
+  }
+};
+
+std::vector<Witness> witnesses_of(Rig& rig) {
+  const SafetyLimits& limits = rig.config().limits;
+  std::vector<Witness> all = {{"feedback", rig.guard().feedback(),
+                               [&rig] { return rig.source().feedback().pressure.value(); }, limits.safe_psi,
+                               limits.disagreement_s}};
+  if (rig.config().reference_independent) {
+    all.push_back({"reference", rig.guard().reference(), [&rig] { return rig.reference().read().pressure.value(); },
+                   limits.safe_psi, limits.disagreement_s});
+  }
+  return all;
+}
+
+// Waits for the pressures to fall. `feed`: the module still obeys.
+void watch_pressure_fall(Rig& rig, std::vector<Witness>& witnesses, bool feed) {
+  devices::Clock& clock = rig.clock();
+  const Nanoseconds deadline = clock.now() + seconds(rig.config().limits.vent_timeout_s);
+  FedWait wait(rig);
+  for (;;) {
+    if (feed) wait.feed();
+    for (Witness& witness : witnesses) witness.look();
+    for (Witness& witness : witnesses) witness.judge(clock.now());
+    const auto settled = [&](const Witness& witness) { return witness.settled(clock.now()); };
+    if (std::ranges::all_of(witnesses, settled) || clock.now() >= deadline) return;
     clock.wait_until(clock.now() + seconds(0.2));
   }
-  return seen;
 }
 
 // Half of the taxels back within 2 % of the converter's range of the unloaded frame: a witness that needs no module.
@@ -83,9 +134,8 @@ std::optional<bool> array_at_baseline(Rig& rig, const Baseline& baseline) {
   }
 }
 
-// Both pressures come through one module, and a module that repeats old readings may show 0 psi at 60. The film needs a
-// moment to recover after the vent.
-void hear_array(Rig& rig, const Baseline& baseline, SafeProof& proof) {
+// The same, once the film has had time to recover after the vent.
+std::optional<bool> array_back(Rig& rig, const Baseline& baseline) {
   const Nanoseconds deadline = rig.clock().now() + seconds(kFilmRelaxes);
   FedWait wait(rig);
   std::optional<bool> at_baseline = array_at_baseline(rig, baseline);
@@ -93,48 +143,72 @@ void hear_array(Rig& rig, const Baseline& baseline, SafeProof& proof) {
     wait.until(rig.clock().now() + seconds(0.5));
     at_baseline = array_at_baseline(rig, baseline);
   }
-  if (!at_baseline || *at_baseline) return;
+  return at_baseline;
+}
+
+// Both pressures come through one module, and a module that repeats old readings may show 0 psi at 60.
+void hear_array(Rig& rig, const Baseline& baseline, SafeProof& proof) {
+  if (array_back(rig, baseline).value_or(true)) return;
   proof.state = db::SafeState::kUnverified;
   proof.text += "; NOT verified: the tactile array is still loaded, so one of the witnesses is wrong";
 }
 
 SafeProof prove(Rig& rig, const Baseline& baseline) {
-  const SafetyLimits& limits = rig.config().limits;
+  const BenchConfig& config = rig.config();
   bool ordered = false;
   for (int i = 0; i < kTries && !ordered; ++i) ordered = rig.source().vent();
-  Witnesses seen;
-  if (ordered) seen = watch_pressure_fall(rig);
-  std::vector<std::string> witnesses;
-  int below = 0;
-  bool above = false;
-  const auto judge = [&](const char* name, const std::optional<double>& psi) {
-    if (!psi) return;
-    witnesses.push_back(fmt::format("{} {:.1f} psi", name, std::abs(*psi) < 0.05 ? 0.0 : *psi));  // no "-0.0"
-    below += *psi < limits.safe_psi ? 1 : 0;
-    above = above || *psi >= limits.safe_psi;
-  };
-  judge("feedback", seen.feedback_psi);
-  if (rig.config().reference_independent) judge("reference", seen.reference_psi);
+  // Else the module's own watchdog may vent: waits for its timeout.
+  if (!ordered) {
+    rig.clock().wait_until(rig.clock().now() + seconds(config.watchdog_s + config.limits.vent_timeout_s / 2));
+  }
+  std::vector<Witness> witnesses = witnesses_of(rig);
+  watch_pressure_fall(rig, witnesses, ordered);
+  std::vector<std::string> told;
+  std::vector<const char*> doubted;
+  for (const Witness& witness : witnesses) {
+    told.push_back(witness.told());
+    if (!witness.psi || !witness.doubt.empty()) doubted.push_back(witness.name);
+  }
+  auto below = std::ranges::count_if(witnesses, &Witness::proves);
+  bool above = std::ranges::any_of(witnesses, &Witness::warns);
   if (below < 2) {
-    if (!ordered) {  // the module's own watchdog vents: waits for its timeout
-      rig.clock().wait_until(rig.clock().now() + seconds(rig.config().watchdog_s + limits.vent_timeout_s / 2));
-    }
-    const std::optional<bool> at_baseline = array_at_baseline(rig, baseline);
+    const std::optional<bool> at_baseline =
+        ordered && !above ? array_back(rig, baseline) : array_at_baseline(rig, baseline);
     if (at_baseline) {
-      witnesses.push_back(*at_baseline ? "tactile array back at its unloaded baseline" : "tactile array still loaded");
+      told.emplace_back(*at_baseline ? "tactile array back at its unloaded baseline" : "tactile array still loaded");
       below += *at_baseline ? 1 : 0;
       above = above || !*at_baseline;
     }
   }
+  // Where nothing holds the set-point at 0 psi, an empty chamber may be loaded again.
+  const bool stays = ordered || (config.watchdog_s > 0.0 && zero_volt_vents(config));
   SafeProof proof;
-  proof.state = above ? db::SafeState::kFailed : below >= 2 ? db::SafeState::kVerified : db::SafeState::kUnverified;
-  const char* head = proof.state == db::SafeState::kVerified ? "vented, verified"
+  proof.state = above                 ? db::SafeState::kFailed
+                : below >= 2 && stays ? db::SafeState::kVerified
+                                      : db::SafeState::kUnverified;
+  const bool verified = proof.state == db::SafeState::kVerified;
+  const char* head = verified                                ? "vented, verified"
                      : proof.state == db::SafeState::kFailed ? "NOT SAFE: pressure remains"
                                                              : "vent NOT verified";
-  proof.text = fmt::format(
-      "{} ({}{})", head, ordered ? "" : "the module did not take the order; its watchdog sets 0 V when not fed; ",
-      witnesses.empty() ? "no witness could be read" : fmt::format("{}", fmt::join(witnesses, ", ")));
+  const std::string order = ordered ? "" : "the module did not take the order: " + when_module_is_lost(config) + "; ";
+  proof.text = fmt::format("{} ({}{})", head, order, fmt::join(told, ", "));
+  if (!verified) proof.text += "; read a hand gauge before the chamber is opened";
+  if (!verified && !doubted.empty())
+    proof.text += fmt::format(", then check supply and wiring of {}", fmt::join(doubted, " and "));
   return proof;
+}
+
+// Where 0 V is no vent, a module that is lost after the proof loads the chamber again.
+void hear_module(Rig& rig, SafeProof& proof) {
+  const BenchConfig& config = rig.config();
+  if (zero_volt_vents(config)) return;
+  try {
+    rig.source().keep_alive();
+    proof.text += "; once the module is no longer written to: " + when_module_is_lost(config);
+  } catch (const std::exception&) {
+    proof.state = db::SafeState::kUnverified;
+    proof.text += "; NOT verified: the module was lost: " + when_module_is_lost(config);
+  }
 }
 
 // For a stage whose replies are lost but which may still obey. Returns the final force on the indenter; none: not
@@ -168,6 +242,7 @@ void retract_stage(Rig& rig, SafeProof& proof) {
   const SafetyLimits& limits = rig.config().limits;
   RetractOptions options;
   options.clear_z_mm = limits.clear_z_mm;
+  options.furthest_z_mm = rig.config().stage->options.axes[2].low.value();
   options.speed_mm_per_s = rig.config().stage->options.axes[2].maximum_speed.value();
   options.safe_force_n = limits.contact_n;
   FedWait wait(rig);
@@ -207,6 +282,7 @@ SafeProof make_safe(Rig& rig, const Baseline& baseline) noexcept {
   }
   try {
     if (proof.state == db::SafeState::kVerified) hear_array(rig, baseline, proof);
+    if (proof.state == db::SafeState::kVerified) hear_module(rig, proof);
   } catch (const std::exception& error) {
     proof = {db::SafeState::kUnverified, fmt::format("{}; NOT verified ({})", proof.text, error.what())};
   }

@@ -20,8 +20,8 @@ using Baseline = std::vector<double>;
 Baseline baseline_of(const devices::ScanSet& scans);
 
 // Vents, then retracts z where the stage was used, then reads the tactile array, when it is there: it may contradict
-// the pressures. Bounded by 10 s, SafetyLimits::vent_timeout_s of process time, the travel of z to clear, and a few
-// link timeouts.
+// the pressures. Bounded by 10 s, 1.5 times SafetyLimits::vent_timeout_s and the module's watchdog (in process time),
+// the travel of z home, and a few link timeouts.
 SafeProof make_safe(Rig& rig, const Baseline& baseline) noexcept;
 
 }  // namespace tactbench::bench

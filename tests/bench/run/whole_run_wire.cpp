@@ -151,6 +151,37 @@ TEST_CASE("whole run: a fault that ends it has its id and code, its frames are k
        two_branches({}, "", {fault(FaultKind::kReferenceOffset, 0.0, 1.25)}));
 }
 
+TEST_CASE(
+    "whole run: a reading that cannot be true lets no run begin, ends one that is under way, and proves nothing") {
+  constexpr double kDead = -90.0;  // psi: a supply that is lost behind a live zero
+  const auto dead = [](FaultKind kind, double at_s, double lasts_s = 1e6) {
+    return planned_fault(kind, at_s, lasts_s, kDead);
+  };
+  const auto ends = [](const std::vector<bench::PlannedFault>& faults, ExitCode code, db::SafeState safe, bool begun) {
+    const FinishedRun run(two_branches({}, "", faults));
+    REQUIRE(run.result.error);
+    INFO(run.result.error->what() << " / " << run.result.safe_text);
+    CHECK(run.result.error->id() == "TB-CHAMBER-WITNESS");
+    CHECK(run.result.error->code() == code);
+    CHECK(run.result.outcome == db::Outcome::kAborted);
+    CHECK(run.result.safe == safe);
+    CHECK(run.told.empty() != begun);
+    CHECK(run.voids() <= 1);
+  };
+  constexpr auto kFeedback = FaultKind::kFeedbackOffset, kReference = FaultKind::kReferenceOffset;
+  // Before the first command there is no unloaded frame, so the array bears no witness.
+  for (const FaultKind kind : {kFeedback, kReference})
+    ends({dead(kind, 0.0)}, ExitCode::kUnsafe, db::SafeState::kUnverified, false);
+  for (const FaultKind kind : {kFeedback, kReference})
+    ends({dead(kind, 3.0)}, ExitCode::kStopped, db::SafeState::kVerified, true);
+  ends({dead(kFeedback, 3.0), dead(kReference, 3.0)}, ExitCode::kUnsafe, db::SafeState::kUnverified, true);
+  ends({dead(kFeedback, 3.0), dead(kReference, 3.0), planned_fault(FaultKind::kValveStuck, 3.0, 1e6, 0.0),
+        planned_fault(FaultKind::kScannerUnplugged, 3.0, 1e6, 0.0)},
+       ExitCode::kUnsafe, db::SafeState::kUnverified, true);
+  // A shock on a line for less than disagreement_s.
+  CHECK_FALSE(FinishedRun(two_branches({}, "", {dead(kReference, 3.0, 0.5)})).result.error);
+}
+
 TEST_CASE("whole run: a step may take just as long as its recipe allows") {
   const FinishedRun run(two_branches({}, "dwell_s = 2.0\n[timeout]\nstep_s = 2.65\n"));
   CHECK(run.result.outcome == db::Outcome::kCompleted);

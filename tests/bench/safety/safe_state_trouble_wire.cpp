@@ -1,4 +1,7 @@
 // The safe state when instruments fail on the way to it: what is proved, where the rig stands, how long it takes.
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -11,6 +14,7 @@ using namespace tactbench;
 using namespace tactbench::tests;
 using bench::FaultKind;
 using db::SafeState;
+using Settings = std::vector<sequences::Override>;
 
 namespace {
 
@@ -22,14 +26,16 @@ struct Proved {
 
 class TroubledRig {
  public:
-  TroubledRig() : rig(quick_bench()) {
+  explicit TroubledRig(const Settings& more = {}) : rig(quick_bench(more)) {
     rig.open();
     baseline = bench::baseline_of(rig.array().read(8));
   }
-  static bench::BenchConfig quick_bench() {
-    return small_request(
-               {{"limits.vent_timeout_s", "4"}, {"force.reply_timeout_ms", "200"}, {"stage.reply_timeout_ms", "100"}})
-        .bench;
+  static bench::BenchConfig quick_bench(Settings settings) {
+    settings.insert(settings.end(), {{"limits.vent_timeout_s", "4"},
+                                     {"module.response_timeout_ms", "100"},
+                                     {"force.reply_timeout_ms", "200"},
+                                     {"stage.reply_timeout_ms", "100"}});
+    return small_request(settings).bench;
   }
   void load(double psi) {
     (void)ramp_to(rig, devices::Psi(psi));
@@ -124,7 +130,7 @@ TEST_CASE(
                                         {FaultKind::kForceSilent, {}, SafeState::kUnverified, 0.5, 3.0},
                                         {FaultKind::kStageSilent, {}, SafeState::kUnverified, 0.5, 10.0},
                                         {FaultKind::kStageStalled, 1.0, SafeState::kVerified, 0.5, 2.0},  // x stays
-                                        {FaultKind::kStageStalled, 3.0, SafeState::kFailed, 15.0, 2.0}}));
+                                        {FaultKind::kStageStalled, 3.0, SafeState::kFailed, 15.0, 20.0}}));
   TroubledRig bench;
   bench.press(30.5);
   REQUIRE(std::abs(bench.rig.plant()->wrench().force_n[2]) > 10.0);
@@ -138,4 +144,115 @@ TEST_CASE(
   CHECK((proved.text.find("NOT SAFE") != std::string::npos) ==
         (row.kind == FaultKind::kStageSilent || row.state == SafeState::kFailed));
   CHECK(proved.took_s < row.most_s);
+}
+
+// What fails at 40 psi, and what is then proved, with the array there and without it. The truth is the plant's.
+TEST_CASE("safe state in trouble: the table of witnesses") {
+  struct Failing {
+    FaultKind kind;
+    std::optional<double> value = std::nullopt;
+  };
+  struct Row {
+    const char* name;
+    std::vector<Failing> failing;
+    bool vents;  // the chamber in truth
+    SafeState with_array, alone;
+  };
+  // A supply lost behind a live zero reads far below 0; a dump valve vents past a regulator without power, whose
+  // monitor then shows 0 V, that is 0 psi, and stands still.
+  const FaultKind feedback = FaultKind::kFeedbackOffset, reference = FaultKind::kReferenceOffset;
+  const Failing stuck{FaultKind::kValveStuck}, unpowered{FaultKind::kRegulatorUnpowered};
+  constexpr auto kYes = SafeState::kVerified, kUnproved = SafeState::kUnverified, kNo = SafeState::kFailed;
+  const Row rows[] = {
+      {"all well", {}, true, kYes, kYes},
+      {"two dead", {{feedback, -90}, {reference, -90}}, true, kUnproved, kUnproved},
+      {"two dead, loaded", {{feedback, -90}, {reference, -90}, stuck}, false, kNo, kUnproved},
+      {"feedback dead", {{feedback, -90}}, true, kYes, kUnproved},
+      {"feedback dead, loaded", {{feedback, -90}, stuck}, false, kNo, kNo},
+      {"reference dead", {{reference, -90}}, true, kYes, kUnproved},
+      {"reference dead, loaded", {{reference, -90}, stuck}, false, kNo, kNo},
+      {"feedback frozen at 0", {unpowered}, true, kYes, kUnproved},
+      // Nothing shows that it stands still; the array alone would contradict it.
+      {"feedback frozen at 0, reference dead", {unpowered, {reference, -90}}, true, kYes, kUnproved},
+      {"all frozen", {{FaultKind::kModuleStale}}, true, kNo, kNo},  // at 40 psi
+      {"feedback 2 psi low", {{feedback, -2}}, true, kYes, kUnproved},
+      {"reference 2 psi low", {{reference, -2}}, true, kYes, kUnproved},
+      {"both 2 psi low", {{feedback, -2}, {reference, -2}}, true, kUnproved, kUnproved},
+      {"reference 2 psi high", {{reference, 2}}, true, kNo, kNo},
+      {"reference far beyond its span", {{reference, 400}}, true, kNo, kNo},
+  };
+  for (const Row& row : rows) {
+    for (const bool array : {true, false}) {
+      const bool past_the_regulator =
+          std::ranges::any_of(row.failing, [&](const Failing& one) { return one.kind == unpowered.kind; });
+      TroubledRig bench(Settings{{"module.dump_coil", past_the_regulator ? "0" : "-1"}});
+      bench.load(40.0);
+      for (const Failing& failing : row.failing) bench.fail(failing.kind, failing.value);
+      if (!array) bench.rig.close_array();
+      const Proved proved = bench.prove();
+      INFO(row.name << (array ? ", with the array: " : ", without it: ") << proved.text);
+      CHECK(proved.state == (array ? row.with_array : row.alone));
+      CHECK((proved.psi < 1.0) == row.vents);
+    }
+  }
+}
+
+TEST_CASE("safe state in trouble: twenty good benches with zero errors up to 1 % of their spans are proved") {
+  for (int i = 0; i < 20; ++i) {
+    const double share = 0.01 * (2.0 * (i % 5) / 4.0 - 1.0);  // -1 % to 1 %
+    const double span_psi = 60.0 + 20.0 * (i / 5);
+    const double most = 0.9;  // [limits] safe_psi is 1
+    const double feedback_psi = std::min(share * 130.5, most), reference_psi = std::min(-share * span_psi, most);
+    const std::string span = fmt::format("{}", span_psi);
+    TroubledRig bench(Settings{{"reference.span_psi", "[0, " + span + "]"},
+                               {"simulation.chamber.reference_span_psi", span},
+                               {"simulation.faults", fmt::format("[{{kind='feedback_offset', value={}}}, "
+                                                                 "{{kind='reference_offset', value={}}}]",
+                                                                 feedback_psi, reference_psi)},
+                               {"reference.expanded_uncertainty_psi", i % 2 == 0 ? "0.05" : "0"}});
+    bench.load(30.0);
+    if (i % 3 == 0) bench.rig.close_array();
+    const Proved proved = bench.prove();
+    INFO(feedback_psi << " psi and " << reference_psi << " psi off: " << proved.text);
+    CHECK(proved.state == SafeState::kVerified);
+  }
+}
+
+// A module that falls silent at 30 psi: what the bench file says of it decides whether that can end verified.
+TEST_CASE("safe state in trouble: a module without a watchdog keeps its last set-point, and nothing promises one") {
+  const Settings none = {{"module.profile", "generic"}, {"module.watchdog_ms", "0"}};
+  for (const bool watchdog : {true, false}) {
+    TroubledRig bench(watchdog ? Settings{} : none);
+    bench.load(30.0);
+    bench.fail(FaultKind::kModuleSilent);
+    const Proved lost = bench.prove();
+    INFO(lost.text);
+    CHECK(lost.state == (watchdog ? SafeState::kUnverified : SafeState::kFailed));
+    CHECK((lost.psi < 1.0) == watchdog);
+    CHECK((lost.text.find("watchdog") != std::string::npos) == watchdog);
+  }
+  // Empty, by the array: still not the safe state, for the set-point may be anything.
+  TroubledRig bench(none);
+  bench.fail(FaultKind::kModuleSilent);
+  CHECK(bench.prove().state == SafeState::kUnverified);
+}
+
+TEST_CASE(
+    "safe state in trouble: where 0 V is no vent it is the voltage of 0 psi that vents, and a lost module is never "
+    "safe") {
+  const Settings vacuum = {{"regulator.span_bar", "[-1, 9]"}, {"regulator.relief", "'vacuum breaker VB-1'"}};
+  TroubledRig bench(vacuum);
+  CHECK(bench.prove().state == SafeState::kVerified);
+  bench.rig.source().arm();
+  bench.load(30.0);
+  const Proved vented = bench.prove();
+  CHECK(vented.state == SafeState::kVerified);
+  CHECK(bench.rig.plant()->true_pressure().value() == Approx(0.0).margin(0.5));  // 0 V would be -14.5 psi
+  CHECK_THAT(vented.text, Catch::Contains("VB-1") && Catch::Contains("-14.5 psi"));
+  bench.fail(FaultKind::kModuleUnplugged);
+  const Proved lost = bench.prove();
+  INFO(lost.text);
+  CHECK(lost.state == SafeState::kUnverified);
+  CHECK_THAT(lost.text, Catch::Contains("VB-1"));
+  CHECK(bench.rig.plant()->true_pressure().value() < -10.0);
 }
