@@ -27,6 +27,7 @@ constexpr int kSocket = 3;  // in the dead-man
 constexpr Nanoseconds kLongestStart = std::chrono::seconds(10);
 constexpr Nanoseconds kLine = std::chrono::seconds(5);
 constexpr Nanoseconds kEnd = std::chrono::seconds(1);
+constexpr Nanoseconds kTakeOver = std::chrono::seconds(15);
 constexpr Nanoseconds kEndPoll = std::chrono::milliseconds(50);
 constexpr int kSignsATimeout = 8;
 constexpr double kOwnShare = 0.9;  // of the timeout: this process counts itself as stopped before the dead-man fires
@@ -200,6 +201,14 @@ void DeadManProcess::name_run(std::int64_t run) { (void)channel_->send(fmt::form
 void DeadManProcess::fire() noexcept {
   fired_ = true;
   (void)channel_->send("fire");
+}
+
+bool DeadManProcess::take_over() {
+  const std::optional<WatcherLost> lost = reports_.lost();
+  const bool answers = !lost || lost->id == kDeadManBlind;
+  if (!fired() && (!answers || !channel_->send("unproved"))) return true;
+  fired_ = true;
+  return wait_ended(kTakeOver);
 }
 
 void DeadManProcess::goodbye() {

@@ -47,6 +47,9 @@ class DeadManProcess final : public Watcher {
   [[nodiscard]] std::unique_ptr<devices::ByteStream> open_line();
   void name_run(std::int64_t run);  // for its record
   void fire() noexcept;             // now; any thread
+  // The safe state could not be proved: it makes the bench safe now over its own connection, and reports what it did
+  // (take_news()). Waits for that, at most 15 s; false: it still works.
+  bool take_over();
   void goodbye();  // the safe state was proved: the dead-man ends without acting; a frozen one is killed
 
  private:

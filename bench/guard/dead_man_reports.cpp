@@ -36,6 +36,8 @@ void DeadManReports::heard(const std::string& word) {
     heard_blind(word.substr(kBlindWord.size()));
   } else if (word.starts_with(kBusyWord)) {
     news_.push_back({"TB-MODBUS-BUSY", word.substr(kBusyWord.size())});
+  } else if (word.starts_with(kDidWord)) {
+    news_.push_back({"", word.substr(kDidWord.size())});
   } else if (word == "sees") {
     if (failed_reads_ > 0) news_.push_back({"", "the dead-man reaches the module again"});
     failed_reads_ = 0;

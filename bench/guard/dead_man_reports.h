@@ -16,6 +16,8 @@ struct DeadManNews {  // for the record and for people
   std::string what;
 };
 
+inline const std::string kDidWord = "did: ";  // a dead-man's last message, with what it has done
+
 class DeadManReports {
  public:
   // An answer is due within `timeout`. `blind_ends`: a second failed reading of the module in a row makes the dead-man
@@ -24,7 +26,7 @@ class DeadManReports {
 
   void asked(devices::Nanoseconds now);  // a feeding was sent, which it answers
   // The dead-man's messages: "fed", "fired", "blind: REASON" at each failed reading, "sees", "busy: WHAT" of a module
-  // that let it wait. Others are ignored here.
+  // that let it wait, and what it did at last. Others are ignored here.
   void heard(const std::string& word);
   void ended();  // the other end of its channel is closed
   // To be called once everything received by `now` was passed on: checks whether an answer is overdue.

@@ -181,7 +181,11 @@ class RunLifecycle {
     if (!rig_) return;
     if (sequencer_) (void)sequencer_->times().start(Spent::kTeardown);
     proof_ = make_safe(*rig_, baseline_);
-    if (proof_.state == db::SafeState::kVerified) rig_->dismiss_dead_man();
+    if (proof_.state == db::SafeState::kVerified) {
+      rig_->dismiss_dead_man();
+    } else if (rig_->dead_man() != nullptr) {
+      dead_man_works_ = !rig_->dead_man()->take_over();
+    }
     if (sequencer_) {
       (void)sequencer_->times().start(Spent::kTeardown);
       result_.time_spent = sequencer_->times().text();
@@ -267,6 +271,11 @@ class RunLifecycle {
                        fmt::format("closed {} times, row by row", fmt::join(rig_->relay_operations(), " ")));
     }
     if (rig_) record_news(*rig_, *recorder_, progress_);
+    if (dead_man_works_) {
+      recorder_->event("dead-man", "",
+                       fmt::format("it had not ended when the run was closed; what it did will stand in {}",
+                                   TripFile(request_.bench.id).dead_man_path()));
+    }
     ending_.write(*recorder_);
     if (!result_.time_spent.empty()) recorder_->event("time", "", result_.time_spent);
     if (conductor_) {
@@ -300,8 +309,9 @@ class RunLifecycle {
   std::unique_ptr<ControlSocket> socket_;
   Baseline baseline_;
   SafeProof proof_;
-  bool end_delayed_ = false;  // and said so
-  bool store_lost_ = false;   // then the way out does not wait for its locks
+  bool end_delayed_ = false;     // and said so
+  bool dead_man_works_ = false;  // it makes the bench safe, and had not ended in time
+  bool store_lost_ = false;      // then the way out does not wait for its locks
 };
 
 }  // namespace

@@ -88,6 +88,7 @@ class Server {
       for (; packet; packet = channel_.receive(Nanoseconds(0))) {
         if (packet->text == "goodbye") return 0;
         if (packet->text == "fire") return fire("commanded", false);
+        if (packet->text == "unproved") return fire("the sequencer could not prove the safe state", true);
         if (packet->text == "feed") (void)channel_.send("fed");
         if (packet->text == "line") hand_line_over();
         if (packet->text.starts_with("run ")) run_ = std::stoll(packet->text.substr(4));
@@ -152,7 +153,7 @@ class Server {
     }
   }
 
-  // `gone`: the sequencer's process has ended; this alone needs no person once everything is proved safe.
+  // `gone`: the sequencer has ended or has done its part; this alone needs no person once everything is proved safe.
   int fire(const std::string& why, bool gone) {
     const Nanoseconds start = now();
     (void)channel_.send("fired");
@@ -174,6 +175,7 @@ class Server {
     const std::string what = fmt::format("dead-man fired ({}); {} after {:.2f} s; {} after {:.2f} s", why, proof.text,
                                          pressure_s, stage_text, stage_s);
     tty::print(stderr, "tactbench: bench '{}': {}\n", config_.id, what);
+    (void)channel_.send(kDidWord + what);
     const TripFile trip(config_.id);
     const bool latched = !(gone && safe);
     if (latched) (void)trip.store({kDeadManFired, what, run_, {}});

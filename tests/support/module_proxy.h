@@ -1,5 +1,5 @@
 // Stands between clients and a Modbus TCP server, and can cut off those that only read: a dead-man's connection, while
-// the sequencer's goes on.
+// the sequencer's goes on; or the sequencer's.
 #pragma once
 
 #include <arpa/inet.h>
@@ -40,6 +40,8 @@ class ModuleProxy {
   [[nodiscard]] int port() const { return port_; }
   // From now on connections that have not written are closed, and no new one lasts.
   void cut_off(bool so) { cut_off_ = so; }
+  // The other way round: those that have written so far are closed, and no new one lasts.
+  void cut_writers_off() { cut_writers_ = true; }
 
  private:
   struct Pair {
@@ -60,7 +62,7 @@ class ModuleProxy {
   void take_client() {
     auto pair = std::make_unique<Pair>();
     pair->client = ::accept(listener_, nullptr, nullptr);
-    if (pair->client < 0 || cut_off_) return;
+    if (pair->client < 0 || cut_off_ || writers_cut_) return;
     pair->server = ::socket(AF_INET, SOCK_STREAM, 0);
     const sockaddr_in address = loopback(server_port_);
     if (::connect(pair->server, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) return;
@@ -94,13 +96,18 @@ class ModuleProxy {
         if (ready[1 + 2 * i].revents != 0) pass(pair, true);
         if (!pair.done && ready[2 + 2 * i].revents != 0) pass(pair, false);
       }
-      std::erase_if(pairs_, [&](const auto& pair) { return pair->done || (cut_off_ && !pair->writes); });
+      const bool cut_writers = cut_writers_ && !writers_cut_;
+      writers_cut_ = writers_cut_ || cut_writers;
+      std::erase_if(pairs_, [&](const auto& pair) {
+        return pair->done || (cut_off_ && !pair->writes) || (cut_writers && pair->writes);
+      });
     }
   }
 
   int server_port_, listener_, port_ = 0;
   std::vector<std::unique_ptr<Pair>> pairs_;
-  std::atomic<bool> stop_{false}, cut_off_{false};
+  std::atomic<bool> stop_{false}, cut_off_{false}, cut_writers_{false};
+  bool writers_cut_ = false;
   std::thread thread_;
 };
 

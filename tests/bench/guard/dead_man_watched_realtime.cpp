@@ -217,6 +217,24 @@ TEST_CASE("dead-man watched: where the bench file warns only, a blind one is rep
   CHECK(rig.stop() == 4);
 }
 
+TEST_CASE("dead-man watched: where only it still reaches the module, what it did and proved is stored with the run") {
+  Watched rig;
+  ModuleProxy proxy(rig.module_port);
+  rig.start_long({"--set", fmt::format("module.port={}", proxy.port())});
+  proxy.cut_writers_off();
+  CHECK(rig.program->wait() == 7);
+  INFO(rig.log());
+  const db::RunStore store = rig.store();
+  CHECK(store.run(1).safe_state == db::SafeState::kUnverified);  // by the sequencer itself
+  const auto events = store.events(1);
+  const auto word = std::ranges::find(events, std::string("dead-man"), &db::EventRecord::kind);
+  REQUIRE(word != events.end());
+  CHECK_THAT(word->detail, Catch::Contains("verified") && !Catch::Contains("NOT verified"));
+  CHECK(rig.psi() < 1.0);
+  CHECK(rig.fired());
+  CHECK_FALSE(bench::TripFile(rig.bench_id).read());  // proved safe: no person is needed
+}
+
 TEST_CASE("dead-man watched: calibrate-reference ends when it is lost while the operator reads the gauge") {
   const bool killed = GENERATE(true, false);
   AtTheGauge rig;

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "bench/guard/dead_man_reports.h"
 #include "bench/guard/trip.h"
 #include "devices/wire/descriptor_channel.h"
 #include "tests/bench/cli/verb_here.h"
@@ -104,6 +105,7 @@ TEST_CASE(
     CHECK(with_descriptor);
     dead_man.channel->send("fire");
     CHECK(dead_man.heard() == "fired");
+    CHECK_THAT(dead_man.heard(), Catch::StartsWith(bench::kDidWord));
     CHECK(dead_man.exit_code() == 7);
     CHECK(dead_man.heard() == "(closed)");
     printed = errors.text();
