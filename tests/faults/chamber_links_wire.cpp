@@ -31,3 +31,13 @@ TEST_CASE("chamber: scanner torn") { check_row(Bench::kChamber, breakage(FaultKi
 TEST_CASE("chamber: scanner torn, once") { check_row(Bench::kChamber, once(FaultKind::kScannerTorn)); }
 TEST_CASE("chamber: scanner unplugged") { check_row(Bench::kChamber, breakage(FaultKind::kScannerUnplugged)); }
 TEST_CASE("chamber: scanner unplugged, once") { check_row(Bench::kChamber, once(FaultKind::kScannerUnplugged)); }
+TEST_CASE("chamber: module silent, no watchdog") {
+  check_row(Bench::kChamber, on_bench("no watchdog", {{"module.profile", "generic"}, {"module.watchdog_ms", "0"}},
+                                      holding(FaultKind::kModuleSilent)));
+}
+// Its fallback draws a vacuum.
+TEST_CASE("chamber: module silent, 0 V no vent") {
+  check_row(Bench::kChamber,
+            on_bench("0 V no vent", {{"regulator.span_bar", "[-1, 9]"}, {"regulator.relief", "'vacuum breaker'"}},
+                     breakage(FaultKind::kModuleSilent)));
+}

@@ -219,7 +219,9 @@ bool held_up(const bench::RunResult& result, const Fate& fate) {
 std::string suffered(Bench bench, Point point, const Breakage& breakage, int held_up_before = 0) {
   const TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
-  bench::RunRequest request = request_for(bench, kImpatient);
+  std::vector<sequences::Override> settings = breakage.bench;
+  settings.insert(settings.end(), kImpatient.begin(), kImpatient.end());
+  bench::RunRequest request = request_for(bench, settings);
   Fate fate(point, breakage, request, store.path());
   const bench::RunResult result = run_small(request, store);
   INFO((result.error ? result.error->id() + ": " + result.error->what() : std::string("completed"))
@@ -242,7 +244,7 @@ std::string suffered(Bench bench, Point point, const Breakage& breakage, int hel
     check_complete(store, result.run);
     return text_of(result, "");
   }
-  bench::RunRequest again = request_for(bench);
+  bench::RunRequest again = request_for(bench, breakage.bench);
   again.resume = result.run;
   const bench::RunResult resumed = run_small(again, store);
   INFO("resumed: " << (resumed.error ? resumed.error->id() + ": " + resumed.error->what() : std::string("completed")));

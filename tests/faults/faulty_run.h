@@ -40,8 +40,9 @@ const char* word_of(Point point);
 struct Breakage {
   std::string name;
   std::function<void(bench::Rig&, const std::string& store)> strike;
-  std::optional<bench::PlannedFault> plan;  // the same as a plan of the plant, where it has to wait for a force
-  std::function<void()> mend = [] {};       // before the run is resumed; the plant of the resumed run is whole anyway
+  std::vector<sequences::Override> bench = {};  // of the bench file, for the run and for the resumed one
+  std::optional<bench::PlannedFault> plan;      // the same as a plan of the plant, where it has to wait for a force
+  std::function<void()> mend = [] {};  // before the run is resumed; the plant of the resumed run is whole anyway
   // The plant may stay loaded for good, because no way leads to the actuator; then the run has to say so.
   bool beyond_reach = false;
   // The store cannot be written until mended: the row is closed by the next start.
@@ -55,6 +56,10 @@ inline Breakage holding(bench::FaultKind kind) {
   made.beyond_reach = true;
   return made;
 }
+// Several at once, under a name of their own.
+Breakage together(const std::string& name, const std::vector<Breakage>& all);
+// The same on a bench of other settings.
+Breakage on_bench(const std::string& what, const std::vector<sequences::Override>& settings, Breakage breakage);
 
 // Runs it, checks everything, and returns the cell of the table: "failed 3 SCANNER-LOST, verified, resumed".
 std::string cell_of(Bench bench, Point point, const Breakage& breakage);

@@ -44,6 +44,22 @@ Breakage breakage(FaultKind kind, std::optional<double> value, long times) {
   return made;
 }
 
+Breakage together(const std::string& name, const std::vector<Breakage>& all) {
+  Breakage made;
+  made.name = name;
+  made.strike = [all](Rig& rig, const std::string& store) {
+    for (const Breakage& one : all) one.strike(rig, store);
+  };
+  made.beyond_reach = std::ranges::any_of(all, &Breakage::beyond_reach);
+  return made;
+}
+
+Breakage on_bench(const std::string& what, const std::vector<sequences::Override>& settings, Breakage breakage) {
+  breakage.name += ", " + what;
+  breakage.bench = settings;
+  return breakage;
+}
+
 void check_row(Bench bench, const Breakage& breakage, const std::vector<Point>& only) {
   std::vector<std::string> cells;
   for (const Point point : points_of(bench)) {
