@@ -65,7 +65,7 @@ TEST_CASE("press: a silent sensor, an unplugged stage and a request to stop leav
     PressRig rig(spring(20.0));
     int waits = 0;
     rig.on_wait = [&] {
-      if (++waits >= 60) throw std::runtime_error("stop");
+      if (++waits >= 90) throw std::runtime_error("stop");
     };
     CHECK_THROWS_WITH(rig.press->approach(), "stop");
     CHECK(rig.stands());
