@@ -50,6 +50,7 @@ CLI::Validator as_psi() {
 void check_interruptions(Rig& rig, const StopRequest& stop) {
   tell_dead_man_news(rig);
   check_dead_man(rig);
+  rig.guard().check_witnesses();
   if (stop.signal() != 0) stopped("stopped by a signal");
 }
 
