@@ -166,7 +166,7 @@ std::optional<double> clock_seconds(std::string_view text) {
     const std::chrono::year_month_day date{std::chrono::year(year), std::chrono::month(static_cast<unsigned>(month)),
                                            std::chrono::day(static_cast<unsigned>(day))};
     if (year < 0 || !first || !second || !date.ok() || !passes(" T")) return std::nullopt;
-    days = std::chrono::sys_days(date).time_since_epoch().count();
+    days = static_cast<double>(std::chrono::sys_days(date).time_since_epoch().count());
   }
   const int hours = digits(2);
   const int minutes = passes(":") ? digits(2) : -1;
