@@ -133,7 +133,7 @@ TEST_CASE("a field at the end that never holds a number may be missing or too ma
   CHECK(refusal("input,output\n1,2,x,y\n") == "TB-TABLE-ROW t:2");
 }
 
-TEST_CASE("one column a taxel: by range, pattern or list; and what an export of a run holds") {
+TEST_CASE("one column a taxel: by range, pattern or list, and what an export of a run holds") {
   const std::string text = "time,force,s0,s1,s2\n0,1,10,20,30\n1,2,11,21,31\n";
   for (const char* outputs : {"3-5", "s*", "s0+s1+s2", "3+s1+5", "s0+4-5"}) {
     INFO(outputs);
