@@ -25,7 +25,7 @@ const analysis::ModelTaxel& shown(const analysis::SensorModel& document) {
 // Right in `width`, with a blank before it whatever its size.
 std::string number_cell(double value, int decimals, int width) {
   std::string text = fmt::format("{:.{}f}", value, decimals);
-  if (text.size() >= static_cast<std::size_t>(width)) text = fmt::format("{:.2e}", value);
+  if (text.size() >= static_cast<std::size_t>(width)) text = fmt::format("{:.1e}", value);  // 8 at most
   return fmt::format("{:>{}}", text, width);
 }
 

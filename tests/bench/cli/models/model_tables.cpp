@@ -2,7 +2,9 @@
 #include "bench/cli/models/model_table.h"
 
 #include <catch2/catch.hpp>
+#include <iterator>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -128,4 +130,32 @@ TEST_CASE("rows of models: what the data cannot carry is left out as long as ano
   const std::string other = id({"monotone", "poly"}, {"none"}, &refusals);
   CHECK_FALSE(other.empty());
   CHECK((other != "TB-ANALYSIS-MODEL" && other != "TB-ANALYSIS-NO-LOOP"));
+}
+
+TEST_CASE("numbers of a table of models stand apart, however large they are") {
+  const analysis::Histories histories = one_taxel();
+  const auto words_of_row = [&](double factor) {
+    ModelRow row = row_of_array();
+    analysis::ModelScore& score = row.scores.front();
+    for (analysis::ErrorSum* error : {&score.taxels.direct, &score.taxels.free_running, &score.taxels.compensated,
+                                      &score.mean.compensated, &row.crossed}) {
+      error->sum *= factor;
+      error->max *= factor;
+    }
+    for (analysis::ModelTaxel& taxel : row.document.taxels) {
+      taxel.fit.mean_error *= factor;
+      taxel.fit.max_error *= factor;
+    }
+    const std::string text = fits_table({row}) + scores_table({row}, {{"run 2", &histories, {}}}, "N");
+    std::vector<std::size_t> words;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) {
+      std::istringstream cells(line);
+      const std::vector<std::string> all{std::istream_iterator<std::string>(cells), {}};
+      if (!all.empty() && all.front() == "mpi") words.push_back(all.size());
+    }
+    return words;
+  };
+  CHECK(words_of_row(1.0) == std::vector<std::size_t>{8, 9});
+  for (const double factor : {1e3, 1e6, 1e20, 1e300}) CHECK(words_of_row(factor) == words_of_row(1.0));
 }
