@@ -69,7 +69,7 @@ double last_place(const std::vector<double>& outputs) {
 // the same.
 double count_of(const std::vector<Stretch>& stretches) {
   constexpr std::size_t kLooked = 100'000, kFewest = 20;  // outputs; gaps
-  constexpr double kSame = 1e-9, kOff = 0.25, kMostOff = 0.2, kWidest = 0.02;
+  constexpr double kLeastGap = 1e-9, kBetween = 0.25, kMostOff = 0.2, kWidest = 0.02;
   std::vector<double> outputs;
   for (const Stretch& stretch : stretches)
     for (const double y : stretch.y.first(std::min(stretch.y.size(), kLooked - outputs.size()))) outputs.push_back(y);
@@ -78,14 +78,14 @@ double count_of(const std::vector<Stretch>& stretches) {
   const double span = outputs.back() - outputs.front();
   std::vector<double> gaps;
   for (std::size_t i = 1; i < outputs.size(); ++i)
-    if (const double gap = outputs[i] - outputs[i - 1]; gap > kSame * span) gaps.push_back(gap);
+    if (const double gap = outputs[i] - outputs[i - 1]; gap > kLeastGap * span) gaps.push_back(gap);
   double place = last_place(outputs);
   if (place > kWidest * span) place = 0.0;
   if (gaps.size() < kFewest) return place;
   const double count = quantile_of(gaps, 0.5);
   const auto off = std::ranges::count_if(gaps, [&](double gap) {
     const double counts = gap / count;
-    return counts < 1.0 - kOff || std::abs(counts - std::round(counts)) > kOff;
+    return counts < 1.0 - kBetween || std::abs(counts - std::round(counts)) > kBetween;
   });
   const bool counts = static_cast<double>(off) <= kMostOff * static_cast<double>(gaps.size());
   return counts && count <= kWidest * span ? count : place;

@@ -227,8 +227,9 @@ TEST_CASE("a recording 0, +, -, 0 has an external loop where it ends as it began
   CHECK((data.ascending.x().front() == Approx(-10.0) && data.ascending.x().back() == Approx(10.0)));
   CHECK(identify("poly", data).mean_error < 0.03 * identify("poly", data).full_scale);
   // From another state, as after demagnetising, the two parts are no sweep.
-  const TableSeries virgin =
-      with_outputs(once, [](double, double y, std::size_t i) { return i < 40 ? y + 3.0 * (1.0 - i / 40.0) : y; });
+  const TableSeries virgin = with_outputs(once, [](double, double y, std::size_t i) {
+    return i < 40 ? y + 3.0 * (1.0 - static_cast<double>(i) / 40.0) : y;
+  });
   CHECK_FALSE(fit_data_of(histories_of({virgin}, "t.csv").taxels[0], {}).no_loop.empty());
 }
 
