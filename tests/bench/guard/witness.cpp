@@ -15,7 +15,7 @@ using namespace tactbench::bench;
 
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 PressureWitness seen(const TrueRange& range, const std::vector<double>& readings) {
   PressureWitness witness(range);
@@ -49,7 +49,7 @@ TEST_CASE("witness: what can be true follows from span, live zero, safe_psi and 
     CHECK(range.high_psi == Approx(row.high_psi));
     CHECK((range.holds(range.low_psi) && range.holds(0.96) && range.holds(range.high_psi)));
     CHECK_FALSE((range.holds(std::nextafter(range.low_psi, -1e9)) || range.holds(std::nextafter(range.high_psi, 1e9))));
-    CHECK_FALSE((range.holds(kNan) || range.holds(-std::numeric_limits<double>::infinity())));
+    CHECK_FALSE((range.holds(kNoNumber) || range.holds(-std::numeric_limits<double>::infinity())));
   }
   const BenchConfig sound = tests::simulated_bench({});
   const double regulator_psi = sound.regulator.feedback_span.high.value();
@@ -65,7 +65,7 @@ TEST_CASE("witness: an impossible reading is doubted at once, and told by how lo
   const TrueRange range{-1.0, 100.0};
   CHECK(seen(range, {0.0}).doubt().empty());
   CHECK_FALSE(seen(range, {}).ever_possible());
-  for (const double bad : {-1.1, 100.1, kNan}) {
+  for (const double bad : {-1.1, 100.1, kNoNumber}) {
     const PressureWitness once = seen(range, {0.0, bad});
     CHECK_FALSE((once.possible() || once.doubt().empty()));
     CHECK((once.ever_possible() && once.impossible_s() == 0.0));
