@@ -95,7 +95,7 @@ TEST_CASE("escape sequences in refused input are printed visibly in the error") 
   CHECK(terminal.run({"plan", "bad.toml"}).code == 2);
   CHECK(terminal.run({"nightly", "bad.toml", "--list"}).code == 2);
   write_file(terminal.folder.path("columns.csv"), evil + "," + evil + "b\n1,2\n");
-  CHECK_THAT(well(terminal.run({"fit", "columns.csv"}), 2).err, Catch::Contains("x\\x1b[31m"));
+  CHECK_THAT(well(terminal.run({"fit", "columns.csv"}), 2).err, Catch::Contains("\\x08"));  // behind its line end CR
   write_file(terminal.folder.path("wide.csv"), std::string(900'000, '\x1b') + ",b\n1,2\n");
   CHECK(terminal.run({"fit", "wide.csv"}).err.size() < 5000);
   write_file(terminal.folder.path("cell.csv"), "input,output\n1," + evil + "\n");
