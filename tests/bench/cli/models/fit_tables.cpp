@@ -152,7 +152,7 @@ TEST_CASE("fit of a table: options for tables without names, with lines above th
     CHECK(j(words) == named);
   check_refusal(of.fit({"late.csv", "--map", "input=1,output=2", "--no-header"}), 2, "TB-TABLE-ROW");
   check_refusal(of.fit({"wide.csv", "--map", "input=force,output=a,output=b"}), 2, "TB-TABLE-MAP");
-  CHECK(of.told({"wide.csv", "--map", "input=force,output=2-3", "--model", "monotone"})
+  CHECK(of.told({"wide.csv", "--map", "input=force,output=2-3", "--mean-taxel", "--model", "monotone"})
             .at("models")
             .at(0)
             .at("shown_taxel")
