@@ -206,19 +206,22 @@ class Doubts {
     }
   }
 
-  // Outputs at the lowest and at the highest input, a visit each.
+  // Outputs at the lowest and at the highest input, a visit each but where a history begins: what was never loaded does
+  // not come back to that output, which is no drift.
   void tell_ends(std::vector<std::string>& warnings) const {
     for (const double end : {x_.low, x_.high}) {
       const double near = std::max(kVisits * x_.length(), taxel_->turn);
       std::vector<double> outputs;
       for (const History& history : fitted_) {
         std::optional<std::size_t> nearest;  // of this visit
+        bool begins = true;
         for (std::size_t i = 0; i <= history.x.size(); ++i) {
           const bool there = i < history.x.size() && std::abs(history.x[i] - end) <= near;
           if (there && (!nearest || std::abs(history.x[i] - end) < std::abs(history.x[*nearest] - end))) nearest = i;
-          if (there || !nearest) continue;
-          outputs.push_back(history.y[*nearest]);
+          if (there) continue;
+          if (nearest && !begins) outputs.push_back(history.y[*nearest]);
           nearest.reset();
+          begins = false;
         }
       }
       if (outputs.empty()) continue;

@@ -88,7 +88,7 @@ TEST_CASE("the dynamic model is fitted from three runs, judged, verified, shown 
   INFO(timed.err);
   CHECK(timed.code == 0);
   CHECK_THAT(timed.out, Catch::StartsWith("time_s,output,compensated,uncertainty,flags\n0,0.02,"));
-  CHECK_THAT(call(folder, {"compensate", "1:4", "back.csv", "--taxel", "mean"}).err, Catch::Contains("TB-TABLE-ROW"));
+  CHECK_THAT(call(folder, {"compensate", "1:4", "back.csv", "--taxel", "mean"}).err, Catch::Contains("TB-TABLE-TIME"));
   CHECK_THAT(call(folder, {"compensate", "1:4", "timeless.csv", "--taxel", "mean"}).err,
              Catch::Contains("TB-TABLE-COLUMN"));
 
