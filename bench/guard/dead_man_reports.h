@@ -5,6 +5,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "bench/guard/dead_man.h"
@@ -16,7 +17,7 @@ struct DeadManNews {  // for the record and for people
   std::string what;
 };
 
-inline const std::string kDidWord = "did: ";  // a dead-man's last message, with what it has done
+inline constexpr std::string_view kDidWord = "did: ";  // a dead-man's last message, with what it has done
 
 class DeadManReports {
  public:

@@ -175,7 +175,7 @@ class Server {
     const std::string what = fmt::format("dead-man fired ({}); {} after {:.2f} s; {} after {:.2f} s", why, proof.text,
                                          pressure_s, stage_text, stage_s);
     tty::print(stderr, "tactbench: bench '{}': {}\n", config_.id, what);
-    (void)channel_.send(kDidWord + what);
+    (void)channel_.send(std::string(kDidWord) + what);
     const TripFile trip(config_.id);
     const bool latched = !(gone && safe);
     if (latched) (void)trip.store({kDeadManFired, what, run_, {}});
