@@ -90,6 +90,8 @@ bool is_formula(std::string_view field) {
   if (field.empty() || std::string_view("=@+-").find(field.front()) == std::string_view::npos) return false;
   if (field.front() == '=' || field.front() == '@') return true;
   field = trimmed(field.substr(1));
+  for (std::size_t sign = 1; (sign = field.find_first_of("+-", sign)) != std::string_view::npos; ++sign)
+    if (field[sign - 1] != 'e' && field[sign - 1] != 'E') return true;  // "-2+3"
   return field.find_first_not_of("0123456789.,+-eE") != std::string_view::npos && field != "inf" && field != "nan";
 }
 

@@ -161,7 +161,8 @@ Table read_table(std::istream& stream, const std::string& file, const TableLayou
   if (voids > 0) table.assumed.push_back(counted(voids, "void row") + " left out");
   if (wraps > 0)
     table.assumed.push_back(
-        fmt::format("the times begin again as a counter or clock does ({}): undone", counted(wraps, "time")));
+        fmt::format("the times wrap {}, as a counter of 2^32 or 2^16 ticks or a clock at midnight does: undone",
+                    counted(wraps, "time")));
   table.skipped = reader.skipped();
   return table;
 }

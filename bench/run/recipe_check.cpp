@@ -11,6 +11,7 @@
 
 #include "analysis/loop.h"
 #include "bench/common/error.h"
+#include "bench/guard/witness.h"
 #include "bench/run/stage_steps.h"
 
 namespace tactbench::bench {
@@ -29,9 +30,24 @@ Margin axis_margin(const char* name, double lowest, double highest, const device
 
 std::string remedy_of(const Margin& margin) {
   if (margin.unit == "psi")
-    return "lower turning_points or conditioning.peak; the limit is [limits] command_psi in the bench file";
+    return fmt::format("lower turning_points or conditioning.peak; the limit in the bench file is that of {}",
+                       margin.limited_by);
   if (margin.unit == "N") return "lower forces_n; the limit is [limits] force_n in the bench file";
   return "move positions_mm or [press.grid]; the limits are [stage] low_mm and high_mm";
+}
+
+// As far as the guard lets a run go and its regulator and witnesses reach.
+Margin pressure_margin(const sequences::Extremes& all, const BenchConfig& bench) {
+  const devices::LinearSpan& span = bench.regulator.command_span;
+  const double driven =
+      std::min(span.high, span.pressure(devices::Volts(bench.module.profile.outputs.volts.high))).value();
+  const auto [limit, key] =
+      std::min({std::pair(bench.limits.command_psi, std::string("[limits] command_psi")),
+                std::pair(driven, fmt::format("[regulator], which goes to {:g} psi", driven)),
+                std::pair(reference_range(bench).high_psi,
+                          fmt::format("[reference], whose span ends at {:g} psi", bench.reference.span.high.value()))});
+  // No lower limit for gauge pressure: falling to 0 is not dangerous.
+  return {"pressure", "psi", all.lowest.value(), all.highest.value(), -1e9, limit, key};
 }
 
 void check_limits_of(const Recipe& recipe, const BenchConfig& bench) {
@@ -92,8 +108,7 @@ std::vector<Margin> margins(const std::vector<sequences::Step>& steps, const Ben
   std::vector<Margin> list;
   const sequences::Extremes all = sequences::extremes(steps);
   if (all.pressurizes) {
-    // No lower limit for gauge pressure: falling to 0 is not dangerous.
-    list.push_back({"pressure", "psi", all.lowest.value(), all.highest.value(), -1e9, bench.limits.command_psi});
+    list.push_back(pressure_margin(all, bench));
   }
   if (all.moves && bench.stage) {
     const auto& axes = bench.stage->options.axes;

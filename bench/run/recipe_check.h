@@ -15,6 +15,7 @@ struct Margin {  // range of one axis in the recipes, and its limits
   std::string axis, unit;
   double lowest = 0.0, highest = 0.0;
   double low_limit = 0.0, high_limit = 0.0;  // inclusive
+  std::string limited_by = {};               // the key that high_limit comes from; empty: the axis tells it
   [[nodiscard]] double margin() const;       // the smaller one; below 0: beyond
   [[nodiscard]] bool within() const;
 };

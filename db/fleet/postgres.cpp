@@ -303,8 +303,8 @@ std::int64_t Link::number(const std::string& text) const {
 const std::string& Link::where() const { return state_->where; }
 
 std::string without_passwords(const std::string& text) {
-  const std::string in_words =
-      std::regex_replace(text, std::regex(R"((password\s*=\s*)('([^'\\]|\\.)*'|(\\.|[^\s\\])+))"), "$1***");
+  const std::string in_words = std::regex_replace(
+      text, std::regex(R"(((?:password|pwd)\s*=\s*)('([^'\\]|\\.)*'|(\\.|[^\s\\])+))", std::regex::icase), "$1***");
   return std::regex_replace(in_words, std::regex(R"((://[^\s:/@]*:)\S*@)"), "$1***@");
 }
 

@@ -79,7 +79,8 @@ TEST_CASE("clocks by hand: with a date and without, and what is none") {
 }
 
 TEST_CASE("formulas by hand: a field that a spreadsheet would carry out is a text, numbers and other texts stay") {
-  for (const char* formula : {"=1", "@SUM(A1)", "+cmd|' /C calc'!A0", "-1+cmd|' /C calc'!A0", "=", "-x"})
+  for (const char* formula :
+       {"=1", "@SUM(A1)", "+cmd|' /C calc'!A0", "-1+cmd|' /C calc'!A0", "=", "-x", "-2+3", "+1-2e-3"})
     CHECK(is_formula(formula));
   for (const char* other : {"", "-", "-1", "+1,5", "-1e-3", "- 7", "-inf", "-nan", "a=b", "'=1", "1-2"})
     CHECK_FALSE(is_formula(other));

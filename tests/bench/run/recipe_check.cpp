@@ -31,6 +31,17 @@ std::vector<bench::LackingLevel> lacking(const std::vector<Step>& steps, const s
   return bench::lacking_levels(steps, limits);
 }
 
+// Regulator to 9 bar, reference to 100 psi, 0 to 10 V each.
+BenchConfig with_spans() {
+  BenchConfig config;
+  const auto to = [](double psi) {
+    return devices::LinearSpan{devices::Volts(0.0), devices::Volts(10.0), devices::Psi(0.0), devices::Psi(psi)};
+  };
+  config.regulator.command_span = config.regulator.feedback_span = to(130.534);
+  config.reference.span = to(100.0);
+  return config;
+}
+
 Recipe levels_recipe(double peak) {
   Recipe recipe;
   recipe.name = "levels";
@@ -66,7 +77,7 @@ TEST_CASE("recipe margins: the nearer limit counts, and a rounding error beyond 
 }
 
 TEST_CASE("recipe margins: of pressure, places and force, where the steps have them") {
-  BenchConfig config;
+  BenchConfig config = with_spans();
   config.limits.command_psi = 55.0;
   config.limits.force_n = {4.0, 6.0, 30.0};
   std::vector<Step> steps = {measure(10.0, 0.0, 40.0), measure(40.0, 0.0, 40.0)};
@@ -102,16 +113,25 @@ TEST_CASE("recipe check: at the limit it passes, beyond it is refused with what 
     CHECK(what.starts_with(id + ": "));
     for (const std::string& part : parts) CHECK(what.find(part) != std::string::npos);
   };
-  BenchConfig config;
+  BenchConfig config = with_spans();
   CHECK(refusal(levels_recipe(60.0), config) == "none");
   config.limits.command_psi = 59.0;
   refused(levels_recipe(60.0), config, "TB-RECIPE-LIMIT", {"levels", "60.00 psi", "59.00 psi"});
+  config = with_spans();
+  config.regulator.command_span.high = devices::Psi(58.0);
+  refused(levels_recipe(60.0), config, "TB-RECIPE-LIMIT", {"60.00 psi", "58.00 psi"});
+  config = with_spans();
+  config.module.profile.outputs.volts.high = 4.0;
+  refused(levels_recipe(60.0), config, "TB-RECIPE-LIMIT", {"52.21 psi"});
+  config = with_spans();
+  config.reference.span.high = devices::Psi(50.0);  // and what a sound one may be off
+  refused(levels_recipe(60.0), config, "TB-RECIPE-LIMIT", {"51.00 psi"});
   Recipe press;
   press.name = "press";
   press.kind = RecipeKind::kPress;
   press.press.positions_mm = {{30.0, 30.0}};
   press.press.forces_n = {2.0, 10.0};
-  config = {};
+  config = with_spans();
   refused(press, config, "TB-RECIPE-DEVICES", {"stage"});
   config.stage.emplace();
   refused(press, config, "TB-RECIPE-DEVICES", {"force sensor"});
@@ -127,7 +147,7 @@ TEST_CASE("recipe check: at the limit it passes, beyond it is refused with what 
   config.stage->options.axes[0].high = devices::Millimetres(60.0);
   config.stage->options.axes[1].low = devices::Millimetres(31.0);
   refused(press, config, "TB-RECIPE-LIMIT", {"30.00 mm", "31.00 mm", " y"});
-  config = {};
+  config = with_spans();
   Recipe timed = levels_recipe(20.0);
   timed.dwell_s = {1.0, 3.0};
   timed.step_timeout_s = 4.0;
@@ -136,7 +156,7 @@ TEST_CASE("recipe check: at the limit it passes, beyond it is refused with what 
   refused(timed, config, "TB-RECIPE-LIMIT", {"3 s"});
   Recipe waits = levels_recipe(20.0);
   waits.suspend.push_back({"supply_bar", true, 6.0, 6.5});
-  config = {};
+  config = with_spans();
   config.environment.emplace_back().quantity = "temperature_c";
   refused(waits, config, "TB-RECIPE-DEVICES", {"supply_bar"});
   config.environment.emplace_back().quantity = "supply_bar";
@@ -144,7 +164,7 @@ TEST_CASE("recipe check: at the limit it passes, beyond it is refused with what 
 }
 
 TEST_CASE("recipe check: a speed that the guard would refuse is refused before anything is touched") {
-  BenchConfig config;
+  BenchConfig config = with_spans();
   config.stage.emplace();
   config.force.emplace();
   Recipe press;

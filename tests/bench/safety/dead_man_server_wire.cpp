@@ -105,7 +105,7 @@ TEST_CASE(
     CHECK(with_descriptor);
     dead_man.channel->send("fire");
     CHECK(dead_man.heard() == "fired");
-    CHECK_THAT(dead_man.heard(), Catch::StartsWith(bench::kDidWord));
+    CHECK(dead_man.heard().starts_with(bench::kDidWord));
     CHECK(dead_man.exit_code() == 7);
     CHECK(dead_man.heard() == "(closed)");
     printed = errors.text();
