@@ -30,8 +30,7 @@ Margin axis_margin(const char* name, double lowest, double highest, const device
 
 std::string remedy_of(const Margin& margin) {
   if (margin.unit == "psi")
-    return fmt::format("lower turning_points or conditioning.peak; the limit in the bench file is that of {}",
-                       margin.limited_by);
+    return fmt::format("lower turning_points or conditioning.peak; the limit is {}", margin.limited_by);
   if (margin.unit == "N") return "lower forces_n; the limit is [limits] force_n in the bench file";
   return "move positions_mm or [press.grid]; the limits are [stage] low_mm and high_mm";
 }
@@ -41,11 +40,11 @@ Margin pressure_margin(const sequences::Extremes& all, const BenchConfig& bench)
   const devices::LinearSpan& span = bench.regulator.command_span;
   const double driven =
       std::min(span.high, span.pressure(devices::Volts(bench.module.profile.outputs.volts.high))).value();
-  const auto [limit, key] =
-      std::min({std::pair(bench.limits.command_psi, std::string("[limits] command_psi")),
-                std::pair(driven, fmt::format("[regulator], which goes to {:g} psi", driven)),
-                std::pair(reference_range(bench).high_psi,
-                          fmt::format("[reference], whose span ends at {:g} psi", bench.reference.span.high.value()))});
+  const auto [limit, key] = std::min(
+      {std::pair(bench.limits.command_psi, std::string("[limits] command_psi in the bench file")),
+       std::pair(driven, fmt::format("what [regulator] reaches by the bench file, {:g} psi", driven)),
+       std::pair(reference_range(bench).high_psi, fmt::format("what [reference] reads by the bench file, {:g} psi",
+                                                              bench.reference.span.high.value()))});
   // No lower limit for gauge pressure: falling to 0 is not dangerous.
   return {"pressure", "psi", all.lowest.value(), all.highest.value(), -1e9, limit, key};
 }
