@@ -171,8 +171,7 @@ class Doubts {
     if (left >= branches) return;
     warnings.push_back(fmt::format(
         "{} of {} branches are due to inputs that go back by less than {:g} % of their span (by {:.3g} of {:.3g} at "
-        "most); if "
-        "these are slips or noise and no turns, --turn {:g} leaves {}",
+        "most); if these are slips or noise and no turns, --turn {:g} leaves {}",
         branches - left, branches, 100.0 * kSlip, longest, x_.length(), turn, counted(left, "branch", "branches")));
   }
 

@@ -105,7 +105,7 @@ inline constexpr ErrorRow kErrorTable[] = {
      "check the compressor supply and for leaks; raise [settling] timeout_s or band_psi"},
     {"TB-CHAMBER-TRIP", kStopped, "the pressure was beyond its limit; the chamber was vented",
      "check regulator and reference before the next run; the limit is [limits] trip_psi"},
-    {"TB-CHAMBER-WITNESS", kStopped, "a reading of the pressure cannot be true: its instrument measures nothing",
+    {"TB-CHAMBER-WITNESS", kStopped, "a reading of the pressure cannot be true, so its instrument proves nothing",
      "check the instrument's supply and wiring, and its span in the bench file; then tactbench devices check"},
     {"TB-CHANNEL", kDevice, "this computer gives the program no more sockets",
      "close programs that hold many files open"},
@@ -244,8 +244,7 @@ inline constexpr ErrorRow kErrorTable[] = {
      "carry the missing part out (tactbench nightly SUITE --shard K/N --db FILE), and merge each night by itself"},
     {"TB-MODBUS-BUSY", kDevice, "the module answered for too long that it is busy",
      "see what keeps it busy (another master, its own web page, a firmware update); [module] response_timeout_ms, "
-     "within "
-     "the watchdog's time, is how long it is asked again"},
+     "within the watchdog's time, is how long it is asked again"},
     {"TB-MODBUS-CONNECT", kDevice, "there is no connection to the module, or it broke",
      "check that the module is on and that its address or port in the bench file is its own"},
     {"TB-MODBUS-ECHO", kDevice, "the serial adapter returns what is sent, or does not although local_echo says so",

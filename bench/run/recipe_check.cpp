@@ -40,12 +40,12 @@ Margin pressure_margin(const sequences::Extremes& all, const BenchConfig& bench)
   const devices::LinearSpan& span = bench.regulator.command_span;
   const double driven =
       std::min(span.high, span.pressure(devices::Volts(bench.module.profile.outputs.volts.high))).value();
-  const auto [limit, key] =
-      std::min({std::pair(bench.limits.command_psi, std::string("[limits] command_psi in the bench file")),
-                std::pair(driven, fmt::format("the end of [regulator]'s span in the bench file, {:g} psi", driven)),
-                std::pair(reference_range(bench).high_psi,
-                          fmt::format("the end of [reference]'s span in the bench file, {:g} psi",
-                                      bench.reference.span.high.value()))});
+  const auto [limit, key] = std::min(
+      {std::pair(bench.limits.command_psi, std::string("[limits] command_psi in the bench file")),
+       std::pair(driven, fmt::format("what [module] and [regulator] can set by the bench file, {:g} psi", driven)),
+       std::pair(reference_range(bench).high_psi,
+                 fmt::format("the end of [reference]'s span in the bench file, {:g} psi",
+                             bench.reference.span.high.value()))});
   // No lower limit for gauge pressure: falling to 0 is not dangerous.
   return {"pressure", "psi", all.lowest.value(), all.highest.value(), -1e9, limit, key};
 }

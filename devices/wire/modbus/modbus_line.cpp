@@ -215,7 +215,7 @@ bool ModbusLine::is_echo(std::span<const std::uint8_t> sent, std::span<std::uint
 
 void ModbusLine::was_busy(std::string words) {
   ++busy_;
-  busy_words_ = fmt::format("{}{}", std::move(words), busy_ > 1 ? fmt::format("; for the {}. time", busy_) : "");
+  busy_words_ = fmt::format("{}{}", std::move(words), busy_ > 1 ? fmt::format("; {} times so far", busy_) : "");
 }
 
 std::string ModbusLine::take_busy() {

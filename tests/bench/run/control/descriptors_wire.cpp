@@ -24,19 +24,26 @@ std::ptrdiff_t open_descriptors() {
   return std::distance(begin(all), end(all));
 }
 
+// What a live run of bench "thrifty" answers from.
+struct ThriftyRun {
+  ThriftyRun() {
+    config.id = "thrifty";
+    RunStatus status;
+    status.run = 3;
+    status.state = RunState::kRunning;
+    control.publish(status);
+  }
+  BenchConfig config;
+  Control control;
+};
+
 }  // namespace
 
 TEST_CASE("descriptors: asking, commanding, following and answering a run leave none open") {
-  BenchConfig config;
-  config.id = "thrifty";
-  Control control;
-  RunStatus status;
-  status.run = 3;
-  status.state = RunState::kRunning;
-  control.publish(status);
+  ThriftyRun run;
   const auto before_run = open_descriptors();
   {
-    const ControlSocket socket(config, control, 3);
+    const ControlSocket socket(run.config, run.control, 3);
     REQUIRE(send_command("thrifty", Command::kStatus));
     std::ptrdiff_t before = 0;
     CHECK(comes_true(
@@ -59,14 +66,8 @@ TEST_CASE("descriptors: asking, commanding, following and answering a run leave 
 }
 
 TEST_CASE("descriptors: a run whose process may open no more still hears commands, one after the other") {
-  BenchConfig config;
-  config.id = "thrifty";
-  Control control;
-  RunStatus status;
-  status.run = 3;
-  status.state = RunState::kRunning;
-  control.publish(status);
-  const ControlSocket socket(config, control, 3);
+  ThriftyRun run;
+  const ControlSocket socket(run.config, run.control, 3);
   REQUIRE(send_command("thrifty", Command::kStatus));
   std::vector<bool> taken;
   {
