@@ -229,8 +229,8 @@ class Doubts {
       const double wandered = std::abs(farthest - outputs.front());
       if (wandered <= std::max(kWanders * y_.length(), kSeen * taxel_->noise)) continue;
       return warnings.push_back(
-          fmt::format("at input {:g} the output went from {:.3g} to {:.3g}, {:.0f} % of its span: that is drift, not "
-                      "hysteresis; models do not follow it, and their errors hold it",
+          fmt::format("at input {:g} the output went from {:.3g} to {:.3g}, {:.0f} % of its span, from visit to visit: "
+                      "it drifts or still settles; models follow neither, and their errors hold it",
                       end, outputs.front(), farthest, 100.0 * wandered / y_.length()));
     }
   }
