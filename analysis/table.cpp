@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ios>
+#include <utility>
 
 #include "analysis/counted.h"
 #include "analysis/error.h"
@@ -119,7 +120,7 @@ void TableReader::read_row(Row& row) {
   check_width();
   row.line = number_;
   row.text = line_;
-  row.sequence = sequence_ == kAbsent ? std::string_view("1") : fields_.all[sequence_];
+  row.sequence = sequence_ == kAbsent ? "1" : fields_.all[sequence_];
   row.taxel = 0;
   if (taxel_ != kAbsent) {
     const double taxel = number(taxel_);
@@ -127,11 +128,9 @@ void TableReader::read_row(Row& row) {
       refuse(number_, fmt::format("taxel {} is not a whole number from 0 to 1000000", fields_.all[taxel_]));
     row.taxel = static_cast<int>(taxel);
   }
-  row.is_void = if_number(void_).value_or(0.0) != 0.0;
   if (input_ != kAbsent) row.input = number(input_);
   row.outputs.clear();
   for (const std::size_t column : outputs_) row.outputs.push_back(number(column));
-  if (!row.outputs.empty()) row.output = row.outputs.front();
   row.step = if_number(step_);
   row.time = if_number(time_);
   if (!row.time && time_ < fields_.all.size()) row.time = clock_seconds(fields_.all[time_]);
@@ -139,11 +138,32 @@ void TableReader::read_row(Row& row) {
 }
 
 bool TableReader::next(Row& row) {
+  if (next_)
+    row = *std::exchange(next_, std::nullopt);
+  else if (!next_row(row))
+    return false;
+  std::size_t scans = 1;
+  for (Row scan; row.frame && next_row(scan);) {
+    if (scan.frame != row.frame || scan.sequence != row.sequence) {
+      next_ = std::move(scan);
+      break;
+    }
+    ++scans;
+    for (std::size_t k = 0; k < row.outputs.size(); ++k)
+      row.outputs[k] += (scan.outputs[k] - row.outputs[k]) / static_cast<double>(scans);
+  }
+  scans_ = std::max(scans_, scans);
+  return true;
+}
+
+// The next that can be read and is not void.
+bool TableReader::next_row(Row& row) {
   while (read_line()) {
     try {
       read_row(row);
       ++rows_;
-      return true;
+      if (if_number(void_).value_or(0.0) == 0.0) return true;
+      ++voids_;
     } catch (const AnalysisError& error) {
       if (!layout_.skip_bad_rows) throw;
       skip(error.what());
@@ -175,6 +195,8 @@ std::vector<std::string> TableReader::assumed() const {
   if (numbers_.comma())
     lines.push_back(
         fmt::format("numbers have decimal commas (line {}: {})", numbers_.comma_line(), numbers_.comma_text()));
+  if (scans_ > 1) lines.push_back(fmt::format("the {} scans of a frame are averaged", scans_));
+  if (voids_ > 0) lines.push_back(counted(voids_, "void row") + " left out");
   if (units_number_ == 0) return lines;
   std::string units;
   for (std::size_t i = 0; i < 2; ++i)

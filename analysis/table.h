@@ -62,17 +62,17 @@ class TableReader {
 
   struct Row {
     std::size_t line = 0;
-    std::string_view text;  // the whole line; good until the next call
-    std::string_view sequence;
+    std::string text;  // the whole line
+    std::string sequence;
     int taxel = 0;
-    double input = 0.0, output = 0.0;  // 0 where not asked for; `output`: the first
-    std::vector<double> outputs;       // of all columns
-    std::optional<double> step;        // of a column called so, where it is a number
-    std::optional<double> time;        // likewise of the times, or a clock's in seconds
-    std::optional<double> frame;       // of an export: rows of one frame are its scans
-    bool is_void = false;              // likewise
+    double input = 0.0;           // 0 where not asked for
+    std::vector<double> outputs;  // one a column
+    std::optional<double> step;   // of a column called so, where it is a number
+    std::optional<double> time;   // likewise of the times, or a clock's in seconds
+    std::optional<double> frame;  // of an export
   };
-  // False at the end. Throws AnalysisError TB-TABLE-ROW: ragged, blank, not a number, not finite, a quote that is not
+  // False at the end. Of an export a frame: its first scan's row with the mean outputs of all; void rows are left out.
+  // Throws AnalysisError TB-TABLE-ROW: ragged, blank, not a number, not finite, a quote that is not
   // closed, a NUL, a line beyond kLongestLine; with file, line and column. TB-TABLE-SKIPPED: more rows are left out
   // than read.
   bool next(Row& row);
@@ -111,6 +111,7 @@ class TableReader {
                                                      const std::vector<std::size_t>& columns) const;
   void set_columns(TableNeeds needs);
   void take_export();
+  [[nodiscard]] std::size_t place_of(std::string_view name) const;
   [[nodiscard]] std::vector<std::size_t> columns(const char* role) const;
   [[nodiscard]] std::size_t column(const char* role) const;
   [[nodiscard]] bool told(const char* role) const;
@@ -121,6 +122,7 @@ class TableReader {
   bool next_line();
   bool new_line();
   bool read_line();
+  bool next_row(Row& row);
   [[nodiscard]] bool needed(std::size_t column) const;
   void check_width();
   void read_row(Row& row);
@@ -135,7 +137,9 @@ class TableReader {
   std::size_t number_ = 0, units_number_ = 0;    // of line_ and units_line_, from 1
   std::size_t head_number_ = 0, first_row_ = 0;  // of the line of names, or of the first row without one
   std::size_t passed_ = 0;                       // lines over before these, comments apart
-  std::size_t rows_ = 0;                         // read so far
+  std::size_t rows_ = 0, voids_ = 0;             // read so far, and void ones of them
+  std::size_t scans_ = 1;                        // of a frame, at most
+  std::optional<Row> next_;                      // the next frame's first
   std::deque<Line> ahead_;                       // read from the stream, not yet handed on
   char separator_ = 0;                           // 0: not known yet
   bool skip_line_feed_ = false, labview_ = false, in_seconds_ = false;
@@ -176,8 +180,8 @@ struct Table {
 };
 // A whole table of at most 20 million samples; `file` is for messages. In a series the numbers of a column `step` rise,
 // or begin again at the first (a repeat), and times do not fall: rows that stand twice or out of order are refused, for
-// a history in another order is another history. Of an export the scans of a frame are averaged, and void rows are left
-// out. Throws AnalysisError as above, TB-TABLE-STEP, TB-TABLE-TIME, and TB-TABLE-EMPTY when no row follows the names.
+// a history in another order is another history. Throws AnalysisError as above, TB-TABLE-STEP, TB-TABLE-TIME, and
+// TB-TABLE-EMPTY when no row follows the names.
 Table read_table(std::istream& stream, const std::string& file, const TableLayout& layout = {});
 Table read_table(const std::string& path, const TableLayout& layout = {});
 

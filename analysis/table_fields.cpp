@@ -40,17 +40,9 @@ char separator_of(std::string_view header) {
   return counts[3] > 0 ? ' ' : ',';
 }
 
-const char* separator_word(char separator) {
-  switch (separator) {
-    case ';':
-      return "semicolons";
-    case '\t':
-      return "tabs";
-    case ' ':
-      return "blanks";
-    default:
-      return "commas";
-  }
+std::string separator_word(char separator) {
+  if (separator == '\t' || separator == ' ') return separator == ' ' ? "blanks" : "tabs";
+  return separator == ';' ? "semicolons" : fmt::format("\"{}\"", separator);
 }
 
 std::string Fields::split(std::string_view line, char separator) {

@@ -15,7 +15,7 @@ std::string_view trimmed(std::string_view text);  // without blanks, tabs and ca
 // What separates the names of a header: the most frequent of comma, semicolon and tab outside quotes; a blank where
 // there are none of these between its words; else a comma.
 char separator_of(std::string_view header);
-const char* separator_word(char separator);  // "semicolons"
+std::string separator_word(char separator);  // "semicolons"
 
 // A line's fields, views of it or of `unquoted` (fields that held a doubled quote). A field in quotes may hold the
 // separator, and a quote as two (RFC 4180); it ends on its line. Blanks separate in runs.
@@ -25,11 +25,6 @@ struct Fields {
   // What is wrong with the line; empty: nothing.
   std::string split(std::string_view line, char separator);
 };
-
-// An apostrophe before a text that a spreadsheet would carry out as a formula (it begins with = + - @ and is no
-// number), as for a line's fields with that separator: then they are text there, too.
-std::string no_formula(std::string_view text);
-std::string no_formulas(std::string_view line, char separator);
 
 // Whether a spreadsheet would carry out this field as a formula: it begins with = or @, or with a sign and is no
 // number.

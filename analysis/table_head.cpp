@@ -18,18 +18,18 @@ constexpr const char* kFormat =
     "name the columns in the first line, e.g. sequence,step,input,output, or say which they are: "
     "--map input=COL,output=COL, by number where no line names them (--no-header)";
 
-// At commas outside double quotes.
-std::vector<std::string_view> pairs_of(std::string_view text) {
-  std::vector<std::string_view> pairs;
+// At each `mark` outside double quotes.
+std::vector<std::string_view> parts_of(std::string_view text, char mark = '+') {
+  std::vector<std::string_view> parts;
   bool quoted = false;
   std::size_t start = 0;
   for (std::size_t at = 0; at <= text.size() && !text.empty(); ++at) {
     if (at < text.size() && text[at] == '"') quoted = !quoted;
-    if (at < text.size() && (text[at] != ',' || quoted)) continue;
-    pairs.push_back(trimmed(text.substr(start, at - start)));
+    if (at < text.size() && (text[at] != mark || quoted)) continue;
+    parts.push_back(trimmed(text.substr(start, at - start)));
     start = at + 1;
   }
-  return pairs;
+  return parts;
 }
 
 // Of a word of a line of units: without brackets; empty where it is no text in UTF-8.
@@ -44,17 +44,8 @@ std::string unit_of(std::string_view word) {
   return std::string(word);
 }
 
-std::vector<std::string> parts_of(const std::string& text) {
-  std::vector<std::string> parts;
-  for (std::size_t start = 0, end = 0; end != std::string::npos; start = end + 1) {
-    end = text.find('+', start);
-    parts.emplace_back(trimmed(std::string_view(text).substr(start, end - start)));
-  }
-  return parts;
-}
-
 // "3" or "3-5", counted from 1 -> places from 0; none of other words.
-std::vector<std::size_t> places_of(const std::string& text) {
+std::vector<std::size_t> places_of(std::string_view text) {
   std::size_t first = 0;
   const char* const end = text.data() + text.size();
   auto [at, error] = std::from_chars(text.data(), end, first);
@@ -113,7 +104,7 @@ TableLayout table_layout(const std::string& map) {
                         "number from 1 or a name, in double quotes where it holds a comma; several outputs, one a "
                         "taxel, are output=3-18, output=s* or output=s0+s1");
   };
-  for (const std::string_view pair : pairs_of(map)) {
+  for (const std::string_view pair : parts_of(map, ',')) {
     const auto equals = pair.find('=');
     const std::string role(trimmed(pair.substr(0, equals)));
     std::string_view name = equals == std::string_view::npos ? std::string_view() : trimmed(pair.substr(equals + 1));
@@ -135,13 +126,14 @@ TableReader::TableReader(std::istream& stream, std::string file, TableLayout lay
     if (role == (needs == TableNeeds::kInput ? "output" : needs == TableNeeds::kOutput ? "input" : "")) continue;
     if (role != "input" && role != "output" && !told(role.c_str())) continue;
     bool named = false;
-    for (const std::string& part : parts_of(name)) {
+    for (const std::string_view part : parts_of(name)) {
       const std::vector<std::size_t> places = places_of(part);
       named = named || places.empty();
       if (role == "input" || role == "output") numbered.insert(numbered.end(), places.begin(), places.end());
     }
     if (named && name != "none") wanted.push_back(name);
   }
+  if (!look()) throw AnalysisError("TB-TABLE-EMPTY", fmt::format("{}: the table is empty", file_), kFormat);
   if (wanted.empty())
     find_first_row(numbered);
   else
@@ -211,7 +203,7 @@ void TableReader::find_names(const std::vector<std::string>& wanted) {
     head_number_ = 1;
     refuse_names(fmt::format("--no-header, and column \"{}\" is asked for by name", wanted.front()), kFormat);
   }
-  while (ahead_.size() < kMostLooked && look()) {
+  do {
     const std::string& line = ahead_.back().text;
     const char likely = separator_ != 0 ? separator_ : separator_of(line);
     // A name of several words is one name where it is wanted so.
@@ -222,7 +214,7 @@ void TableReader::find_names(const std::vector<std::string>& wanted) {
         if (is_here(name) || (name == "input" && !told("input") && is_here("reference_psi")) ||
             (name == "output" && !told("output") && is_here("volts_r0_c0")))
           return true;
-        return std::ranges::all_of(parts_of(name), [&](const std::string& part) {
+        return std::ranges::all_of(parts_of(name), [&](std::string_view part) {
           return !places_of(part).empty() ||
                  std::ranges::any_of(names, [&](const std::string& own) { return own == part || matches(own, part); });
         });
@@ -232,8 +224,7 @@ void TableReader::find_names(const std::vector<std::string>& wanted) {
       return name_by(ahead_.size() - 1);
     }
     if (separator_of_row(line, {})) break;
-  }
-  if (ahead_.empty()) throw AnalysisError("TB-TABLE-EMPTY", fmt::format("{}: the table is empty", file_), kFormat);
+  } while (ahead_.size() < kMostLooked && look());
   // Nothing holds them: what stands above the first numbers is shown.
   const std::size_t shown = ahead_.size() > 1 && separator_of_row(ahead_.back().text, {}) ? ahead_.size() - 2 : 0;
   const std::string& line = ahead_[shown].text;
@@ -251,8 +242,9 @@ void TableReader::find_names(const std::vector<std::string>& wanted) {
 // The first line with numbers in `columns`; names are what stands above it in as many fields.
 void TableReader::find_first_row(const std::vector<std::size_t>& columns) {
   std::optional<char> separator;
-  while (!separator && ahead_.size() < kMostLooked && look()) separator = separator_of_row(ahead_.back().text, columns);
-  if (ahead_.empty()) throw AnalysisError("TB-TABLE-EMPTY", fmt::format("{}: the table is empty", file_), kFormat);
+  do {
+    separator = separator_of_row(ahead_.back().text, columns);
+  } while (!separator && ahead_.size() < kMostLooked && look());
   const bool found = separator.has_value();
   std::size_t row = found ? ahead_.size() - 1 : std::min<std::size_t>(1, ahead_.size() - (layout_.no_header ? 1 : 0));
   if (separator_ == 0) separator_ = separator.value_or(separator_of(ahead_.front().text));
@@ -299,16 +291,22 @@ void TableReader::number_from(std::size_t row, std::size_t columns) {
   ahead_.erase(ahead_.begin(), ahead_.begin() + static_cast<std::ptrdiff_t>(row));
 }
 
+// Of the first column of that name.
+std::size_t TableReader::place_of(std::string_view name) const {
+  const auto found = std::ranges::find(names_, name);
+  return found == names_.end() ? kAbsent : static_cast<std::size_t>(found - names_.begin());
+}
+
 // What `runs export` writes, where nothing else is asked for.
 void TableReader::take_export() {
-  const auto is_here = [&](const char* name) { return std::ranges::find(names_, name) != names_.end(); };
-  const bool frames = is_here("frame") && is_here("scan") && is_here("void") && is_here("reference_psi");
-  const bool series = is_here("sequence") && is_here("name") && is_here("taxel") && is_here("position");
+  const auto are_here = [&](const auto&... name) { return ((place_of(name) != kAbsent) && ...); };
+  const bool frames = are_here("frame", "scan", "void", "reference_psi");
+  const bool series = are_here("sequence", "name", "taxel", "position");
   if (frames) {
-    frame_ = static_cast<std::size_t>(std::ranges::find(names_, "frame") - names_.begin());
-    void_ = static_cast<std::size_t>(std::ranges::find(names_, "void") - names_.begin());
-    if (!is_here("input") && !told("input")) layout_.columns["input"] = "reference_psi";
-    if (!is_here("output") && !told("output")) layout_.columns["output"] = "volts_*";
+    frame_ = place_of("frame");
+    void_ = place_of("void");
+    if (!are_here("input") && !told("input")) layout_.columns["input"] = "reference_psi";
+    if (!are_here("output") && !told("output")) layout_.columns["output"] = "volts_*";
     if (layout_.columns["input"].ends_with("_psi")) units_[0] = "psi";
     if (layout_.columns["output"].starts_with("volts_")) units_[1] = "V";
   }
@@ -322,13 +320,11 @@ void TableReader::set_columns(TableNeeds needs) {
   sequence_ = column("sequence");
   taxel_ = column("taxel");
   time_ = column("time");
-  const auto at = [&](const auto& is) {
-    const auto found = std::ranges::find_if(names_, is);
-    return found == names_.end() ? kAbsent : static_cast<std::size_t>(found - names_.begin());
-  };
-  step_ = at([](const std::string& name) { return name == "step"; });
-  if (time_ == kAbsent && !told("time"))
-    time_ = at([](const std::string& name) { return time_unit(name).has_value(); });
+  step_ = place_of("step");
+  if (time_ == kAbsent && !told("time")) {
+    const auto found = std::ranges::find_if(names_, [](const auto& name) { return time_unit(name).has_value(); });
+    if (found != names_.end()) time_ = place_of(*found);
+  }
   in_seconds_ = told("time") || (time_ != kAbsent && time_unit(names_[time_]) == "s");
   std::vector<std::size_t> used = outputs_;
   if (input_ != kAbsent) used.push_back(input_);
@@ -358,14 +354,14 @@ std::vector<std::size_t> TableReader::columns(const char* role) const {
       if (is(names_[i])) found.push_back(i);
     return found.size() - before;
   };
-  const auto add = [&](const std::string& name) {
+  const auto add = [&](std::string_view name) {
     const std::size_t named = header_.empty() ? 0 : add_named([&](const std::string& own) { return own == name; });
     if (named > 1)
       refuse_names(fmt::format("{} columns are named \"{}\"", named, name), "name the one that is meant by its number");
     return named == 1;
   };
   if (add(wanted)) return found;
-  for (const std::string& part : parts_of(wanted)) {
+  for (const std::string_view part : parts_of(wanted)) {
     if (add(part)) continue;
     std::vector<std::size_t> places = places_of(part);
     if (places.empty() || places.back() >= names_.size()) {

@@ -53,8 +53,6 @@ class StepOrder {
 struct RowOrder {
   StepOrder step;
   TimeOrder time;
-  std::optional<double> frame;  // of an export, the last
-  std::size_t scans = 0;        // of it, so far
 };
 
 }  // namespace
@@ -94,14 +92,15 @@ Table read_table(std::istream& stream, const std::string& file, const TableLayou
   std::vector<RowOrder> orders;
   std::map<std::pair<std::string, int>, std::size_t, std::less<>> places;  // of the first output's series
   const std::size_t outputs = reader.outputs();
-  std::size_t last = 0, rows = 0, voids = 0, wraps = 0, scans = 1;
+  std::size_t last = 0, rows = 0, wraps = 0;
   std::streamoff at = 0;
-  const auto place = [&](const TableReader::Row& row) { return fmt::format("{}:{}", file, row.line); };
-  const auto in = [&](const TableReader::Row& row) {
-    return fmt::format(" in sequence \"{}\"{}", row.sequence,
-                       reader.has_taxel() ? fmt::format(", taxel {}", row.taxel) : "");
+  TableReader::Row row;
+  const auto refuse = [&](const char* id, const std::string& wrong, const char* remedy) {
+    const std::string taxel = reader.has_taxel() ? fmt::format(", taxel {}", row.taxel) : "";
+    throw AnalysisError(id, fmt::format("{}:{}: {} in sequence \"{}\"{}", file, row.line, wrong, row.sequence, taxel),
+                        remedy);
   };
-  for (TableReader::Row row; reader.next(row);) {
+  while (reader.next(row)) {
     if (rows % kCountedRows == 0 && stream.good()) {
       const std::streamoff now = stream.tellg();
       read.add(static_cast<std::size_t>(now - at));
@@ -110,44 +109,29 @@ Table read_table(std::istream& stream, const std::string& file, const TableLayou
     if (++rows * outputs > kMostSamples)
       throw AnalysisError("TB-TABLE-ROW", fmt::format("{}: more than {} samples", file, kMostSamples),
                           "take the sequences that are to be fitted, or every other row");
-    if (row.is_void) {
-      ++voids;
-      continue;
-    }
     if (series.empty() || series[last].taxel != row.taxel || series[last].sequence != row.sequence) {
-      const auto [known, fresh] = places.try_emplace({std::string(row.sequence), row.taxel}, series.size());
+      const auto [known, fresh] = places.try_emplace({row.sequence, row.taxel}, series.size());
       for (std::size_t k = 0; fresh && k < outputs; ++k)
-        series.push_back({std::string(row.sequence), row.taxel + static_cast<int>(k), {}, {}});
+        series.push_back({row.sequence, row.taxel + static_cast<int>(k), {}, {}});
       orders.resize(series.size());
       last = known->second;
     }
     RowOrder& order = orders[last];
-    if (row.frame && row.frame == order.frame) {
-      scans = std::max(scans, ++order.scans);
-      for (std::size_t k = 0; k < outputs; ++k) {
-        double& mean = series[last + k].output.back();
-        mean += (row.outputs[k] - mean) / static_cast<double>(order.scans);
-      }
-      continue;
-    }
-    order.frame = row.frame;
-    order.scans = 1;
     if (const std::string wrong = row.step ? order.step.see(*row.step) : std::string(); !wrong.empty())
-      throw AnalysisError("TB-TABLE-STEP", fmt::format("{}: {}{}", place(row), wrong, in(row)),
-                          "rows must be in the order in which they were measured, each once; give the column another "
-                          "name if it does not count the rows of a sequence");
-    const std::size_t before = order.time.wraps();
+      refuse("TB-TABLE-STEP", wrong,
+             "rows must be in the order in which they were measured, each once; give the column another "
+             "name if it does not count the rows of a sequence");
     if (const std::string wrong = row.time ? order.time.see(*row.time) : std::string(); !wrong.empty())
-      throw AnalysisError("TB-TABLE-TIME", fmt::format("{}: {}{}", place(row), wrong, in(row)),
-                          "remove rows that stand twice and put the others in the order in which they were measured; "
-                          "name recordings that follow each other in a column sequence; --map time=none if the column "
-                          "holds no times");
-    wraps += order.time.wraps() - before;
+      refuse("TB-TABLE-TIME", wrong,
+             "remove rows that stand twice and put the others in the order in which they were measured; "
+             "name recordings that follow each other in a column sequence; --map time=none if the column "
+             "holds no times");
     for (std::size_t k = 0; k < outputs; ++k) {
       series[last + k].input.push_back(row.input);
       series[last + k].output.push_back(row.outputs[k]);
     }
   }
+  for (const RowOrder& order : orders) wraps += order.time.wraps();
   reader.check_skipped();
   if (series.empty())
     throw AnalysisError("TB-TABLE-EMPTY", fmt::format("{}: no row follows the line of names", file),
@@ -157,8 +141,6 @@ Table read_table(std::istream& stream, const std::string& file, const TableLayou
   table.assumed = reader.assumed();
   if (outputs > 1)
     table.assumed.push_back(fmt::format("{} columns of outputs are taxels 0 to {}", outputs, outputs - 1));
-  if (scans > 1) table.assumed.push_back(fmt::format("the {} scans of a frame are averaged", scans));
-  if (voids > 0) table.assumed.push_back(counted(voids, "void row") + " left out");
   if (wraps > 0)
     table.assumed.push_back(
         fmt::format("the times wrap {}, as a counter of 2^32 or 2^16 ticks or a clock at midnight does: undone",

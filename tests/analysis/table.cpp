@@ -223,7 +223,7 @@ TEST_CASE("all usual separators, line ends, comments, quotes and a byte order ma
   TableReader reader(one, "t", table_layout("output=output voltage"), TableNeeds::kOutput);
   TableReader::Row row;
   REQUIRE(reader.next(row));
-  CHECK(row.output == 3.0);
+  CHECK(row.outputs.front() == 3.0);
 }
 
 TEST_CASE("a bad row is refused with its line") {

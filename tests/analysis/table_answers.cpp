@@ -97,10 +97,10 @@ TEST_CASE("a reader tells what it needs: columns that are not asked for, times, 
   TableReader::Row row;
   REQUIRE(reader.next(row));
   CHECK((row.line == 2 && row.text == "0,5;1;x" && row.sequence == "1" && row.taxel == 0));
-  CHECK((row.input == 0.0 && row.output == 1.0));
+  CHECK((row.input == 0.0 && row.outputs.front() == 1.0));
   CHECK((row.time == 0.5 && !row.step));
   REQUIRE(reader.next(row));
-  CHECK((row.output == 2.0 && !row.time && row.step == 3.0));
+  CHECK((row.outputs.front() == 2.0 && !row.time && row.step == 3.0));
   CHECK_FALSE(reader.next(row));
   CHECK(reader.assumed().size() == 1);
 }

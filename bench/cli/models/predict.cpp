@@ -13,9 +13,11 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <vector>
 
+#include "analysis/counted.h"
 #include "analysis/identify/dynamic/dynamic_alone.h"
 #include "analysis/identify/streams/recording_stream.h"
 #include "analysis/table.h"
@@ -64,7 +66,7 @@ class Predictor {
   static std::array<std::string, 1> units(const analysis::SensorModel& model) { return {model.output_unit}; }
   Predictor(const analysis::SensorModel& model, const analysis::ModelTaxel& taxel, const PredictOptions&)
       : model_(&model), taxel_(&taxel), state_(taxel.fit.model->state()) {}
-  std::string step(const analysis::TableReader::Row& row, char /*separator*/) {
+  std::string step(const analysis::TableReader::Row& row, std::size_t /*column*/, char /*separator*/) {
     state_->go(row.input);
     return fmt::format("{}", model_->from_model(*taxel_, state_->output_at(row.input)));
   }
@@ -86,7 +88,7 @@ class Compensator {
         timed_(model.dynamics && analysis::in_time(*model.dynamics)),
         conditioned_s_(options.conditioned_s),
         stream_(model, taxel) {}
-  std::string step(const analysis::TableReader::Row& row, char separator) {
+  std::string step(const analysis::TableReader::Row& row, std::size_t column, char separator) {
     double seconds = 0.0;
     if (timed_) {
       const std::string place = fmt::format("line {}", row.line);
@@ -94,13 +96,14 @@ class Compensator {
       double now_s = *row.time;
       const std::size_t wraps = order_.wraps();
       if (const std::string wrong = order_.see(now_s); !wrong.empty()) throw Error("TB-TABLE-TIME", wrong, place);
-      if (order_.wraps() > wraps)
+      if (order_.wraps() > wraps && column == 0)
         tty::print(stderr, "{}: the time begins again as a counter or clock does: undone\n", place);
       seconds = now_s - before_.value_or(now_s);
       before_ = now_s;
     }
-    if (!begun_) begin(sign_ * row.output);
-    const analysis::Compensated now = stream_.step(sign_ * row.output, seconds);
+    const double output = sign_ * row.outputs[column];
+    if (!begun_) begin(output);
+    const analysis::Compensated now = stream_.step(output, seconds);
     // Not known: beyond the loop, where the input is its end, and where the model does not know the noise (0).
     const bool known = !now.out_of_range && now.uncertainty_psi > 0.0;
     const double uncertainty = known ? now.uncertainty_psi : std::numeric_limits<double>::quiet_NaN();
@@ -148,9 +151,13 @@ void apply(const PredictOptions& options, const Session& session, analysis::Tabl
   std::istream& in = options.file == "-" ? std::cin : file;
   analysis::TableReader reader(in, options.file == "-" ? "standard input" : options.file, layout_of(options.table),
                                needs);
-  if (reader.outputs() > 1)
-    throw Error("TB-TABLE-MAP", fmt::format("{} columns of outputs, and one taxel is compensated", reader.outputs()),
-                "--map", "name one output, and with --taxel the taxel that it is of");
+  const bool wide = reader.outputs() > 1;  // one column a taxel
+  const std::span<const analysis::ModelTaxel> array = model.array();
+  if (wide && (array.size() != reader.outputs() || !options.taxel.empty()))
+    throw Error("TB-TABLE-MAP",
+                fmt::format("{} columns of outputs, and {} to compensate", reader.outputs(),
+                            options.taxel.empty() ? analysis::counted(array.size(), "taxel") : "one taxel"),
+                "--map", "name a column for each of the model's taxels, in their order; or one, and its --taxel");
   const bool in_time = model.dynamics && analysis::in_time(*model.dynamics);
   if (in_time && needs == analysis::TableNeeds::kOutput && !reader.has_seconds())
     throw Error("TB-TABLE-COLUMN", "the model undoes lag and creep, and the table has no column of times", options.file,
@@ -159,15 +166,18 @@ void apply(const PredictOptions& options, const Session& session, analysis::Tabl
     tty::print(stderr,
                "the outputs predicted are the model's static ones, without lag and creep: those of creep at its very "
                "end, somewhat above what a held pressure reaches\n");
-  const int only = reader.has_taxel() ? 0 : only_taxel(model, options.taxel);
+  const int only = reader.has_taxel() || wide ? 0 : only_taxel(model, options.taxel);
   std::map<std::pair<std::string, int>, Applied, std::less<>> histories;
   const std::string separator(1, reader.separator());
-  std::string text;
-  if (!reader.header().empty())
-    text = fmt::format("{}{}{}\n", analysis::without_formulas(reader.header(), reader.separator()), separator,
-                       fmt::join(Applied::kColumns, separator));
-  if (!reader.units_line().empty())
-    text += fmt::format("{}{}{}\n", reader.units_line(), separator, fmt::join(Applied::units(model), separator));
+  const std::size_t taxels = wide ? array.size() : 1;  // a row
+  std::string text, names, units;
+  for (std::size_t k = 0; k < taxels; ++k) {
+    for (const char* name : Applied::kColumns)
+      names += wide ? fmt::format("{}{}_{}", separator, name, array[k].taxel) : separator + name;
+    units += fmt::format("{}{}", separator, fmt::join(Applied::units(model), separator));
+  }
+  if (!reader.header().empty()) text = analysis::without_formulas(reader.header(), reader.separator()) + names + "\n";
+  if (!reader.units_line().empty()) text += reader.units_line() + units + "\n";
   if (!options.output.empty()) check_output(options.output, kind_of_file(text), session.replace);
   const auto flush = [&] {
     const std::string& sent = ::isatty(STDOUT_FILENO) != 0 ? text = for_people(text) : text;
@@ -180,20 +190,26 @@ void apply(const PredictOptions& options, const Session& session, analysis::Tabl
   const double slack = range ? analysis::kInputSlack * (range->high - range->low) : 0.0;
   std::size_t rows = 0, outside = 0;
   for (analysis::TableReader::Row row; reader.next(row);) {
-    const analysis::ModelTaxel& taxel = fitted(model, reader.has_taxel() ? row.taxel : only);
     ++rows;
     if (needs == analysis::TableNeeds::kInput && range && !range->contains(row.input, slack)) ++outside;
-    try {
-      auto& history =
-          histories.try_emplace({std::string(row.sequence), taxel.taxel}, model, taxel, options).first->second;
-      text += fmt::format("{}{}{}\n", analysis::without_formulas(row.text, reader.separator()), separator,
-                          written(history.step(row, reader.separator()), reader));
-    } catch (const std::invalid_argument& error) {
-      throw Error("TB-MODEL-DOCUMENT",
-                  fmt::format("the model of taxel {} has no value there: {}", taxel.taxel, error.what()),
-                  fmt::format("{}, line {}", options.file, row.line),
-                  "check its parameters (tactbench model show), or fit it again");
+    text += analysis::without_formulas(row.text, reader.separator());
+    for (std::size_t k = 0; k < taxels; ++k) {
+      if (wide && array[k].fit.model == nullptr) {
+        text += fmt::format("{0}nan{0}nan{0}{1}", separator, analysis::to_string(array[k].status));
+        continue;
+      }
+      const analysis::ModelTaxel& taxel = wide ? array[k] : fitted(model, reader.has_taxel() ? row.taxel : only);
+      try {
+        auto& history = histories.try_emplace({row.sequence, taxel.taxel}, model, taxel, options).first->second;
+        text += separator + written(history.step(row, k, reader.separator()), reader);
+      } catch (const std::invalid_argument& error) {
+        throw Error("TB-MODEL-DOCUMENT",
+                    fmt::format("the model of taxel {} has no value there: {}", taxel.taxel, error.what()),
+                    fmt::format("{}, line {}", options.file, row.line),
+                    "check its parameters (tactbench model show), or fit it again");
+      }
     }
+    text += "\n";
     if (options.output.empty()) flush();
   }
   if (options.output.empty())
@@ -239,7 +255,10 @@ void add_predict(CLI::App& app, Session& session) {
       "(standard; nan where it is not known: the model has no noise, or the output lies outside the loop, which "
       "the flag range marks; the input is then the loop's "
       "end) and flags (flat, range, unknown: the recording begins in mid-branch, and the input is midway between all "
-      "that its history may be). A model that undoes lag and creep needs a column time_s, in seconds");
+      "that its history may be). Of a table with one column a taxel (--map output=3-18, or what runs export wrote) "
+      "each "
+      "taxel's, with its number, as compensated_0; flags of a taxel without a model say why. A model that undoes lag "
+      "and creep needs a column time_s, in seconds");
   verb->add_option("--conditioned", compensate->conditioned_s,
                    "dynamic: seconds for which the pressure went over its range just before the first row")
       ->check(CLI::Range(0.0, 1e9))

@@ -2,10 +2,12 @@
 // film of three cells.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <iostream>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "analysis/identify/streams/recording_stream.h"
@@ -33,6 +35,17 @@ class TypedInput {
   std::istringstream text_;
   std::streambuf* kept_;
 };
+
+std::vector<std::vector<std::string>> csv_rows(const std::string& text) {
+  std::vector<std::vector<std::string>> rows;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream cells(line + ",");
+    rows.emplace_back();
+    for (std::string cell; std::getline(cells, cell, ',');) rows.back().push_back(cell);
+  }
+  return rows;
+}
 
 struct FolderOfModel {
   explicit FolderOfModel(const SensorModel& model) { write_model(folder, "m.json", model); }
@@ -134,6 +147,39 @@ TEST_CASE("compensate and predict: sequences and taxels have histories of their 
   CHECK(values[4] != values[5]);  // from 60 down to 30, and from 0 up
   CHECK(values[5] == values[6]);
   CHECK(values[2] == values[3]);
+}
+
+TEST_CASE("compensate: of one column a taxel each is compensated as alone, and an export's frames are its rows") {
+  const FolderOfModel of(known_model(0.1, 0.5));  // taxel 1 is dead
+  const auto cells = [](const Finished& ended, const std::string& name) {
+    CHECK(ended.code == 0);
+    const std::vector<std::vector<std::string>> rows = csv_rows(ended.out);
+    const auto at = static_cast<std::size_t>(std::ranges::find(rows.at(0), name) - rows[0].begin());
+    std::vector<std::string> found;
+    for (std::size_t i = 1; i < rows.size(); ++i) found.push_back(rows[i].at(at));
+    return found;
+  };
+  const std::string rows = "0,1,0,0.6\n0,2,0,1.5\n0,1.4,0,2.5\n0,1,0,1.1\n";
+  const Finished wide = of.of_table("compensate", "x,a,b,c\n" + rows, {"--map", "output=2-4"});
+  for (const auto& [taxel, column] : {std::pair{"0", "a"}, std::pair{"2", "c"}}) {
+    const Finished alone =
+        of.of_table("compensate", "x,a,b,c\n" + rows, {"--map", std::string("output=") + column, "--taxel", taxel});
+    for (const std::string name : {"compensated", "uncertainty", "flags"})
+      CHECK(cells(wide, name + "_" + taxel) == cells(alone, name));
+  }
+  CHECK(cells(wide, "compensated_1") == std::vector<std::string>(4, "nan"));
+  CHECK(cells(wide, "flags_1") == std::vector<std::string>(4, "dead"));
+  const Finished frames = of.of_table(
+      "compensate",
+      "# tactbench: frames of run 1\nframe,recipe,void,reference_psi,scan,volts_r0_c0,volts_r0_c1,volts_r0_c2\n"
+      "1,p,0,0,0,0.8,0,0.6\n1,p,0,0,1,1.2,0,0.6\n2,p,1,0,0,9,0,9\n3,p,0,0,0,2,0,1.3\n3,p,0,0,1,2,0,1.7\n"
+      "4,p,0,0,0,1.4,0,2.5\n4,p,0,0,1,1.4,0,2.5\n5,p,0,0,0,1,0,1.1\n5,p,0,0,1,1,0,1.1\n");
+  for (const std::string name : {"compensated_0", "compensated_2", "flags_2"})
+    CHECK(cells(frames, name) == cells(wide, name));
+  CHECK(cells(frames, "frame") == std::vector<std::string>{"1", "3", "4", "5"});
+  for (const std::vector<std::string>& more :
+       {std::vector<std::string>{"--map", "output=2-3"}, {"--map", "output=2-4", "--taxel", "0"}})
+    check_refusal(of.of_table("compensate", "x,a,b,c\n" + rows, more), 2, "TB-TABLE-MAP");
 }
 
 TEST_CASE("compensate: a model of lag and creep asks for times that rise, and takes their differences") {
