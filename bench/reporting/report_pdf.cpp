@@ -137,7 +137,9 @@ std::string write_pdf(const PdfRequest& request) {
   const PdfProgram program = find_pdf_program(request.program);
   const ScratchFolder scratch("tactbench-pdf");
   const fs::path folder = scratch.path();
-  write_whole(folder / "report.html", request.html);
+  std::string html = request.html;
+  if (const auto at = html.find("</title>"); at != std::string::npos) html.insert(at, ", run " + request.run_uuid);
+  write_whole(folder / "report.html", html);
   write_whole(folder / "data.json", request.json);
   const bool done = run_to_end(words_of(program, folder), folder / "log", request.date_utc);
   std::string pdf = file_text(folder / "report.pdf");

@@ -10,6 +10,7 @@ struct PdfRequest {
   std::string path;        // of the PDF; written whole
   std::string program;     // chromium | weasyprint; empty: the first of them that is there
   std::string date_utc;    // for the document's dates: the same report is the same bytes
+  std::string run_uuid;    // in the document's title: nothing else of a PDF can be read without a PDF's reader
   bool replace = false;    // a file of another kind (output_file.h)
 };
 

@@ -31,8 +31,7 @@ std::string free_report_path(const db::RunStore& store, const std::string& name,
   const std::string path = (folder / name).string();
   std::error_code unknown;
   if (!std::filesystem::is_regular_file(path, unknown)) return path;
-  const bool readable = !path.ends_with(".pdf");
-  const bool other = readable && file_text(path).find(uuid) == std::string::npos;
+  const bool other = file_text(path).find(uuid) == std::string::npos;
   return other || !signed_report_in(path, store).empty() ? (folder / numbered).string() : path;
 }
 

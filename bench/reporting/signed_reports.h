@@ -12,7 +12,7 @@ namespace tactbench::bench {
 std::string signed_report_in(const std::string& path, const db::RunStore& store);
 
 // reports/NAME beside the store; reports/NUMBERED where NAME holds a signed report, or that of a run which is not the
-// one with `uuid`: of another store in this folder. What a PDF is of cannot be read from it.
+// one with `uuid`: of another store in this folder.
 std::string free_report_path(const db::RunStore& store, const std::string& name, const std::string& numbered,
                              const std::string& uuid);
 

@@ -109,12 +109,15 @@ void add_as_found(analysis::Runs& runs, analysis::ReportInput& first, const anal
   if (!found.empty()) first.held_out.push_back({"as found", second.run, found.front().evaluation});
 }
 
-// `name` and `numbered` without their ending; `uuid` of the first run.
-std::string path_of(const db::RunStore& store, const ReportOptions& options, const std::string& name,
-                    const std::string& numbered, const std::string& uuid) {
-  return !options.output.empty() ? options.output
-                                 : free_report_path(store, fmt::format("{}.{}", name, options.format),
-                                                    fmt::format("{}.{}", numbered, options.format), uuid);
+// Whose report, and its file; `name` and `numbered` without their ending.
+void place(WrittenReport& out, const db::RunStore& store, const ReportOptions& options, const db::RunRecord& first,
+           const std::string& name, const std::string& numbered) {
+  out.origin = first.origin;
+  out.run_uuid = first.uuid;
+  out.path = !options.output.empty() ? options.output
+                                     : free_report_path(store, fmt::format("{}.{}", name, options.format),
+                                                        fmt::format("{}.{}", numbered, options.format), first.uuid);
+  out.written = may_be_written(out.path, out.report.number, store);
 }
 
 WrittenReport several_runs(analysis::Runs& runs, const ReportOptions& options, const Session& session) {
@@ -137,13 +140,10 @@ WrittenReport several_runs(analysis::Runs& runs, const ReportOptions& options, c
     out.judgements.push_back(judgements[row]);
     out.started_utc = std::max(out.started_utc, inputs[row].run.started_utc);
   }
-  out.origin = inputs.front().run.origin;
-  out.path =
-      path_of(store, options,
-              options.compare ? fmt::format("compare-{}-{}", options.runs[0], options.runs[1])
-                              : fmt::format("batch-{}", out.report.number),
-              fmt::format("{}-{}", options.compare ? "compare" : "batch", out.report.number), inputs.front().run.uuid);
-  out.written = may_be_written(out.path, out.report.number, store);
+  place(out, store, options, inputs.front().run,
+        options.compare ? fmt::format("compare-{}-{}", options.runs[0], options.runs[1])
+                        : fmt::format("batch-{}", out.report.number),
+        fmt::format("{}-{}", options.compare ? "compare" : "batch", out.report.number));
   return out;
 }
 
@@ -157,11 +157,9 @@ WrittenReport one_run(db::RunStore& store, analysis::Runs& runs, const ReportOpt
   check_reason(input.approvals, out.report.number, options.reason, signing);
   // A signed report has a file of its own, named by its number.
   const std::string numbered = "run-" + out.report.number;
-  out.path = path_of(
-      store, options,
-      signing || analysis::is_signed(input, out.report.number) ? numbered : fmt::format("run-{}", input.run.run),
-      numbered, input.run.uuid);
-  out.written = may_be_written(out.path, out.report.number, store);
+  place(out, store, options, input.run,
+        signing || analysis::is_signed(input, out.report.number) ? numbered : fmt::format("run-{}", input.run.run),
+        numbered);
   if (signing) {
     pause_progress();  // it may ask
     check_signature(judged.judgement, input.run.run, input.run.origin, options.without_verdict, session);
@@ -171,7 +169,6 @@ WrittenReport one_run(db::RunStore& store, analysis::Runs& runs, const ReportOpt
     input.approvals = store.reports(input.run.run);
     out.report = analysis::render_report(input);
   }
-  out.origin = input.run.origin;
   out.started_utc = input.run.started_utc;
   out.judgements.push_back(std::move(judged.judgement));
   return out;
@@ -206,7 +203,8 @@ WrittenReport write_reports(ReportOptions options, Session& session) {
   const std::string& path = written.path;
   progress.begin(kWritingReport);
   if (written.written && options.format == "pdf") {
-    write_pdf({written.report.html, written.report.json, path, options.pdf_with, written.started_utc, session.replace});
+    write_pdf({written.report.html, written.report.json, path, options.pdf_with, written.started_utc, written.run_uuid,
+               session.replace});
   } else if (written.written) {
     write_output(path, options.format == "json" ? written.report.json + "\n" : written.report.html, session.replace);
   }

@@ -12,9 +12,9 @@ namespace tactbench::bench {
 
 struct WrittenReport {
   analysis::Report report;
-  std::vector<Judgement> judgements;  // of one run, or of each run on the page
-  std::string origin, started_utc, path;
-  bool written = true;  // false: the file held this report already, signed
+  std::vector<Judgement> judgements;                // of one run, or of each run on the page
+  std::string origin, started_utc, path, run_uuid;  // run_uuid: of the first
+  bool written = true;                              // false: the file held this report already, signed
 };
 
 // Writes the page of these options and sets session.code by its verdict; prints only notes and warnings. Throws Error,

@@ -134,19 +134,20 @@ TEST_CASE("signed reports: found in pages, data and by a title in a PDF, and nev
 
 TEST_CASE("a report is not written over that of another store's run, nor over a signed one") {
   NamedByHand made;
-  const auto path = [&](const std::string& uuid, const char* ending = "html") {
+  const auto path = [&](const std::string& uuid, const char* ending) {
     const std::string dot = std::string(".") + ending;
     return bench::free_report_path(made.store, "run-1" + dot, "run-1-abc" + dot, uuid);
   };
-  const std::string usual = made.path("reports/run-1.html");
-  CHECK(path("u-1") == usual);
   std::filesystem::create_directories(made.path("reports"));
-  tests::write_file(usual, R"(<!DOCTYPE html><script>{"uuid":"u-1"}</script>)");
-  CHECK(path("u-1") == usual);
-  CHECK(path("u-2") == made.path("reports/run-1-abc.html"));
-  CHECK(path("u-2", "json") == made.path("reports/run-1.json"));
-  tests::write_file(made.path("reports/run-1.pdf"), "%PDF-1.4");
-  CHECK(path("u-2", "pdf") == made.path("reports/run-1.pdf"));  // nothing tells whose it is
+  for (const auto& [ending, text] : {std::pair{"html", R"(<!DOCTYPE html><script>{"uuid":"u-1"}</script>)"},
+                                     std::pair{"json", R"({"number":"1-abc","uuid":"u-1"})"},
+                                     std::pair{"pdf", "%PDF-1.4 /Title (1-abc, run u-1)"}}) {
+    const std::string usual = made.path(std::string("reports/run-1.") + ending);
+    CHECK(path("u-2", ending) == usual);
+    tests::write_file(usual, text);
+    CHECK(path("u-1", ending) == usual);
+    CHECK(path("u-2", ending) == made.path(std::string("reports/run-1-abc.") + ending));
+  }
 }
 
 TEST_CASE("an overdue reference withholds the verdicts that rest on it, run by run") {

@@ -31,7 +31,8 @@ struct PdfByScript {
   PdfByScript() {
     std::filesystem::create_directory(folder.path("bin"));
     write_file(folder.path("pdf"), "%PDF-");
-    request.html = "<p>page</p>";
+    request.html = "<title>1-ab</title><p>page</p>";
+    request.run_uuid = "u-1";
     request.json = "{\"a\":1}";
     request.path = folder.path("out.pdf");
     request.date_utc = "2026-03-01T12:34:56Z";
@@ -140,7 +141,7 @@ TEST_CASE("PDF by a browser: every word, with a profile and files of the page's 
   if (::geteuid() == 0) expected.emplace_back("--no-sandbox");
   expected.push_back("file://" + folder + "/report.html");
   CHECK(words == expected);
-  CHECK(read_file(made.folder.path("page")) == "<p>page</p>");
+  CHECK(read_file(made.folder.path("page")) == "<title>1-ab, run u-1</title><p>page</p>");
   CHECK(read_file(made.folder.path("json")) == "{\"a\":1}");
   CHECK_FALSE(std::filesystem::exists(folder));
 }
