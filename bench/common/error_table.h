@@ -16,7 +16,7 @@ enum class ExitCode {
   kCriterionFailed = 1,
   kUsage = 2,  // usage or configuration, nothing touched
   kDevice = 3,
-  kStopped = 4,  // operator, interlock or limit
+  kStopped = 4,  // operator, interlock or limit, also the system's
   kStore = 5,
   kInconclusive = 6,
   kUnsafe = 7,  // safe state not verified: outranks all
@@ -482,7 +482,7 @@ inline constexpr ErrorRow kErrorTable[] = {
     {"TB-STORE-TOO-LARGE", kStore, "a text or blob is larger than a store takes",
      "keep less in one piece; if it came from the store, the file is damaged: take your last snapshot"},
     {"TB-STORE-TOO-LONG", kUsage, "a text is longer than the store takes", "shorten it; nothing was stored"},
-    {"TB-SYSTEM-LIMIT", kInternal, "the system gives this process no further memory, thread or file",
+    {"TB-SYSTEM-LIMIT", kStopped, "the system gives this process no further memory, thread or file",
      "end other programs, or raise the limit (ulimit -v, -u, -n; MemoryMax of a service), then repeat; a run that had "
      "begun can be resumed"},
     {"TB-TABLE-COLUMN", kUsage, "the table lacks a column that is needed",

@@ -82,7 +82,8 @@ void fit_many(const FitModelsOptions& options, Session& session) {
                    e.mean_error_psi);
     } catch (...) {
       const Error error = as_error(std::current_exception());
-      if (error.code() == ExitCode::kStore || error.code() == ExitCode::kInternal) throw;
+      if (error.code() == ExitCode::kStore || error.code() == ExitCode::kStopped || error.code() == ExitCode::kInternal)
+        throw;
       ++failed;
       row["error"] = error.id();
       if (!session.json) tty::print("run {:>5}: not fitted: {} [{}]\n", run, one_line(error.what()), error.id());

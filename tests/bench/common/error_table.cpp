@@ -122,6 +122,7 @@ TEST_CASE("error table: the exit code follows from the id, in whatever room it w
   CHECK(code_when(analysis::AnalysisError("TB-TABLE-ROW", "m", "r")) == ExitCode::kUsage);
   CHECK(code_when(bench::Error("TB-SEATING", "m", "w")) == ExitCode::kCriterionFailed);
   CHECK(code_when(bench::Error("TB-SAFE-UNVERIFIED", "m", "w")) == ExitCode::kUnsafe);
+  CHECK(code_when(std::bad_alloc()) == ExitCode::kStopped);
   CHECK(code_when(devices::Fault("TB-NOT-IN-THE-TABLE", "d", "m", "r")) == ExitCode::kInternal);
   CHECK(bench::Error("TB-RUN-STOPPED", "m", "w").by_signal(15).code() == ExitCode::kTerminated);
   CHECK(bench::Error("TB-RUN-STOPPED", "m", "w").by_signal(0).code() == ExitCode::kStopped);
