@@ -241,10 +241,11 @@ class RunStore {
   void shrink();  // gives the file's free pages back; needs as much space again, and nobody else in the store
 
   [[nodiscard]] const std::string& path() const;
-  // TB-STORE-GONE when the file was removed, moved or replaced; what is written still goes into the open one.
+  // TB-STORE-GONE when the file was removed, moved, replaced or cut off; what is written still goes into the open one.
   void require_in_place() const;
   // Saves the open store, whose file is not in its place, whole beside it (or in the system's temporary folder) and
-  // returns the name; the log that it left at its old name, which would spoil the next store there, goes.
+  // returns the name; the log that it left at its old name, which would spoil the next store there, goes. Throws
+  // TB-STORE-GONE where it is not whole any more.
   [[nodiscard]] std::string rescue() const;
 
  private:

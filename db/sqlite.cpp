@@ -4,6 +4,7 @@
 #include <sqlite3.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <limits>
@@ -129,12 +130,33 @@ void Connection::fail(int code, const std::string& doing) const {
 
 void Connection::wait_for_locks(int at_most_ms) { sqlite3_busy_timeout(handle_, at_most_ms); }
 
+// Shorter than it was, and than the pages that its head counts; after a VACUUM the head counts fewer. Read by SQLite's
+// own descriptor: to close another one of the file would drop its locks.
+bool Connection::is_cut() const {
+  sqlite3_file* file = nullptr;
+  sqlite3_int64 size = 0;
+  if (sqlite3_file_control(handle_, "main", SQLITE_FCNTL_FILE_POINTER, &file) != SQLITE_OK ||
+      file->pMethods == nullptr || file->pMethods->xFileSize(file, &size) != SQLITE_OK)
+    return false;
+  if (size < longest_) {
+    std::array<unsigned char, 32> head{};  // 16: size of a page, 28: pages
+    if (file->pMethods->xRead(file, head.data(), head.size(), 0) != SQLITE_OK) return true;
+    const std::int64_t page = head[16] << 8 | head[17];
+    std::int64_t pages = 0;
+    for (int i = 28; i < 32; ++i) pages = pages << 8 | head[static_cast<std::size_t>(i)];
+    if (size < page * pages) return true;
+  }
+  longest_ = size;
+  return false;
+}
+
 void Connection::require_in_place() const {
   int moved = 0;
-  if (sqlite3_file_control(handle_, "main", SQLITE_FCNTL_HAS_MOVED, &moved) != SQLITE_OK || moved == 0) return;
+  if ((sqlite3_file_control(handle_, "main", SQLITE_FCNTL_HAS_MOVED, &moved) != SQLITE_OK || moved == 0) && !is_cut())
+    return;
   told_gone_ = true;
   throw StoreError("TB-STORE-GONE",
-                   fmt::format("store {}: the file was removed, moved or replaced while it was open", path_),
+                   fmt::format("store {}: the file was removed, moved, replaced or cut off while it was open", path_),
                    "leave a store where it is while anything writes to it; put it back, and do it again");
 }
 

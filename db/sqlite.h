@@ -54,15 +54,18 @@ class Connection {
   [[nodiscard]] bool is_read_only() const;  // also true when a file opened for writing could only be read
   [[nodiscard]] const std::string& path() const { return path_; }
   [[nodiscard]] sqlite3* handle() const { return handle_; }
-  // TB-STORE-GONE when the file at the path is not the open one: removed, moved or replaced, while SQLite writes on.
+  // TB-STORE-GONE when the file at the path is not the open one, or has lost its end: removed, moved, replaced or cut
+  // off, while SQLite writes on.
   void require_in_place() const;
   [[noreturn]] void fail(int code, const std::string& doing) const;
 
  private:
   friend class Transaction;
+  [[nodiscard]] bool is_cut() const;
   std::string path_;
   sqlite3* handle_ = nullptr;
   mutable bool told_gone_ = false;
+  mutable std::int64_t longest_ = 0;  // bytes
 };
 
 // Values go in with bind(...) and come out with read(...), in the order of the SQL text. Vectors and arrays of numbers

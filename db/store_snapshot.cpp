@@ -101,6 +101,14 @@ bool is_open_here(const std::string& path) {
   return false;
 }
 
+bool is_whole(const std::string& path) {
+  try {
+    return RunStore::open_read_only(path).check_structure().empty();
+  } catch (const StoreError&) {
+    return false;
+  }
+}
+
 }  // namespace
 
 void RunStore::snapshot(const std::string& path) const { copy_store(database_->connection, path); }
@@ -116,9 +124,14 @@ std::string RunStore::rescue() const {
     saved = free_name((fs::temp_directory_path() / lost.filename()).string() + ".rescued");
     snapshot(saved);
   }
-  for (const char* ending : {"-wal", "-shm"})
-    if (is_open_here(lost.string() + ending)) ::unlink((lost.string() + ending).c_str());
-  return saved;
+  const bool whole = is_whole(saved);
+  for (const char* ending : {"-wal", "-shm"}) {
+    ::unlink((saved + ending).c_str());  // left by that look
+    if (whole && is_open_here(lost.string() + ending)) ::unlink((lost.string() + ending).c_str());
+  }
+  if (whole) return saved;
+  fs::remove(saved);
+  throw StoreError("TB-STORE-GONE", "what is left of it is not whole", "take your last snapshot");
 }
 
 std::string backup_path(const std::string& path, int version) {

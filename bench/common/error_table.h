@@ -458,8 +458,9 @@ inline constexpr ErrorRow kErrorTable[] = {
      "drop them, or take your last snapshot; keep your own in a file of yours that attaches a copy of the store"},
     {"TB-STORE-FULL", kStore, "there is no room left on the disk of the store",
      "free space on the disk of the store; what was acknowledged is kept"},
-    {"TB-STORE-GONE", kStore, "the store's file was removed, moved or replaced while it was open",
-     "leave a store where it is while anything writes to it; what a run had measured is saved as NAME.rescued"},
+    {"TB-STORE-GONE", kStore, "the store's file was removed, moved, replaced or cut off while it was open",
+     "leave a store as it is while anything writes to it; what a run had measured is saved as NAME.rescued, but for a "
+     "file that was cut off"},
     {"TB-STORE-LOCK", kStore, "the store's lock file cannot be used",
      "check folder and permissions; a file that no process holds may be removed"},
     {"TB-STORE-LOCKED", kStore, "another process is writing to the store and did not finish in time",

@@ -260,8 +260,10 @@ class RunLifecycle {
           "store belongs",
           store_.rescue());
     } catch (const std::exception& error) {
-      return fmt::format("it could not be saved either ({}): where it was only moved, move {}-wal to it", error.what(),
-                         store_.path());
+      return fmt::format(
+          "it could not be saved either ({}): where it was only moved, move {}-wal to it; where it was cut off, take "
+          "your last snapshot",
+          error.what(), store_.path());
     }
   }
 

@@ -108,6 +108,26 @@ TEST_CASE("a store whose file is gone refuses what is new, takes what is said af
   if (replaced) CHECK(RunStore::open_read_only(path).run(1).notes.empty());
 }
 
+TEST_CASE("a store that is cut off under its program is noticed, one that gives free pages back is not") {
+  const auto bytes = GENERATE(0U, 100U, 3U * 4096U);
+  const TemporaryFolder folder;
+  const std::string path = folder.path("runs.db");
+  RunStore store = RunStore::open(path);
+  store_example(store);
+  const auto size_after = [&](const std::string& sql) {
+    Connection(path, Access::kReadWrite).execute(sql + "; PRAGMA wal_checkpoint(TRUNCATE)");
+    CHECK_NOTHROW(store.require_in_place());
+    return std::filesystem::file_size(path);
+  };
+  const auto before = size_after("CREATE TABLE many AS SELECT zeroblob(1000000) AS bytes");
+  REQUIRE(size_after("DROP TABLE many; VACUUM") < before);
+  CHECK_NOTHROW(store.add_note(1, "smaller"));
+  std::filesystem::resize_file(path, bytes);
+  CHECK(store_error([&] { store.add_note(1, "not stored"); }) == "TB-STORE-GONE");
+  CHECK(store_error([&] { (void)store.rescue(); }) == "TB-STORE-GONE");
+  for (const char* ending : {"", "-wal", "-shm"}) CHECK_FALSE(std::filesystem::exists(path + ".rescued" + ending));
+}
+
 TEST_CASE("a snapshot without free space ends with TB-STORE-FULL and leaves nothing") {
   const TemporaryFolder folder;
   {

@@ -325,6 +325,7 @@ TEST_CASE("whole run: its store goes while it works: it ends vented, and all tha
       {"moved", [](const std::string& path, const std::string&) { fs::rename(path, path + ".old"); }},
       {"replaced by an older copy", [](const std::string& path, const std::string&) { fs::rename(path + ".copy", path); }},
       {"replaced by another", [](const std::string& path, const std::string&) { write_file(path + "x", ""); fs::rename(path + "x", path); }},
+      {"cut off", [](const std::string& path, const std::string&) { fs::resize_file(path, 3 * 4096); }},
       {"its folder moved", [](const std::string& path, const std::string& to) { fs::rename(fs::path(path).parent_path(), to); }},
   }));
   INFO(how);
@@ -347,6 +348,7 @@ TEST_CASE("whole run: its store goes while it works: it ends vented, and all tha
   CHECK(result.error->id() == "TB-STORE-GONE");
   CHECK(result.error->code() == ExitCode::kStore);
   CHECK(result.safe == db::SafeState::kVerified);
+  if (how == "cut off") return;
   const std::string remedy = result.error->remedy();
   const std::size_t from = remedy.find('\'') + 1;
   const std::string saved = remedy.substr(from, remedy.find('\'', from) - from);
