@@ -119,8 +119,8 @@ devices::ForceReading GuardedForce::read(int records) {
   }
 }
 
-devices::Wrench GuardedForce::bias(int records) {
-  const devices::Wrench removed = sensor_->bias(records);
+devices::ForceReading GuardedForce::bias(int records) {
+  devices::ForceReading removed = sensor_->bias(records);
   tared_ = true;
   return removed;
 }

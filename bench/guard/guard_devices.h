@@ -82,7 +82,7 @@ class GuardedForce final : public devices::ForceSensor {
   // Readings are passed to the guard from the first bias() on: before, the offset may be a large part of the range. An
   // overload or a saturated converter trips (TB-FORCE-TRIP is then the guard's, the sensor's own fault is thrown).
   [[nodiscard]] devices::ForceReading read(int records) override;
-  devices::Wrench bias(int records) override;
+  devices::ForceReading bias(int records) override;
   [[nodiscard]] std::array<double, 6> range() const override { return sensor_->range(); }
   [[nodiscard]] std::string calibration_serial() const override { return sensor_->calibration_serial(); }
   [[nodiscard]] std::uint64_t exchanges() const override { return sensor_->exchanges(); }

@@ -78,10 +78,13 @@ void StageSteps::carry_out(const Step& step, const sequences::Recipe& recipe) {
   switch (step.kind) {
     case StepKind::kTare: {
       const TareReading tare = press_->tare();
-      nlohmann::ordered_json json = {{"removed_fz_n", tare.removed.force_n[2]}};
+      nlohmann::ordered_json json = {{"removed_fz_n", tare.removed.wrench.force_n[2]}};
       if (tare.drift) json["drift_fz_n"] = tare.drift->force_n[2];
-      const auto removed = six(tare.removed);
-      recorder_.check("tare", "pass", analysis::json_line(json), {removed.begin(), removed.end()});
+      const bool scatters = tare.removed.spread_n > press_->options().tolerance(0.0);
+      if (scatters) json["spread_n"] = tare.removed.spread_n;
+      const auto removed = six(tare.removed.wrench);
+      recorder_.check("tare", scatters ? "warning" : "pass", analysis::json_line(json),
+                      {removed.begin(), removed.end()});
       return;
     }
     case StepKind::kHome:
@@ -131,7 +134,7 @@ void StageSteps::press(const Step& step, const sequences::Recipe& recipe) {
   if (std::abs(dwelt - step.dwell_s) > recipe.dwell_tolerance_s) {
     readings.flags += readings.flags.empty() ? "dwell" : " dwell";
   }
-  // Then the mean hides that most of its records were not at the level.
+  // Then a mean, of the force or of its zero, hides that most of its records were elsewhere.
   if (reading.spread_n > press_->options().tolerance(level.force_n)) {
     readings.flags += readings.flags.empty() ? "force-spread" : " force-spread";
   }

@@ -87,9 +87,11 @@ ForceReading DaqFt::read(int records) {
   return means.reading;
 }
 
-Wrench DaqFt::bias(int records) {
-  bias_ = acquire(records, Vector6::Zero()).gauges;
-  return wrench_of(six_axes(tool_ * (matrix_ * bias_)));
+ForceReading DaqFt::bias(int records) {
+  Means means = acquire(records, Vector6::Zero());
+  bias_ = means.gauges;
+  means.reading.wrench = wrench_of(six_axes(tool_ * (matrix_ * bias_)));
+  return means.reading;
 }
 
 Identity DaqFt::identity() const {

@@ -23,7 +23,7 @@ class DaqFt final : public ForceSensor {
   // sample, overload in the transducer's frame. Bounded by the source's timeout; the source's faults pass through.
   [[nodiscard]] ForceReading read(int records) override;
   // The bias is a vector of voltages, taken after compensation.
-  Wrench bias(int records) override;
+  ForceReading bias(int records) override;
   // In the transducer's frame, even with a tool transform.
   [[nodiscard]] SixAxes range() const override { return range_; }
   [[nodiscard]] std::string calibration_serial() const override { return calibration_.serial; }

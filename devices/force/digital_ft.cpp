@@ -148,9 +148,10 @@ SixAxes DigitalFt::scaled(const Vector6& gauges) const {
 
 ForceReading DigitalFt::read(int records) { return measure(records, bias_); }
 
-Wrench DigitalFt::bias(int records) {
-  bias_ = measure(records, {}).wrench;
-  return bias_;
+ForceReading DigitalFt::bias(int records) {
+  ForceReading removed = measure(records, {});
+  bias_ = removed.wrench;
+  return removed;
 }
 
 ForceReading DigitalFt::measure(int records, const Wrench& bias) {

@@ -26,7 +26,7 @@ class DigitalFt final : public ForceSensor {
   // Damaged samples are discarded and counted as lost; reading resumes where two samples in a row have the right sum.
   // Samples carry no counter: a sensor that repeats itself is not detected. `raw` holds gauge counts G0 to G5.
   [[nodiscard]] ForceReading read(int records) override;
-  Wrench bias(int records) override;
+  ForceReading bias(int records) override;
   [[nodiscard]] SixAxes range() const override { return range_; }
   [[nodiscard]] std::string calibration_serial() const override { return calibration_.serial; }
   [[nodiscard]] std::uint64_t exchanges() const override { return exchanges_; }

@@ -41,10 +41,10 @@ class ForceSensor {
   // amount), TB-FORCE-PROTOCOL (a reply that is not a record), TB-FORCE-RECORDS (outside 1 to 100 000), and the
   // transport's own (TB-UDP-LOST, TB-SERIAL-LOST, a gauge source's).
   [[nodiscard]] virtual ForceReading read(int records) = 0;
-  // Uses the mean of `records` as zero from now on (software bias; raw values are not changed). Returns the removed
-  // wrench. Call it without load: the offset of an unloaded transducer can be a large part of the range, and overload
-  // is judged relative to it.
-  virtual Wrench bias(int records) = 0;
+  // Uses the mean of `records` as zero from now on (software bias; raw values are not changed). Returns the reading
+  // that is removed. Call it without load: the offset of an unloaded transducer can be a large part of the range, and
+  // overload is judged relative to it.
+  virtual ForceReading bias(int records) = 0;
   // Rated range of each axis, N and N*mm, from the calibration in use: Fx, Fy, Fz, Tx, Ty, Tz.
   [[nodiscard]] virtual std::array<double, 6> range() const = 0;
   [[nodiscard]] virtual std::string calibration_serial() const = 0;

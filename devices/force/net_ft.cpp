@@ -75,9 +75,10 @@ SixAxes NetFt::scaled(const SixAxes& counts) const {
 
 ForceReading NetFt::read(int records) { return measure(records, bias_); }
 
-Wrench NetFt::bias(int records) {
-  bias_ = measure(records, {}).wrench;
-  return bias_;
+ForceReading NetFt::bias(int records) {
+  ForceReading removed = measure(records, {});
+  bias_ = removed.wrench;
+  return removed;
 }
 
 ForceReading NetFt::measure(int records, const Wrench& bias) {

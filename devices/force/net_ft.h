@@ -23,7 +23,7 @@ class NetFt final : public ForceSensor {
   // A tripped threshold monitor is not an error; it is shown in the reading's status.
   [[nodiscard]] ForceReading read(int records) override;
   // The bias is kept in this driver, not in the sensor, so that raw counts stay what the sensor measures.
-  Wrench bias(int records) override;
+  ForceReading bias(int records) override;
   [[nodiscard]] SixAxes range() const override { return range_; }
   [[nodiscard]] std::string calibration_serial() const override { return page_.calibration_serial; }
   [[nodiscard]] std::uint64_t exchanges() const override { return exchanges_; }

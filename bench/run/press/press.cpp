@@ -72,11 +72,10 @@ void Press::check_clear() {
 TareReading Press::tare() {
   check_clear();
   TareReading tare;
-  tare.time = clock_.now();
   tare.removed = force_.bias(options_.level_records);
-  if (removed_) tare.drift = combined(1.0, tare.removed, -1.0, *removed_);
+  if (removed_) tare.drift = combined(1.0, tare.removed.wrench, -1.0, removed_->wrench);
   removed_ = tare.removed;
-  axis_.event("tare", fmt::format("Fz offset {:.3f} N{}", tare.removed.force_n[2],
+  axis_.event("tare", fmt::format("Fz offset {:.3f} N{}", tare.removed.wrench.force_n[2],
                                   tare.drift ? fmt::format(", drifted {:.3f} N", tare.drift->force_n[2]) : ""));
   return tare;
 }
@@ -170,7 +169,7 @@ PressReading Press::press(const PressLevel& level, const std::function<void()>& 
     reading.after = reading.before;
   }
   reading.wrench = combined(0.5, reading.before.wrench, 0.5, reading.after.wrench);
-  reading.spread_n = std::max(reading.before.spread_n, reading.after.spread_n);
+  reading.spread_n = std::max({reading.before.spread_n, reading.after.spread_n, removed_ ? removed_->spread_n : 0.0});
   reading.force_n = (reading.before.force_n + reading.after.force_n) / 2.0;
   reading.relaxation_n = reading.start.force_n - reading.before.force_n;
   reading.z_mm = axis_.z_mm();

@@ -17,8 +17,7 @@ struct BenchConfig;
 [[nodiscard]] PressOptions press_options(const BenchConfig& config);
 
 struct TareReading {
-  devices::Nanoseconds time{0};
-  devices::Wrench removed;               // the sensor's offset without contact
+  devices::ForceReading removed;         // the sensor's offset without contact
   std::optional<devices::Wrench> drift;  // of the offset since the tare before
 };
 
@@ -36,7 +35,7 @@ struct PressReading {
   devices::Wrench wrench;     // their mean
   double force_n = 0.0;       // the level: pressing force at frame time, their mean
   double z_mm = 0.0;          // at frame time
-  double spread_n = 0.0;      // the larger one of the samples before and after
+  double spread_n = 0.0;      // the largest one of the samples before and after, and of the tare
   double relaxation_n = 0.0;  // force at the start minus force at the end of the dwell, z at rest
   double stiffness_n_per_mm = 0.0;
   int moves = 0;
@@ -79,7 +78,7 @@ class Press {
   ForceServo servo_;
   double clear_z_mm_;
   std::optional<ContactPoint> contact_;
-  std::optional<devices::Wrench> removed_;
+  std::optional<devices::ForceReading> removed_;
 };
 
 }  // namespace tactbench::bench

@@ -301,7 +301,7 @@ TEST_CASE("guard's gate: force is judged from the first tare on, an overload of 
   GuardedForce force(std::move(inner), gate.guard);
   CHECK(force.read(10).records == 10);  // 40 N before the tare
   CHECK_FALSE(gate.guard.tripped());
-  CHECK(force.bias(25).force_n[2] == 0.0);
+  CHECK(force.bias(25).wrench.force_n[2] == 0.0);
   CHECK(sensor.biased_by == 25);
   check_press_fault([&] { (void)force.read(10); }, "TB-FORCE-TRIP", {"Fx = 10.00 N", "5 N"});
   CHECK(gate.stage.halts == 1);

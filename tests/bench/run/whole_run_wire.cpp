@@ -249,7 +249,9 @@ TEST_CASE("whole press run: frames whose force records scatter beyond the level'
     const FinishedRun run(request);
     REQUIRE_FALSE(run.result.error);
     const std::string flag = noise_n == std::string("0.08") ? "force-spread" : "";
-    // The tolerance is 0.05 N of 5 N, 0.3 N of 30 N.
+    const std::string tare = flag.empty() ? "tare pass" : "tare warning";
+    CHECK(run.checks() == Strings{tare, "conditioning pass", tare});
+    // The tolerance is 0.05 N of no force and of 5 N, 0.3 N of 30 N.
     CHECK(run.flags() == Strings{flag, "", flag});
   }
 }

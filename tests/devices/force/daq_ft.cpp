@@ -86,7 +86,7 @@ TEST_CASE("DAQ F/T: bias is a vector of volts, the tool's frame applies to the r
   options.tool = {{0, 0, 10}, {0, 0, 90}};
   DaqFt sensor(std::make_unique<Gauges>(Rows{kOne, kTwo}), calibration(), options);
   const Matrix6 matrix = wrench_transform(options.tool) * working_matrix(calibration());
-  CHECK((axes_of(sensor.bias(1)) - matrix * vector(kOne)).cwiseAbs().maxCoeff() < 1e-9);
+  CHECK((axes_of(sensor.bias(1).wrench) - matrix * vector(kOne)).cwiseAbs().maxCoeff() < 1e-9);
   const auto reading = sensor.read(1);
   CHECK((axes_of(reading.wrench) - matrix * (vector(kTwo) - vector(kOne))).cwiseAbs().maxCoeff() < 1e-9);
   CHECK(reading.raw[0] == 0.3);

@@ -92,7 +92,7 @@ TEST_CASE("Digital F/T line: the bias is what was measured, and overload is judg
   Script script;
   script.say({0, 1000, 0, 0, 0, 0});  // Fx 4 N
   auto sensor = script.open();
-  CHECK(sensor.bias(1).force_n[0] == Approx(4.0));
+  CHECK(sensor.bias(1).wrench.force_n[0] == Approx(4.0));
   script.line.stream.clear();
   script.say({0, 1500, 0, 0, 1000, 0});
   const auto reading = sensor.read(1);

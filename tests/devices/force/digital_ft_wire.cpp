@@ -72,7 +72,7 @@ TEST_CASE("Digital F/T: calibration and readings over a line") {
   CHECK(rig.clock.now() == 3s);
   check_near(reading.wrench, {{1.0, -2.0, 4.0}, {80.0, -40.0, 8.0}});
   CHECK(reading.raw == SixAxes{-1000, 250, -500, 1000, -10000, 5000});
-  check_near(sensor.bias(5), {{1.0, -2.0, 4.0}, {80.0, -40.0, 8.0}});
+  check_near(sensor.bias(5).wrench, {{1.0, -2.0, 4.0}, {80.0, -40.0, 8.0}});
   rig.load.set({{2.0, -2.0, 4.0}, {80.0, -40.0, 0.0}});
   reading = sensor.read(5);
   check_near(reading.wrench, {{1.0, 0.0, 0.0}, {0.0, 0.0, -8.0}});

@@ -215,9 +215,10 @@ TEST_CASE("Net F/T told: each axis has its unit, its mean and its bias") {
   page.range = SixAxes{25, 25, 35, 250, 250, 250};
   std::ofstream(bench.options.page_file) << format_netft_page(page);
   NetFt sensor(bench.options, bench.clock);
-  const Wrench bias = sensor.bias(2);
-  CHECK(bias.force_n[0] == Approx(1.000001).epsilon(1e-12));
-  CHECK(bias.torque_nmm[2] == Approx(12.000004).epsilon(1e-12));
+  const ForceReading bias = sensor.bias(2);
+  CHECK(bias.wrench.force_n[0] == Approx(1.000001).epsilon(1e-12));
+  CHECK(bias.wrench.torque_nmm[2] == Approx(12.000004).epsilon(1e-12));
+  CHECK(bias.spread_n == Approx(std::sqrt(2.0) * 1e-6));
   const ForceReading reading = sensor.read(4);
   CHECK(reading.raw == SixAxes{2'000'001, 4'000'000, 6'000'000, 8'000'000, 10'000'000, 12'000'002});
   for (std::size_t i = 0; i < 3; ++i) {

@@ -115,11 +115,12 @@ class IdealForce final : public devices::ForceSensor {
     reads.push_back({clock_.now(), records, force_n});
     return reading;
   }
-  devices::Wrench bias(int records) override {
+  devices::ForceReading bias(int records) override {
     biased_by = records;
-    devices::Wrench removed;
-    removed.force_n[2] = offset_n;
-    removed.torque_nmm[1] = 2.0 * offset_n;
+    devices::ForceReading removed;
+    removed.wrench.force_n[2] = offset_n;
+    removed.wrench.torque_nmm[1] = 2.0 * offset_n;
+    removed.spread_n = spread_n;
     bias_n_ = offset_n;
     return removed;
   }
@@ -131,7 +132,8 @@ class IdealForce final : public devices::ForceSensor {
   Law law;
   std::vector<Read> reads;
   double offset_n = 0.0;
-  int failures = 0;  // of the next reads
+  double spread_n = 0.0;  // of a tare
+  int failures = 0;       // of the next reads
   int biased_by = 0;
 
  private:
