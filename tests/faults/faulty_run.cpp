@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <tuple>
+#include <utility>
 
 #include "analysis/dataset.h"
 #include "bench/simulation/plant.h"
@@ -121,6 +122,10 @@ class Fate {
     later = truth();
   }
   void before(const Step& step) {
+    if (struck && breakage_.holds && !std::exchange(waited_, true)) {
+      CHECK_FALSE(breakage_.holds());
+      CHECK(truth().safe());
+    }
     if (struck || terminated_ || (point_ == Point::kPressing && breakage_.plan) || !is_at(point_, step)) return;
     if (point_ == Point::kVent || point_ == Point::kRetreat) {
       terminated_ = true;
@@ -141,7 +146,7 @@ class Fate {
   const Breakage& breakage_;
   const std::string store_;
   Rig* rig_ = nullptr;
-  bool terminated_ = false;
+  bool terminated_ = false, waited_ = false;
 };
 
 // Nothing that was acknowledged is lost, nothing is there twice, and the hash is that of what is stored.

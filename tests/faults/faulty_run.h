@@ -45,6 +45,8 @@ struct Breakage {
   std::function<void()> mend = [] {};  // before the run is resumed; the plant of the resumed run is whole anyway
   // The plant may stay loaded for good, because no way leads to the actuator; then the run has to say so.
   bool beyond_reach = false;
+  // No step may begin while it holds, and the next one begins from the safe state. Null: nothing of the kind.
+  std::function<bool()> holds = nullptr;
   // The store cannot be written until mended: the row is closed by the next start.
   bool store_gone = false;
 };
