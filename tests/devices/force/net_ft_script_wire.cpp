@@ -1,6 +1,7 @@
 // The driver of the Net F/T against a peer that sends what a test says (scripted_net_ft.h): doubled, late, few, strange
 // and wrapping records.
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "tests/devices/force/scripted_net_ft.h"
 
