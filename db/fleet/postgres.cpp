@@ -9,6 +9,7 @@
 #include <array>
 #include <cerrno>
 #include <charconv>
+#include <cstdlib>
 #include <cstring>
 #include <new>
 #include <regex>
@@ -83,10 +84,28 @@ std::string trimmed(std::string text) {
     throw FleetError(
         FleetCause::kLink, "TB-FLEET-TLS", fmt::format("fleet {}: no trusted connection: {}", where, said),
         "the certificate may be expired, of another name, or by an authority that sslrootcert does not name: "
-        "openssl s_client -starttls postgres -connect HOST:PORT shows it and its dates");
+        "openssl s_client -starttls postgres -connect HOST:PORT shows it and its dates. A server without TLS is "
+        "reached with sslmode=disable alone, and whoever reads the line then has the password");
   throw FleetError(
       FleetCause::kLink, "TB-FLEET-CONNECT", fmt::format("fleet {}: cannot be reached: {}", where, said),
       "check host, port and database, and that the server runs; the bench goes on, and a later push brings everything");
+}
+
+constexpr const char* kTlsMode = "PGSSLMODE";
+
+// Anywhere but on this computer, as far as is known before names are looked up; libpq's own default would send a
+// password in clear there.
+bool goes_elsewhere(const PQconninfoOption* options) {
+  const auto value = [&](const std::string& keyword) {
+    const PQconninfoOption* own = options;
+    while (own->keyword != keyword) ++own;
+    const char* const named = own->envvar != nullptr ? std::getenv(own->envvar) : nullptr;
+    return std::string(own->val != nullptr ? own->val : named != nullptr ? named : "");
+  };
+  const std::string host = value("hostaddr").empty() ? value("host") : value("hostaddr");
+  const bool several = host.find(',') != std::string::npos;
+  if (host.empty()) return !value("service").empty();  // a socket, but for what a service names
+  return several || (host[0] != '/' && host[0] != '@' && host != "localhost" && host != "127.0.0.1" && host != "::1");
 }
 
 constexpr std::size_t kMostNotices = 1 << 20;  // bytes in one statement
@@ -217,12 +236,13 @@ Link::Link(const std::string& conninfo, std::chrono::seconds silence, std::chron
   PQconninfoOption* const options = libpq().PQconninfoParse(conninfo.c_str(), &wrong);
   const std::string said = wrong != nullptr ? trimmed(wrong) : "";
   libpq().PQfreemem(wrong);
-  libpq().PQconninfoFree(options);
   if (options == nullptr)
     throw FleetError(FleetCause::kUsage, "TB-FLEET-CONNINFO",
                      fmt::format("this names no fleet: {}", without_passwords(said)),
                      "write it as psql takes it: \"host=db.lab dbname=tactile user=bench_a sslmode=verify-full\", or "
                      "\"service=NAME\"");
+  const bool tls = goes_elsewhere(options) && std::getenv(kTlsMode) == nullptr;
+  libpq().PQconninfoFree(options);
   // Before what is given, which takes precedence.
   constexpr std::array<const char*, 7> kNames{"fallback_application_name",
                                               "tcp_user_timeout",
@@ -234,7 +254,9 @@ Link::Link(const std::string& conninfo, std::chrono::seconds silence, std::chron
   const std::string unacknowledged_ms = std::to_string(1000 * silence.count());
   const std::array<const char*, 7> values{"tactbench", unacknowledged_ms.c_str(), "20",   "10",
                                           "UTF8",      conninfo.c_str(),          nullptr};
+  if (tls) ::setenv(kTlsMode, "require", 1);  // counts less than the text and the file of services
   state_->handle = libpq().PQconnectStartParams(kNames.data(), values.data(), 1);
+  if (tls) ::unsetenv(kTlsMode);
   if (state_->handle == nullptr) throw std::bad_alloc();
   PGconn* const handle = state_->handle;
   const auto known = [](const char* text) { return std::string(text != nullptr ? text : "?"); };

@@ -23,7 +23,8 @@ inline constexpr std::size_t kLargestAnswer = 256 << 20;  // bytes of one statem
 class Link {
  public:
   // `conninfo`: as psql takes it, "host=... dbname=...", "postgresql://...", "service=...". What it does not say comes
-  // from libpq's own environment and files (PGPASSWORD, ~/.pgpass, PGSSLROOTCERT). Blocks for `patience` at most.
+  // from libpq's own environment and files (PGPASSWORD, ~/.pgpass, PGSSLROOTCERT), but that no server elsewhere is
+  // spoken to without TLS where none of them names sslmode. Blocks for `patience` at most.
   // `silence`: how long the server may send no byte while something is asked; no statement takes longer than 60 times
   // that. TB-FLEET-CONNECT, TB-FLEET-LOGIN, TB-FLEET-TLS, TB-FLEET-CONNINFO, TB-FLEET-BUILD.
   explicit Link(const std::string& conninfo, std::chrono::seconds silence = kSilence,

@@ -237,10 +237,46 @@ def no_servers(lab):
             expect(time.monotonic() - begun < 60 and b"\x1b" not in done.stderr + done.stdout, (name, done))
 
 
+def no_tls(lab):
+    """A server without TLS that asks for the password in clear gets it on this computer, or where somebody said so."""
+    for host, words, variables, told in (("127.0.0.1", "", {}, True), ("127.0.0.2", "", {}, False),  # any but 127.0.0.1 is elsewhere
+                                         ("127.0.0.1,127.0.0.2", "", {}, False), ("127.0.0.2", "sslmode=prefer", {}, True),
+                                         ("127.0.0.2", "", {"PGSSLMODE": "disable"}, True), ("", "service=lab", {}, False),
+                                         ("", "service=open", {}, True), ("", "", {"PGHOST": "127.0.0.2"}, False),
+                                         ("127.0.0.1", "hostaddr=127.0.0.2", {}, False), ("127.0.0.2", "sslmode=verify-full", {}, False)):
+        heard = []
+
+        def answer(link, heard=heard):
+            with contextlib.suppress(OSError), link:
+                link.settimeout(5)
+                if link.recv(8000)[4:8] == b"\x04\xd2\x16/":
+                    link.sendall(b"N")
+                    link.recv(8000)
+                link.sendall(message(b"R", struct.pack(">I", 3)))
+                heard.append(link.recv(8000))
+
+        with socket.create_server(("0.0.0.0", 0)) as door:
+            port = door.getsockname()[1]
+
+            def serve(door=door, answer=answer):
+                with contextlib.suppress(OSError):
+                    while True:
+                        answer(door.accept()[0])
+            threading.Thread(target=serve, daemon=True).start()
+            with open(f"{lab.folder}/services", "w") as file:
+                file.write("[lab]\nhost=127.0.0.2\n[open]\nhost=127.0.0.2\nsslmode=prefer\n")
+            to = f"port={port} user=u dbname=d {words}" + (f" host={host}" if host else "")
+            done = subprocess.run([lab.path, "fleet", "push", "--patience", "3", "--to", to], cwd=lab.folder, capture_output=True, check=False,
+                                  timeout=LONGEST_S, env={**environment(), "PGPASSWORD": "hunter2", "PGSERVICEFILE": "services", **variables})
+            expect(done.returncode == 3 and (b"hunter2" in b"".join(heard)) == told, (to, variables, heard, done))
+            expect(told or b"[TB-FLEET-TLS]" in done.stderr, (to, variables, done))
+
+
 with tempfile.TemporaryDirectory(prefix="tactbench-fleet-") as laboratory, server_for("hostile") as shared:
     bench = Program(path, laboratory)
     make_store(bench, RUNS)
     no_servers(bench)
+    no_tls(bench)
     for case in (roles, refused_runs, clock_ahead, registered_twice):
         case(shared, bench)
     bench.run("db", "check")
