@@ -16,11 +16,11 @@ namespace {
 class GuardedPage : public WordsPage {
  public:
   explicit GuardedPage(const std::function<void(bench::PageOptions&)>& change = {})
-      : WordsPage([&](bench::PageOptions& options) {
-          db::RunStore store = db::RunStore::open(options.db);
+      : WordsPage([&](bench::PageOptions& page) {
+          db::RunStore store = db::RunStore::open(page.db);
           (void)begin_example(store);
-          options.http.longest_request = std::chrono::milliseconds(1500);
-          if (change) change(options);
+          page.http.longest_request = std::chrono::milliseconds(1500);
+          if (change) change(page);
         }) {}
   // The whole answer to one request; `fields`: lines of the head.
   [[nodiscard]] std::string ask(const std::string& line, const std::string& token, const std::string& fields = {},

@@ -86,11 +86,11 @@ TEST_CASE("registration: rotated, shifted and flipped mounts come out as they we
 TEST_CASE("registration: a pitch that is not the nominal one shows as scale, and the text holds every touch") {
   const MountRegistration found = bench::register_mount(touches({10.0, 0.0, 0.0, 1.02, false}, kFour), kPitchMm);
   CHECK(found.scale == Approx(1.02).margin(0.005));
-  const auto json = nlohmann::json::parse(found.json());
-  CHECK(json["pitch_mm"] == kPitchMm);
-  CHECK(json["touches"].size() == 4);
-  CHECK(json["touches"][2]["residual_mm"].get<double>() == found.residual_mm[2]);
-  CHECK(json["flipped"] == false);
+  const auto text = nlohmann::json::parse(found.json());
+  CHECK(text["pitch_mm"] == kPitchMm);
+  CHECK(text["touches"].size() == 4);
+  CHECK(text["touches"][2]["residual_mm"].get<double>() == found.residual_mm[2]);
+  CHECK(text["flipped"] == false);
 }
 
 TEST_CASE("registration by hand: the transform that fits, and how far the rejected mirror misses") {
@@ -176,11 +176,11 @@ TEST_CASE("registration: residuals, their mean square and the spread, to their l
   CHECK(made.pitch_mm == 2.5);
   REQUIRE(made.residual_mm.size() == 4);
   for (const double residual : made.residual_mm) CHECK(residual == Approx(0.1));
-  const auto json = nlohmann::json::parse(made.json());
-  CHECK(json["touches"][1]["stage_mm"][1].get<double>() == square[1].y_mm);
-  CHECK(json["touches"][1]["taxel_mm"][0].get<double>() == 5.0);
-  CHECK(json["rms_mm"].get<double>() == made.rms_mm);
-  CHECK(json["angle_deg"].get<double>() == made.angle_deg);
+  const auto text = nlohmann::json::parse(made.json());
+  CHECK(text["touches"][1]["stage_mm"][1].get<double>() == square[1].y_mm);
+  CHECK(text["touches"][1]["taxel_mm"][0].get<double>() == 5.0);
+  CHECK(text["rms_mm"].get<double>() == made.rms_mm);
+  CHECK(text["angle_deg"].get<double>() == made.angle_deg);
   options.most_rms_mm = 0.1 - 1e-9;
   CHECK(fault_id_of([&] { (void)bench::register_mount(square, 2.5, options); }) == "TB-MOUNT-RESIDUAL");
   // Three in a row and one 8 mm off: 8 x sqrt(3) / 4 mm from their line, root mean square.
