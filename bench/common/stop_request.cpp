@@ -23,6 +23,8 @@ std::vector<int> unexpected_signals() {
 std::atomic<int> caught{0};        // the first
 std::atomic<int> first_to_end{0};  // the first but SIGINT
 std::atomic<int> interrupted{0};
+int depth = 0;      // of the objects that live
+bool kept = false;  // until a further one
 static_assert(std::atomic<int>::is_always_lock_free, "a signal handler needs it");
 
 void on_signal(int number) {
@@ -39,12 +41,11 @@ void on_signal(int number) {
 }  // namespace
 
 StopRequest::StopRequest() {
-  struct sigaction there {};
-  sigaction(SIGTERM, nullptr, &there);
-  if (there.sa_handler != on_signal) {  // no other one is around this one
+  if (depth++ == 0) {
     caught = 0;
     first_to_end = 0;
     interrupted = 0;
+    kept = false;
   }
   struct sigaction action {};
   action.sa_handler = on_signal;
@@ -64,9 +65,12 @@ StopRequest::StopRequest() {
 }
 
 StopRequest::~StopRequest() {
+  --depth;
+  if (kept) return;
   for (const Old& old : old_) sigaction(old.number, &old.action, nullptr);
 }
 
+void StopRequest::keep() { kept = true; }
 int StopRequest::signal() const { return caught; }
 int StopRequest::interrupts() const { return interrupted; }
 int StopRequest::ending() const { return first_to_end; }

@@ -16,6 +16,9 @@ class StopRequest {
   ~StopRequest();
   StopRequest(const StopRequest&) = delete;
   StopRequest& operator=(const StopRequest&) = delete;
+  // What comes from now on ends the process no more, also after this object: how it ends is decided, and its code may
+  // be one that outranks a signal's. Until the next object is made.
+  static void keep();
   [[nodiscard]] int signal() const;      // the first that came; 0: none
   [[nodiscard]] int interrupts() const;  // number of Ctrl-C
   [[nodiscard]] int ending() const;      // the first other than SIGINT; it asks for the end at once; 0: none

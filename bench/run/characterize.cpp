@@ -229,6 +229,7 @@ class RunLifecycle {
     if (const std::optional<Error>& error = ending_.error()) {
       const std::string kept = fmt::format("{}; run {} kept with {}", proof_.text, result_.run,
                                            analysis::counted(result_.frames_kept, "frame"));
+      StopRequest::keep();
       result_.error = error->with_rig_state(kept, safe).with_remedy(way_back.value_or(error->remedy()));
     }
     notify_.tell(ending_.error() ? "failed" : "done", result_.run, reason);

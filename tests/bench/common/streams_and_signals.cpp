@@ -250,6 +250,28 @@ TEST_CASE("signals: what the process uses or ignores itself is left alone where 
         }) == 0);
 }
 
+TEST_CASE("signals: after a run that has failed or was stopped none takes its exit code away") {
+  CHECK(done_apart([] {
+          {
+            const StopRequest around;  // as of the demonstration
+            const StopRequest stopped;
+            std::raise(SIGQUIT);
+            StopRequest::keep();
+          }
+          for (const int late : {SIGINT, SIGTERM, SIGALRM}) std::raise(late);
+          const StopRequest next;
+          if (next.signal() != 0) return 1;
+          std::raise(SIGUSR1);
+          return next.signal() == SIGUSR1 && next.interrupts() == 0 ? 7 : 2;
+        }) == 7);
+  CHECK(done_apart([] {
+          std::signal(SIGTERM, SIG_DFL);
+          { const StopRequest completed; }
+          std::raise(SIGTERM);
+          return 0;
+        }) == 1000 + SIGTERM);
+}
+
 TEST_CASE("signals: each by a name of its own") {
   CHECK(signal_text(SIGINT) == "Ctrl-C");
   CHECK_THAT(signal_text(SIGUSR2), Catch::Contains("12"));
