@@ -38,7 +38,7 @@ bool TableReader::next_line() {
 bool TableReader::new_line() {
   while (next_line()) {
     ++counted_;
-    if (counted_ == 1 && line_.starts_with("\xEF\xBB\xBF")) line_.erase(0, 3);
+    if (names_.empty() && line_.starts_with("\xEF\xBB\xBF")) line_.erase(0, 3);  // also behind a head
     if (counted_ <= layout_.skip_lines) continue;
     if (line_.size() > kLongestLine) refuse(counted_, fmt::format("a line of more than {} bytes", kLongestLine));
     if (const auto nul = line_.find('\0'); nul != std::string::npos)
