@@ -63,7 +63,8 @@ TEST_CASE("columns are mapped by name or number, a name before a number, names w
                            "input=1,output=b,sequence=x", "input=1,output=b,taxel=9"})
     CHECK(refusal(text, none) == "TB-TABLE-COLUMN t:1");
   for (const char* odd : {"input", "in=2", "input=", "\"input=1,2\"", "input=time, s,output=2", "input=\"\",output=2",
-                          "input=1,output=2,output=1", "input=1,input=1"})
+                          "input=1,output=2,output=1", "input=1,input=1", "input=1,input=2,output=3",
+                          "input=1,output=2,sequence=3,sequence=4"})
     CHECK(refusal(quoted, odd) == "TB-TABLE-MAP --map");
   // No column has two roles, and no name two columns.
   CHECK(refusal("a,b\n1,2\n", "input=1,output=a") == "TB-TABLE-COLUMN t:1");
@@ -78,8 +79,9 @@ TEST_CASE("without names columns are numbers, and no sample is taken for names")
     layout.no_header = no_header;
     return read_table(stream, "t", layout).series.at(0).input;
   };
-  for (const char* text : {"0.5,1\n2,3\n", "0.5;1\n2;3\n", "0,5;1\n2;3\n", "0.5 1.0\n2 3\n", "0,5 1,0\n2 3\n",
-                           "0.5\t1\n2\t3\n", "0.5 , 1\n2 , 3\n", "# no names\n0.5,1\n2,3\n"}) {
+  for (const char* text :
+       {"0.5,1\n2,3\n", "0.5;1\n2;3\n", "0,5;1\n2;3\n", "0.5 1.0\n2 3\n", "0,5 1,0\n2 3\n", "0.5\t1\n2\t3\n",
+        "0.5 , 1\n2 , 3\n", "# no names\n0.5,1\n2,3\n", "0,5000;1,0000\r\n2,0000;3,0000"}) {
     INFO(text);
     CHECK(inputs(text) == std::vector{0.5, 2.0});
     CHECK(inputs(text, "input=1,output=2", true) == std::vector{0.5, 2.0});
@@ -98,7 +100,7 @@ TEST_CASE("without names columns are numbers, and no sample is taken for names")
 }
 
 TEST_CASE("what loggers write above the names is passed over, by name as by number") {
-  const std::string rows = "0,1,2\n5,3,4\n", tabs = "0\t1\t2\n5\t3\t4\n";
+  const std::string mark = "\xEF\xBB\xBF", rows = "0,1,2\n5,3,4\n", tabs = "0\t1\t2\n5\t3\t4\n";
   const std::string labview = "LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\n\t\n";
   const std::string segment = "Channels\t2\t\t\nSamples\t9\t9\t\nX0\t0.0\t0.0\t\n***End_of_Header***\t\t\t\n";
   for (const std::string& text : TextLines{
@@ -108,7 +110,14 @@ TEST_CASE("what loggers write above the names is passed over, by name as by numb
            "Model,X1\nRate,20\n\nT,F,O\n" + rows, "Serial, 7, of 9\nT,F,O\ns,N,V\n" + rows,
            labview + "T\tF\tO\tComment\n" + tabs, labview + segment + "T\tF\tO\tComment\n0\t1\t2\tbegun\n5\t3\t4\n",
            std::string("T,F,O\r0,1,2\r5,3,4\r"), std::string("T,F,O\r\r\n0,1,2\r\r\n5,3,4"),
-           "T,F,O\n0,1,2\n; a pause\n% more\n5,3,4\n"}) {
+           "T,F,O\n0,1,2\n; a pause\n% more\n5,3,4\n", ";F;O\n0;1;2\n5;3;4\n", "sep=\t\nT\tF\tO\n" + tabs,
+           "T,F,O,\n0,1,2,\n5,3,4,\n\n\n# end\n", "\"T\",\"F\",\"O\"\r\n\"0\",\"1\",\"2\"\r\n\"5\",\"3\",\"4\"\r\n",
+           // A mark before each kind of line, and behind a head that was put before a file.
+           "# head\n" + mark + "T,F,O\n" + rows, mark + "# a\n" + mark + "T,F,O\n" + rows, mark + "; a\nT,F,O\n" + rows,
+           mark + "sep=,\nT,F,O\n" + rows, mark + "\"T\",\"F\",\"O\"\n" + rows,
+           // Of a computer that writes decimal commas.
+           labview + "Channels\t2\t\t\nX0\t0,0E+0\t0,0E+0\t\n***End_of_Header***\t\t\t\nT\tF\tO\tComment\n"
+                     "0,0\t1,0\t2,0\t\n5,0\t3,0\t4,0\t\n"}) {
     INFO(text);
     for (const char* map : {"input=2,output=3", "input=F,output=O"}) {
       const auto series = read(text, map);
@@ -147,6 +156,11 @@ TEST_CASE("one column a taxel: by range, pattern or list, and what an export of 
     CHECK_FALSE(table.assumed.empty());
   }
   CHECK(read("0.5 10 20\n1 11 21\n", "input=1,output=2-3").size() == 2);
+  const std::string logged =
+      "t;F;S0;S1;T\ns;N;V;V;\xC2\xB0"  // degrees
+      "C\n0,0;1,0;10,0;20,0;23,1\n1,0;2,0;11,0;21,0;23,1\n";
+  for (const char* map : {"input=2,output=3-4", "input=F,output=S*"})
+    CHECK(read(logged, map).at(1).output == std::vector{20.0, 21.0});
   CHECK(read("a-b,3-5\n1,2\n", "input=a-b,output=3-5")[0].output == std::vector{2.0});  // names come first
   for (const char* none : {"input=force,output=3-6", "input=force,output=5-3", "input=force,output=x*",
                            "input=force,output=2-5", "input=force,output=s0+s0", "input=3-4,output=s2"})
@@ -207,10 +221,10 @@ TEST_CASE("times do not go back, but for a counter of 32 bits that begins again"
 }
 
 TEST_CASE("all usual separators, line ends, comments, quotes and a byte order mark are accepted") {
-  for (const std::string text :
-       {"input;output\n1;2\n", "input\toutput\n1\t2\n", "input\t\"output\"\n1\t2\n", "input,output\r\n1,2\r\n",
-        "# made by hand\n\ninput , output\n\n 1 , +2 \n# end\n", "\xEF\xBB\xBFinput,output\n1,2",
-        "\"input\",\"output\"\n\"1\",\"2\"\n", "  input   output\n 1  2\n\n"}) {
+  for (const std::string text : {"input;output\n1;2\n", "input\toutput\n1\t2\n", "input\t\"output\"\n1\t2\n",
+                                 "input,output\r\n1,2\r\n", "# made by hand\n\ninput , output\n\n 1 , +2 \n# end\n",
+                                 "\xEF\xBB\xBFinput,output\n1,2", "# head\n\xEF\xBB\xBFinput,output\n1,2",
+                                 "\"input\",\"output\"\n\"1\",\"2\"\n", "  input   output\n 1  2\n\n"}) {
     INFO(text);
     const auto series = read(text);
     CHECK((series[0].input == std::vector{1.0} && series[0].output == std::vector{2.0}));
@@ -233,6 +247,7 @@ TEST_CASE("a bad row is refused with its line") {
     CHECK(refusal(head + row) == "TB-TABLE-ROW t:3");
   CHECK(refusal(head + "\n3,x\n") == "TB-TABLE-ROW t:4");
   CHECK(refusal("i" + nul + "nput,output\n1,2\n") == "TB-TABLE-ROW t:1");
+  CHECK(refusal("\xFF\xFE#" + nul + "\n" + nul) == "TB-TABLE-ROW t:1");  // UTF-16
   CHECK(std::string(AnalysisError("TB-X", "before" + nul + "after", "mend it").what()) == "before\\x00after");
   for (const char* empty : {"", "# only a comment\n", "input,output\n"}) CHECK(refusal(empty) == "TB-TABLE-EMPTY t");
   // An endless line is refused before all of it is read.

@@ -261,7 +261,8 @@ TEST_CASE("levels are the decimals of the file's unit, the same on every way up 
   };
   for (const Row& row :
        {Row{"kPa", 20.0, 400.0, 1.0 / 6.894757293168361}, Row{"kPa", 0.1, 2.0, 1.0 / 6.894757293168361},
-        Row{"bar", 0.1, 4.0, 100.0 / 6.894757293168361}, Row{"psi", 1.0, 60.0, 1.0}, Row{"psi", 0.01, 1.0, 1.0}}) {
+        Row{"kPa", 7.0, 140.0, 1.0 / 6.894757293168361}, Row{"bar", 0.1, 4.0, 100.0 / 6.894757293168361},
+        Row{"psi", 1.0, 60.0, 1.0}, Row{"psi", 0.01, 1.0, 1.0}}) {
     CAPTURE(row.unit, row.step);
     const std::string text = "schema = 1\nname = \"r\"\nunit = \"" + std::string(row.unit) +
                              "\"\nstep = " + std::to_string(row.step) + "\nturning_points = [0, " +

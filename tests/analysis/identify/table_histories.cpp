@@ -148,6 +148,13 @@ TEST_CASE("what is doubtful about a recording is told, once, and a sound one is 
   CHECK(warnings_of(with_outputs(sound, [&](double, double y, std::size_t i) {  // of the gain
           return y * (1.0 + 0.1 * static_cast<double>(i) / rows);
         })) == 1);
+  // A connector that was touched; a first loading from the virgin state; loops of both signs, with remanence.
+  CHECK(warnings_of(
+            with_outputs(sound, [&](double, double y, std::size_t i) { return i > 240 ? y + 0.1 * span : y; })) == 1);
+  CHECK(warnings_of(
+            with_outputs(sound, [&](double, double y, std::size_t i) { return i < 40 ? y - 0.005 * span : y; })) == 0);
+  CHECK(warnings_of(play_series("1", {0, 10, -10, 10, -10, 4, -4, 7, -7, 10, -10, 6, -2, 8, -10, 10, 0}, 40,
+                                {0.0, 0.002})) == 1);  // that it starts in mid-range
   // An output that falls again below the highest input; one that falls all along is another polarity.
   CHECK(warnings_of(with_outputs(
             sound, [](double x, double y, std::size_t) { return x > 7.0 ? y - 3.0 * (x - 7.0) : y; })) == 1);
@@ -169,21 +176,26 @@ TEST_CASE("what is doubtful about a recording is told, once, and a sound one is 
 }
 
 TEST_CASE("slips are told from turns, with a size of turns that leaves them out") {
-  TableSeries series = play_series("1", kTurningPoints, 40, {0.0, 0.002});
-  const std::size_t clean = branches_of(series);
-  for (const std::size_t at : {20U, 60U, 100U, 140U})
-    series.input[at] += series.input[at] > series.input[at - 1] ? -0.4 : 0.4;
-  CHECK(branches_of(series) == clean + 8);
-  CHECK(warnings_of(series) >= 1);
-  const std::string told = histories_of({series}, "t.csv").warnings.front();
-  CHECK_THAT(told, Catch::Contains("8 of " + std::to_string(clean + 8)));
-  const auto at = told.find("--turn ");
-  REQUIRE(at != std::string::npos);
-  const double offered = std::stod(told.substr(at + 7));
-  CHECK(branches_of(series, offered) == clean);
-  HistoriesOptions options;
-  options.turn = offered;
-  CHECK(warnings_of(series, options) == 0);
+  const TableSeries clean = play_series("1", kTurningPoints, 40, {0.0, 0.002});
+  const std::size_t branches = branches_of(clean);
+  for (const std::size_t slips : {4U, 12U}) {  // twelve leave no sweep whole
+    TableSeries series = clean;
+    for (std::size_t at = 20; at < 20 + 40 * slips; at += 40)
+      series.input[at] += series.input[at] > series.input[at - 1] ? -0.4 : 0.4;
+    CHECK(branches_of(series) == branches + 2 * slips);
+    const std::vector<std::string> warnings = histories_of({series}, "t.csv").warnings;
+    const auto told = std::ranges::find_if(
+        warnings, [](const std::string& warning) { return warning.find("--turn ") != std::string::npos; });
+    REQUIRE(told != warnings.end());
+    CHECK_THAT(*told, Catch::Contains(std::to_string(2 * slips) + " of " + std::to_string(branches + 2 * slips)));
+    HistoriesOptions options;
+    options.turn = std::stod(told->substr(told->find("--turn ") + 7));
+    CHECK(branches_of(series, options.turn) == branches);
+    CHECK(warnings_of(series, options) == 0);
+  }
+  // Small loops on purpose.
+  CHECK(warnings_of(play_series("1", {0, 10, 0, 10, 0, 5, 4.2, 5, 4.2, 7, 6.2, 7, 10, 7, 7.8, 7, 5, 5.8, 5, 0, 10, 0},
+                                40, {0.0, 0.002})) == 0);
 }
 
 TEST_CASE("noise is not less than a count's rounding, and is sought where inputs rest") {

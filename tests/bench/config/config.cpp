@@ -81,7 +81,7 @@ TEST_CASE("bad bench values are refused with place and remedy") {
   refused({"regulator.span_v", "[10, 0]"});
   // 0 V is 65.3 psi, -14.5 psi, 7.3 psi; then 0 psi is out of reach.
   for (const char* span_bar : {"[-1, 9]", "[0.5, 9]", "[0.05, 9]"}) refused({"regulator.span_bar", span_bar}, "span_v");
-  refused({"regulator.span_v", "[-10, 10]"}, "span_v");
+  for (const char* span_v : {"[-10, 10]", "[-5, 5]"}) refused({"regulator.span_v", span_v}, "span_v");
   refused({"settling.trace_s", "1e-9"});
   refused({"module.profile", "beckhof"}, "[module] profile");
   refused({"module.profile", std::string(300, 'a')}, "[module] profile");
@@ -118,6 +118,8 @@ TEST_CASE(
     CHECK(sound.regulator.rest.value() == 0.0);
   }
   CHECK(zero_volt_vents(reads({{"limits.safe_psi", "0.2"}})));
+  for (const char* ordinary : {"[0, 6]", "[-0.01, 9]"})  // the zero is within safe_psi
+    CHECK(zero_volt_vents(reads({{"regulator.span_bar", ordinary}})));
 }
 
 TEST_CASE("dates are refused unless they are dates, each at its key") {

@@ -206,7 +206,9 @@ TEST_CASE("recipe check: steps finer than the output or the band are warned of, 
   CHECK(warned(0.01, false).find("0.0317") != std::string::npos);
   CHECK(warned(0.01).find("band_psi") != std::string::npos);
   CHECK(warned(0.1).find("0.0317") == std::string::npos);
-  CHECK(warned(0.1).find("band_psi") != std::string::npos);
+  for (const double step : {0.1, 0.2}) CHECK(warned(step).find("band_psi") != std::string::npos);
+  CHECK(warned(0.029, false).find("0.0317") != std::string::npos);  // 0.002 bar
+  for (const double step : {0.5, 2.0, 2.9008, 4.0}) CHECK(warned(step).empty());
   Recipe fast = levels_recipe(60.0);
   fast.ramp_psi_per_s = {0.5, 30.0};
   CHECK(bench::recipe_warnings({fast}, config).size() == 1);

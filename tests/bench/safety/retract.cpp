@@ -111,9 +111,10 @@ TEST_CASE("retract on an ideal stage: a z that lost its home goes home, wherever
 }
 
 TEST_CASE("retract on an ideal stage: pressed by an object that is taller than clear allows for, z goes home") {
-  for (const double z_mm : {6.0, 10.0, 13.0}) {
+  for (const auto& [z_mm, surface_mm] :
+       {std::pair(6.0, 5.0), std::pair(10.0, 5.0), std::pair(13.0, 5.0), std::pair(10.0, 9.8), std::pair(13.0, 9.8)}) {
     Retreat tall(z_mm);
-    tall.bed.force.law = [](double at_mm) { return 20.0 * std::max(0.0, at_mm - 5.0); };
+    tall.bed.force.law = [top = surface_mm](double at_mm) { return 20.0 * std::max(0.0, at_mm - top); };
     const RetractProof proof = tall.go();
     CHECK(proof.verified);
     CHECK(proof.z_mm == 0.0);

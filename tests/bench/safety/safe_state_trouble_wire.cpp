@@ -167,6 +167,9 @@ TEST_CASE("safe state in trouble: the table of witnesses") {
       {"all well", {}, true, kYes, kYes},
       {"two dead", {{feedback, -90}, {reference, -90}}, true, kUnproved, kUnproved},
       {"two dead, loaded", {{feedback, -90}, {reference, -90}, stuck}, false, kNo, kUnproved},
+      {"two 3 psi below zero, loaded", {{feedback, -43}, {reference, -43}, stuck}, false, kNo, kUnproved},
+      // 24 V are lost: the monitor shows 0 V, a loop of 4-20 mA nothing, and the regulator keeps its pressure.
+      {"two without supply, loaded", {{feedback, -40}, {reference, -65}, stuck}, false, kNo, kUnproved},
       {"feedback dead", {{feedback, -90}}, true, kYes, kUnproved},
       {"feedback dead, loaded", {{feedback, -90}, stuck}, false, kNo, kNo},
       {"reference dead", {{reference, -90}}, true, kYes, kUnproved},
@@ -218,13 +221,23 @@ TEST_CASE("safe state in trouble: twenty good benches with zero errors up to 1 %
   }
 }
 
-// A module that falls silent at 30 psi: what the bench file says of it decides whether that can end verified.
+// A module that is lost at 30 psi: what the bench file says of it decides whether that can end verified.
 TEST_CASE("safe state in trouble: a module without a watchdog keeps its last set-point, and nothing promises one") {
   const Settings none = {{"module.profile", "generic"}, {"module.watchdog_ms", "0"}};
-  for (const bool watchdog : {true, false}) {
-    TroubledRig bench(watchdog ? Settings{} : none);
+  const auto of = [](const char* profile, Settings more = {}) {
+    more.insert(more.end(), {{"module.profile", profile}, {"module.watchdog_ms", "0"}});
+    return more;
+  };
+  using Lost = std::pair<Settings, FaultKind>;
+  for (const auto& [settings, kind] :
+       {Lost{{}, FaultKind::kModuleSilent}, Lost{none, FaultKind::kModuleSilent},
+        Lost{of("advantech-adam-6024"), FaultKind::kModuleUnplugged},
+        Lost{of("moxa-iologik-e1241", {{"input_module.profile", "moxa-iologik-e1240"}, {"input_module.unit", "2"}}),
+             FaultKind::kModuleSilent}}) {
+    const bool watchdog = settings.empty();
+    TroubledRig bench(settings);
     bench.load(30.0);
-    bench.fail(FaultKind::kModuleSilent);
+    bench.fail(kind);
     const Proved lost = bench.prove();
     INFO(lost.text);
     CHECK(lost.state == (watchdog ? SafeState::kUnverified : SafeState::kFailed));

@@ -118,6 +118,15 @@ TEST_CASE("a level is met by the nearest one measured within 0.01 psi, and is ca
     limits.mismatch = {{other, 0.05}};
     CHECK(judge(evaluation, straight_fit(), limits)[4].verdict == "inconclusive");
   }
+  constexpr double kKilopascals = 6.894757293168361;
+  for (const auto& [level_kpa, typed] :
+       {std::pair(40.0, 5.8015), std::pair(40.0, 5.80), std::pair(120.0, 17.4045), std::pair(20.0, 2.9008)}) {
+    CAPTURE(typed);
+    evaluation.levels[0].pressure_psi = level_kpa / kKilopascals;
+    limits.mismatch = {{typed, 0.05}};
+    CHECK(judge(evaluation, straight_fit(), limits)[4].verdict == "pass");
+  }
+  evaluation.levels[0].pressure_psi = 100.0 / kKilopascals;
   evaluation.levels[1].pressure_psi = 14.498;  // steps finer than that: the nearest, not the first
   limits.mismatch = {{14.497, 0.05}};
   CHECK(judge(evaluation, straight_fit(), limits)[4].value == 0.04);

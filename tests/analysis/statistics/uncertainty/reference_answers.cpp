@@ -68,6 +68,9 @@ TEST_CASE("reference: a certificate holds between its ends, and a run beyond the
       {corrected("[0,40]", "[0,-2]"), 0.0, 40.0, true, 38.0, 40.0},
       {corrected("[10,60]", "[0,0]"), 0.0, 60.0, true, 10.0, 8.0},
       {corrected("[10,60]", "[0,0]"), 10.0, 60.0, false, 60.0, 61.0},
+      {corrected("[0.01,59.95]", "[-0.01,0.05]"), 0.0, 60.1, false, 60.0, 61.0},  // 60 psi, as laboratories print it
+      {corrected("[0.03,59.91]", "[0.0,0.0]"), 0.0, 60.08, false, 60.0, 61.0},    // by noise
+      {corrected("[10,60.5]", "[0,0]"), 8.0, 60.0, true, 20.0, 8.0},
       {corrected("[0,60]", "[0,0]") + "," + range, 0.0, 60.0, true, 50.0, 52.0},
       {corrected("[0,40]", "[0,0]"), 0.0, 0.0, false, 40.0, 41.0},  // a run that presses
   };

@@ -80,14 +80,20 @@ TEST_CASE("calibrate-reference: each level is read on the way up and down") {
 
 TEST_CASE("calibrate-reference: a reading that neither instrument can have seen is asked for again") {
   const TypedReadings of;
-  // Ten times too much, another level's, the wrong unit; then the right one.
-  REQUIRE(
-      of.calibrate("0\n100.1\n20.1\n69kPa\n10.1\n206.8\n20.1\n20.1\n1.01\n10.1\n0\n", "--levels 0,10,20 -o ref.toml")
-          .code == 0);
+  // Ten times too much, another level's, the wrong unit, the wrong sign; then the right one.
+  REQUIRE(of.calibrate("0\n100.1\n20.1\n69kPa\n10.1\n206.8\n20.1\n-20.1\n20.1\n1.01\n68.9\n10.1\n0\n",
+                       "--levels 0,10,20 -o ref.toml")
+              .code == 0);
   const std::vector<Recorded> readings = recorded(of.file("ref.toml"));
   REQUIRE(readings.size() == 6);
   for (const Recorded& one : readings) CHECK(std::abs(one.gauge - one.reference) < 0.5);
   of.ended("0\n100.1\n20.1\n20.1\n0.0\n", "--levels 0,10,20", 4, "TB-CALIBRATION-STOPPED");
+  // Nothing twice of a reference that reads 4 % too much.
+  REQUIRE(
+      of.calibrate("0\n20\n60\n60\n20\n0\n", "--levels 0,20,60 --set 'reference.span_psi=[0,104]' -o high.toml").code ==
+      0);
+  for (const Recorded& one : recorded(of.file("high.toml")))
+    CHECK(one.reference == Approx(1.04 * one.gauge).margin(0.3));
 }
 
 TEST_CASE("calibrate-reference: in kPa it reads kPa, and the file keeps psi") {

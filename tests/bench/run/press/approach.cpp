@@ -79,7 +79,7 @@ TEST_CASE("approach on an ideal stage: the force allowed before the search is ex
 }
 
 TEST_CASE("approach on an ideal stage: z stops at an object that stands in the way to clear, within the force limit") {
-  for (const double surface_mm : {0.0, 3.0, 9.0}) {
+  for (const double surface_mm : {0.0, 0.05, 3.0, 9.0, 9.8}) {
     for (const double stiffness : {1.0, 20.0, 100.0}) {
       bench::PressOptions fast = ideal_options();
       fast.travel_mm_per_s = 8.0;
