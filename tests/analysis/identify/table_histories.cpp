@@ -151,8 +151,9 @@ TEST_CASE("what is doubtful about a recording is told, once, and a sound one is 
   // A connector that was touched; a first loading from the virgin state; loops of both signs, with remanence.
   CHECK(warnings_of(
             with_outputs(sound, [&](double, double y, std::size_t i) { return i > 240 ? y + 0.1 * span : y; })) == 1);
-  CHECK(warnings_of(
-            with_outputs(sound, [&](double, double y, std::size_t i) { return i < 40 ? y - 0.005 * span : y; })) == 0);
+  CHECK(warnings_of(with_outputs(sound, [&](double, double y, std::size_t i) {
+          return i < 40 ? y - 0.1 * span * (1.0 - static_cast<double>(i) / 40.0) : y;
+        })) == 0);
   CHECK(warnings_of(play_series("1", {0, 10, -10, 10, -10, 4, -4, 7, -7, 10, -10, 6, -2, 8, -10, 10, 0}, 40,
                                 {0.0, 0.002})) == 1);  // that it starts in mid-range
   // An output that falls again below the highest input; one that falls all along is another polarity.

@@ -116,7 +116,7 @@ TEST_CASE("retract on an ideal stage: pressed by an object that is taller than c
     Retreat tall(z_mm);
     tall.bed.force.law = [top = surface_mm](double at_mm) { return 20.0 * std::max(0.0, at_mm - top); };
     const RetractProof proof = tall.go();
-    CHECK(proof.verified);
+    REQUIRE(proof.verified);
     CHECK(proof.z_mm == 0.0);
     CHECK(proof.force_n == 0.0);
     CHECK(tall.bed.stage.sent_mm.back() == 0.0);
