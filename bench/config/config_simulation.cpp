@@ -221,7 +221,7 @@ KeyTable simulation_keys(SimulationConfig& simulation, const devices::HidScanner
           "instrument_seed", plant.instruments.seed, kOne, {0, kMostSeed},
           "Draws the errors of reference, force sensor and thermometer within what is stated of them; 0: no errors"),
       key::word("specimen", specimen.kind, specimen_words(),
-                "Film of the simulated sensor: the paper's, or one that is harder on every model"),
+                "Film of the simulated sensor: the paper's, one that is harder on every model, or a foam"),
       key::number("mount_seed", specimen.mount_seed, kOne, {0, kMostSeed},
                   "Another number: the sensor was taken out and mounted again"),
       key::number("temperature_c", specimen.temperature_c, {"°C"}, {-20.0, 80.0}, "Temperature of the sensor"),

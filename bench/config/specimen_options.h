@@ -7,10 +7,11 @@
 
 namespace tactbench::bench {
 
-// Which film the simulated sensor has: the paper's, or one that is harder on every model and every compensation
-// (bench/simulation/README.md). The words stand in the order of the values.
-enum class SpecimenKind { kPaper, kHarsh };
+// Which film the simulated sensor has: the paper's, one that is harder on every model and every compensation, or a foam
+// of other physics (bench/simulation/README.md). The words stand in the order of the values.
+enum class SpecimenKind { kPaper, kHarsh, kFoam };
 std::vector<std::string> specimen_words();
+std::string word_of(SpecimenKind kind);
 
 // Switchable effects with known truth; all off (zero, empty) unless said.
 struct SpecimenEffects {

@@ -2,6 +2,8 @@
 // in any order of asking. Used for the sensor's make (sensor seed) and for all noise (seed).
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 namespace tactbench::bench {
@@ -30,5 +32,18 @@ constexpr double bell_of(std::uint64_t hash) {
   // Four uniforms on 0..65535: mean 131070, variance 4 (65536^2 - 1) / 12.
   return (static_cast<double>(sum) - 131070.0) * (1.0 / 37837.2272372);
 }
+
+// What one taxel's constants are drawn from, one after another.
+class Scatter {
+ public:
+  explicit Scatter(std::uint64_t key) : key_(key) {}
+  // Mean 0, standard deviation 1 before it is truncated.
+  double normal() { return std::clamp(bell_of(hash_of(key_, 0, drawn_++)), -2.1, 2.1); }
+  // `spread` is of the logarithm.
+  double around(double usual, double spread) { return usual * std::exp(spread * normal()); }
+
+ private:
+  std::uint64_t key_, drawn_ = 0;
+};
 
 }  // namespace tactbench::bench

@@ -7,7 +7,8 @@
 
 namespace tactbench::bench {
 
-std::vector<std::string> specimen_words() { return {"paper", "harsh"}; }
+std::vector<std::string> specimen_words() { return {"paper", "harsh", "foam"}; }
+std::string word_of(SpecimenKind kind) { return specimen_words().at(static_cast<std::size_t>(kind)); }
 
 Specimen::Specimen(const SpecimenOptions& options) : film_(std::make_unique<Film>(options)) {}
 Specimen::~Specimen() = default;

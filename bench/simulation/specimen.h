@@ -1,7 +1,7 @@
 // The simulated sensor: 16 x 16 piezoresistive taxels outside every class of model that is fitted (rate-dependent,
 // creeping, non-congruent minor loops, first-cycle conditioning), so that no fit is judged on its own model; the harsh
-// one (specimen_harsh.h) is farther from them. Equations and measured figures: bench/simulation/README.md. Pure physics
-// in process time: no wire, no clock, no thread.
+// one (specimen_harsh.h) is farther from them, the foam (specimen_foam.h) has other physics. Equations and measured
+// figures: bench/simulation/README.md. Pure physics in process time: no wire, no clock, no thread.
 #pragma once
 
 #include <cstdint>
@@ -35,9 +35,9 @@ class Specimen {
                     std::span<const double> contact_psi = {}) const;
   // Extra noise of taxel i (kNoisy), standard deviation in volts.
   [[nodiscard]] double noise_v(int taxel) const;
-  // White noise of one sample, standard deviation 1: bounded in the paper's specimen, heavy-tailed in the harsh one.
+  // White noise of one sample, standard deviation 1: bounded but in the harsh specimen, heavy-tailed there.
   [[nodiscard]] double white_noise(std::uint64_t hash) const;
-  // Adds the film's own noise at `time_s` of process time to outputs: 1/f in the harsh specimen, none in the paper's.
+  // Adds the film's own noise at `time_s` of process time to outputs: 1/f in the harsh specimen, none in the others.
   void add_film_noise(double time_s, std::span<double> volts) const;
   // The memory of the film as text (JSON), and back: --specimen-state. Throws std::invalid_argument, also for the
   // state of another sensor; the memory is then untouched.

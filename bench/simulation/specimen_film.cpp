@@ -10,7 +10,6 @@
 namespace tactbench::bench {
 namespace {
 
-constexpr double kReferenceCelsius = 23.0;
 constexpr std::uint64_t kStuckStream = 60;
 
 int index_of(const SpecimenOptions& options, int row, int column) {
@@ -38,6 +37,11 @@ Specimen::Film::Film(const SpecimenOptions& given)
   for (auto& play : memory.plays) play.assign(size, 0.0);
   memory.creep.assign(kCreepTimes, std::vector<double>(size, 0.0));
   if (options.kind == SpecimenKind::kHarsh) harsh.emplace(options, make).begin(memory);
+  if (options.kind == SpecimenKind::kFoam) {
+    memory = {};
+    memory.virgin = 0.0;
+    memory.foam = foam.emplace(options, make).begin();
+  }
   noise_v.assign(size, 0.0);
   for (const TaxelDefect& defect : options.defects) {
     const int at = index_of(options, defect.row, defect.column);
@@ -80,7 +84,8 @@ void Specimen::Film::advance(FilmMemory& state, double pressure_psi, double seco
   state.lag_psi = pressure_psi + (state.lag_psi - pressure_psi) * std::exp(-seconds / film::kLagSeconds);
 
   const double friction_now = 1.0 + film::kVirginFriction * state.virgin;
-  const std::vector<double> local = local_psi(pressure_psi, state.lag_psi, contact_psi);
+  std::vector<double> local = local_psi(pressure_psi, state.lag_psi, contact_psi);
+  if (foam) return foam->advance(state.foam, local, seconds);
   if (harsh) return harsh->advance(state, local, seconds, friction_now);
 
   std::array<double, kCreepTimes> kept{};
@@ -128,14 +133,18 @@ void Specimen::Film::output(const FilmMemory& state, std::span<double> volts) co
   if (volts.size() != static_cast<std::size_t>(taxels)) throw std::invalid_argument("Specimen::output: wrong size");
   const SpecimenEffects& effects = options.effects;
   const double cycles = state.travel_psi / film::kFullLoadPsi;
-  const double common_gain = (1.0 + effects.temperature_coefficient * (options.temperature_c - kReferenceCelsius)) *
-                             (1.0 + effects.gain_drift_per_thousand_cycles * cycles / 1000.0) *
-                             (1.0 - film::kVirginGainLoss * state.virgin);
+  const double common_gain =
+      (1.0 + effects.temperature_coefficient * (options.temperature_c - film::kReferenceCelsius)) *
+      (1.0 + effects.gain_drift_per_thousand_cycles * cycles / 1000.0) * (1.0 - film::kVirginGainLoss * state.virgin);
   for (std::size_t i = 0; i < volts.size(); ++i) {
     const double gain = common_gain * (1.0 + effects.gain_drift_per_month * options.age_months * make.age_drift[i]);
     const double zero = make.zero_v[i] + effects.zero_drift_v_per_month * options.age_months;
     if (harsh) {
       volts[i] = zero + state.harsh.zero_v[i] + gain * make.amplitude_v[i] * harsh->response(state, i);
+      continue;
+    }
+    if (foam) {
+      volts[i] = zero + gain * make.amplitude_v[i] * foam->response(state.foam, i);
       continue;
     }
     double rest = 0.0;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bench/simulation/specimen.h"
+#include "bench/simulation/specimen_foam.h"
 #include "bench/simulation/specimen_harsh.h"
 
 namespace tactbench::bench {
@@ -67,6 +68,7 @@ inline constexpr double kVirginFriction = 0.25;
 inline constexpr double kFullLoadPsi = 60.0;
 inline constexpr double kRailV = 5.0;
 inline constexpr double kNoisyV = 0.05;
+inline constexpr double kReferenceCelsius = 23.0;
 }  // namespace film
 
 struct FilmMake {
@@ -93,7 +95,8 @@ struct FilmMemory {
   double lag_psi = 0.0;                                      // what has come through the membrane
   double virgin = 1.0;                                       // 1 new, 0 conditioned
   double travel_psi = 0.0;                                   // loading travel so far
-  HarshMemory harsh;                                         // empty in the paper's specimen
+  HarshMemory harsh;                                         // empty in the others
+  FoamMemory foam;                                           // has only this
 };
 
 struct Specimen::Film {
@@ -109,6 +112,7 @@ struct Specimen::Film {
   std::vector<std::size_t> wiring;
   std::vector<double> noise_v;
   std::optional<HarshFilm> harsh;
+  std::optional<Foam> foam;
   FilmMemory memory;
 
  private:

@@ -41,34 +41,20 @@ double heavy_tailed_of(std::uint64_t hash) {
 }
 
 HarshFilm::HarshFilm(const SpecimenOptions& options, FilmMake& make)
-    : columns_(options.columns),
-      sensor_seed_(options.sensor_seed),
-      run_key_(hash_of(options.seed, kRun, options.sensor_seed)) {
-  const std::size_t count = make.amplitude_v.size(), rows = static_cast<std::size_t>(options.rows);
-  for (std::size_t i = 0; i < count; ++i) {
+    : sensor_seed_(options.sensor_seed),
+      run_key_(hash_of(options.seed, kRun, options.sensor_seed)),
+      links_(options, kLinks, harsh::kCoupling, harsh::kCornerCoupling) {
+  for (std::size_t i = 0; i < make.amplitude_v.size(); ++i) {
     taxels_.push_back(make_taxel(make, i));
     make.amplitude_v[i] *= harsh::kAmplitude;
     make.zero_v[i] *= harsh::kZeroV / film::kZeroV;
-    const auto link = [&](std::uint64_t side, double usual) {
-      return usual * (0.5 + uniform_of(hash_of(sensor_seed_, kLinks, 4 * i + side)));
-    };
-    const std::size_t row = i / static_cast<std::size_t>(columns_), column = i % static_cast<std::size_t>(columns_);
-    const bool last_row = row + 1 == rows;
-    const bool last_column = column + 1 == static_cast<std::size_t>(columns_);
-    right_.push_back(last_column ? 0.0 : link(0, harsh::kCoupling));
-    below_.push_back(last_row ? 0.0 : link(1, harsh::kCoupling));
-    below_right_.push_back(last_row || last_column ? 0.0 : link(2, harsh::kCornerCoupling));
-    below_left_.push_back(last_row || column == 0 ? 0.0 : link(3, harsh::kCornerCoupling));
   }
 }
 
 HarshFilm::Taxel HarshFilm::make_taxel(const FilmMake& make, std::size_t taxel) const {
-  std::uint64_t drawn = 0;
-  const auto normal = [&] {
-    const double value = bell_of(hash_of(hash_of(sensor_seed_, kShape, taxel), 0, drawn++));
-    return std::clamp(value, -harsh::kTruncation, harsh::kTruncation);
-  };
-  const auto scattered = [&](double usual, double spread) { return usual * std::exp(spread * normal()); };
+  Scatter scatter(hash_of(sensor_seed_, kShape, taxel));
+  const auto normal = [&] { return scatter.normal(); };
+  const auto scattered = [&](double usual, double spread) { return scatter.around(usual, spread); };
   Taxel made;
   made.friction = harsh::kFriction * make.friction[taxel];
   for (std::size_t k = 0; k < made.width.size(); ++k)
@@ -169,21 +155,6 @@ double HarshFilm::response(const FilmMemory& state, std::size_t taxel) const {
   const double ratio = std::pow(contact / film::kHalfPsi, made.exponent);
   const double share = ratio / std::pow(1.0 + std::pow(ratio, made.softness), 1.0 / made.softness);
   return (1.0 + state.harsh.gain[taxel]) * (1.0 + crept) * share;
-}
-
-void HarshFilm::couple(std::span<double> volts) const {
-  const std::vector<double> alone(volts.begin(), volts.end());
-  const auto columns = static_cast<std::size_t>(columns_);
-  const auto link = [&](std::size_t a, std::size_t b, double share) {
-    volts[a] += share * (alone[b] - alone[a]);
-    volts[b] += share * (alone[a] - alone[b]);
-  };
-  for (std::size_t i = 0; i < alone.size(); ++i) {
-    if (right_[i] > 0.0) link(i, i + 1, right_[i]);
-    if (below_[i] > 0.0) link(i, i + columns, below_[i]);
-    if (below_right_[i] > 0.0) link(i, i + columns + 1, below_right_[i]);
-    if (below_left_[i] > 0.0) link(i, i + columns - 1, below_left_[i]);
-  }
 }
 
 void HarshFilm::add_flicker(double time_s, std::span<double> volts) const {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bench/config/specimen_options.h"
+#include "bench/simulation/neighbour_links.h"
 
 namespace tactbench::bench {
 
@@ -28,7 +29,6 @@ inline constexpr double kSoftnessSpread = 0.25;
 inline constexpr double kCreepShareSpread = 0.3;
 inline constexpr double kSlideSpread = 0.15;
 inline constexpr double kSlideShareSpread = 0.1;
-inline constexpr double kTruncation = 2.1;
 // Friction of all taxels against the paper's specimen; the widest element times friction stays below the cap, so that
 // its upper bound rises with the load.
 inline constexpr double kFriction = 0.93;
@@ -82,7 +82,7 @@ class HarshFilm {
   // Output of a taxel as a share of its amplitude, walk of the gain included.
   [[nodiscard]] double response(const FilmMemory& state, std::size_t taxel) const;
   // Neighbours draw each other's outputs together.
-  void couple(std::span<double> volts) const;
+  void couple(std::span<double> volts) const { links_.couple(volts); }
   // Adds the film's 1/f noise at `time_s` of process time.
   void add_flicker(double time_s, std::span<double> volts) const;
 
@@ -96,10 +96,9 @@ class HarshFilm {
   [[nodiscard]] Taxel make_taxel(const FilmMake& make, std::size_t taxel) const;
   void walk(HarshMemory& own, std::uint64_t knot, double knots) const;
 
-  int columns_;
   std::uint64_t sensor_seed_, run_key_;
+  NeighbourLinks links_;
   std::vector<Taxel> taxels_;
-  std::vector<double> right_, below_, below_right_, below_left_;  // links of each taxel; 0 at the edge
 };
 
 // Noise of one sample: Student's t with 5 degrees of freedom, scaled to standard deviation 1 (kurtosis 9).

@@ -66,7 +66,20 @@ HarshMemory read_harsh(const nlohmann::json& json, std::size_t taxels) {
   return memory;
 }
 
+void check_foam(const FoamMemory& memory, std::size_t taxels) {
+  if (memory.taxels.size() != taxels) throw std::invalid_argument("specimen state: wrong length of foam");
+  if (memory.calm_s < 0.0) throw std::invalid_argument("specimen state: calm_s is negative");
+  for (const FoamTaxelState& taxel : memory.taxels) {
+    if (!(taxel.load_psi >= 0.0)) throw std::invalid_argument("specimen state: a value of load_psi is negative");
+    if (!(std::abs(taxel.strain) < 1.0))
+      throw std::invalid_argument("specimen state: a value of strain is not below 1");
+  }
+}
+
 }  // namespace
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FoamTaxelState, load_psi, strain, greatest, worked_in, unrelaxed, friction_psi)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FoamMemory, taxels, calm_s)
 
 std::string write_state(const FilmMemory& memory, const SpecimenOptions& options) {
   // nlohmann writes the shortest text that reads back to the same double.
@@ -76,6 +89,7 @@ std::string write_state(const FilmMemory& memory, const SpecimenOptions& options
       {"lag_psi", memory.lag_psi}, {"virgin", memory.virgin},    {"travel_psi", memory.travel_psi},
       {"plays", memory.plays},     {"creep", memory.creep}};
   if (options.kind == SpecimenKind::kHarsh) json["harsh"] = harsh_json(memory.harsh);
+  if (options.kind == SpecimenKind::kFoam) json["foam"] = memory.foam;
   return analysis::json_line(json);
 }
 
@@ -89,10 +103,12 @@ FilmMemory read_state(const std::string& text, const SpecimenOptions& options) {
         json.at("rows").get<int>() != options.rows || json.at("columns").get<int>() != options.columns) {
       throw std::invalid_argument("specimen state: belongs to another sensor (sensor_seed, rows or columns differ)");
     }
-    const bool harsh = options.kind == SpecimenKind::kHarsh;
-    if (json.contains("harsh") != harsh) {
-      throw std::invalid_argument(harsh ? "specimen state: belongs to the specimen \"paper\", this one is \"harsh\""
-                                        : "specimen state: belongs to the specimen \"harsh\", this one is \"paper\"");
+    const bool harsh = options.kind == SpecimenKind::kHarsh, foam = options.kind == SpecimenKind::kFoam;
+    const std::string own = word_of(options.kind);
+    const std::string given = json.contains("harsh") ? "harsh" : json.contains("foam") ? "foam" : "paper";
+    if (given != own) {
+      throw std::invalid_argument("specimen state: belongs to the specimen \"" + given + "\", this one is \"" + own +
+                                  "\"");
     }
     FilmMemory memory;
     memory.pressure_psi = number(json, "pressure_psi");
@@ -100,6 +116,11 @@ FilmMemory read_state(const std::string& text, const SpecimenOptions& options) {
     memory.virgin = number(json, "virgin");
     memory.travel_psi = number(json, "travel_psi");
     const auto taxels = static_cast<std::size_t>(options.rows) * static_cast<std::size_t>(options.columns);
+    if (foam) {
+      memory.foam = json.at("foam").get<FoamMemory>();
+      check_foam(memory.foam, taxels);
+      return memory;
+    }
     read_columns(json, "plays", taxels, memory.plays);
     memory.creep.resize(harsh ? kHarshCreepTimes : kCreepTimes);
     read_columns(json, "creep", taxels, memory.creep);

@@ -34,7 +34,7 @@ def check_bash():
         ("plan", "desc"): {"descending"},
         ("nightly", "nig"): {"nightly"},
         ("demo", "--seed", ""): {""},  # a number: nothing to offer
-        ("demo", "--specimen", ""): {"paper", "harsh"},
+        ("demo", "--specimen", ""): {"paper", "harsh", "foam"},
         ("run", "descending", "--operator", "runs", "--sen"): {"--sensor", "--sensor-seed"},
     }.items():
         assert set(bash(*typed)) == offered, (typed, bash(*typed))

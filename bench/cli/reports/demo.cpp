@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -146,8 +147,9 @@ void demo(const DemoOptions& options, Session& session) {
   db::RunStore store = open_for_running(session.db, bench);
   if (options.page) start_page_beside(session.db, bench.id, "demo");
   const SensorType type = read_sensor_type(find_config("sensor.toml"));
-  const bool harsh = bench.simulation->plant.specimen.kind == SpecimenKind::kHarsh;
-  const std::string serial = fmt::format("SIM-{}{:04}", harsh ? "HARSH-" : "", options.sensor_seed);
+  static constexpr std::array kInSerial = {"", "HARSH-", "FOAM-"};
+  const auto kind = static_cast<std::size_t>(bench.simulation->plant.specimen.kind);
+  const std::string serial = fmt::format("SIM-{}{:04}", kInSerial.at(kind), options.sensor_seed);
   std::optional<db::SensorRecord> sensor = store.sensor(serial);
   if (!sensor) {
     sensor = db::SensorRecord{serial,
@@ -245,8 +247,8 @@ void add_demo(CLI::App& app, Session& session) {
       "Exit code 0 when it completed, whatever the verdict on the simulated sensor; Ctrl-C once ends it (130).");
   verb->add_option("--seed", options->seed, "noise")->capture_default_str();
   verb->add_option("--sensor-seed", options->sensor_seed, "makes the array")->capture_default_str();
-  verb->add_option("--specimen", options->specimen, "the paper's simulated sensor, or a harsh one")
-      ->type_name("TEXT:{paper,harsh}")
+  verb->add_option("--specimen", options->specimen, "the paper's simulated sensor, a harsh one, or a foam")
+      ->type_name("TEXT:{paper,harsh,foam}")
       ->capture_default_str();
   verb->add_option("--model", options->model, "kind of model; elam is the paper's")
       ->check(CLI::IsMember({analysis::kDynamicModel, analysis::kElamFit}))

@@ -163,7 +163,7 @@ std::string specimen_text(const db::RunRecord& run) {
   if (run.origin != "simulated") return {};
   const std::optional<BenchConfig> bench = stored_bench(run);
   if (!bench || !bench->simulation) return {};
-  return specimen_words().at(static_cast<std::size_t>(bench->simulation->plant.specimen.kind));
+  return word_of(bench->simulation->plant.specimen.kind);
 }
 
 }  // namespace

@@ -12,8 +12,9 @@ TEST_CASE(
     "the dynamic compensator errs less than ELAM's stream, and twice the uncertainty of each holds most samples") {
   const TemporaryFolder folder;
   std::map<std::string, double> figures;
-  for (const tactbench::bench::Figure& figure :
-       tactbench::bench::benchmark_compensation_error({71, 72, 73}, folder.path()))
+  for (const tactbench::bench::Figure& figure : tactbench::bench::benchmark_compensation_error(
+           {tactbench::bench::SpecimenKind::kPaper, tactbench::bench::SpecimenKind::kHarsh}, {71, 72, 73},
+           folder.path()))
     figures[figure.name.substr(figure.name.find('_') + 1)] = figure.value;
 
   const auto hold = [&](const std::string& condition, double share_of_elam) {

@@ -50,7 +50,7 @@ void check_coverage(const bench::CoverageOptions& options, const std::vector<Sta
 TEST_CASE("U holds 93 to 98 % of the readings of the harsh specimen under each condition that it is stated for") {
   bench::CoverageOptions options;
   options.sensor_seeds = {4201, 4202, 4203};
-  options.paper = false;
+  options.specimens = {bench::SpecimenKind::kHarsh};
   // Of the others five runs of one or two of the three sensors leave U open by more than 6 %.
   check_coverage(options, {{"harsh_production_dynamic", {"other_temperature"}},
                            {"harsh_production_elam", {}},
@@ -61,7 +61,7 @@ TEST_CASE("U holds 93 to 98 % of the readings of the harsh specimen under each c
 TEST_CASE("U holds 93 to 98 % of the readings of the paper's specimen under each condition that it is stated for") {
   bench::CoverageOptions options;
   options.sensor_seeds = {4101, 4102, 4103};
-  options.harsh = false;
+  options.specimens = {bench::SpecimenKind::kPaper};
   check_coverage(options, {{"paper_production_dynamic", {}},
                            {"paper_production_elam", {"held", "month_later"}},
                            {"paper_table_1_dynamic", {}},

@@ -50,7 +50,7 @@ TEST_CASE("twice the uncertainty of ELAM's frames holds 90 to 98 % of random rev
   Held with, alone;
   for (const unsigned sensor_seed : {91U, 92U}) {
     db::RunStore store = db::RunStore::open(folder.path(std::to_string(sensor_seed) + ".db"), db::Durability::kNormal);
-    const bench::SimulatedSensor sensor{false, sensor_seed};
+    const bench::SimulatedSensor sensor{.seed = sensor_seed};
     const bench::KnownRun fitted = bench::simulate_run({{"descending", "ascending"}, {}}, sensor, 1, store);
     const bench::KnownRun other = bench::simulate_run({{"random-reversal"}, {"recipe.seed=5"}}, sensor, 2, store);
     analysis::FrameSetup setup = frame_setup_of(analysis::fit_array(fitted.data), 5.0 / 65536.0);

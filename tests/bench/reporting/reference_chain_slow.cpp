@@ -56,7 +56,7 @@ TEST_CASE("reference chain: an error of the voltage input is within U by its row
     const bench::SimulatedRun made = {{"production"},
                                       {"reference.certificate_covers=transducer", "reference.input_limit_v=0.06",
                                        fmt::format("simulation.instrument_seed={}", 2400 + rig)}};
-    const bench::SimulatedSensor sensor{false, 2401};
+    const bench::SimulatedSensor sensor{.seed = 2401};
     const auto run = [&](int seed) {
       return simulate_run(made, sensor, static_cast<unsigned>(10 * rig + seed), store);
     };

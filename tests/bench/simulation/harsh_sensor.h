@@ -1,4 +1,4 @@
-// Simulated sensors by their seeds, for the tests of the harsh specimen.
+// Simulated sensors by their seeds, for the tests of the harsh specimen and the foam.
 #pragma once
 
 #include <cstdint>
@@ -12,6 +12,12 @@ inline SpecimenOptions harsh_sensor(std::uint64_t sensor, std::uint64_t run = 12
   options.kind = SpecimenKind::kHarsh;
   options.sensor_seed = sensor;
   options.seed = run;
+  return options;
+}
+
+inline SpecimenOptions foam_sensor(std::uint64_t sensor, std::uint64_t run = 1234) {
+  SpecimenOptions options = harsh_sensor(sensor, run);
+  options.kind = SpecimenKind::kFoam;
   return options;
 }
 

@@ -1,6 +1,7 @@
-// Which specimen it is, and of the harsh one its seeds, its truth and its memory.
+// Which specimen it is, and of the harsh one and the foam their seeds, truth and memory.
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -42,6 +43,20 @@ TEST_CASE("harsh specimen: same seeds, same scans, and either seed changes them"
   CHECK(scanned(harsh_plant(12, 1)) != one);
 }
 
+TEST_CASE("foam: same seeds, same scans; the sensor's seed changes what is scanned, the run's seed only its noise") {
+  const auto of = [](std::uint64_t sensor, std::uint64_t run) {
+    PlantOptions options = harsh_plant(sensor, run);
+    options.specimen.kind = SpecimenKind::kFoam;
+    return options;
+  };
+  const std::vector<std::uint16_t> one = scanned(of(11, 1)), noisy = scanned(of(11, 2));
+  CHECK(scanned(of(11, 1)) == one);
+  CHECK(noisy != one);
+  CHECK(scanned(of(12, 1)) != one);
+  const double ten_deviations = 10.0 * of(11, 1).scanner.noise_v / of(11, 1).scanner.volts_per_count;
+  for (std::size_t i = 0; i < one.size(); ++i) REQUIRE(std::abs(noisy[i] - one[i]) < ten_deviations);
+}
+
 TEST_CASE("harsh specimen: the plant reports the true output without noise, and the query changes nothing") {
   const PlantOptions options = harsh_plant(21, 3);
   devices::TurnedClock clock, other_clock;
@@ -69,8 +84,10 @@ TEST_CASE("harsh specimen: the plant reports the true output without noise, and 
   for (std::size_t i = 0; i < 256; ++i) REQUIRE(sum[i] == Approx(truth[i]).epsilon(0.006).margin(0.0005));
 }
 
-TEST_CASE("harsh specimen: the film's memory is restored from text, only in a harsh specimen of that sensor") {
-  Specimen one(harsh_sensor(31)), other(harsh_sensor(31));
+TEST_CASE("specimen: its memory is restored from text, only in a specimen of that kind and sensor") {
+  const bool foam = GENERATE(false, true);
+  const auto sensor = foam ? foam_sensor : harsh_sensor;
+  Specimen one(sensor(31, 1)), other(sensor(31, 1));
   for (const double psi : {20.0, 60.0, 35.0}) one.advance(psi, 7.0);
   other.set_state(one.state());
   CHECK(other.state() == one.state());
@@ -87,11 +104,20 @@ TEST_CASE("harsh specimen: the film's memory is restored from text, only in a ha
   other.advance(30.0, 2.0);
   other.output(b);
   CHECK(ahead == b);
-  Specimen paper(paper_sensor(31));
-  CHECK_THROWS_AS(paper.set_state(one.state()), std::invalid_argument);
-  CHECK_THROWS_AS(one.set_state(paper.state()), std::invalid_argument);
-  Specimen wrong(harsh_sensor(32));
-  CHECK_THROWS_AS(wrong.set_state(one.state()), std::invalid_argument);
+  Specimen paper(paper_sensor(31)), third(foam ? harsh_sensor(31) : foam_sensor(31)), wrong(sensor(32, 1));
+  for (Specimen* specimen : {&paper, &third, &wrong}) {
+    CHECK_THROWS_AS(specimen->set_state(one.state()), std::invalid_argument);
+    CHECK_THROWS_AS(one.set_state(specimen->state()), std::invalid_argument);
+  }
+  if (foam) {
+    auto json = nlohmann::json::parse(one.state());
+    json["foam"]["taxels"][7]["strain"] = 1.5;
+    CHECK_THROWS_WITH(one.set_state(json.dump()), Catch::Contains("strain"));
+    json = nlohmann::json::parse(one.state());
+    json["foam"]["taxels"].erase(0);
+    CHECK_THROWS_WITH(one.set_state(json.dump()), Catch::Contains("foam"));
+    return;
+  }
   for (const char* key : {"load_psi", "sliding", "drag_psi", "zero_walk_v", "gain_walk"}) {
     auto json = nlohmann::json::parse(one.state());
     json["harsh"][key].erase(0);
@@ -106,6 +132,7 @@ TEST_CASE("specimen: chosen by its word, an unknown one is an error that names t
   CHECK(kind_of({}) == SpecimenKind::kPaper);
   CHECK(kind_of({{"simulation.specimen", "harsh"}}) == SpecimenKind::kHarsh);
   CHECK(kind_of({{"simulation.specimen", "paper"}}) == SpecimenKind::kPaper);
+  CHECK(kind_of({{"simulation.specimen", "foam"}}) == SpecimenKind::kFoam);
   const tests::Refusal harch = tests::refusal_of(tests::bench_text("simulated"), {{"simulation.specimen", "harch"}});
   CHECK_THAT(harch.remedy, Catch::Contains("harsh") && !Catch::Contains("paper"));
 }

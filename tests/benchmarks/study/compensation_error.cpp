@@ -120,14 +120,11 @@ ErrorSum of_model(const std::vector<ModelFit>& fits, const Histories& histories,
   return total_of(errors);
 }
 
-void add_sensor(ErrorsOfSpecimen& errors, bool harsh, unsigned sensor_seed, const std::string& folder,
-                bool all_models) {
-  db::RunStore store = db::RunStore::open(fmt::format("{}/{}-{}.db", folder, sensor_seed, harsh ? "harsh" : "paper"),
+void add_sensor(ErrorsOfSpecimen& errors, const SimulatedSensor& sensor, const std::string& folder, bool all_models) {
+  db::RunStore store = db::RunStore::open(fmt::format("{}/{}-{}.db", folder, sensor.seed, word_of(sensor.kind)),
                                           db::Durability::kNormal);
   unsigned seed = 1;
-  const auto run = [&](const SimulatedRun& made) {
-    return simulate_run(made, {harsh, sensor_seed}, seed++, store).data;
-  };
+  const auto run = [&](const SimulatedRun& made) { return simulate_run(made, sensor, seed++, store).data; };
   const Dataset fitted = run({{"descending", "ascending"}, {}});
   const Dataset rate = run({{"rate"}, {}}), creep = run({{"creep-levels"}, {}});
   const SensorModel elam_fit = fit_array(fitted);
@@ -151,8 +148,9 @@ void add_sensor(ErrorsOfSpecimen& errors, bool harsh, unsigned sensor_seed, cons
   }
 }
 
-void add_figures(FigureList& figures, const ErrorsOfSpecimen& errors, bool harsh) {
-  const std::string prefix = harsh ? "harsh_" : "";
+void add_figures(FigureList& figures, const ErrorsOfSpecimen& errors, SpecimenKind kind) {
+  const bool paper = kind == SpecimenKind::kPaper, harsh = kind == SpecimenKind::kHarsh;
+  const std::string prefix = paper ? "" : word_of(kind) + "_";
   for (const Condition& condition : conditions()) {
     const CoveredErrors& ours = errors.dynamic.at(condition.name);
     const CoveredErrors& theirs = errors.elam.at(condition.name);
@@ -164,8 +162,8 @@ void add_figures(FigureList& figures, const ErrorsOfSpecimen& errors, bool harsh
       else
         figures.add(what, value, unit);
     };
-    add(name, own.mean(), harsh ? 0.0 : condition.goal, "psi");
-    add(name + "_most", own.max, harsh ? 0.0 : condition.most_goal, "psi");
+    add(name, own.mean(), paper ? condition.goal : 0.0, "psi");
+    add(name + "_most", own.max, paper ? condition.most_goal : 0.0, "psi");
     figures.add(name + "_within_2_u", 100.0 * ours.covered / own.samples, "%");
     const CoveredErrors& alone = errors.alone.at(condition.name);
     figures.add(name + "_one_run", alone.error.mean(), "psi");
@@ -174,20 +172,21 @@ void add_figures(FigureList& figures, const ErrorsOfSpecimen& errors, bool harsh
     figures.add(name + "_elam_stream", elam.mean(), "psi");
     figures.add(name + "_elam_stream_most", elam.max, "psi");
     figures.add(name + "_elam_stream_within_2_u", 100.0 * theirs.covered / elam.samples, "%");
-    if (harsh) add(name + "_of_elam_stream", own.mean() / elam.mean(), condition.harsh_goal, "ratio");
+    if (!paper) add(name + "_of_elam_stream", own.mean() / elam.mean(), harsh ? condition.harsh_goal : 0.0, "ratio");
   }
   for (const auto& [name, other] : errors.others) figures.add(prefix + name, other.mean(), "psi");
 }
 
 }  // namespace
 
-std::vector<Figure> benchmark_compensation_error(const std::vector<unsigned>& sensor_seeds, const std::string& folder,
+std::vector<Figure> benchmark_compensation_error(const std::vector<SpecimenKind>& specimens,
+                                                 const std::vector<unsigned>& sensor_seeds, const std::string& folder,
                                                  bool all_models) {
   FigureList figures("compensation-error");
-  for (const bool harsh : {false, true}) {
+  for (const SpecimenKind kind : specimens) {
     ErrorsOfSpecimen errors;
-    for (const unsigned sensor_seed : sensor_seeds) add_sensor(errors, harsh, sensor_seed, folder, all_models);
-    add_figures(figures, errors, harsh);
+    for (const unsigned seed : sensor_seeds) add_sensor(errors, {kind, seed}, folder, all_models);
+    add_figures(figures, errors, kind);
   }
   return figures.take();
 }

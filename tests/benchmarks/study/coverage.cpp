@@ -108,7 +108,7 @@ class CoverageOfSensor {
   CoverageOfSensor(const SimulatedSensor& sensor, const CoverageOptions& options, const std::string& folder)
       : sensor_(sensor),
         options_(options),
-        store_(db::RunStore::open(fmt::format("{}/{}-{}.db", folder, sensor.seed, sensor.harsh ? "harsh" : "paper"),
+        store_(db::RunStore::open(fmt::format("{}/{}-{}.db", folder, sensor.seed, word_of(sensor.kind)),
                                   db::Durability::kNormal)),
         runs_(store_) {}
 
@@ -157,8 +157,7 @@ class CoverageOfSensor {
       if (!(dynamic ? options_.dynamic : options_.elam)) continue;
       const SensorModel fit =
           dynamic ? fit_dynamic(fitted, runs_.dataset(rate_), runs_.dataset(creep_)) : fit_array(fitted);
-      const std::string prefix =
-          fmt::format("{}_{}_{}_", sensor_.harsh ? "harsh" : "paper", name, dynamic ? "dynamic" : "elam");
+      const std::string prefix = fmt::format("{}_{}_{}_", word_of(sensor_.kind), name, dynamic ? "dynamic" : "elam");
       const Uncertainty uncertainty = assessed(calibration, fit, held_out);
       for (const Use& use : uses()) {
         const ConditionUncertainty& stated = uncertainty.condition(use.condition);
@@ -213,9 +212,8 @@ std::vector<Figure> figures_of(const Coverages& coverages) {
 
 std::vector<Figure> benchmark_coverage(const CoverageOptions& options, const std::string& folder) {
   Coverages coverages;
-  for (const bool harsh : {false, true})
-    for (const unsigned seed : options.sensor_seeds)
-      if (harsh ? options.harsh : options.paper) CoverageOfSensor({harsh, seed}, options, folder).add_to(coverages);
+  for (const SpecimenKind kind : options.specimens)
+    for (const unsigned seed : options.sensor_seeds) CoverageOfSensor({kind, seed}, options, folder).add_to(coverages);
   return figures_of(coverages);
 }
 

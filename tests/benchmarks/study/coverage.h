@@ -5,13 +5,14 @@
 #include <string>
 #include <vector>
 
+#include "bench/config/specimen_options.h"
 #include "tests/benchmarks/study/figure.h"
 
 namespace tactbench::bench {
 
 struct CoverageOptions {
   std::vector<unsigned> sensor_seeds;
-  bool harsh = true, paper = true;         // specimens
+  std::vector<SpecimenKind> specimens = {SpecimenKind::kPaper, SpecimenKind::kHarsh, SpecimenKind::kFoam};
   bool production = true, table_1 = true;  // calibrations
   bool elam = true, dynamic = true;        // models
 };

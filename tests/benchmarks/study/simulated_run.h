@@ -5,14 +5,15 @@
 #include <vector>
 
 #include "analysis/dataset.h"
+#include "bench/config/specimen_options.h"
 #include "bench/run/run_request.h"
 #include "db/run_store.h"
 
 namespace tactbench::bench {
 
 struct SimulatedSensor {
-  bool harsh = false;  // the specimen
-  unsigned seed = 1;   // makes the array
+  SpecimenKind kind = SpecimenKind::kPaper;
+  unsigned seed = 1;  // makes the array
 };
 
 struct SimulatedRun {

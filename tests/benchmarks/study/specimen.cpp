@@ -103,6 +103,15 @@ double measure_creep_percent_fs(const SpecimenOptions& options, double level_psi
   return 100.0 * (mean_of(walk.output()) - early) / full_scale;
 }
 
+double measure_remanence_percent_fs(const SpecimenOptions& options, double after_s) {
+  const double full_scale = measure_loop(options).full_scale_v;
+  SpecimenWalk walk(options);
+  const double start = mean_of(walk.output());
+  walk.condition();
+  walk.hold(after_s);
+  return 100.0 * (mean_of(walk.output()) - start) / full_scale;
+}
+
 WalkFigures measure_walk(const SpecimenOptions& options, int hours) {
   SpecimenWalk unloaded(options), loaded(options), other(of_run(options, 1));
   loaded.jump(40.0);
@@ -219,22 +228,23 @@ double measure_shape_percent_fs(const SpecimenOptions& options, int components) 
   return 100.0 * std::sqrt(std::max(0.0, variances.head(left).sum()) / static_cast<double>(steps));
 }
 
-std::vector<Figure> benchmark_specimen() {
+std::vector<Figure> benchmark_specimen(const std::vector<SpecimenKind>& kinds) {
   FigureList figures("specimen");
-  const std::vector<std::string> words = specimen_words();
-  for (std::size_t word = 0; word < words.size(); ++word) {
+  for (const SpecimenKind kind : kinds) {
     SpecimenOptions options;
-    options.kind = static_cast<SpecimenKind>(word);
+    options.kind = kind;
     PlantOptions plant;
     plant.specimen = options;
     const auto add = [&](const char* name, double value, const char* unit) {
-      figures.add(words[word] + "_" + name, value, unit);
+      figures.add(word_of(kind) + "_" + name, value, unit);
     };
     const LoopFigures loop = measure_loop(options);
     add("hysteresis_max", loop.max_percent_fs, "%FS");
     add("hysteresis_mean", loop.mean_percent_fs, "%FS");
     add("full_scale", loop.full_scale_v, "V");
     const CycleFigures cycles = measure_cycles(options, 50);
+    add("remanence_after_10_s", measure_remanence_percent_fs(options, 10.0), "%FS");
+    add("remanence_after_an_hour", measure_remanence_percent_fs(options, 3600.0), "%FS");
     add("cycle_to_cycle_taxel", cycles.taxel_percent_fs, "%FS");
     add("cycle_to_cycle_mean_taxel", cycles.mean_taxel_percent_fs, "%FS");
     add("creep_1_to_10_s", measure_creep_percent_fs(options, 40.0, 1.0, 10.0), "%FS");

@@ -24,6 +24,9 @@ struct CycleFigures {
 };
 CycleFigures measure_cycles(const SpecimenOptions& options, int cycles);
 
+// What the mean taxel keeps of three cycles from new, so long after they have ended.
+double measure_remanence_percent_fs(const SpecimenOptions& options, double after_s);
+
 // Change of the mean taxel at `level_psi` between two times after a jump there from rest.
 double measure_creep_percent_fs(const SpecimenOptions& options, double level_psi, double from_s, double to_s);
 
@@ -68,7 +71,7 @@ struct NoiseFigures {
 };
 NoiseFigures measure_noise(const PlantOptions& options);
 
-// All of them for each specimen, sensor seed 1.
-std::vector<Figure> benchmark_specimen();
+// All of them for each of `kinds`, sensor seed 1.
+std::vector<Figure> benchmark_specimen(const std::vector<SpecimenKind>& kinds);
 
 }  // namespace tactbench::bench

@@ -1,0 +1,28 @@
+// Links between neighbouring taxels, in row and column and across a corner, each its own by the sensor's seed: the
+// harsh film's electrical coupling, the skin of the foam.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "bench/config/specimen_options.h"
+
+namespace tactbench::bench {
+
+class NeighbourLinks {
+ public:
+  // `beside`, `corner`: the usual link; each differs by up to half of it. `stream`: of the sensor's seed.
+  NeighbourLinks(const SpecimenOptions& options, std::uint64_t stream, double beside, double corner);
+  // Neighbours draw each other's values together.
+  void couple(std::span<double> values) const;
+
+ private:
+  struct Link {
+    std::size_t from, to;
+    double share;
+  };
+  std::vector<Link> links_;
+};
+
+}  // namespace tactbench::bench
