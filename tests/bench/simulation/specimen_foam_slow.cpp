@@ -1,7 +1,6 @@
 // The foam: what it is meant to be, measured on outputs, on sensors that no constant was looked at on (those were 1 to
 // 3).
 #include <algorithm>
-#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdint>
@@ -9,36 +8,27 @@
 
 #include "bench/simulation/specimen.h"
 #include "tests/bench/simulation/harsh_sensor.h"
+#include "tests/bench/simulation/specimen_runs.h"
 #include "tests/benchmarks/study/specimen.h"
 #include "tests/benchmarks/study/specimen_walk.h"
 
 namespace tactbench::bench::testing {
 namespace {
 
-using Volts = std::vector<double>;
-
-constexpr std::array<std::uint64_t, 2> kNewSensors = {52163, 880417};
-
-Volts output_of(const Specimen& specimen) {
-  Volts volts(256);
+Frame frame_of(const Specimen& specimen) {
+  Frame volts(256);
   specimen.output(volts);
   return volts;
 }
 
-double mean(const Volts& volts) {
-  double sum = 0.0;
-  for (const double value : volts) sum += value / static_cast<double>(volts.size());
-  return sum;
-}
-
-double farthest(const Volts& a, const Volts& b) {
+double farthest_taxel(const Frame& a, const Frame& b) {
   double most = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
   return most;
 }
 
 // Farthest that the mean taxel's outputs of two cycles are apart, in volts.
-double farthest_mean(const std::vector<Volts>& a, const std::vector<Volts>& b) {
+double farthest_mean(const std::vector<Frame>& a, const std::vector<Frame>& b) {
   double most = 0.0;
   for (std::size_t k = 0; k < a.size(); ++k) most = std::max(most, std::abs(mean(a[k]) - mean(b[k])));
   return most;
@@ -52,9 +42,9 @@ TEST_CASE("foam: every taxel's output rises with each psi of slow loading, new a
     double least_rise = 1.0, highest = 0.0;
     for (int cycle = 0; cycle < 4; ++cycle) {
       for (int psi = 0; psi <= 60; ++psi) {
-        const Volts before = output_of(specimen);
+        const Frame before = frame_of(specimen);
         specimen.advance(psi, 10.0);
-        const Volts now = output_of(specimen);
+        const Frame now = frame_of(specimen);
         // Below the pressure that lifts the membrane onto it nothing has to move.
         for (std::size_t i = 0; i < now.size() && psi > 1; ++i) least_rise = std::min(least_rise, now[i] - before[i]);
         highest = std::max(highest, *std::ranges::max_element(now));
@@ -149,7 +139,7 @@ TEST_CASE("foam: a quick loop differs from a slow one") {
 
 TEST_CASE("foam: the first cycles soften it, less and less, and a week's rest undoes that") {
   SpecimenWalk walk(foam_sensor(kNewSensors[0]));
-  std::vector<std::vector<Volts>> cycles;
+  std::vector<std::vector<Frame>> cycles;
   for (int cycle = 0; cycle < 5; ++cycle) {
     cycles.push_back(walk.loop());
     walk.hold(3600.0);  // so that only softening is left
@@ -170,7 +160,7 @@ TEST_CASE("foam: one long step ends where many short ones do") {
     const auto both = [&](double from, double to, double seconds, int pieces) {
       for (int k = 1; k <= pieces; ++k) cut.advance(from + (to - from) * k / pieces, seconds / pieces);
       whole.advance(to, seconds);
-      CHECK(farthest(output_of(cut), output_of(whole)) < 0.002);
+      CHECK(farthest_taxel(frame_of(cut), frame_of(whole)) < 0.002);
     };
     both(0.0, 60.0, 2.0, 600);
     both(60.0, 60.0, 600.0, 6000);
@@ -184,11 +174,11 @@ TEST_CASE("foam: one long step ends where many short ones do") {
 
 TEST_CASE("foam: extremes stay finite and in order") {
   Specimen specimen(foam_sensor(kNewSensors[0]));
-  Volts contact(256, 0.0);
+  Frame contact(256, 0.0);
   contact[40] = 200.0;
   for (int k = 0; k < 50; ++k) {
     specimen.advance(k % 2 == 0 ? 120.0 : 0.0, k % 3 == 0 ? 1e-9 : 1e6, contact);
-    for (const double volts : output_of(specimen)) REQUIRE((volts >= 0.0 && volts <= 5.0));
+    for (const double volts : frame_of(specimen)) REQUIRE((volts >= 0.0 && volts <= 5.0));
   }
 }
 
@@ -206,7 +196,7 @@ TEST_CASE("foam: warm, cold, mounted anew and aged it reads otherwise") {
   const auto read = [](const SpecimenOptions& options) {
     Specimen specimen(options);
     specimen.advance(30.0, 1.0);
-    return output_of(specimen);
+    return frame_of(specimen);
   };
   const SpecimenOptions usual = foam_sensor(kNewSensors[0]);
   SpecimenOptions warm = usual, mounted = usual, aged = usual;
@@ -217,7 +207,7 @@ TEST_CASE("foam: warm, cold, mounted anew and aged it reads otherwise") {
   aged.age_months = 2.0;
   aged.effects.zero_drift_v_per_month = 0.02;
   CHECK(mean(read(warm)) > mean(read(usual)) + 0.005);
-  CHECK(farthest(read(mounted), read(usual)) > 0.02);
+  CHECK(farthest_taxel(read(mounted), read(usual)) > 0.02);
   CHECK(mean(read(aged)) == Approx(mean(read(usual)) + 0.04).margin(1e-9));
 }
 

@@ -12,13 +12,6 @@
 #include "tests/benchmarks/study/specimen.h"
 
 namespace tactbench::bench::testing {
-namespace {
-
-constexpr std::array<std::uint64_t, 2> kNewSensors = {
-    52163, 880417};  // constants were set on 1 to 3 and looked at on two others, none of these
-
-}  // namespace
-
 TEST_CASE("harsh specimen: no output falls while the load rises, or rises while it falls, by more than creep") {
   for (const std::uint64_t sensor : kNewSensors) {
     Specimen specimen(harsh_sensor(sensor));

@@ -25,9 +25,9 @@ int main(int count, char** words) {
     study->add_option("--sensors", sensors, "sensor seeds")->delimiter(',');
   CLI::App* specimen = app.add_subcommand("specimen", "what the simulated sensors are like");
   const std::vector<std::string> all = specimen_words();
-  std::vector<std::string> words = all;
+  std::vector<std::string> chosen = all;
   for (CLI::App* const study : {error, coverage, specimen})
-    study->add_option("--specimens", words, "which simulated sensors (default: all)")
+    study->add_option("--specimens", chosen, "which simulated sensors (default: all)")
         ->delimiter(',')
         ->check(CLI::IsMember(all));
   CLI::App* charts = app.add_subcommand("charts", "false alarms and power of the charts of trend and nightly");
@@ -35,7 +35,7 @@ int main(int count, char** words) {
   CLI11_PARSE(app, count, words);
 
   std::vector<SpecimenKind> specimens;
-  for (const std::string& word : words)
+  for (const std::string& word : chosen)
     specimens.push_back(static_cast<SpecimenKind>(std::ranges::find(all, word) - all.begin()));
   const ScratchFolder folder("tactbench-study");
   const std::vector<Figure> figures =
