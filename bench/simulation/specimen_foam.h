@@ -18,7 +18,7 @@ struct FilmMake;
 inline constexpr std::size_t kFoamBranches = 5;  // of relaxation
 inline constexpr std::size_t kFoamSliders = 5;
 
-// Chosen from what is published of foams (README); nothing was fitted or searched.
+// Set by hand, from what is published of foams (README).
 namespace foam {
 // Elastic stress e * c(e), e the compression as a share of the thickness; secant stiffness
 // c(e) = plateau / (e + knee) + densifying * e / (lock - e)^2.
