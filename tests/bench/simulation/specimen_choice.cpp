@@ -43,7 +43,8 @@ TEST_CASE("harsh specimen: same seeds, same scans, and either seed changes them"
   CHECK(scanned(harsh_plant(12, 1)) != one);
 }
 
-TEST_CASE("foam: same seeds, same scans, and the sensor's seed changes what is scanned, the run's seed only its noise") {
+TEST_CASE(
+    "foam: same seeds, same scans, and the sensor's seed changes what is scanned, the run's seed only its noise") {
   const auto of = [](std::uint64_t sensor, std::uint64_t run) {
     PlantOptions options = harsh_plant(sensor, run);
     options.specimen.kind = SpecimenKind::kFoam;
