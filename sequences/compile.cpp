@@ -32,9 +32,10 @@ void add_cycles(std::vector<Step>& steps, const Recipe& recipe, int sequence, in
 }
 
 // The frames of one level: the first on arrival, the others held.
-void add_level(std::vector<Step>& steps, const Recipe& recipe, Step& step) {
+void add_level(std::vector<Step>& steps, const Recipe& recipe, Step& step, bool turn) {
   const double dwell_s = step.dwell_s;
-  for (int frame = 0; frame < recipe.frames_per_level; ++frame) {
+  const int frames = turn || !recipe.held_at_turns ? recipe.frames_per_level : 1;
+  for (int frame = 0; frame < frames; ++frame) {
     step.hold = frame > 0;
     if (step.hold) step.dwell_s = recipe.frame_interval_s;
     steps.push_back(step);
@@ -58,7 +59,7 @@ Step first_of(const Recipe& recipe, int sequence, int repeat) {
 void add_repeat(std::vector<Step>& steps, const Recipe& recipe, int sequence, int repeat) {
   Step step = first_of(recipe, sequence, repeat);
   step.settle = true;  // there is no ramp before the first level
-  add_level(steps, recipe, step);
+  add_level(steps, recipe, step, true);
   step.settle = recipe.settle;
   for (std::size_t turn = 1; turn < recipe.turning_points.size(); ++turn) {
     const Psi from = recipe.turning_points[turn - 1];
@@ -70,7 +71,7 @@ void add_repeat(std::vector<Step>& steps, const Recipe& recipe, int sequence, in
     for (int i = 1; i <= count; ++i) {
       const double level = (from + (to - from) * (static_cast<double>(i) / count)).value() / recipe.psi_per_unit;
       step.setpoint = i == count ? to : Psi(exact_decimal(level) * recipe.psi_per_unit);
-      add_level(steps, recipe, step);
+      add_level(steps, recipe, step, i == count);
     }
   }
 }

@@ -79,6 +79,7 @@ struct Recipe {
   std::string title;
   RecipeKind kind = RecipeKind::kLevels;
   std::vector<devices::Psi> turning_points;
+  std::string drawn;  // how they were: "31 turning points drawn, kind wander, seed 1"; empty: they are listed
   devices::Psi step{2.0};
   double psi_per_unit = 1.0;                // the file's unit
   std::vector<double> dwell_s{2.0};         // from pressure (force) in band to the frame; repeat i uses i % size
@@ -86,6 +87,7 @@ struct Recipe {
   bool settle = true;                       // false: frames as the ramp passes the levels
   int frames_per_level = 1;
   double frame_interval_s = 0.0;
+  bool held_at_turns = false;  // frames_per_level only at the turning points, one at the levels between
   int repeats = 1;
   double dwell_tolerance_s = 0.25;  // frames whose dwell deviates by more are flagged
   double rest_restart_s = 3600.0;   // after a longer rest, a resumed run redoes the whole repeat

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <random>
 
+#include "sequences/random_points.h"
 #include "sequences/recipe_parts.h"
 #include "sequences/toml/pressure_text.h"
 
@@ -19,29 +19,14 @@ bool on_grid(double distance, double step) {
   return std::abs(steps - std::round(steps)) <= 1e-6;
 }
 
-// 0, high, 0, then `count` random points that alternately rise and fall, then 0. On the grid; drawn with the raw
-// generator, because the distributions differ between standard libraries.
-std::vector<long> draw(std::uint64_t seed, int count, long low, long high) {
-  std::mt19937_64 generator(seed);
-  const auto between = [&](long from, long to) {
-    return from + static_cast<long>(generator() % static_cast<std::uint64_t>(to - from + 1));
-  };
-  std::vector<long> points = {0, high, 0};
-  for (int i = 0; i < count; ++i) {
-    const long last = points.back();
-    points.push_back(i % 2 == 0 ? between(std::max(last, low) + 1, high) : between(low, last - 1));
-  }
-  points.push_back(0);
-  return points;
-}
-
 // In the unit that the file names, and as numbers of it: on the grid of `step`.
 struct InFile {
   std::string unit;
   double step = 0.0;
   std::vector<double> turning_points;
+  RandomKind kind = RandomKind::kReversals;
   long seed = 0, reversals = 1;
-  double low = 0.0, high = 0.0, peak = 0.0;
+  double low = 0.0, high = 0.0, grid = 0.0, peak = 0.0;
 };
 constexpr Unit kOfFile{"`unit`"};
 
@@ -59,21 +44,36 @@ KeyTable point_keys(InFile& in) {
 }
 
 KeyTable random_keys(InFile& in) {
-  return {key::required(key::number("seed", in.seed, kOne, {0, 2e9},
-                                    "Turning points are drawn instead of listed; the same seed gives the same ones")),
-          key::required(key::number("reversals", in.reversals, kOne, {1, 10'000},
-                                    "How many are drawn; an odd number, so that the way back to 0 is a fall")),
-          key::required(key::number("low", in.low, kOfFile, {}, "Lowest turning point that is drawn")),
-          key::required(key::number("high", in.high, kOfFile, {},
-                                    "Highest turning point that is drawn; the sequence begins with a loop to it"))};
+  return {
+      key::word(
+          "kind", in.kind, random_kind_words(),
+          "reversals: a loop to `high`, then points anywhere from `low` to `high`; wander: small reversals of "
+          "one to three of its steps, through the whole range; press: presses to heights drawn, each released to 0"),
+      key::required(key::number("seed", in.seed, kOne, {0, 2e9},
+                                "Turning points are drawn instead of listed; the same seed gives the same ones")),
+      key::required(
+          key::number("reversals", in.reversals, kOne, {1, 10'000},
+                      "How many points, or heights of presses, are drawn; of points an odd number, so that the "
+                      "way back to 0 is a fall")),
+      key::required(key::number("low", in.low, kOfFile, {}, "Lowest point that is drawn, but for the releases to 0")),
+      key::required(key::number("high", in.high, kOfFile, {}, "Highest point that is drawn")),
+      key::described(key::number("step", in.grid, kOfFile, {},
+                                 "Grid of the points that are drawn: a whole number of the recipe's `step`, at "
+                                 "whose levels between the points frames are taken"),
+                     "the recipe's `step`")};
 }
 
 std::vector<double> random_points(const TomlTable& root, InFile& in) {
   const TomlTable table = root.table("random");
+  in.grid = in.step;
   read_whole(table, random_keys(in));
   const long count = in.reversals;
-  const double low = in.low, high = in.high, step = in.step;
-  if (count % 2 == 0) {
+  const double low = in.low, high = in.high, step = in.grid;
+  if (step < in.step || !on_grid(step, in.step)) {
+    table.fail("step", fmt::format("'step' is {:g}, not a whole number of the recipe's step of {:g}", step, in.step),
+               "leave it out, or choose one that is");
+  }
+  if (count % 2 == 0 && in.kind != RandomKind::kPress) {
     table.fail("reversals", fmt::format("{} reversals end on a lower point, and the way to 0 continues falling", count),
                "use an odd number");
   }
@@ -90,11 +90,10 @@ std::vector<double> random_points(const TomlTable& root, InFile& in) {
     table.fail("high", fmt::format("{:g} is {:.12g} steps of {:g}", high, high / step, step),
                fmt::format("a larger step: a run may have {:.12g} steps", kMostSteps));
   }
+  const RandomPoints drawn{in.kind, static_cast<std::uint64_t>(in.seed), static_cast<int>(count),
+                           std::lround(low / step), std::lround(high / step)};
   std::vector<double> points;
-  for (const long point : draw(static_cast<std::uint64_t>(in.seed), static_cast<int>(count), std::lround(low / step),
-                               std::lround(high / step))) {
-    points.push_back(static_cast<double>(point) * step);
-  }
+  for (const long point : draw_points(drawn)) points.push_back(static_cast<double>(point) * step);
   return points;
 }
 
@@ -136,7 +135,10 @@ KeyTable level_frame_keys(Recipe& recipe) {
   return {key::number("frames_per_level", recipe.frames_per_level, kOne, {1, 100'000},
                       "Frames at each level; more than one is a hold"),
           key::number("frame_interval_s", recipe.frame_interval_s, {"s"}, {0.0, 86400.0},
-                      "Time between two frames of one level")};
+                      "Time between two frames of one level"),
+          key::word("frames_at", recipe.held_at_turns, {"levels", "turns"}, "turns",
+                    "levels: frames_per_level are taken at each level; turns: at the turning points alone, and one at "
+                    "each level between them")};
 }
 
 void read_pace(const TomlTable& root, Recipe& recipe) {
@@ -242,10 +244,14 @@ void read_levels(const TomlTable& root, Recipe& recipe) {
   if (root.has("random") && root.has("turning_points")) {
     root.fail("random", "both turning_points and [random]", "keep one of the two");
   }
-  if (root.has("random"))
+  if (root.has("random")) {
     in.turning_points = random_points(root, in);
-  else
+    recipe.drawn = fmt::format("{} {} drawn, kind {}, seed {}", in.reversals,
+                               in.kind == RandomKind::kPress ? "heights" : "turning points",
+                               random_kind_words()[static_cast<std::size_t>(in.kind)], in.seed);
+  } else {
     read_keys(root, point_keys(in));
+  }
   const std::vector<double>& points = in.turning_points;
   check_points(root, points, step, recipe.frames_per_level > 1);
   for (const double point : points) recipe.turning_points.emplace_back(exact_decimal(point) * unit);

@@ -19,6 +19,12 @@ double levels_of(const Recipe& recipe) {
   return levels;
 }
 
+double level_frames_of(const Recipe& recipe) {
+  const double more = recipe.frames_per_level - 1.0;
+  return levels_of(recipe) +
+         more * (recipe.held_at_turns ? static_cast<double>(recipe.turning_points.size()) : levels_of(recipe));
+}
+
 double forces_of(const Recipe& recipe) { return 2.0 * static_cast<double>(recipe.press.forces_n.size()) - 1.0; }
 double positions_of(const Recipe& recipe) { return static_cast<double>(recipe.press.positions_mm.size()); }
 
@@ -32,10 +38,9 @@ double dwelt_s(const Recipe& recipe) {
   const bool press = recipe.kind == RecipeKind::kPress;
   const double stops = press ? positions_of(recipe) * forces_of(recipe) : levels_of(recipe);
   double sum = recipe.conditioning.cycles * (press ? positions_of(recipe) : 2.0) * recipe.dwell_s.front();
-  for (int repeat = 0; repeat < recipe.repeats; ++repeat) {
-    sum += stops * (recipe.dwell_s[static_cast<std::size_t>(repeat) % recipe.dwell_s.size()] +
-                    (recipe.frames_per_level - 1.0) * recipe.frame_interval_s);
-  }
+  const double held_s = press ? 0.0 : (level_frames_of(recipe) - stops) * recipe.frame_interval_s;
+  for (int repeat = 0; repeat < recipe.repeats; ++repeat)
+    sum += stops * recipe.dwell_s[static_cast<std::size_t>(repeat) % recipe.dwell_s.size()] + held_s;
   return sum;
 }
 
@@ -63,7 +68,7 @@ void refuse_steps(const TomlTable& root, const Recipe& recipe, double steps) {
 double step_count(const Recipe& recipe) {
   const double prompt = recipe.prompt_before.empty() ? 0.0 : 1.0;
   if (recipe.kind == RecipeKind::kPress) return prompt + press_steps(recipe);
-  return prompt + 2.0 * recipe.conditioning.cycles + recipe.repeats * levels_of(recipe) * recipe.frames_per_level;
+  return prompt + 2.0 * recipe.conditioning.cycles + recipe.repeats * level_frames_of(recipe);
 }
 
 void check_size(const TomlTable& root, const Recipe& recipe) {

@@ -141,6 +141,7 @@ TEST_CASE("a recipe of levels has these defaults") {
                                                                        {"ramp_psi_per_s", "0"},
                                                                        {"frames_per_level", "1"},
                                                                        {"frame_interval_s", "1"},
+                                                                       {"frames_at", "\"levels\""},
                                                                        {"conditioning.cycles", "0"},
                                                                        {"conditioning.least", "0"},
                                                                        {"conditioning.change_percent", "0"},

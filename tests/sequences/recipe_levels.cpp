@@ -259,3 +259,53 @@ TEST_CASE("random reversals lie on the grid, rise and fall in turn and are the s
   CHECK(points(3, 0) == points(3, 0));
   CHECK(points(3, 0) != points(4, 0));
 }
+
+TEST_CASE("each kind of drawn points keeps its promise, for every seed, and what is drawn is held where it says") {
+  struct Row {
+    const char *kind, *refused;  // the key that is refused with an even number; empty: none
+    int low, smallest, most;     // of a reversal, in steps of 2 psi
+    bool loop;                   // to the highest first
+    std::size_t points;          // with 99 drawn
+  };
+  const Row row =
+      GENERATE(Row{"reversals", "random.reversals", 4, 1, 28, true, 103},
+               Row{"wander", "random.reversals", 4, 1, 3, false, 101}, Row{"press", "", 4, 2, 30, false, 199});
+  const auto body = [&](int seed, int count) {
+    return fmt::format(
+        "step = 2\nframes_per_level = 5\nframes_at = \"turns\"\n[random]\nkind = \"{}\"\nseed = {}\nreversals = {}\n"
+        "low = {}\nhigh = 60\n",
+        row.kind, seed, count, row.low);
+  };
+  INFO(row.kind);
+  for (int seed = 1; seed <= 20; ++seed) {
+    const Recipe recipe = recipe_of(body(seed, 99));
+    const std::vector<Psi>& points = recipe.turning_points;
+    REQUIRE(points.size() == row.points);
+    CHECK((points.front() == Psi(0) && points.back() == Psi(0)));
+    if (row.loop) CHECK((points[1] == Psi(60) && points[2] == Psi(0)));
+    CHECK_THAT(recipe.drawn, Catch::Contains(row.kind));
+    double highest = 0.0;
+    for (std::size_t i = row.loop ? 4 : 2; i + 1 < points.size(); ++i) {  // from one drawn point to another
+      const double from = points[i - 1].value(), to = points[i].value(), size = std::abs(to - from) / 2.0;
+      CHECK((to > from) != (points[i - 1] > points[i - 2]));
+      CHECK(size == std::round(size));
+      CHECK((size >= row.smallest && size <= row.most));
+      CHECK((std::max(from, to) <= 60.0 && (to >= row.low || row.points == 199)));
+      highest = std::max(highest, to);
+    }
+    CHECK(highest > 40.0);  // nothing stays where it began
+    const auto steps = compile(recipe, 0);
+    CHECK(static_cast<double>(steps.size()) == step_count(recipe));
+    const auto held = std::ranges::count_if(steps, [](const Step& step) { return step.hold; });
+    CHECK(held == 4 * static_cast<long>(points.size()));
+    CHECK(points == recipe_of(body(seed, 99)).turning_points);
+    CHECK(points != recipe_of(body(seed + 1, 99)).turning_points);
+  }
+  CHECK(level_refused(body(1, 2)) == (*row.refused != 0 ? row.refused : "accepted"));
+  CHECK(level_refused("step = 2\n[random]\nkind = \"saw\"\nseed = 1\nreversals = 1\nlow = 0\nhigh = 60\n") ==
+        "random.kind");
+  CHECK(level_refused(body(1, 3) + "size = 2\n") == "random.size");
+  CHECK(level_refused(body(1, 3) + "step = 3\n") == "random.step");
+  for (const Psi& point : recipe_of(body(1, 9) + "step = 4\n").turning_points)
+    CHECK(std::fmod(point.value(), 4.0) == 0.0);
+}

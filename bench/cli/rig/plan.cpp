@@ -166,7 +166,8 @@ void print_plan_json(const Plan& plan, const TimeEstimate& time, bool steps) {
   }
   ordered_json recipes = ordered_json::array();
   for (std::size_t i = 0; i < plan.recipes.size(); ++i) {
-    recipes.push_back({{"name", plan.recipes[i].name}, {"time", time_json(time.total_of(i))}});
+    recipes.push_back(
+        {{"name", plan.recipes[i].name}, {"drawn", plan.recipes[i].drawn}, {"time", time_json(time.total_of(i))}});
   }
   const TimeBand total = time.total();
   ordered_json json = {{"bench", plan.bench.id},
@@ -218,6 +219,8 @@ void print_plan(const Plan& plan, const TimeEstimate& time, bool steps, analysis
   }
   row(one ? one_line(plan.recipes.front().name) : "all", plan.steps, total);
   tty::print("time in h:mm:ss of process time, {}\n", basis(total));
+  for (const Recipe& recipe : plan.recipes)
+    if (!recipe.drawn.empty()) tty::print("{}: {}\n", one_line(recipe.name), recipe.drawn);
   for (const Margin& m : plan.margins) {
     tty::print("{}\n",
                unit.in_text(fmt::format("{:<10}{:>8.2f} to {:.2f} {}, limit {:.2f} {}, margin {:.2f} {}", m.axis,

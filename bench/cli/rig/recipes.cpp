@@ -67,9 +67,9 @@ RecipeExtent extent_of(const Recipe& recipe, analysis::PressureUnit unit) {
 
 ordered_json recipe_json(const Recipe& recipe, const std::string& file) {
   const RecipeExtent extent = extent_of(recipe, analysis::PressureUnit::kPsi);
-  return {{"name", recipe.name},      {"title", recipe.title},   {"file", file},
-          {"steps", extent.steps},    {"frames", extent.frames}, {"highest", extent.highest},
-          {"repeats", recipe.repeats}};
+  return {{"name", recipe.name},       {"title", recipe.title},   {"file", file},
+          {"steps", extent.steps},     {"frames", extent.frames}, {"highest", extent.highest},
+          {"repeats", recipe.repeats}, {"drawn", recipe.drawn}};
 }
 
 void list(const Session& session) {
@@ -116,9 +116,10 @@ void check(const RecipesOptions& options, Session& session) {
         json.push_back(good);
       } else {
         const RecipeExtent extent = extent_of(recipe, session.unit());
-        tty::print("{}: recipe '{}' is good on bench '{}': {}, {}, up to {}\n", path, one_line(recipe.name),
+        tty::print("{}: recipe '{}' is good on bench '{}': {}, {}, up to {}{}\n", path, one_line(recipe.name),
                    one_line(bench.id), analysis::counted(extent.steps, "step"),
-                   analysis::counted(extent.frames, "frame"), extent.highest);
+                   analysis::counted(extent.frames, "frame"), extent.highest,
+                   recipe.drawn.empty() ? "" : "; " + recipe.drawn);
       }
     } catch (...) {
       const Error error = as_error(std::current_exception(), name);

@@ -1,0 +1,55 @@
+#include "sequences/random_points.h"
+
+#include <algorithm>
+#include <random>
+
+namespace tactbench::sequences {
+
+namespace {
+
+// The raw generator, because the distributions differ between standard libraries.
+class Draws {
+ public:
+  explicit Draws(std::uint64_t seed) : generator_(seed) {}
+  long between(long low, long high) {  // both may be drawn
+    return low + static_cast<long>(generator_() % static_cast<std::uint64_t>(high - low + 1));
+  }
+
+ private:
+  std::mt19937_64 generator_;
+};
+
+// Of two sizes the larger goes the way that the walk is heading, the smaller one back, so that it comes through the
+// whole range, where steps of equal size would stay about where they began. At an end it turns round.
+void wander(const RandomPoints& of, Draws& draws, std::vector<long>& points) {
+  points.push_back(draws.between(of.low + 1, of.high));
+  bool heading_up = draws.between(0, 1) == 1;
+  for (int i = 1; i < of.count; ++i) {
+    const bool up = i % 2 == 0;
+    const auto [small, large] = std::minmax({draws.between(of.smallest, of.most), draws.between(of.smallest, of.most)});
+    const long to = points.back() + (up ? 1 : -1) * (up == heading_up ? large : small);
+    points.push_back(std::clamp(to, of.low, of.high));
+    if (to <= of.low || to >= of.high) heading_up = to <= of.low;
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> random_kind_words() { return {"reversals", "wander", "press"}; }
+
+std::vector<long> draw_points(const RandomPoints& of) {
+  Draws draws(of.seed);
+  std::vector<long> points = {0};
+  if (of.kind == RandomKind::kReversals) points.insert(points.end(), {of.high, 0});
+  if (of.kind == RandomKind::kWander) wander(of, draws, points);
+  for (int i = 0; i < of.count && of.kind == RandomKind::kReversals; ++i) {
+    const long last = points.back();
+    points.push_back(i % 2 == 0 ? draws.between(std::max(last, of.low) + 1, of.high) : draws.between(of.low, last - 1));
+  }
+  for (int i = 0; i < of.count && of.kind == RandomKind::kPress; ++i)
+    points.insert(points.end(), {draws.between(std::max(1L, of.low), of.high), 0});
+  if (points.back() != 0) points.push_back(0);
+  return points;
+}
+
+}  // namespace tactbench::sequences
