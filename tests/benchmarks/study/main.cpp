@@ -1,32 +1,49 @@
-// Studies on simulated sensors and random numbers, by name; each prints lines FIGURE <name> <value> <unit>.
+// Studies on simulated sensors and random numbers, by name. `compensation` prints tables, the others lines FIGURE
+// <name> <value> <unit>.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <exception>
 
+#include "bench/common/output_file.h"
 #include "bench/common/private_files.h"
 #include "tests/benchmarks/study/charts.h"
-#include "tests/benchmarks/study/compensation_error.h"
+#include "tests/benchmarks/study/compensation.h"
 #include "tests/benchmarks/study/coverage.h"
 #include "tests/benchmarks/study/specimen.h"
 
 using namespace tactbench::bench;
 
-int main(int count, char** words) {
-  CLI::App app("Studies on simulated sensors: prints lines FIGURE name value unit");
+int main(int count, char** words) try {
+  CLI::App app("Studies on simulated sensors");
   app.require_subcommand(1);
   std::vector<unsigned> sensors = {11, 12, 13};
-  bool all_models = false;
   int draws = 10000;
-  CLI::App* error = app.add_subcommand("compensation-error", "corrected pressures against the reference, by condition");
-  error->add_flag("--all-models", all_models, "also GPI, MPI, POLY and the other models");
+  CompensationOptions compensation;
+  std::string json;
+  bool many = false;
+  CLI::App* errors = app.add_subcommand(
+      "compensation", "compensated pressures against the truth, by route of calibration, model and kind of history");
+  errors->add_option("--seed", compensation.seed, "hexadecimal; of the last commit to code where none is given");
+  errors->add_option("--specimens", compensation.specimens, "of these alone")
+      ->delimiter(',')
+      ->check(CLI::IsMember(specimen_words()));
+  errors->add_option("--models", compensation.models, "dynamic, elam, gpi, ...")->delimiter(',')->capture_default_str();
+  errors->add_option("--route", compensation.routes,
+                     "NAME=RECIPE+RECIPE[:RATE[:CREEP]][,KEY=VALUE...]: beside the default in place of the other two; "
+                     "recipes are files or names of shipped ones, the settings those of the first run");
+  errors->add_flag("--long", many, "eight sensors of each specimen, every fourth taxel");
+  errors->add_option("--sensor-seeds", compensation.sensor_seeds, "in place of those that are drawn")->delimiter(',');
+  errors->add_option("--sensors", compensation.sensors, "of each specimen")->check(CLI::Range(1, 1000));
+  errors->add_option("--every", compensation.every, "taxels")->check(CLI::Range(1, 256));
+  errors->add_option("--json", json, "file for all figures");
   CLI::App* coverage = app.add_subcommand("coverage", "readings within the report's U of the truth, by use");
-  for (CLI::App* const study : {error, coverage})
-    study->add_option("--sensors", sensors, "sensor seeds")->delimiter(',');
+  coverage->add_option("--sensors", sensors, "sensor seeds")->delimiter(',');
   CLI::App* specimen = app.add_subcommand("specimen", "what the simulated sensors are like");
   const std::vector<std::string> all = specimen_words();
   std::vector<std::string> chosen = all;
-  for (CLI::App* const study : {error, coverage, specimen})
+  for (CLI::App* const study : {coverage, specimen})
     study->add_option("--specimens", chosen, "which simulated sensors (default: all)")
         ->delimiter(',')
         ->check(CLI::IsMember(all));
@@ -38,10 +55,19 @@ int main(int count, char** words) {
   for (const std::string& word : chosen)
     specimens.push_back(static_cast<SpecimenKind>(std::ranges::find(all, word) - all.begin()));
   const ScratchFolder folder("tactbench-study");
+  if (*errors) {
+    if (many) compensation.sensors = 8, compensation.every = 4;
+    const CompensationStudy study = study_compensation(compensation, folder.path());
+    fmt::print("{}", markdown_of(study));
+    if (!json.empty()) write_output(json, json_of(study), true);
+    return 0;
+  }
   const std::vector<Figure> figures =
-      *error      ? benchmark_compensation_error(specimens, sensors, folder.path(), all_models)
-      : *coverage ? benchmark_coverage({.sensor_seeds = sensors, .specimens = specimens}, folder.path())
-      : *charts   ? benchmark_charts(draws)
-                  : benchmark_specimen(specimens);
+      *coverage ? benchmark_coverage({.sensor_seeds = sensors, .specimens = specimens}, folder.path())
+      : *charts ? benchmark_charts(draws)
+                : benchmark_specimen(specimens);
   for (const Figure& figure : figures) fmt::print("FIGURE {} {:.2f} {}\n", figure.name, figure.value, figure.unit);
+} catch (const std::exception& error) {  // a recipe that is not there, a model of no such name
+  fmt::print(stderr, "{}\n", error.what());
+  return 2;
 }

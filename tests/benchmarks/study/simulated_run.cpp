@@ -29,7 +29,7 @@ RunRequest simulated_request(const SimulatedRun& run, const SimulatedSensor& sen
   const SplitOverrides overrides = split_overrides(set);
   RunRequest request;
   request.bench = read_bench(find_config("simulated.toml"), overrides.bench, {noise_seed, sensor.seed});
-  for (const char* name : run.recipes)
+  for (const std::string& name : run.recipes)
     request.recipes.push_back(sequences::read_recipe(find_recipe(name), overrides.recipe));
   request.overrides = overrides.all;
   SensorType& type = request.sensor_type = read_sensor_type(find_config("sensor.toml"));
@@ -76,7 +76,9 @@ KnownRun simulate_run(const SimulatedRun& run, const SimulatedSensor& sensor, un
     keep();
     measured = step.kind == sequences::StepKind::kMeasure;
   };
-  const std::int64_t number = carry_out(request, store).run;
+  const RunResult result = carry_out(request, store);
+  const std::int64_t number = result.run;
+  known.process_s = result.process_seconds;
   known.data = analysis::load_dataset(store, number);
   if (frames_of(known.data) != known.chamber_psi.size())
     throw std::runtime_error(fmt::format("run {}: {} frames, and the pressure of {} is known", number,

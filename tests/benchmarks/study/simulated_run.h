@@ -17,7 +17,7 @@ struct SimulatedSensor {
 };
 
 struct SimulatedRun {
-  std::vector<const char*> recipes;  // shipped ones
+  std::vector<std::string> recipes;  // files, or names of shipped ones
   std::vector<std::string> set;      // KEY=VALUE, of bench file and recipes
 };
 
@@ -31,6 +31,7 @@ RunResult carry_out(const RunRequest& request, db::RunStore& store);
 struct KnownRun {
   analysis::Dataset data;
   std::vector<double> chamber_psi;  // the plant's pressure at the end of each frame, in time order
+  double process_s = 0.0;           // from opening the rig to the safe state
 };
 
 // `noise_seed`: of this run. Stores the run in `store`. Throws what carrying out a run throws, and std::runtime_error
