@@ -202,7 +202,7 @@ std::size_t place_of(CompensationStudy& study, const std::string& specimen, cons
     const RouteErrors& errors = study.errors[at];
     if (errors.specimen == specimen && errors.route == route.name && errors.model == model) return at;
   }
-  study.errors.push_back({specimen, route.name, model, 0.0, std::vector<StudiedErrors>(history_kinds().size())});
+  study.errors.push_back({specimen, route.name, model, 0, 0.0, std::vector<StudiedErrors>(history_kinds().size())});
   return study.errors.size() - 1;
 }
 
@@ -222,6 +222,8 @@ void add_sensor(const SimulatedSensor& sensor, const CompensationOptions& option
       if (!model) continue;
       const std::size_t place = place_of(study, word_of(sensor.kind), route, name);
       study.errors[place].minutes = studied.minutes(route);
+      study.errors[place].taxels += static_cast<int>(std::ranges::count_if(
+          taxels, [&](std::size_t taxel) { return model->taxel(static_cast<int>(taxel)).fitted(); }));
       models.emplace_back(place, std::move(*model));
     }
   const std::vector<HistoryKind>& kinds = history_kinds();

@@ -51,6 +51,7 @@ Route route_of(const std::string& text);
 
 struct RouteErrors {  // of one model
   std::string specimen, route, model;
+  int taxels = 0;                      // of all sensors, with such a model
   double minutes = 0.0;                // of process time that the route takes
   std::vector<StudiedErrors> kinds;    // in the order of history_kinds()
   [[nodiscard]] double worst() const;  // largest mean error of the kinds with a known start in one mount

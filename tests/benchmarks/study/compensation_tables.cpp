@@ -15,11 +15,13 @@ namespace {
 
 std::string title_of(const RouteErrors& errors) { return fmt::format("{}: {}", errors.route, errors.model); }
 
+std::string psi(double value) { return fmt::format("{:.2f}", value); }
+
 std::string overview(std::span<const RouteErrors> all) {
   std::string text = "| mean error, psi |", line = "|---|";
   const auto row = [&](const std::string& name, auto figure) {
     text += fmt::format("| {} |", name);
-    for (const RouteErrors& errors : all) text += fmt::format(" {:.2f} |", figure(errors));
+    for (const RouteErrors& errors : all) text += fmt::format(" {} |", figure(errors));
     text += "\n";
   };
   for (const RouteErrors& errors : all) {
@@ -27,11 +29,12 @@ std::string overview(std::span<const RouteErrors> all) {
     line += "---|";
   }
   text += "\n" + line + "\n";
-  row("route, minutes", [](const RouteErrors& errors) { return errors.minutes; });
+  row("route, minutes · taxels with a model",
+      [](const RouteErrors& errors) { return fmt::format("{:.0f} · {}", errors.minutes, errors.taxels); });
   for (std::size_t k = 0; k < history_kinds().size(); ++k)
-    row(history_kinds()[k].name, [k](const RouteErrors& errors) { return errors.kinds[k].error().mean(); });
-  row("**worst with a known start, in one mount**", [](const RouteErrors& errors) { return errors.worst(); });
-  row("**mean over the kinds**", [](const RouteErrors& errors) { return errors.mean(); });
+    row(history_kinds()[k].name, [k](const RouteErrors& errors) { return psi(errors.kinds[k].error().mean()); });
+  row("**worst with a known start, in one mount**", [](const RouteErrors& errors) { return psi(errors.worst()); });
+  row("**mean over the kinds**", [](const RouteErrors& errors) { return psi(errors.mean()); });
   return text;
 }
 
@@ -78,8 +81,9 @@ std::string json_of(const CompensationStudy& study) {
   for (const auto& [specimen, seeds] : study.sensors) json["sensors"][specimen] = seeds;
   for (std::size_t k = 0; k < study.draws.size(); ++k) json["draws"][history_kinds()[k].name] = study.draws[k];
   for (const RouteErrors& errors : study.errors) {
-    nlohmann::ordered_json own = {{"specimen", errors.specimen}, {"route", errors.route},   {"model", errors.model},
-                                  {"minutes", errors.minutes},   {"worst", errors.worst()}, {"mean", errors.mean()}};
+    nlohmann::ordered_json own = {{"specimen", errors.specimen}, {"route", errors.route},     {"model", errors.model},
+                                  {"taxels", errors.taxels},     {"minutes", errors.minutes}, {"worst", errors.worst()},
+                                  {"mean", errors.mean()}};
     for (std::size_t k = 0; k < errors.kinds.size(); ++k) {
       const StudiedErrors& kind = errors.kinds[k];
       if (kind.error().samples == 0) continue;
