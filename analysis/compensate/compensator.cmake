@@ -1,20 +1,15 @@
-# The compensator for robots: the C++ standard library and nothing else. Static, and shared for its C API.
-set(COMPENSATOR_SOURCES options composed_curve dispatch frame_setup frame_compensator frame_events frame_pass compensator_c
-  dynamic_setup dynamic_frame_setup dynamic_frame_compensator dynamic_frame_events dynamic_frame_turns dynamic_pass
-  compensator_dynamic_c)
-list(TRANSFORM COMPENSATOR_SOURCES REPLACE "(.+)" "${CMAKE_CURRENT_LIST_DIR}/\\1.cpp")
-list(APPEND COMPENSATOR_SOURCES ${PROJECT_SOURCE_DIR}/analysis/models/pattern_curve.cpp)
+# The compensator for robots: models, their inverses and the streams; static, and shared for its C API. Of libraries it
+# takes headers alone.
+set(COMPENSATOR_SOURCES compensate/elam_curve compensate/preisach_curve compensate/make_compensator
+  compensate/frame_compensator compensate/document compensate/compensator_c models/elam models/elam_hysteresis
+  models/elam_pieces models/elam_state models/gpi models/linearised models/model models/monotone models/mpi
+  models/pattern_curve models/poly models/preisach)
+list(TRANSFORM COMPENSATOR_SOURCES REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/analysis/\\1.cpp")
 add_library(tactbench_compensator_objects OBJECT ${COMPENSATOR_SOURCES})
-target_link_libraries(tactbench_compensator_objects PUBLIC tactbench_options)
-# No batches: each source instantiates its part of the templates.
-set_target_properties(tactbench_compensator_objects PROPERTIES UNITY_BUILD OFF POSITION_INDEPENDENT_CODE ON
+target_link_libraries(tactbench_compensator_objects PUBLIC tactbench_options
+  PRIVATE nlohmann_json::nlohmann_json fmt::fmt-header-only)
+set_target_properties(tactbench_compensator_objects PROPERTIES POSITION_INDEPENDENT_CODE ON
   CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
-# A square root that need not set errno is one instruction; no vector crosses a call, its ABI does not matter.
-set_source_files_properties(analysis/compensate/frame_pass.cpp analysis/compensate/frame_events.cpp PROPERTIES
-  COMPILE_OPTIONS "-fno-math-errno;-Wno-psabi")
-# Without traps a choice between two numbers needs no branch: the passes become vectors.
-set_source_files_properties(analysis/compensate/dynamic_pass.cpp PROPERTIES
-  COMPILE_OPTIONS "-O3;-fno-math-errno;-fno-trapping-math;-Wno-psabi")
 add_library(tactbench_compensator STATIC $<TARGET_OBJECTS:tactbench_compensator_objects>)
 add_library(tactbench_compensator_shared SHARED $<TARGET_OBJECTS:tactbench_compensator_objects>)
 add_library(tactbench::compensator ALIAS tactbench_compensator)

@@ -1,66 +1,104 @@
-// Streaming inverse ELAM for one taxel: voltages in, pressures out, direction detected from the output itself with a
-// dead band that follows the taxel's measured noise [A13]; flags where pressure is not observable. This is the plain
-// form: FrameCompensator computes the same for whole frames, and is tested against it.
+// A taxel's stream: outputs in, inputs out, sample by sample, whatever the model. The direction comes from the output
+// itself, with a dead band that follows its noise [A13]. Standard library alone.
 #pragma once
 
-#include <optional>
+#include <memory>
+#include <vector>
 
-#include "analysis/compensate/options.h"
-#include "analysis/models/elam.h"
+#include "analysis/models/dynamics.h"
 
 namespace tactbench::analysis {
 
+class HysteresisModel;
+
 struct Compensated {
-  double pressure_psi = 0.0;
-  double uncertainty_psi = 0.0;  // standard uncertainty: from noise, and from the unknown part of the history
+  double pressure_psi = 0.0;     // the input, in the unit of the model's
+  double uncertainty_psi = 0.0;  // standard: noise, the unknown part of the history, and what the model leaves
   bool flat = false;             // slope of the curve too small against the noise: the estimate is weak here
-  bool out_of_range = false;     // voltage outside the external loop by more than the dead band: clamped
+  bool out_of_range = false;     // output outside the external loop by more than the dead band: clamped
   bool unknown = false;          // the history is not known yet: midway between its extremes
+  bool held = false;             // no sample, or one that the taxel cannot give: the last reading again
 };
 
-// An output that moves by more than its noise from sample to sample is taken as it comes; one that does not is averaged
-// over up to 8 samples. Behind the furthest mean since the last turn lie three zones, as wide as that mean's noise:
-// "held" reads the current curve; further back the estimate reads the reverse curve from the extreme at once, so that
-// rise and fall are treated in the same way, but that curve is tentative; only beyond the dead band does it become the
-// current one. Wiggles inside leave no memory, and a slow fall is not averaged away, since the extreme never comes
-// back.
-class TaxelCompensator {
+// At rest at the lowest input, or anywhere in the external loop. Of all histories that end in an output, one that only
+// rose ends highest in input and one that fell from the top ends lowest: both are followed, the estimate lies midway,
+// and the state is unknown until they are close.
+enum class Start { kAtRest, kUnknown };
+
+class Compensator {
  public:
-  // Starts at rest at (x0, y0). Keeps a reference to `model`. Throws std::invalid_argument on negative options.
-  TaxelCompensator(const ElamModel& model, const CompensatorOptions& options);
-  // Throws std::invalid_argument when `volts` is not finite; the state is then as before.
-  Compensated step(double volts);
-  void reset();
-  // Starts from anywhere in the external loop. Of all histories that end in an output, one that only rose ends highest
-  // in pressure and one that fell from the top ends lowest: both are followed, the estimate lies midway, and the state
-  // is unknown until they are within known_psi of each other.
-  void reset_unknown();
-  [[nodiscard]] bool ascending() const { return ascending_; }
-
- private:
-  void follow(double volts);
-  void take_extreme();
-  void decide_when_beyond();
-  void turn_when_beyond();
-  void settle_history(Compensated& result);
-  [[nodiscard]] double extreme() const;
-  [[nodiscard]] double behind_extreme() const;
-  [[nodiscard]] double squared_noise(double noises) const;  // of the noisier of mean and extreme
-  [[nodiscard]] ElamCurve reversed(const ElamCurve& curve) const;
-  [[nodiscard]] double sensitivity(const ElamCurve& curve) const;  // psi/V over the flat criterion's step
-  [[nodiscard]] Compensated read(const ElamCurve& curve) const;
-
-  const ElamModel* model_;
-  CompensatorOptions options_;
-  ElamCurve curve_;                 // since the last remembered turn
-  std::optional<ElamCurve> other_;  // unknown history: the same of the one that fell from the top
-  bool started_ = true;             // false: no sample yet
-  bool decided_ = true;             // false: rises or falls, not known yet
-  bool ascending_ = true;
-  bool held_ = true;                             // the last sample advanced by no more than noise
-  double steps_ = kStepCeiling;                  // running mean square of the steps, in noises squared
-  double mean_v_ = 0.0, gain_ = 1.0;             // and the last sample's weight in it: 1 over their number
-  double extreme_v_ = 0.0, extreme_gain_ = 1.0;  // furthest mean since the last turn, and its gain then
+  virtual ~Compensator() = default;
+  // `seconds` since the sample before; only models with lag and creep look at it. An output that is no number, or that
+  // the taxel cannot give, is held: no turning point, and what follows is as without it. Throws std::invalid_argument
+  // when `seconds` is negative or not finite; the state is then as before.
+  virtual Compensated step(double output, double seconds) = 0;
+  // A sample was lost: the next one is taken as it comes, since the output may have gone anywhere meanwhile.
+  virtual Compensated lost(double seconds) = 0;
+  virtual void start(Start how) = 0;
+  // The input went over its whole range for so long, unseen, and came to rest at the lowest: conditioning. And: the
+  // load was taken off, and the film rested for so long. Lag and creep go on by it; rest() starts at rest.
+  virtual void work(double seconds) = 0;
+  virtual void rest(double seconds) = 0;
+  // `output` is that of the unloaded taxel: it becomes its zero, and the taxel is at rest. False: it would move by more
+  // than tare_share of the span; the zero stays, and the history is unknown.
+  virtual bool tare(double output) = 0;
+  // Whether `output` is the unloaded one, within the dead band and 1 % of the span.
+  [[nodiscard]] virtual bool at_rest(double output) const = 0;
+  [[nodiscard]] virtual bool ascending() const = 0;
 };
+
+// The defaults of noise and turns were found by a random search over random reversals of 8 synthetic taxels, 1.5 to 32
+// mV of noise and 0.004 to 2 psi a sample; a compromise. Not verified on hardware.
+struct CompensatorOptions {
+  double moving = 2.4;             // mean square of a sample's step, in noises squared, above which nothing is averaged
+  double jump_in_noises = 5.0;     // a sample this x the noise from the mean before it starts a new mean
+  int longest_mean = 8;            // samples: an output that does not move is averaged over up to this many
+  double lead_in_noises = 1.75;    // the highest of many means lies above the true extreme by this x a mean's noise
+  double band_in_noises = 5.5;     // dead band: a turn is remembered once the mean is this x its noise back
+  double rest_in_noises = 3.0;     // an extreme within this x the noise of where the output came to rest was noise
+  double hold_in_noises = 1.6;     // within this x the mean's noise of the extreme the output has not turned
+  double flat_in_noises = 4.0;     // flat when an output this x the mean's noise off moves the estimate ...
+  double flat_share = 1.0 / 30;    // ... by more than this share of the range of inputs
+  double known_share = 1.0 / 120;  // an unknown start is over when the two histories are within this share of it
+  double tare_share = 0.2;         // of the output's span
+  // A taxel can give outputs of its external loop, beyond it by its drift, and this share of the span more ...
+  double possible_share = 0.05;
+  int longest_spike = 3;  // ... and whatever comes so often in a row, or from nearby, and one more time
+  // A turn from rising to falling within `top_share` of the full output, or any beyond, is taken for one at full input
+  // when it is the highest that was seen for long: outputs are scaled so that it is. `top_forget`: how far the highest
+  // goes toward each lower turn within that share. A gain that changed tells of a new mount or of drift: u has
+  // top_doubt x |1 - gain| x the input above the lowest. 0: off.
+  double top_share = 0.0, top_forget = 0.02, top_doubt = 5.0;
+};
+
+// The creep's target is guessed along the slope of the last reading. Where the film is flat that slope says nothing
+// beyond a small piece: it is at most this x the mean one.
+inline constexpr double kSteepestGuess = 4.0;
+
+// What remains of lag and creep after the time between two samples; shared by the taxels of an array.
+struct PassedTime {
+  Dynamics dynamics;
+  double seconds = -1.0;
+  DynamicsStep step;
+  const DynamicsStep& after(double passed) {
+    if (passed != seconds) step = DynamicsStep(dynamics, seconds = passed);
+    return step;
+  }
+};
+
+struct CompensatorSetup {
+  double zero = 0.0, gain = 1.0;  // output = zero + gain x the model's
+  double noise = 0.0;             // standard deviation of a sample, of the output
+  double highest = 0.0;           // of the external loop as measured, an output of the model; 0: as the model has it
+  // What the model leaves, root mean square, by equal intervals of the inputs: rising, then falling. Empty: not known.
+  std::vector<double> residual;
+  std::shared_ptr<PassedTime> time;  // null: no lag, no creep
+  double creep_scale = 1.0, lag_share = 0.0;
+  double worked_s = 0.0;  // before a start: how long the input went over its range; 0: it rested for long
+  CompensatorOptions options;
+};
+
+// At rest. Keeps a pointer to `model`. Throws std::invalid_argument that says what is not within its bounds.
+std::unique_ptr<Compensator> make_compensator(const HysteresisModel& model, const CompensatorSetup& setup);
 
 }  // namespace tactbench::analysis

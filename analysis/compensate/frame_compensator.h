@@ -1,75 +1,66 @@
-// Frames of raw counts in, pressures out: TaxelCompensator's algorithm for a whole array, streaming, without allocation
-// after construction and with no dependency but the C++ standard library. FrameCompensator<double> agrees with
-// TaxelCompensator to 1e-9 psi; the model's residual in its uncertainty is that of the middle of a taxel's present
-// linear piece, at most half a piece off. FrameCompensator<float> is the fast one: where a decision falls within a
-// rounding of its limit it may go another way. It is no further from the truth then (figures in analysis/README.md).
+// Frames of outputs in, pressures out: a compensator a taxel, streaming, without allocation after construction.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
-#include "analysis/compensate/dispatch.h"
-#include "analysis/compensate/frame_setup.h"
+#include "analysis/compensate/compensator.h"
 
 namespace tactbench::analysis {
 
 // Status of a taxel in a frame. Frozen: bits are added, never moved.
 enum TaxelBits : std::uint16_t {
   kTaxelValid = 1,       // computed from this frame's sample, within the model's range and validity
-  kTaxelFlat = 2,        // the slope hides more pressure behind the noise than flat_psi: see the uncertainty
-  kTaxelOutOfRange = 4,  // output outside the external loop by more than the dead band: pressure clamped, its
-                         // uncertainty means nothing (0 where the curve ends flat), not valid
-  kTaxelDead = 8,        // not usable by its setup: lowest pressure, uncertainty the whole span
-  kTaxelOutside = 16,    // conditions outside the model's validity, as set by the caller: not valid
-  kTaxelUnknown = 32,    // history not known yet: midway between its extremes, see the uncertainty
-  kTaxelLost = 64,       // no sample (frame lost, or not a finite number): the last pressure again, not valid
+  kTaxelFlat = 2,        // the slope hides much pressure behind the noise: see the uncertainty
+  kTaxelOutOfRange = 4,  // output outside the external loop by more than the dead band: pressure clamped, or of one
+                         // that the taxel cannot give the last one again; its uncertainty means nothing, not valid
+  kTaxelDead = 8,      // not usable by its model: lowest pressure, uncertainty the whole span
+  kTaxelOutside = 16,  // conditions outside the model's validity, as set by the caller: not valid
+  kTaxelUnknown = 32,  // history not known yet: midway between its extremes, see the uncertainty
+  kTaxelLost = 64,     // no sample (frame lost, or not a finite number): the last pressure again, not valid
 };
 
-template <class Real>
 class FrameCompensator {
  public:
   // One entry a taxel each, as long as taxels().
   struct Output {
-    std::span<Real> pressure_psi;
-    std::span<Real> uncertainty_psi;  // standard uncertainty
-    std::span<std::uint16_t> status;  // TaxelBits
+    std::span<float> pressure_psi;
+    std::span<float> uncertainty_psi;  // standard uncertainty
+    std::span<std::uint16_t> status;   // TaxelBits
   };
+  struct Setup {
+    std::vector<std::unique_ptr<Compensator>> taxels;  // null: dead
+    double x_low = 0.0, x_high = 1.0;
+    bool in_time = false;  // they undo lag or creep, and have to be told the time
+    int longest_gap = 10;  // frames lost in a row after which all histories are unknown
+  };
+  explicit FrameCompensator(Setup setup) : setup_(std::move(setup)) {}
 
-  // Allocates all memory. Throws std::invalid_argument that names the taxel and its error.
-  explicit FrameCompensator(const FrameSetup& setup);
-  ~FrameCompensator();
-  FrameCompensator(FrameCompensator&&) noexcept;
-  FrameCompensator& operator=(FrameCompensator&&) noexcept;
-
-  [[nodiscard]] std::size_t taxels() const;
-  // One frame. Throws std::invalid_argument when a span's length is not taxels(); the state is then as before. Bounded:
-  // no more than one turn, or two curves of an unknown history, a taxel.
-  void frame(std::span<const std::uint16_t> counts, const Output& output);
-  // The same in volts. A taxel whose voltage is not a finite number, or beyond 1e12 counts, is marked kTaxelLost, its
-  // state is as before.
-  void frame(std::span<const Real> volts, const Output& output);
-  // A frame was lost: every taxel is marked kTaxelLost. After longest_gap of them in a row all histories are unknown.
-  void lost_frame(const Output& output);
-
-  void reset();          // all at rest at the lowest pressure
-  void reset_unknown();  // start from any state
-  // `counts` is the unloaded sensor: its outputs become those of the lowest pressure, and all are at rest there. A
-  // taxel that would move by more than tare_share of its span is left as it was. Returns the number of such taxels.
-  std::size_t tare(std::span<const std::uint16_t> counts);
-  // The caller compares temperature, rate, mount and so on with the model's validity box.
-  void set_outside_validity(bool outside);
-
-  void set_dispatch(Dispatch dispatch);  // for tests; the best one that the processor has is the default
-  [[nodiscard]] Dispatch dispatch() const;
+  [[nodiscard]] std::size_t taxels() const { return setup_.taxels.size(); }
+  // The next frame has to be told the time since the one before.
+  [[nodiscard]] bool needs_time() const { return setup_.in_time && begun_; }
+  // One frame, as measured, `seconds` after the one before (NaN: not known). Throws std::invalid_argument when a span's
+  // length is not taxels(), seconds are negative or infinite, or not known to a model that needs them; the state is
+  // then as before. The first frame is a start: its seconds are not looked at.
+  void frame(std::span<const float> outputs, double seconds, const Output& output);
+  void lost_frame(double seconds, const Output& output);
+  void start(Start how);
+  void work(double seconds);  // as Compensator's
+  // `outputs` are those of the unloaded sensor. Returns how many taxels were too far off (Compensator::tare).
+  std::size_t tare(std::span<const float> outputs);
+  // The caller compares temperature, rate, mount and so on with the model's validity.
+  void set_outside_validity(bool outside) { outside_ = outside; }
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
-};
+  double checked(std::size_t outputs, double seconds, const Output& output);
+  void put(std::size_t taxel, const Compensated& now, int bits, const Output& output) const;
 
-extern template class FrameCompensator<float>;
-extern template class FrameCompensator<double>;
+  Setup setup_;
+  bool outside_ = false, begun_ = false;
+  int gap_ = 0;
+};
 
 }  // namespace tactbench::analysis

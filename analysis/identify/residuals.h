@@ -19,8 +19,4 @@ namespace tactbench::analysis {
 void find_residuals(const Histories& histories, const std::vector<std::string>& sequences, int threads,
                     SensorModel& model);
 
-// In psi, by 20 equal intervals of the loop's inputs rising, then falling: residual_psi times mean slope over the
-// branch's own there, at most 12 and at least 0.5. Empty where residual_psi is 0 or the taxel has no loop.
-std::vector<double> residual_by_level(const ModelTaxel& taxel);
-
 }  // namespace tactbench::analysis

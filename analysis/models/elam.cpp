@@ -47,7 +47,13 @@ ElamCurve::ElamCurve(const ElamModel& model, bool ascending, double x_turn, doub
 }
 
 double ElamCurve::output(double x) const { return ascending_ ? ascending_output(x) : descending_output(x); }
-double ElamCurve::input(double y) const { return ascending_ ? ascending_input(y) : descending_input(y); }
+
+CurvePiece ElamCurve::piece(double y) const { return ascending_ ? ascending_piece(y) : descending_piece(y); }
+
+double ElamCurve::input(double y) const {
+  const double low = ascending_ ? x_turn_ : model_->x0(), high = ascending_ ? model_->xu() : x_turn_;
+  return std::clamp(piece(y).along(y), low, high);
+}
 
 double ElamCurve::descending_output(double x) const {
   const double x0 = model_->x0(), xu = model_->xu(), y0 = model_->y0(), yu = model_->yu();
@@ -64,20 +70,25 @@ double ElamCurve::descending_output(double x) const {
   return y0 + (ys_ - y0) * ((pattern(x) - y0) / (ysp_ - y0));  // (18), (19)
 }
 
-double ElamCurve::descending_input(double y) const {
+CurvePiece ElamCurve::descending_piece(double y) const {
   const double x0 = model_->x0(), xu = model_->xu(), y0 = model_->y0(), yu = model_->yu();
   const PatternCurve& pattern = model_->descending;
-  if (y >= y_turn_) return x_turn_;
-  if (y <= y0) return x0;
+  if (y >= y_turn_) return {y_turn_, kFarOutput, y_turn_, x_turn_, 0.0};
+  if (y <= y0) return {-kFarOutput, y0, y0, x0, 0.0};
   if (y >= ys_) {
-    const double share = (y - ys_) / (y_turn_ - ys_);
-    if (saturated(*model_, yu - ysp_)) return xs_ + (x_turn_ - xs_) * share;
-    const double xp = pattern.inverse(ysp_ + (yu - ysp_) * share);                       // (31)
-    return std::clamp(xs_ + (x_turn_ - xs_) * ((xp - xs_) / (xu - xs_)), xs_, x_turn_);  // (32)
+    const double rise = yu - ysp_;
+    if (saturated(*model_, rise)) return {ys_, y_turn_, ys_, xs_, (x_turn_ - xs_) / (y_turn_ - ys_)};
+    const double per = rise / (y_turn_ - ys_), scale = (x_turn_ - xs_) / (xu - xs_);  // (31), (32)
+    const CurvePiece p = pattern.piece(ysp_ + per * (y - ys_));
+    const double from = std::max(p.low, ysp_);
+    return {std::min(ys_ + (from - ysp_) / per, y), std::clamp(ys_ + (p.high - ysp_) / per, y, y_turn_),
+            ys_ + (from - ysp_) / per, xs_ + scale * (p.along(from) - xs_), scale * p.slope * per};
   }
-  const double share = (y - y0) / (ys_ - y0);
-  if (saturated(*model_, ysp_ - y0)) return x0 + (xs_ - x0) * share;
-  return std::min(pattern.inverse(y0 + (ysp_ - y0) * share), xs_);  // (33) as [A5], (34)
+  if (saturated(*model_, ysp_ - y0)) return {y0, ys_, y0, x0, (xs_ - x0) / (ys_ - y0)};
+  const double per = (ysp_ - y0) / (ys_ - y0);  // (33) as [A5], (34)
+  const CurvePiece p = pattern.piece(y0 + per * (y - y0));
+  return {std::min(y0 + (p.low - y0) / per, y), std::clamp(y0 + (p.high - y0) / per, y, ys_), y0 + (p.low - y0) / per,
+          p.x_a, p.slope * per};
 }
 
 double ElamCurve::ascending_output(double x) const {
@@ -89,18 +100,19 @@ double ElamCurve::ascending_output(double x) const {
   return pattern(xsp_ + (xu - xsp_) * ((x - xs_) / (xu - xs_)));                           // (23), (24)
 }
 
-double ElamCurve::ascending_input(double y) const {
+CurvePiece ElamCurve::ascending_piece(double y) const {
   const double xu = model_->xu(), yu = model_->yu();
-  const PatternCurve& pattern = model_->ascending;
-  if (y <= y_turn_) return x_turn_;
-  if (y >= yu) return xu;
-  const double xp = pattern.inverse(y);  // (35), (37)
-  if (y <= ys_) {
-    if (xsp_ <= xmp_) return xs_;
-    return std::clamp(x_turn_ + (xs_ - x_turn_) * ((xp - xmp_) / (xsp_ - xmp_)), x_turn_, xs_);  // (36)
-  }
-  if (xu <= xsp_) return xu;
-  return std::clamp(xs_ + (xu - xs_) * ((xp - xsp_) / (xu - xsp_)), xs_, xu);  // (38)
+  if (y <= y_turn_) return {-kFarOutput, y_turn_, y_turn_, x_turn_, 0.0};
+  if (y >= yu) return {yu, kFarOutput, yu, xu, 0.0};
+  const bool lower = y <= ys_;
+  if (lower && xsp_ <= xmp_) return {y_turn_, ys_, ys_, xs_, 0.0};
+  if (!lower && xu <= xsp_) return {ys_, yu, ys_, xu, 0.0};
+  const CurvePiece p = model_->ascending.piece(y);  // (35), (37)
+  const double from = std::max(p.low, lower ? y_turn_ : ys_), to = std::min(p.high, lower ? ys_ : yu);
+  const double scale = lower ? (xs_ - x_turn_) / (xsp_ - xmp_) : (xu - xs_) / (xu - xsp_);
+  const double x = lower ? x_turn_ + scale * (p.along(from) - xmp_)  // (36)
+                         : xs_ + scale * (p.along(from) - xsp_);     // (38)
+  return {std::min(from, y), std::max(to, y), from, x, scale * p.slope};
 }
 
 }  // namespace tactbench::analysis

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "analysis/models/pattern_curve.h"
+#include "analysis/models/piece.h"
 
 namespace tactbench::analysis {
 
@@ -46,6 +47,7 @@ struct ElamModel {
 // A target curve from one turning point on, Eqs (13)-(26) and (31)-(38): built once a turn, then evaluated.
 class ElamCurve {
  public:
+  ElamCurve() = default;  // of no model: to be assigned to
   // Descending from (x_M, y_M) towards (x0, y0), or ascending from (x_m, y_m) towards (xu, yu). x_turn is clamped to
   // x0..xu; y_turn to at least y0, ascending also to at most yu (noise at the ends). Keeps a pointer to `model`. Throws
   // std::invalid_argument when a coordinate is not finite.
@@ -54,7 +56,9 @@ class ElamCurve {
   ElamCurve(const ElamModel& model, bool ascending, double x_turn, double y_turn, double x_split_turn);
   // Eqs (17), (19), (24), (26). The ends are met whatever the split: (x_turn, y_turn) and (x0, y0) or (xu, yu).
   [[nodiscard]] double output(double x) const;
-  [[nodiscard]] double input(double y) const;  // Eqs (32), (34), (36), (38); clamped to the curve's range
+  // Eqs (32), (34), (36), (38), as the linear piece that has output y; constant beyond the curve's ends.
+  [[nodiscard]] CurvePiece piece(double y) const;
+  [[nodiscard]] double input(double y) const;  // the same at y, clamped to the curve's range
   [[nodiscard]] double turn_x() const { return x_turn_; }
   [[nodiscard]] double turn_y() const { return y_turn_; }
   [[nodiscard]] double split_x() const { return xs_; }
@@ -64,11 +68,11 @@ class ElamCurve {
  private:
   [[nodiscard]] double descending_output(double x) const;
   [[nodiscard]] double ascending_output(double x) const;
-  [[nodiscard]] double descending_input(double y) const;
-  [[nodiscard]] double ascending_input(double y) const;
-  const ElamModel* model_;
-  bool ascending_;
-  double x_turn_, y_turn_;
+  [[nodiscard]] CurvePiece descending_piece(double y) const;
+  [[nodiscard]] CurvePiece ascending_piece(double y) const;
+  const ElamModel* model_ = nullptr;
+  bool ascending_ = true;
+  double x_turn_ = 0, y_turn_ = 0;
   double xs_ = 0, ys_ = 0;              // split point of the target curve
   double xsp_ = 0, xmp_ = 0, ysp_ = 0;  // split and turn on the pattern
 };

@@ -40,6 +40,7 @@ class ElamState final : public ModelState {
   void reset() override;
   [[nodiscard]] double output_at(double x) const override;
   [[nodiscard]] double input_at(double y) const override;
+  [[nodiscard]] std::unique_ptr<ModelState> clone() const override { return std::make_unique<ElamState>(*this); }
   void go(double x) override;
   void measured(double y) override;
 

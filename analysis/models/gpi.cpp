@@ -44,6 +44,7 @@ class GpiState final : public ModelState {
     const double way[] = {x_, y > here ? model_->x_high() : model_->x_low()};
     return first_crossing([&](double x) { return output_at(x); }, way, y);
   }
+  [[nodiscard]] std::unique_ptr<ModelState> clone() const override { return std::make_unique<GpiState>(*this); }
   void go(double x) override {
     if (!std::isfinite(x)) throw std::invalid_argument("GPI: the input is not a finite number");
     x_ = std::clamp(x, model_->x_low(), model_->x_high());

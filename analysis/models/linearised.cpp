@@ -17,6 +17,9 @@ class LinearisedState final : public ModelState {
   [[nodiscard]] double output_at(double x) const override { return divider_.output(inner_->output_at(x)); }
   [[nodiscard]] double input_at(double y) const override { return inner_->input_at(divider_.linear(y)); }
   void go(double x) override { inner_->go(x); }
+  [[nodiscard]] std::unique_ptr<ModelState> clone() const override {
+    return std::make_unique<LinearisedState>(divider_, inner_->clone());
+  }
   void measured(double y) override { inner_->measured(divider_.linear(y)); }
 
  private:

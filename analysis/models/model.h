@@ -36,6 +36,7 @@ class ModelState {
   // The output here was measured as y: a branch that starts here starts at y [A9]. Models whose output is a function of
   // the inputs alone ignore it.
   virtual void measured(double /*y*/) {}
+  [[nodiscard]] virtual std::unique_ptr<ModelState> clone() const = 0;
 };
 
 class HysteresisModel {

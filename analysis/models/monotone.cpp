@@ -18,6 +18,7 @@ class MonotoneState final : public ModelState {
   void reset() override {}
   [[nodiscard]] double output_at(double x) const override { return (*curve_)(x); }
   [[nodiscard]] double input_at(double y) const override { return curve_->inverse(y); }
+  [[nodiscard]] std::unique_ptr<ModelState> clone() const override { return std::make_unique<MonotoneState>(*this); }
   void go(double x) override {
     if (!std::isfinite(x)) throw std::invalid_argument("monotone curve: the input is not a finite number");
   }

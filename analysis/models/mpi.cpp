@@ -30,6 +30,7 @@ class MpiState final : public ModelState {
     }
     return model_->x_low() + u * (model_->x_high() - model_->x_low());
   }
+  [[nodiscard]] std::unique_ptr<ModelState> clone() const override { return std::make_unique<MpiState>(*this); }
   void go(double x) override {
     if (!std::isfinite(x)) throw std::invalid_argument("MPI: the input is not a finite number");
     u_ = share_of(x);

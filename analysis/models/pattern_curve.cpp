@@ -86,9 +86,19 @@ double PatternCurve::operator()(double x) const {
 double PatternCurve::inverse(double y) const {
   if (y <= y_.front()) return x_.front();
   if (y >= y_.back()) return x_.back();
-  const auto above = std::upper_bound(y_.begin(), y_.end(), y);
-  const auto i = static_cast<std::size_t>(above - y_.begin()) - 1;
-  return x_[i] + (x_[i + 1] - x_[i]) * ((y - y_[i]) / (y_[i + 1] - y_[i]));
+  return piece(y).along(y);
+}
+
+// Halving without branches: outputs carry noise, so branches on them could not be predicted.
+CurvePiece PatternCurve::piece(double y) const {
+  const double* first = y_.data();
+  for (std::size_t left = y_.size() - 1; left > 1;) {
+    const std::size_t half = left / 2;
+    first = first[half] <= y ? first + half : first;
+    left -= half;
+  }
+  const auto i = static_cast<std::size_t>(first - y_.data());
+  return {y_[i], y_[i + 1], y_[i], x_[i], (x_[i + 1] - x_[i]) / (y_[i + 1] - y_[i])};
 }
 
 double PatternCurve::slope(double x) const {

@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "analysis/models/piece.h"
+
 namespace tactbench::analysis {
 
 class PatternCurve {
@@ -18,6 +20,7 @@ class PatternCurve {
 
   [[nodiscard]] double operator()(double x) const;  // clamped to the ends
   [[nodiscard]] double inverse(double y) const;     // clamped to the ends
+  [[nodiscard]] CurvePiece piece(double y) const;   // of the inverse, between the two knots around y
   [[nodiscard]] double slope(double x) const;       // of the segment that holds x (the right one at a knot)
   [[nodiscard]] std::span<const double> x() const { return x_; }
   [[nodiscard]] std::span<const double> y() const { return y_; }

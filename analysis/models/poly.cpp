@@ -51,6 +51,7 @@ class PolyState final : public ModelState {
     const PolyModel::Turn turn = branch(y > y_);
     return first_crossing([&](double x) { return model_->output(turn, x); }, pieces(turn), y);
   }
+  [[nodiscard]] std::unique_ptr<ModelState> clone() const override { return std::make_unique<PolyState>(*this); }
   void go(double x) override {
     if (!std::isfinite(x)) throw std::invalid_argument("POLY: the input is not a finite number");
     x = std::clamp(x, model_->x_low(), model_->x_high());

@@ -29,6 +29,7 @@ class PreisachState final : public ModelState {
     const double way[] = {here_.x, y > here_.y ? model_->x_high() : model_->x_low()};
     return first_crossing([&](double x) { return output_at(x); }, way, y);
   }
+  [[nodiscard]] std::unique_ptr<ModelState> clone() const override { return std::make_unique<PreisachState>(*this); }
   void go(double x) override {
     if (!std::isfinite(x)) throw std::invalid_argument("Preisach: the input is not a finite number");
     const Way way = way_to(x);

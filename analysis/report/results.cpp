@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/identify/taxel_stream.h"
+#include "analysis/identify/compensators.h"
 #include "analysis/statistics/figures/levels.h"
 
 namespace tactbench::analysis {
@@ -22,9 +22,9 @@ std::vector<TaxelTrace> traces_of_taxel(const Dataset& dataset, const SensorMode
     const std::vector<double> zeros(sequence.repeats.front().steps.size(), 0.0);
     out.push_back({named, sequence.name, zeros, zeros, {}, zeros});
   }
-  TaxelStream stream(model, fit);
+  const auto stream = compensator_of(model, fit);
   const auto volts = [&](const Repeat& repeat, std::size_t i) { return repeat.volts[i * width + taxel]; };
-  stream_samples(dataset, stream, volts, [&](std::size_t s, std::size_t r, std::size_t i, const Compensated& now) {
+  stream_samples(dataset, *stream, volts, [&](std::size_t s, std::size_t r, std::size_t i, const Compensated& now) {
     const Repeat& repeat = dataset.sequences[s].repeats[r];
     const double weight = 1.0 / static_cast<double>(dataset.sequences[s].repeats.size());
     out[s].pressure_psi[i] += weight * repeat.steps[i].reference_psi;

@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "analysis/error.h"
-#include "analysis/identify/stored/array_stream.h"
+#include "analysis/identify/compensators.h"
 #include "analysis/statistics/numbers/moments.h"
 #include "bench/common/error.h"
 #include "bench/common/process_time.h"
@@ -61,7 +61,7 @@ LiveSummary live_frames(const BenchConfig& config, const analysis::SensorModel& 
   auto compensator = [&] {
     try {
       const double noisier = std::sqrt(static_cast<double>(model.scans) / options.scans);
-      return analysis::ArrayStream(model, volts_per_count, noisier, kMostLostInARow);
+      return analysis::frames_of(model, noisier, kMostLostInARow);
     } catch (const std::invalid_argument& error) {  // invalid numbers of a hand-edited model
       throw Error("TB-MODEL-COMPENSATOR", error.what(), model.source);
     }
@@ -81,7 +81,7 @@ LiveSummary live_frames(const BenchConfig& config, const analysis::SensorModel& 
   const std::size_t taxels = compensator.taxels();
   std::vector<float> volts(taxels), pressure(taxels), uncertainty(taxels);
   std::vector<std::uint16_t> status(taxels);
-  const analysis::ArrayStream::Output output{pressure, uncertainty, status};
+  const analysis::FrameCompensator::Output output{pressure, uncertainty, status};
   std::vector<double> latencies, compensations;
   const StopRequest stop;
   const auto begun = RealClock::now();
@@ -89,19 +89,19 @@ LiveSummary live_frames(const BenchConfig& config, const analysis::SensorModel& 
   for (int lost = 0; stop.signal() == 0 && (options.frames == 0 || summary.frames < options.frames);) {
     const auto asked = RealClock::now();
     const devices::Nanoseconds now = rig.clock().now();
-    if (before) compensator.set_interval(devices::in_seconds(now - *before));
+    const double passed = before ? devices::in_seconds(now - *before) : 0.0;
     before = now;
     try {
       const devices::ScanSet scan = array.read(options.scans);
       const auto came = RealClock::now();
       average(scan, volts_per_count, volts);
-      compensator.frame(volts, output);
+      compensator.frame(volts, passed, output);
       compensations.push_back(microseconds_since(came));
       lost = 0;
     } catch (const devices::Fault& fault) {
       if (fault.id() == "TB-SCANNER-LOST" || ++lost >= kMostLostInARow) throw;
       ++summary.lost;
-      compensator.lost_frame(output);
+      compensator.lost_frame(passed, output);
     }
     const double latency = microseconds_since(asked);
     summary.worst_us = std::max(summary.worst_us, latency);

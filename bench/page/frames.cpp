@@ -56,9 +56,9 @@ std::string base64(const std::vector<std::uint16_t>& numbers) {
   return text;
 }
 
-CompensatedRun::CompensatedRun(analysis::SensorModel model, double volts_per_count, std::string words)
+CompensatedRun::CompensatedRun(analysis::SensorModel model, std::string words)
     : model_(std::make_unique<analysis::SensorModel>(std::move(model))), words_(std::move(words)) {
-  stream_.emplace(*model_, volts_per_count, 1.0, kLongestGap);
+  stream_.emplace(analysis::frames_of(*model_, 1.0, kLongestGap));
   const std::size_t taxels = stream_->taxels();
   volts_.resize(taxels);
   pressure_.resize(taxels);
@@ -66,8 +66,7 @@ CompensatedRun::CompensatedRun(analysis::SensorModel model, double volts_per_cou
   status_.resize(taxels);
 }
 
-std::unique_ptr<CompensatedRun> CompensatedRun::of(const db::RunStore& store, const db::RunRecord& run,
-                                                   double volts_per_count) {
+std::unique_ptr<CompensatedRun> CompensatedRun::of(const db::RunStore& store, const db::RunRecord& run) {
   const std::vector<db::RunRecord> runs = store.runs();
   for (auto other = runs.rbegin(); other != runs.rend(); ++other) {
     if (other->run >= run.run || other->sensor_serial != run.sensor_serial || other->is_void()) continue;
@@ -76,7 +75,7 @@ std::unique_ptr<CompensatedRun> CompensatedRun::of(const db::RunStore& store, co
       std::optional<analysis::SensorModel> model = models_of(store, other->run);
       if (!model) continue;
       const std::string words = fmt::format("{} of run {}", analysis::label_of(*model), other->run);
-      return std::unique_ptr<CompensatedRun>(new CompensatedRun(*std::move(model), volts_per_count, words));
+      return std::unique_ptr<CompensatedRun>(new CompensatedRun(*std::move(model), words));
     } catch (const analysis::AnalysisError&) {  // of one taxel, or of another kind: the next older one
     } catch (const std::invalid_argument&) {
     }
@@ -87,10 +86,9 @@ std::unique_ptr<CompensatedRun> CompensatedRun::of(const db::RunStore& store, co
 void CompensatedRun::see(const db::SeenFrame& frame, const std::vector<double>& volts) {
   if (volts.size() != volts_.size()) return;
   const double gap = last_ns_ ? static_cast<double>(frame.time_ns - *last_ns_) * 1e-9 : 0.0;
-  if (last_ns_ && gap >= 0.0 && gap < kLongestInterval) stream_->set_interval(gap);
   last_ns_ = frame.time_ns;
   std::ranges::transform(volts, volts_.begin(), [](double volt) { return static_cast<float>(volt); });
-  stream_->frame(volts_, {pressure_, uncertainty_, status_});
+  stream_->frame(volts_, std::clamp(gap, 0.0, kLongestInterval), {pressure_, uncertainty_, status_});
 }
 
 RunFrames::RunFrames(const db::RunStore& store, const db::RunRecord& run)
@@ -104,7 +102,7 @@ bool RunFrames::advance() {
   }
   const bool first = position_ == 0;
   if (first && !models_sought_) {
-    compensated_ = CompensatedRun::of(store_, run_, basis_->volts_per_count);
+    compensated_ = CompensatedRun::of(store_, run_);
     models_sought_ = true;
   }
   bool newer = false;

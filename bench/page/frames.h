@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/identify/stored/array_stream.h"
+#include "analysis/identify/compensators.h"
 #include "bench/monitor/array_view.h"
 #include "db/run_look.h"
 
@@ -18,17 +18,16 @@ namespace tactbench::bench {
 class CompensatedRun {
  public:
   // None: no earlier run of the sensor has models that stream. Throws StoreError.
-  static std::unique_ptr<CompensatedRun> of(const db::RunStore& store, const db::RunRecord& run,
-                                            double volts_per_count);
+  static std::unique_ptr<CompensatedRun> of(const db::RunStore& store, const db::RunRecord& run);
   void see(const db::SeenFrame& frame, const std::vector<double>& volts);
   [[nodiscard]] const std::vector<float>& pressure_psi() const { return pressure_; }
   [[nodiscard]] const std::vector<std::uint16_t>& status() const { return status_; }  // TaxelBits
   [[nodiscard]] const std::string& words() const { return words_; }                   // "elam of run 3"
 
  private:
-  CompensatedRun(analysis::SensorModel model, double volts_per_count, std::string words);
+  CompensatedRun(analysis::SensorModel model, std::string words);
   std::unique_ptr<analysis::SensorModel> model_;  // the stream keeps a pointer to it
-  std::optional<analysis::ArrayStream> stream_;
+  std::optional<analysis::FrameCompensator> stream_;
   std::string words_;
   std::vector<float> volts_, pressure_, uncertainty_;
   std::vector<std::uint16_t> status_;

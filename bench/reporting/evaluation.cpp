@@ -7,7 +7,7 @@
 #include <iterator>
 #include <set>
 
-#include "analysis/compensate/dispatch.h"
+#include "analysis/identify/dispatch.h"
 #include "analysis/counted.h"
 #include "analysis/identify/dynamic/dynamic_alone.h"
 #include "analysis/identify/stored/model_document.h"

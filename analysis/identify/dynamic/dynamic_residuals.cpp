@@ -5,9 +5,10 @@
 #include <numeric>
 #include <optional>
 
-#include "analysis/compensate/dynamic_compensator.h"
-#include "analysis/identify/dynamic_setup_of.h"
-#include "analysis/identify/taxel_stream.h"
+#include "analysis/identify/compensators.h"
+#include "analysis/models/interval.h"
+#include "analysis/models/linearised.h"
+#include "analysis/models/preisach.h"
 #include "analysis/workers.h"
 
 namespace tactbench::analysis {
@@ -25,6 +26,12 @@ struct StreamResiduals {
   [[nodiscard]] double sum() const { return std::accumulate(squares.begin(), squares.end(), 0.0); }
 };
 
+// Of the taxels' Preisach models.
+std::size_t intervals_of(const SensorModel& model) {
+  const auto fitted = std::ranges::find_if(model.taxels, &ModelTaxel::fitted);
+  return dynamic_cast<const PreisachModel&>(linearised_of(*fitted)->inner()).intervals();
+}
+
 double volts_of(const Repeat& repeat, std::size_t i, std::size_t taxel, const SensorModel& model, std::size_t width) {
   const double* const row = &repeat.volts[i * width];
   if (taxel < width) return row[taxel];
@@ -41,22 +48,21 @@ double volts_of(const Repeat& repeat, std::size_t i, std::size_t taxel, const Se
 // yet.
 void add_residuals(const Dataset& data, const SensorModel& model, const std::vector<bool>& taken, double samples,
                    int threads, std::vector<StreamResiduals>& residuals) {
-  const DynamicSetup setup = dynamic_setup_of(model, model.taxels, 0.0);
   const auto width = static_cast<std::size_t>(data.taxels());
-  const std::size_t n = setup.intervals;
-  for_each_index(std::min(residuals.size(), setup.taxels.size()), threads, [&](std::size_t t) {
+  const std::size_t n = intervals_of(model);
+  const double low = model.pressure_psi.front(), span = model.pressure_psi.back() - low;
+  for_each_index(std::min(residuals.size(), model.taxels.size()), threads, [&](std::size_t t) {
     StreamResiduals& own = residuals[t];
-    if (!setup.taxels[t].usable || own.samples() == samples) return;
+    if (!model.taxels[t].fitted() || own.samples() == samples) return;
     own.squares.resize(2 * n, 0.0);
     own.count.resize(2 * n, 0.0);
-    DynamicTaxelCompensator stream(setup, t);
+    const auto stream = compensator_of(model, model.taxels[t]);
     stream_samples(
-        data, stream, [&](const Repeat& repeat, std::size_t i) { return volts_of(repeat, i, t, model, width); },
+        data, *stream, [&](const Repeat& repeat, std::size_t i) { return volts_of(repeat, i, t, model, width); },
         [&](std::size_t s, std::size_t r, std::size_t i, const Compensated& now) {
           if (!taken[s]) return;
-          const double place = (now.pressure_psi - setup.x_low) / (setup.x_high - setup.x_low) * static_cast<double>(n);
-          const std::size_t at = std::min(n - 1, static_cast<std::size_t>(std::max(place, 0.0)));
-          const std::size_t k = stream.ascending() ? at : n + at;
+          const std::size_t at = interval_of((now.pressure_psi - low) / span * static_cast<double>(n), n);
+          const std::size_t k = stream->ascending() ? at : n + at;
           own.squares[k] += std::pow(now.pressure_psi - data.sequences[s].repeats[r].steps[i].reference_psi, 2);
           own.count[k] += 1.0;
         });
@@ -123,14 +129,13 @@ double samples_of(const Dataset& data) {
 }  // namespace
 
 void find_dynamic_residuals(const Dataset& fitted, const Dataset& undone, const FitOptions& fit, SensorModel& model) {
-  const DynamicSetup setup = dynamic_setup_of(model, model.taxels, 0.0);
-  const std::size_t n = 2 * setup.intervals;
+  const std::size_t n = 2 * intervals_of(model);
   const auto width = static_cast<std::size_t>(fitted.taxels());
   const double samples = samples_of(fitted);
   std::vector<StreamResiduals> residuals = held_out(fitted, undone, samples, fit, model);
   std::vector<bool> told(residuals.size());
   for (std::size_t t = 0; t < residuals.size(); ++t) {
-    told[t] = setup.taxels[t].usable && residuals[t].samples() == samples;
+    told[t] = model.taxels[t].fitted() && residuals[t].samples() == samples;
     if (!told[t]) residuals[t] = {};
   }
   add_residuals(fitted, model, std::vector<bool>(fitted.sequences.size(), true), samples, fit.threads, residuals);

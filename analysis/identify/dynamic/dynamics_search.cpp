@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "analysis/algebra/dense.h"
-#include "analysis/compensate/dynamic_setup.h"
+#include "analysis/compensate/compensator.h"
 #include "analysis/identify/dynamic/track.h"
 #include "analysis/identify/rivals/nnls.h"
 

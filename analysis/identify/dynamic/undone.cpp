@@ -8,7 +8,6 @@
 #include "analysis/error.h"
 #include "analysis/identify/dynamic/dynamic_alone.h"
 #include "analysis/identify/dynamic/track.h"
-#include "analysis/identify/dynamic_setup_of.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -24,10 +23,10 @@ void check_times(const SensorModel& model, const Histories& histories) {
                             "give a run, or a table with a column time_s in seconds");
 }
 
-void undo(const DynamicSetup& setup, bool run, std::vector<History>& histories) {
-  const Dynamics& d = setup.dynamics;
-  const DynamicTaxel& taxel = setup.taxels.front();
-  const double span = setup.x_high - setup.x_low;
+void undo(const Dynamics& d, const ModelTaxel& taxel, bool run, std::vector<History>& histories) {
+  const HysteresisModel& film = *taxel.fit.model;
+  const double x_low = film.x_low(), span = film.x_high() - x_low;
+  const double zero = taxel.from_model(film.state()->output_at(x_low));
   DynamicsState state;
   double before = -1.0;
   for (History& history : histories) {
@@ -36,12 +35,12 @@ void undo(const DynamicSetup& setup, bool run, std::vector<History>& histories) 
       before = -1.0;
     }
     for (std::size_t i = 0; i < history.x.size(); ++i) {
-      const double time = history.time_s[i], pressure = history.x[i] - setup.x_low;
+      const double time = history.time_s[i], pressure = history.x[i] - x_low;
       const DynamicsStep step = run ? next_step(d, state, {0.0, 0.0, time, history.held_s[i]}, before, span)
                                     : DynamicsStep(d, before < 0.0 ? 0.0 : std::max(time - before, 0.0));
       const double factor = creep_factor(d, state, step, pressure, taxel.creep_scale);
-      history.y[i] = taxel.divider.zero + (history.y[i] - taxel.divider.zero) / factor;
-      history.x[i] = setup.x_low + arrived(taxel.lag_share, state, step, pressure);
+      history.y[i] = zero + (history.y[i] - zero) / factor;
+      history.x[i] = x_low + arrived(taxel.lag_share, state, step, pressure);
       advance(d, state, step, pressure);
       before = time;
     }
@@ -56,7 +55,7 @@ Histories creep_and_lag_undone(const SensorModel& model, Histories histories) {
   for (TaxelHistories& taxel : histories.taxels) {
     const auto own = std::ranges::find(model.taxels, taxel.taxel, &ModelTaxel::taxel);
     if (own == model.taxels.end() || !own->fitted()) continue;
-    undo(dynamic_setup_of(model, std::span(&*own, 1), 0.0), histories.run != 0, taxel.score);
+    undo(model.dynamics->shared, *own, histories.run != 0, taxel.score);
   }
   return histories;
 }

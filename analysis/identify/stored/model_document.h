@@ -7,7 +7,6 @@
 #include <optional>
 #include <string>
 
-#include "analysis/compensate/frame_setup.h"
 #include "analysis/identify/sensor_model.h"
 
 namespace tactbench::analysis {
@@ -21,10 +20,6 @@ std::string to_line(const SensorModel& model);
 std::string sha256_of(const SensorModel& model);  // of that text
 // Throws AnalysisError TB-MODEL-DOCUMENT that says which member of `file` is missing, wrong or of a newer version.
 SensorModel document_from_text(const std::string& text, const std::string& file);
-
-// What the frame compensator of an array needs. Throws AnalysisError TB-MODEL-COMPENSATOR when the model is not ELAM
-// with one split point a branch and without memory, or not of an array.
-FrameSetup frame_setup_of(const SensorModel& model, double volts_per_count);
 
 // MODEL of the command line: the path of a .json, or RUN[:FIT] in `store` (nullptr: paths only).
 SensorModel load_model(const std::string& model, const db::RunStore* store);

@@ -1,4 +1,4 @@
-// Fits to and from the run store, MODEL of the command line, and what streaming an array's frames takes of it.
+// Fits to and from the run store and MODEL of the command line.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -47,39 +47,7 @@ bool is_whole(const SensorModel& fit) {
       fmt::format("fit the run again: tactbench fit {}; tactbench db check lists what else is damaged", record.run));
 }
 
-std::vector<double> values_of(std::span<const double> values) { return {values.begin(), values.end()}; }
-
 }  // namespace
-
-FrameSetup frame_setup_of(const SensorModel& document, double volts_per_count) {
-  const auto refuse = [&](const std::string& why) -> AnalysisError {
-    return {"TB-MODEL-COMPENSATOR",
-            fmt::format("{} of {} cannot compensate frames: {}", label_of(document), document.source, why),
-            "fit ELAM on a run of the array: tactbench fit RUN --model elam"};
-  };
-  FrameSetup setup;
-  setup.volts_per_count = volts_per_count;
-  for (const ModelTaxel& taxel : document.taxels) {
-    if (taxel.taxel == kMeanTaxel) continue;
-    TaxelSetup& own = setup.taxels.emplace_back();
-    if (!taxel.fitted()) continue;
-    const ElamModel* const elam = paper_elam_of(taxel);
-    if (elam == nullptr) throw refuse("only ELAM as in the paper is streamed");
-    if (setup.pressure_psi.empty()) setup.pressure_psi = values_of(taxel.ascending.x());
-    if (!std::ranges::equal(setup.pressure_psi, taxel.ascending.x())) throw refuse("its taxels do not share one grid");
-    own.usable = true;
-    own.ascending_v = values_of(taxel.ascending.y());
-    own.descending_v = values_of(taxel.descending.y());
-    own.parameters = elam->parameters;
-    own.noise_v = taxel.noise;
-    own.falling = document.falling;
-    own.residual_psi = residual_by_level(taxel);
-    setup.elam = elam->options;
-  }
-  if (setup.taxels.size() != static_cast<std::size_t>(document.rows) * static_cast<std::size_t>(document.columns))
-    throw refuse("it is not of a whole array");
-  return setup;
-}
 
 std::string label_of(const SensorModel& document) {
   std::string label = document.model;

@@ -6,16 +6,14 @@
 #include <random>
 #include <stdexcept>
 
-#include "analysis/identify/streams/recording_stream.h"
+#include "analysis/compensate/document.h"
+#include "analysis/identify/compensators.h"
+#include "analysis/models/interval.h"
 #include "analysis/workers.h"
 
 namespace tactbench::analysis {
 namespace {
 
-constexpr std::size_t kLevels = 20;
-// The flatter the branch, the more input an error of the output is; to a limit, since errors are not of the output
-// alone.
-constexpr double kMostOfMean = 12.0, kLeastOfMean = 0.5;
 constexpr std::size_t kMostSamples = 20'000;  // of a taxel: longer recordings add nothing but time
 // The second part, of paths that were not fitted.
 constexpr std::size_t kOpinions = 32;        // taxels at most, evenly chosen
@@ -24,19 +22,6 @@ constexpr int kTurns = 60, kPathSteps = 30;  // of the random path, and of the w
 // What a stream leaves of paths that were not fitted over what it leaves of those that were, as of the dynamic model.
 // This and the limit of the shape were chosen on sensor seed 1 of both specimens.
 constexpr double kOtherPaths = 2.0;
-
-// Mean slope over the branch's own, by level.
-std::vector<double> shape_of(const ModelTaxel& taxel) {
-  const double low = taxel.x0(), high = taxel.xu(), rise = taxel.yu() - taxel.y0();
-  std::vector<double> shape;
-  for (const PatternCurve* const branch : {&taxel.ascending, &taxel.descending})
-    for (std::size_t k = 0; k < kLevels; ++k) {
-      const auto at = [&](std::size_t i) { return low + (high - low) * static_cast<double>(i) / kLevels; };
-      const double own = kLevels * ((*branch)(at(k + 1)) - (*branch)(at(k)));
-      shape.push_back(own > rise / kMostOfMean ? std::max(rise / own, kLeastOfMean) : kMostOfMean);
-    }
-  return shape;
-}
 
 // Squares of a stream's errors over the shape.
 struct Squares {
@@ -47,12 +32,17 @@ struct Squares {
 class ErrorsOf {
  public:
   explicit ErrorsOf(const SensorModel& model, const ModelTaxel& taxel)
-      : shape_(shape_of(taxel)), bins_{taxel.x0(), taxel.xu(), shape_}, stream_(model, taxel) {}
-  RecordingStream& stream() { return stream_; }
+      : shape_(residual_by_level(taxel.ascending, taxel.descending, 1.0)),
+        low_(taxel.x0()),
+        span_(taxel.xu() - low_),
+        stream_(compensator_of(model, taxel)) {}
+  void start(double output) { stream_->start(stream_->at_rest(output) ? Start::kAtRest : Start::kUnknown); }
   void step(double output, double input) {
-    const Compensated now = stream_.step(output);
-    if (now.unknown) return;
-    const double error = (now.pressure_psi - input) / bins_.at(now.pressure_psi, stream_.ascending());
+    const Compensated now = stream_->step(output, 0.0);
+    if (now.unknown || now.held) return;
+    const std::size_t levels = shape_.size() / 2;
+    const std::size_t at = interval_of((now.pressure_psi - low_) / span_ * static_cast<double>(levels), levels);
+    const double error = (now.pressure_psi - input) / shape_[stream_->ascending() ? at : levels + at];
     squares_.sum += error * error;
     squares_.count += 1.0;
   }
@@ -60,8 +50,8 @@ class ErrorsOf {
 
  private:
   std::vector<double> shape_;
-  ResidualBins bins_;
-  RecordingStream stream_;
+  double low_, span_;
+  std::unique_ptr<Compensator> stream_;
   Squares squares_;
 };
 
@@ -85,8 +75,7 @@ Squares of_fitted(const Histories& histories, const std::vector<std::string>& se
   std::size_t left = kMostSamples;
   for (const History* const history : chosen(histories, t, sequences)) {
     if (history->y.empty()) continue;
-    errors.stream().reset();
-    if (!errors.stream().at_rest(history->y.front())) errors.stream().reset_unknown();
+    errors.start(history->y.front());
     for (std::size_t i = 0; i < history->x.size() && left > 0; ++i, --left) errors.step(history->y[i], history->x[i]);
   }
   return errors.squares();
@@ -165,13 +154,6 @@ void find_residuals(const Histories& histories, const std::vector<std::string>& 
     if (of_fits > 0.0) more += of_others / of_fits;
   }
   for (std::size_t t = 0; t < fitted.size(); ++t) model.taxels[t].residual_psi = std::sqrt(more * fitted[t].mean());
-}
-
-std::vector<double> residual_by_level(const ModelTaxel& taxel) {
-  if (!(taxel.residual_psi > 0.0) || taxel.ascending.x().size() < 2) return {};
-  std::vector<double> psi = shape_of(taxel);
-  for (double& value : psi) value *= taxel.residual_psi;
-  return psi;
 }
 
 }  // namespace tactbench::analysis

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "analysis/dataset.h"
+#include "analysis/identify/compensators.h"
 #include "analysis/identify/sensor_model.h"
-#include "analysis/identify/taxel_stream.h"
 #include "analysis/loop.h"
 #include "analysis/workers.h"
 
@@ -44,9 +44,9 @@ void compensate_in_order(const Dataset& dataset, const SensorModel& fit, int thr
   for_each_index(width, threads, [&](std::size_t taxel) {
     const ModelTaxel& own = fit.taxels[taxel];
     if (!own.fitted()) return;
-    TaxelStream stream(fit, own);
+    const auto stream = compensator_of(fit, own);
     stream_samples(
-        dataset, stream, [&](const Repeat& repeat, std::size_t i) { return repeat.volts[i * width + taxel]; },
+        dataset, *stream, [&](const Repeat& repeat, std::size_t i) { return repeat.volts[i * width + taxel]; },
         take_of(taxel));
   });
 }

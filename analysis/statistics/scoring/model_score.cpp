@@ -7,9 +7,9 @@
 #include <optional>
 #include <stdexcept>
 
+#include "analysis/identify/compensators.h"
 #include "analysis/identify/dynamic/undone.h"
 #include "analysis/identify/folds.h"
-#include "analysis/identify/streams/recording_stream.h"
 #include "analysis/workers.h"
 
 namespace tactbench::analysis {
@@ -70,12 +70,11 @@ void compensate_recording(const SensorModel& document, const ModelTaxel& model, 
   score.compensated = {};
   score.by_hold.clear();
   score.by_rate.clear();
-  RecordingStream stream(document, model);
+  const auto stream = compensator_of(document, model);
   double before = -1.0;
   for (const History& history : named(taxel.score, sequences)) {
     if (are_recordings(source)) {
-      stream.reset();
-      if (!history.y.empty() && !stream.at_rest(history.y.front())) stream.reset_unknown();
+      stream->start(history.y.empty() || stream->at_rest(history.y.front()) ? Start::kAtRest : Start::kUnknown);
       before = -1.0;
     }
     std::vector<double> estimates;
@@ -89,8 +88,8 @@ void compensate_recording(const SensorModel& document, const ModelTaxel& model, 
           passed.step_s = std::max(time - before, 0.0);
         before = time;
       }
-      if (passed.worked_s > 0.0) stream.work(passed.worked_s);
-      estimates.push_back(stream.step(history.y[i], passed.step_s).pressure_psi);
+      if (passed.worked_s > 0.0) stream->work(passed.worked_s);
+      estimates.push_back(stream->step(history.y[i], passed.step_s).pressure_psi);
     }
     add_compensated(history, estimates, score);
   }
@@ -102,7 +101,7 @@ Score score_taxel(const ModelTaxel& model, const TaxelHistories& taxel, const st
     for (double& y : history.y) y = (y - model.zero) / model.gain;
   const HysteresisModel& own = *model.fit.model;
   ScoreOptions options;
-  options.dead_band = kBandInNoises * model.noise / model.gain;
+  options.noise = model.noise / model.gain;
   options.x_low = own.x_low();
   options.x_high = own.x_high();
   options.y_low = model.loop_low;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/compensate/inverse_stream.h"
+#include "analysis/compensate/compensator.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -67,16 +67,15 @@ Score score(const HysteresisModel& model, std::span<const History> histories, co
   Score score;
   const double per_output = (options.x_high - options.x_low) / (options.y_high - options.y_low);
   const double near_low = options.x_low + kAtRest * (options.x_high - options.x_low);
-  InverseStream inverse(model, options.dead_band);
+  CompensatorSetup setup;
+  setup.noise = options.noise;
+  const auto inverse = make_compensator(model, setup);
   for (const History& history : histories) {
     const std::vector<double> predicted = predict_history(model, history, false);
     const std::vector<double> running = predict_history(model, history, true);
-    if (history.x.empty() || history.x.front() <= near_low)
-      inverse.reset();
-    else
-      inverse.reset_unknown();
+    inverse->start(history.x.empty() || history.x.front() <= near_low ? Start::kAtRest : Start::kUnknown);
     std::vector<double> estimates;
-    for (const double y : history.y) estimates.push_back(inverse.step(y));
+    for (const double y : history.y) estimates.push_back(inverse->step(y, 0.0).pressure_psi);
     for (const Branch& branch : history.branches) {
       for (auto i = static_cast<std::size_t>(branch.first) + 1; i <= static_cast<std::size_t>(branch.last); ++i) {
         const double off = std::abs(estimates[i] - history.x[i]);

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "analysis/error.h"
-#include "analysis/identify/taxel_stream.h"
+#include "analysis/identify/compensators.h"
 #include "analysis/statistics/figures/levels.h"
 #include "analysis/statistics/figures/same_sensor.h"
 
@@ -40,9 +40,9 @@ std::vector<ReadFrame> read_frames(const PressRun& run, const SensorModel& fit, 
   const ModelTaxel& mean = fit.mean_taxel();
   const double per_volt = (mean.xu() - mean.x0()) / (mean.yu() - mean.y0());
   const double sign = fit.falling ? -1.0 : 1.0;
-  std::vector<std::optional<TaxelStream>> compensators;
+  std::vector<std::unique_ptr<Compensator>> compensators;
   for (const ModelTaxel& taxel : fit.array())
-    compensators.push_back(taxel.fitted() ? std::optional<TaxelStream>(std::in_place, fit, taxel) : std::nullopt);
+    compensators.push_back(taxel.fitted() ? compensator_of(fit, taxel) : nullptr);
   std::vector<ReadFrame> out;
   const PressFrame* before = nullptr;
   for (const PressFrame& frame : run.frames) {
@@ -54,7 +54,7 @@ std::vector<ReadFrame> read_frames(const PressRun& run, const SensorModel& fit, 
     ReadFrame read{&frame, {}, {}, {}, {}, 0};
     for (std::size_t i = 0; i < frame.volts.size(); ++i) {
       const double volts = sign * frame.volts[i];
-      if (!compensators[i]) {
+      if (compensators[i] == nullptr) {
         read.raw_psi.push_back(kNan);
         read.compensated_psi.push_back(kNan);
         continue;

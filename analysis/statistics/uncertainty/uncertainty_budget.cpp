@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "analysis/identify/taxel_stream.h"
+#include "analysis/identify/compensators.h"
 #include "analysis/statistics/figures/levels.h"
 #include "analysis/statistics/uncertainty/budget_maker.h"
 
@@ -42,9 +42,9 @@ double sensitivity_along(const ModelTaxel& model, bool up, double pressure_psi, 
   const double least = 1e-6 * (model.yu() - model.y0());
   const double width = std::max(width_v, least), top_width = std::max(top_width_v, least);
   const auto read = [&](double sign) {
-    TaxelStream compensator(model, 0.0);  // of the model alone, without noise
-    if (!up) (void)compensator.step(model.yu() + sign * top_width);
-    return compensator.step(v + sign * width).pressure_psi;
+    const auto compensator = compensator_of({}, model, 0.0);  // of the model alone, without noise
+    if (!up) (void)compensator->step(model.yu() + sign * top_width, 0.0);
+    return compensator->step(v + sign * width, 0.0).pressure_psi;
   };
   return (read(1.0) - read(-1.0)) / (2.0 * width);
 }

@@ -18,8 +18,8 @@
 #include <vector>
 
 #include "analysis/counted.h"
+#include "analysis/identify/compensators.h"
 #include "analysis/identify/dynamic/dynamic_alone.h"
-#include "analysis/identify/streams/recording_stream.h"
 #include "analysis/table.h"
 #include "analysis/whole_file.h"
 #include "bench/cli/models/model_table.h"
@@ -77,17 +77,17 @@ class Predictor {
   std::unique_ptr<analysis::ModelState> state_;
 };
 
-class Compensator {
+class Compensation {
  public:
   static constexpr std::array kColumns{"compensated", "uncertainty", "flags"};
   static std::array<std::string, 3> units(const analysis::SensorModel& model) {
     return {model.input_unit, model.input_unit, {}};
   }
-  Compensator(const analysis::SensorModel& model, const analysis::ModelTaxel& taxel, const PredictOptions& options)
+  Compensation(const analysis::SensorModel& model, const analysis::ModelTaxel& taxel, const PredictOptions& options)
       : sign_(model.falling ? -1.0 : 1.0),
         timed_(model.dynamics && analysis::in_time(*model.dynamics)),
         conditioned_s_(options.conditioned_s),
-        stream_(model, taxel) {}
+        stream_(analysis::compensator_of(model, taxel)) {}
   std::string step(const analysis::TableReader::Row& row, std::size_t column, char separator) {
     double seconds = 0.0;
     if (timed_) {
@@ -103,7 +103,7 @@ class Compensator {
     }
     const double output = sign_ * row.outputs[column];
     if (!begun_) begin(output);
-    const analysis::Compensated now = stream_.step(output, seconds);
+    const analysis::Compensated now = stream_->step(output, seconds);
     // Not known: beyond the loop, where the input is its end, and where the model does not know the noise (0).
     const bool known = !now.out_of_range && now.uncertainty_psi > 0.0;
     const double uncertainty = known ? now.uncertainty_psi : std::numeric_limits<double>::quiet_NaN();
@@ -118,8 +118,8 @@ class Compensator {
   // A recording that does not begin at the unloaded output begins in mid-branch.
   void begin(double output) {
     begun_ = true;
-    if (!stream_.at_rest(output)) stream_.reset_unknown();
-    stream_.work(conditioned_s_);
+    if (!stream_->at_rest(output)) stream_->start(analysis::Start::kUnknown);
+    stream_->work(conditioned_s_);
   }
 
   double sign_;
@@ -127,7 +127,7 @@ class Compensator {
   double conditioned_s_;
   analysis::TimeOrder order_;
   std::optional<double> before_;
-  analysis::RecordingStream stream_;
+  std::unique_ptr<analysis::Compensator> stream_;
 };
 
 // What is added to a row, in the table's own way of writing decimals.
@@ -263,7 +263,7 @@ void add_predict(CLI::App& app, Session& session) {
                    "dynamic: seconds for which the pressure went over its range just before the first row")
       ->check(CLI::Range(0.0, 1e9))
       ->capture_default_str();
-  verb->callback([compensate, &session] { apply<Compensator>(*compensate, session, analysis::TableNeeds::kOutput); });
+  verb->callback([compensate, &session] { apply<Compensation>(*compensate, session, analysis::TableNeeds::kOutput); });
 }
 
 }  // namespace tactbench::bench

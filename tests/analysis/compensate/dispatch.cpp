@@ -1,5 +1,5 @@
 // Frames of every dispatch that the processor has: the same bits.
-#include "analysis/compensate/dispatch.h"
+#include "analysis/identify/dispatch.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

@@ -1,4 +1,4 @@
-#include "analysis/compensate/dispatch.h"
+#include "analysis/identify/dispatch.h"
 
 #include <array>
 #include <cstddef>

@@ -1,0 +1,85 @@
+#include "analysis/compensate/elam_curve.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactbench::analysis {
+namespace {
+
+constexpr double kScalableRise = 1e-6;  // of the span: a curve that rises less cannot be scaled to others: linear [A12]
+
+}  // namespace
+
+ElamStack::Target ElamStack::target(const ElamCurve& curve, double x_end, double y_end) const {
+  Target t{curve, x_end, y_end};
+  // A start measured beyond the end: flat, never in the wrong direction.
+  t.y_from = curve.ascending() ? std::min(curve.turn_y(), y_end) : std::max(curve.turn_y(), y_end);
+  t.base = curve.output(curve.turn_x());
+  const double rise = curve.output(x_end) - t.base;
+  t.straight = std::abs(rise) <= kScalableRise * top();
+  t.per = t.y_from == y_end || t.straight ? 0.0 : rise / (y_end - t.y_from);
+  return t;
+}
+
+void ElamStack::start(bool from_top) {
+  const double x0 = model_->x0(), xu = model_->xu(), y0 = model_->y0(), yu = model_->yu();
+  targets_[0] = from_top ? target({*model_, false, xu, yu}, x0, y0) : target({*model_, true, x0, y0}, xu, yu);
+  count_ = 1;
+}
+
+std::uint8_t ElamStack::left_at(double y) const {
+  std::uint8_t left = count_;
+  while (left > 2) {
+    const Target& own = targets_[left - 1U];
+    if (own.curve.ascending() ? y <= own.y_end : y >= own.y_end) break;
+    left = static_cast<std::uint8_t>(left - 2);
+  }
+  return left;
+}
+
+CurvePiece ElamStack::piece_of(const Target& t, double y) {
+  const bool rises = t.curve.ascending();
+  const double low = std::min(t.y_from, t.y_end), high = std::max(t.y_from, t.y_end);
+  const double x_low = rises ? t.curve.turn_x() : t.x_end, x_high = rises ? t.x_end : t.curve.turn_x();
+  if (y <= low) return {-kFarOutput, low, low, x_low, 0.0};
+  if (y >= high) return {high, kFarOutput, high, x_high, 0.0};
+  if (t.straight) return {low, high, low, x_low, (x_high - x_low) / (high - low)};
+  CurvePiece p = t.curve.piece(t.base + (y - t.y_from) * t.per);
+  const auto back = [&](double of_curve) { return t.y_from + (of_curve - t.base) / t.per; };
+  return {std::clamp(back(p.low), low, y), std::clamp(back(p.high), y, high), back(p.y_a), p.x_a, p.slope * t.per};
+}
+
+CurvePiece ElamStack::piece(double y) const {
+  const double y0 = model_->y0();
+  const std::uint8_t left = left_at(y + y0);
+  const Target& own = targets_[left - 1U];
+  CurvePiece piece = piece_of(own, y + y0);
+  // Beyond its end the loop is closed and another branch goes on.
+  if (left > 2 && own.curve.ascending()) piece.high = std::min(piece.high, own.y_end);
+  if (left > 2 && !own.curve.ascending()) piece.low = std::max(piece.low, own.y_end);
+  for (double* const own : {&piece.low, &piece.high, &piece.y_a}) *own -= y0;
+  return piece;
+}
+
+void ElamStack::turn(double y) {
+  const double x0 = model_->x0(), xu = model_->xu(), y0 = model_->y0(), yu = model_->yu();
+  go(y);
+  const double x = std::clamp(piece(y).along(y), x0, xu);
+  y += y0;
+  const Target last = targets_[count_ - 1U];
+  const bool rises = !last.curve.ascending();
+  // At an end of the range older turning points are forgotten.
+  const bool ends = rises ? x <= x0 : x >= xu;
+  if (ends)
+    count_ = 0;
+  else if (count_ == kMost)
+    count_ = static_cast<std::uint8_t>(count_ - 2);
+  double split = x;
+  if (!rises) split += std::clamp(2.0 - (yu - y) / (kDriftShare * top()), 0.0, 1.0) * (xu - x);
+  const ElamCurve curve(*model_, rises, x, y, split);
+  targets_[count_] = ends ? rises ? target(curve, xu, yu) : target(curve, x0, y0)
+                          : target(curve, last.curve.turn_x(), last.curve.turn_y());
+  ++count_;
+}
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,105 @@
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "analysis/compensate/compensator.h"
+#include "analysis/compensate/elam_curve.h"
+#include "analysis/compensate/preisach_curve.h"
+#include "analysis/compensate/state_curve.h"
+#include "analysis/compensate/turning.h"
+#include "analysis/models/elam_hysteresis.h"
+#include "analysis/models/linearised.h"
+#include "analysis/models/preisach.h"
+
+namespace tactbench::analysis {
+namespace {
+
+// Bounds on what a document may say, so that no square or quotient of it overflows.
+constexpr double kMost = 1e9, kLeastSpan = 1e-9;
+// The full output in noises. A sample without noise is taken to have the least.
+constexpr double kMostOutput = 1e12, kLeastOutput = 1e-3;
+
+void demand(bool holds, const std::string& what) {
+  if (!holds) throw std::invalid_argument(what);
+}
+
+bool within(double value, double low, double high) { return value >= low && value <= high; }
+
+void check(const CompensatorSetup& setup) {
+  demand(within(setup.noise, 0.0, kMost), "its noise is not within 0 and 1e9");
+  demand(within(std::abs(setup.gain), 1e-9, kMost) && within(std::abs(setup.zero), 0.0, kMost),
+         "its gain or zero is not within 1e-9 and 1e9");
+  for (const double left : setup.residual) demand(within(left, 0.0, kMost), "its residual is not within 0 and 1e9");
+  demand(setup.residual.size() % 2 == 0, "its residual is not of pairs, rising and falling");
+  demand(within(setup.worked_s, 0.0, kMost), "the time worked is not within 0 and 1e9 s");
+  if (!setup.time) return;
+  const Dynamics& d = setup.time->dynamics;
+  double sum = 0.0;
+  for (std::size_t j = 0; j < kCreepElements; ++j) {
+    demand(std::isfinite(d.creep_s[j]) && d.creep_s[j] > 0.0, "a creep time is not positive");
+    demand(d.creep_share[j] >= 0.0, "a creep share is negative or not finite");
+    sum += d.creep_share[j];
+  }
+  demand(within(setup.creep_scale, 0.0, kMostCreepScale), "its creep is not within 0 and 10");
+  demand(sum <= kMostCreep && setup.creep_scale * sum <= kMostCreep, "its creep exceeds 0.9 of its output");
+  demand(within(d.creep_half, kLeastSpan, kMost), "creep_half is not within 1e-9 and 1e9");
+  demand(std::isfinite(d.lag_s) && d.lag_s > 0.0, "the lag's time is not positive");
+  demand(within(setup.lag_share, 0.0, 0.9), "its lag is not within 0 and 0.9");
+}
+
+template <class Curve>
+std::unique_ptr<Compensator> of_curve(Curve curve, CompensatorSetup setup) {
+  demand(within(curve.x_high() - curve.x_low(), kLeastSpan, kMost) && std::abs(curve.x_low()) <= kMost,
+         "its inputs do not span 1e-9 to 1e9, or begin beyond 1e9");
+  const double full = curve.top() * std::abs(setup.gain);
+  demand(std::isfinite(full) && full > 0.0, "its output does not rise");
+  setup.noise = std::max(setup.noise, full / kMostOutput);
+  demand(full >= kLeastOutput * setup.noise, "its full output is below a thousandth of its noise");
+  return std::make_unique<TurningCompensator<Curve>>(std::move(curve), setup);
+}
+
+// Sums of weights, rounded: of two that are equal one may come out less, and the table does not fall.
+std::shared_ptr<const PreisachCurve::Film> film_of(const PreisachModel& model, const Divider& divider) {
+  auto film = std::make_shared<PreisachCurve::Film>();
+  const std::size_t n = model.intervals();
+  demand(n >= 1 && n <= 100, "its intervals are not within 1 and 100");
+  *film = {model.x_low(), model.x_high(), n, {0.0, divider.per_amplitude}, {}};
+  const double step = (model.x_high() - model.x_low()) / static_cast<double>(n);
+  const auto at = [&](std::size_t i) { return model.x_low() + step * static_cast<double>(i); };
+  const auto place = [](std::size_t i, std::size_t j) { return i * (i + 1) / 2 + j; };
+  film->everett.assign(place(n, n) + 1, 0.0);
+  for (std::size_t i = 1; i <= n; ++i)
+    for (std::size_t j = i; j-- > 0;)
+      film->everett[place(i, j)] =
+          std::max({model.everett(at(i), at(j)), film->everett[place(i - 1, j)], film->everett[place(i, j + 1)]});
+  demand(film->divider.output(film->top()) * divider.per_amplitude <= Divider::kMost,
+         "its full output exceeds its divider's");
+  return film;
+}
+
+}  // namespace
+
+std::unique_ptr<Compensator> make_compensator(const HysteresisModel& model, const CompensatorSetup& setup) {
+  check(setup);
+  CompensatorSetup own = setup;  // its zero becomes the output at the lowest input
+  const auto count_from = [&](double low) { own.zero += own.gain * low; };
+  if (const auto* const elam = dynamic_cast<const ElamHysteresis*>(&model); elam != nullptr && elam->is_paper()) {
+    count_from(elam->elam().y0());
+    return of_curve(ElamStack(elam->elam()), std::move(own));
+  }
+  const auto* const outer = dynamic_cast<const LinearisedModel*>(&model);
+  const Divider divider = outer == nullptr ? Divider() : outer->divider();
+  const auto* const film = dynamic_cast<const PreisachModel*>(outer == nullptr ? &model : &outer->inner());
+  // The curve counts u from the unloaded output, which a divider does, too.
+  if (film != nullptr && (divider.per_amplitude == 0.0 ||
+                          std::abs(film->y_low()) <= 1e-9 * film->everett(film->x_high(), film->x_low()))) {
+    count_from(divider.zero + (divider.per_amplitude > 0.0 ? 0.0 : film->y_low()));
+    return of_curve(PreisachCurve(film_of(*film, divider)), std::move(own));
+  }
+  StateCurve curve(model, setup.highest);
+  count_from(curve.low());
+  return of_curve(std::move(curve), std::move(own));
+}
+
+}  // namespace tactbench::analysis

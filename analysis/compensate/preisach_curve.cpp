@@ -1,0 +1,72 @@
+#include "analysis/compensate/preisach_curve.h"
+
+namespace tactbench::analysis {
+namespace {
+
+using Film = PreisachCurve::Film;
+// A piece of a branch that rises by less, or by nothing once its corner's output is added, is a step: no slope.
+constexpr double kLeastRise = 1e-20;
+
+// The last k <= most <= n for which `holds`, which is true up to it and false beyond; 0 also when nothing else is.
+template <class Holds>
+std::size_t last_that(std::size_t most, const Holds& holds) {
+  std::size_t low = 0, high = most + 1;  // holds below, not at
+  while (high - low > 1) {
+    const std::size_t middle = (low + high) / 2;
+    (holds(middle) ? low : high) = middle;
+  }
+  return low;
+}
+
+// The piece in which the branch from (x0, u0) has output u; beyond the branch's end a constant one.
+CurvePiece piece_of(const Film& e, bool rises, double x0, double u0, double u) {
+  const std::size_t place = interval_of(x0, e.n);
+  const double share = x0 - static_cast<double>(place), sign = rises ? 1.0 : -1.0, way = sign * (u - u0);
+  // From (xa, ea) to (xb, eb), ea <= eb: Everett's function on the way from the corner.
+  const auto between = [&](double xa, double ea, double xb, double eb) {
+    const double ua = u0 + sign * ea, ub = u0 + sign * eb;
+    const double slope = sign * (ub - ua) > kLeastRise ? (xb - xa) / (ub - ua) : 0.0;
+    return CurvePiece{std::min(ua, ub), std::max(ua, ub), ua, xa, slope};
+  };
+  const auto constant = [&](double from, double x, bool below) {
+    return below ? CurvePiece{-kFarOutput, from, from, x, 0.0} : CurvePiece{from, kFarOutput, from, x, 0.0};
+  };
+  if (way < 0.0) return constant(u0, x0, rises);
+  if (rises) {
+    const std::size_t j = place;
+    const auto line = [&](std::size_t i) { return e.at(i, j) + share * (e.at(i, j + 1) - e.at(i, j)); };  // i > j
+    if (way > line(e.n)) return constant(u0 + line(e.n), static_cast<double>(e.n), false);
+    // The last i with line(i) < way, or j.
+    const std::size_t low = j + last_that(e.n - 1 - j, [&](std::size_t off) { return line(j + off) < way; });
+    const auto here = static_cast<double>(low);
+    if (low == j) return between(x0, 0.0, here + 1.0, line(j + 1));
+    const double kink = e.at(low, j + 1) + (e.at(low + 1, j + 1) - e.at(low, j + 1)) * share +
+                        (e.at(low, j) - e.at(low, j + 1)) * (1.0 - share);
+    return way <= kink ? between(here, line(low), here + share, kink)
+                       : between(here + share, kink, here + 1.0, line(low + 1));
+  }
+  const std::size_t i = place;
+  const auto line = [&](std::size_t j) { return e.at(i, j) + share * (e.at(i + 1, j) - e.at(i, j)); };  // j <= i
+  if (way > line(0)) return constant(u0 - line(0), 0.0, true);
+  // The last j with line(j) >= way.
+  const std::size_t low = last_that(i, [&](std::size_t j) { return line(j) >= way; });
+  const auto here = static_cast<double>(low);
+  if (low == i) return between(x0, 0.0, here, line(i));
+  const double kink = e.at(i, low + 1) + (e.at(i + 1, low + 1) - e.at(i, low + 1)) * share +
+                      (e.at(i, low) - e.at(i, low + 1)) * (1.0 - share);
+  return way >= kink ? between(here + share, kink, here, line(low))
+                     : between(here + 1.0, line(low + 1), here + share, kink);
+}
+
+}  // namespace
+
+CurvePiece PreisachCurve::piece_in_intervals(double at) const {
+  const std::uint8_t left = left_at(at);
+  CurvePiece piece = piece_of(*film_, rises(), x_[left - 1U], u_[left - 1U], at);
+  // The next corner wipes it out.
+  if (rises() && left >= 3) piece.high = std::min(piece.high, u_[left - 2U]);
+  if (!rises() && left >= 4) piece.low = std::max(piece.low, u_[left - 2U]);
+  return piece;
+}
+
+}  // namespace tactbench::analysis

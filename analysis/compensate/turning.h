@@ -1,0 +1,409 @@
+// The one rule by which outputs become inputs, for any curve: a model's memory at the last remembered turn. A curve
+// counts outputs from that of the lowest input, and has
+//   double top() const, x_low() const, x_high() const   output at the highest input; ends of the inputs
+//   double place(double y) const, stretch(double y) const  the output in which its branches are linear, and the slope
+//   void start(bool from_top)             at rest at the lowest input, or on the way down from the highest
+//   CurvePiece piece(double u) const      the linear piece of the present branch at that place, constant beyond its
+//   ends void go(double u)                     the branch went on to there: loops that it closed are forgotten void
+//   turn(double u)                   the branch turned there
+//
+// An output that moves by more than its noise from sample to sample is taken as it comes; one that does not is averaged
+// over up to 8 samples. Behind the furthest mean since the last turn lie three zones, as wide as that mean's noise:
+// "held" reads the present branch; further back the estimate reads the way back from the extreme at once, so that rise
+// and fall are treated in the same way, but that turn is tentative; only beyond the dead band is it remembered. Wiggles
+// inside leave no memory, and a slow fall is not averaged away, since the extreme never comes back.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "analysis/compensate/compensator.h"
+#include "analysis/models/interval.h"
+#include "analysis/models/piece.h"
+
+namespace tactbench::analysis {
+
+template <class Curve>
+class TurningCompensator final : public Compensator {
+ public:
+  TurningCompensator(Curve curve, const CompensatorSetup& setup)
+      : options_(setup.options),
+        x_low_(curve.x_low()),
+        span_(curve.x_high() - curve.x_low()),
+        top_(curve.top()),
+        zero_(setup.zero),
+        per_gain_(1.0 / setup.gain),
+        noise_(setup.noise / std::abs(setup.gain)),
+        residual_(setup.residual),
+        time_(setup.time),
+        creep_scale_(setup.creep_scale),
+        lag_share_(setup.lag_share),
+        worked_s_(setup.worked_s),
+        low_{curve},
+        high_{std::move(curve)} {
+    const double noise2 = noise_ * noise_;
+    per_noise2_ = noise2 > 0.0 ? 1.0 / noise2 : kNoNoise;
+    jump2_ = options_.jump_in_noises * options_.jump_in_noises * noise2;
+    band2_ = options_.band_in_noises * options_.band_in_noises * noise2;
+    const double hold = std::min(options_.hold_in_noises, options_.band_in_noises);
+    hold2_ = hold * hold * noise2;
+    rest2_ = options_.rest_in_noises * options_.rest_in_noises * noise2;
+    off_ = options_.flat_in_noises * noise_;
+    band_ = options_.band_in_noises * noise_;
+    start(Start::kAtRest);
+  }
+
+  Compensated step(double output, double seconds) override {
+    const DynamicsStep* const passed = passed_in(seconds);
+    const double above = (output - zero_) * per_gain_ * scale_;
+    double factor = 1.0, y = above;
+    if (passed != nullptr) {
+      const double moved = last_slope_ * (above / last_factor_ - last_y_);
+      const double guess = std::clamp(last_x_ + moved, 0.0, span_);
+      factor = creep_factor(time_->dynamics, dynamics_, *passed, guess, creep_scale_);
+      y = above / factor;
+    }
+    const bool beyond = y < -band_ || y > top_ + band_;
+    if (beyond || std::isnan(y)) {
+      if (!taken_though_beyond(y)) return hold(passed, beyond);
+    } else {
+      spikes_ = 0;
+    }
+    last_factor_ = factor;
+    if (started_) {
+      follow(y);
+    } else {
+      mean_ = extreme_ = turn_ = y;
+      started_ = true;
+    }
+    decided_ ? turn_when_beyond() : decide_when_beyond();
+    if (decided_ && mean_ == extreme_) {
+      low_.go(mean_);
+      if (unknown_) high_.go(mean_);
+    }
+    Reading now = read(low_);
+    if (unknown_) settle(now);
+    last_x_ = now.x - x_low_;
+    last_y_ = mean_;
+    double pressure = last_x_;
+    if (passed != nullptr) {
+      last_slope_ = std::min(now.slope, kSteepestGuess * span_ / top_);
+      pressure = std::clamp(before_lag(lag_share_, dynamics_, *passed, last_x_), 0.0, span_);
+      advance(time_->dynamics, dynamics_, *passed, pressure);
+    }
+    last_ = {x_low_ + pressure, std::sqrt(now.squared + squared_residual(last_x_)), now.flat, beyond, unknown_, false};
+    return last_;
+  }
+
+  Compensated lost(double seconds) override {
+    const DynamicsStep* const passed = passed_in(seconds);
+    steps_ = kStepCeiling;
+    return hold(passed, false);
+  }
+
+  void start(Start how) override {
+    low_.start(false);
+    unknown_ = how == Start::kUnknown;
+    if (unknown_) high_.start(true);
+    started_ = decided_ = !unknown_;
+    ascending_ = held_ = true;
+    back_ = false;
+    steps_ = kStepCeiling;
+    mean_ = extreme_ = turn_ = 0.0;
+    weight_ = extreme_weight_ = 1.0;
+    scale_ = 1.0;
+    highest_ = 0.0;
+    spikes_ = 0;
+    dynamics_ = {};
+    if (time_) work_unseen(time_->dynamics, dynamics_, worked_s_, span_);
+    last_x_ = last_slope_ = last_y_ = 0.0;
+    last_factor_ = 1.0;  // of no account until a reading has a slope
+    last_ = {x_low_, unknown_ ? span_ : std::sqrt(squared_residual(0.0)), false, false, unknown_, false};
+  }
+
+  void work(double seconds) override {
+    if (passed_in(seconds) != nullptr) work_unseen(time_->dynamics, dynamics_, seconds, span_);
+  }
+
+  void rest(double seconds) override {
+    const DynamicsStep* const passed = passed_in(seconds);
+    DynamicsState gone_on = dynamics_;
+    if (passed != nullptr) advance(time_->dynamics, gone_on, *passed, 0.0);
+    start(Start::kAtRest);
+    dynamics_ = gone_on;
+  }
+
+  bool tare(double output) override {
+    const bool small = std::abs((output - zero_) * per_gain_) <= options_.tare_share * top_;
+    if (small) zero_ = output;
+    start(small ? Start::kAtRest : Start::kUnknown);
+    return small;
+  }
+
+  [[nodiscard]] bool at_rest(double output) const override {
+    return (output - zero_) * per_gain_ <= std::max(kAtRestShare * top_, band_);
+  }
+  [[nodiscard]] bool ascending() const override { return ascending_; }
+
+ private:
+  // The mean square of the steps is a running one over this many samples, each counted up to a ceiling, so that a halt
+  // is detected soon after a fast move.
+  static constexpr double kStepWindow = 24.0, kStepCeiling = 14.0;
+  static constexpr double kNoNoise = 1e30;  // stands for 1 / 0 where there is no noise: any step is a move
+  static constexpr double kAtRestShare = 0.01;
+  static constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
+
+  // One history: its curve, the way back from a turn that is not remembered yet, and what was read of them last.
+  struct Branch {
+    Curve curve;
+    Curve back = curve;
+    CurvePiece here = {}, there = {};
+    double back_from = kNowhere;              // the output of the way back's turn
+    double slope_at = kNowhere, slope = 0.0;  // steepest within the flat criterion's step, x a y
+    double back_slope_at = kNowhere, back_slope = 0.0;
+
+    void forget() {
+      here = {};
+      back_from = slope_at = back_slope_at = kNowhere;
+    }
+    void start(bool from_top) {
+      curve.start(from_top);
+      forget();
+    }
+    void turn(double y) {
+      curve.turn(curve.place(y));
+      forget();
+    }
+    void go(double y) {
+      const double u = curve.place(y);
+      if (here.holds(u)) return;
+      curve.go(u);
+      here = curve.piece(u);
+      back_from = slope_at = kNowhere;
+    }
+    static double read(const Curve& curve, CurvePiece& piece, double y) {
+      const double u = curve.place(y);
+      if (!piece.holds(u)) piece = curve.piece(u);
+      return piece.along(u);
+    }
+    static double steepest(const Curve& curve, const CurvePiece& at, double y, double off) {
+      const auto x = [&](double to) {
+        CurvePiece piece = at;
+        return read(curve, piece, to);
+      };
+      const double here = x(y);
+      return std::max(here - x(y - off), x(y + off) - here) / off;
+    }
+    double x(double y) { return read(curve, here, y); }
+    void find_back(double from) {
+      if (back_from == from) return;
+      back = curve;
+      back.turn(curve.place(from));
+      back_from = from;
+      there = {};
+      back_slope_at = kNowhere;
+    }
+    double x_back(double from, double y) {
+      find_back(from);
+      return read(back, there, y);
+    }
+    // Within half the step it is taken as the same.
+    double steepest_at(double y, double off) {
+      if (off <= 0.0) return 0.0;
+      if (!(std::abs(y - slope_at) <= 0.5 * off)) {
+        slope = steepest(curve, here, y, off);
+        slope_at = y;
+      }
+      return slope;
+    }
+    double steepest_back(double from, double y, double off) {
+      if (off <= 0.0) return 0.0;
+      if (!(std::abs(y - back_slope_at) <= 0.5 * off)) {
+        find_back(from);
+        back_slope = steepest(back, there, y, off);
+        back_slope_at = y;
+      }
+      return back_slope;
+    }
+  };
+  struct Reading {
+    double x = 0.0, slope = 0.0, squared = 0.0;  // inputs; of an output; uncertainty squared, of noise and turns
+    bool flat = false;
+  };
+
+  const DynamicsStep* passed_in(double seconds) const {
+    if (!std::isfinite(seconds) || seconds < 0.0)
+      throw std::invalid_argument("compensator: a time is negative or not a finite number");
+    return time_ ? &time_->after(seconds) : nullptr;
+  }
+
+  // What lies beyond by more than the possible is a spike, unless it came from the end nearby or stays: then it is the
+  // loop's end.
+  bool taken_though_beyond(double& y) {
+    const double margin = std::max(options_.possible_share * top_, band_);
+    if (y >= -margin && y <= top_ + margin) {
+      spikes_ = 0;
+      return true;
+    }
+    const double end = y > top_ ? top_ : 0.0;
+    const bool nearby = started_ && std::abs(mean_ - end) <= band_;
+    if (std::isnan(y) || (!nearby && ++spikes_ <= options_.longest_spike)) return false;
+    y = end;
+    return true;
+  }
+
+  Compensated hold(const DynamicsStep* passed, bool beyond) {
+    if (passed != nullptr) advance(time_->dynamics, dynamics_, *passed, last_.pressure_psi - x_low_);
+    Compensated result = last_;
+    result.out_of_range = beyond;
+    result.held = true;
+    return result;
+  }
+
+  void follow(double y) {
+    const double off = y - mean_, off2 = off * off;
+    // A step's variance is noise2 (1 + weight); 1 - weight / 2 is close enough to the inverse and needs no division.
+    const double step = off2 * per_noise2_ * (1.0 - 0.5 * weight_);
+    const bool moving = steps_ > options_.moving;
+    steps_ += (std::min(step, kStepCeiling) - steps_) * (1.0 / kStepWindow);
+    if (moving || off2 > jump2_ * (1.0 + weight_)) {
+      weight_ = 1.0;
+      mean_ = y;
+    } else {
+      weight_ = std::max(weight_ / (1.0 + weight_), 1.0 / options_.longest_mean);
+      mean_ += weight_ * off;
+    }
+  }
+
+  // The highest of many means lies too high: the turn is reduced by the lead, which is 0 for a single sample.
+  void take_extreme() {
+    extreme_ = turn_ = mean_;
+    extreme_weight_ = weight_;
+    if (!decided_ || weight_ == 1.0) return;
+    const double lead = options_.lead_in_noises * noise_ * std::sqrt(weight_) * (1.0 - weight_);
+    turn_ += ascending_ ? -lead : lead;
+  }
+
+  // A start whose direction is not known yet: the first mean is kept until the output has left it.
+  void decide_when_beyond() {
+    const double off = mean_ - extreme_;
+    if (off * off > band2_ * std::max(weight_, extreme_weight_)) {
+      (off > 0.0 ? high_ : low_).turn(extreme_);  // one of the two histories has just turned
+      decided_ = true;
+      ascending_ = off > 0.0;
+      held_ = back_ = false;
+      take_extreme();
+    } else if (weight_ < extreme_weight_) {
+      take_extreme();
+    }
+  }
+
+  void turn_when_beyond() {
+    const double ahead = ascending_ ? mean_ - extreme_ : extreme_ - mean_;
+    const double behind = ascending_ ? turn_ - mean_ : mean_ - turn_, behind2 = behind > 0.0 ? behind * behind : 0.0;
+    const double wider = std::max(weight_, extreme_weight_);
+    held_ = ahead <= 0.0 || ahead * ahead <= hold2_ * wider;
+    back_ = behind2 > hold2_ * wider;
+    if (behind2 > band2_ * wider) {
+      if (ascending_) observe_top();
+      low_.turn(turn_);
+      if (unknown_) high_.turn(turn_);
+      ascending_ = !ascending_;
+      held_ = back_ = false;
+      take_extreme();
+      return;
+    }
+    // It came to rest so near that the extreme was noise.
+    const bool rested = weight_ <= 1.0 / options_.longest_mean && extreme_weight_ > weight_ && behind2 <= rest2_;
+    if (ahead < 0.0 && !rested) return;
+    take_extreme();
+    back_ = false;
+  }
+
+  // At a turn from rising to falling, before it is remembered.
+  void observe_top() {
+    const double measured = turn_ / scale_, share = options_.top_share;
+    if (share <= 0.0 || measured < (1.0 - share) * top_) return;
+    highest_ = std::max(measured, highest_ - options_.top_forget * (highest_ - measured));
+    const double scale = std::clamp(top_ / highest_, 1.0 / (1.0 + 5.0 * share), 1.0 / (1.0 - share));
+    const double change = scale / scale_;
+    scale_ = scale;
+    for (double* const own : {&mean_, &extreme_, &turn_, &last_y_}) *own *= change;
+  }
+
+  Reading read(Branch& branch) {
+    Reading now;
+    now.x = branch.x(mean_);
+    now.slope = branch.here.slope;
+    double steepest = branch.steepest_at(mean_, off_), doubt = 0.0;
+    if (decided_ && (back_ || held_)) {
+      // It may have turned already: then the way back shows how much input hides behind the noise.
+      steepest = std::max(steepest, branch.steepest_back(turn_, mean_, off_));
+      if (back_) {
+        const double there = branch.x_back(turn_, mean_);
+        doubt = (there - now.x) * (1.0 / 3.4641016151377544);  // turned or not: anywhere between, / sqrt(12)
+        now.x = there;
+        now.slope = branch.there.slope;
+      }
+    }
+    now.slope *= branch.curve.stretch(mean_);
+    const double noise2 = noise_ * noise_ * weight_ * steepest * steepest;
+    now.squared = noise2 + doubt * doubt;
+    const double flat = options_.flat_share * span_ / options_.flat_in_noises;
+    now.flat = noise2 > flat * flat;
+    return now;
+  }
+
+  void settle(Reading& now) {
+    const Reading low = read(high_);
+    const double apart = now.x - low.x;
+    if (std::abs(apart) <= options_.known_share * span_) {
+      unknown_ = false;
+      if (!decided_) take_extreme();
+      decided_ = true;
+      return;
+    }
+    now.x = 0.5 * (now.x + low.x);
+    // Half the distance, since ELAM's inner curves may leave the space between the two.
+    now.squared = std::max(now.squared, low.squared) + 0.25 * apart * apart;
+    now.flat = now.flat || low.flat;
+  }
+
+  [[nodiscard]] double squared_residual(double x) const {
+    if (residual_.empty()) return 0.0;
+    const std::size_t levels = residual_.size() / 2;
+    const std::size_t at = interval_of(x / span_ * static_cast<double>(levels), levels);
+    const double left = residual_[ascending_ ? at : levels + at], changed = options_.top_doubt * (1.0 - scale_) * x;
+    return left * left + changed * changed;
+  }
+
+  CompensatorOptions options_;
+  double x_low_, span_, top_;       // inputs; output
+  double zero_, per_gain_, noise_;  // noise: of a sample, of the model's output
+  double per_noise2_ = 0.0, jump2_ = 0.0, band2_ = 0.0, hold2_ = 0.0, rest2_ = 0.0, off_ = 0.0, band_ = 0.0;
+  std::vector<double> residual_;
+  std::shared_ptr<PassedTime> time_;
+  double creep_scale_, lag_share_, worked_s_;
+
+  Branch low_, high_;  // high_: of an unknown history, the one that fell from the top
+  bool unknown_ = false;
+  bool started_ = true;  // false: no sample yet
+  bool decided_ = true;  // false: rises or falls, not known yet
+  bool ascending_ = true;
+  bool held_ = true, back_ = false;              // advanced by no more than noise; behind the extreme by more
+  double steps_ = 0.0;                           // running mean square of the steps, in noises squared
+  double mean_ = 0.0, weight_ = 1.0;             // and the last sample's weight in it: 1 over their number
+  double extreme_ = 0.0, extreme_weight_ = 1.0;  // furthest mean since the last turn
+  double turn_ = 0.0;                            // it without its lead
+  double scale_ = 1.0, highest_ = 0.0;           // of the observed top
+  int spikes_ = 0;                               // in a row
+  DynamicsState dynamics_;
+  double last_x_ = 0.0, last_slope_ = 0.0, last_y_ = 0.0, last_factor_ = 1.0;  // x: above the lowest
+  Compensated last_;
+};
+
+}  // namespace tactbench::analysis
