@@ -86,9 +86,15 @@ int tb_compensator_load(const char* file, unsigned scans, tb_compensator** handl
   if (handle != nullptr) *handle = nullptr;
   if (handle == nullptr || file == nullptr)
     return refuse(TB_COMPENSATOR_NULL, "handle or file is null", message, message_size);
-  std::ifstream in(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
-  if (!in.good() && !in.eof()) return refuse(TB_COMPENSATOR_FILE, "the file cannot be read", message, message_size);
+  std::string text;
+  try {
+    std::ifstream in;
+    in.exceptions(std::ios::failbit | std::ios::badbit);
+    in.open(file, std::ios::binary);
+    text.assign(std::istreambuf_iterator<char>(in), {});
+  } catch (const std::exception&) {  // a folder, too
+    return refuse(TB_COMPENSATOR_FILE, "the file cannot be read", message, message_size);
+  }
   return created(text, scans, handle, message, message_size);
 }
 

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "analysis/models/json_members.h"
+#include "analysis/models/model.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -65,7 +66,7 @@ DocumentFrames frames_of(const Json& document, int scans) {
   std::shared_ptr<PassedTime> time;
   if (document.contains("dynamics")) time = time_of(document.at("dynamics"));
   setup.in_time = time != nullptr && undoes(time->dynamics);
-  std::vector<std::unique_ptr<HysteresisModel>> models;
+  std::vector<std::shared_ptr<const HysteresisModel>> models;
   bool ranged = false;
   for (const Json& taxel : json_member(document, "taxels")) {
     const double number = json_number(taxel, "taxel");

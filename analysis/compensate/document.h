@@ -1,12 +1,11 @@
 // A model's document (docs: A stored model) as frames of compensated outputs, without the program that wrote it.
 #pragma once
 
-#include <span>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "analysis/compensate/frame_compensator.h"
-#include "analysis/models/model.h"
 #include "analysis/models/pattern_curve.h"
 
 namespace tactbench::analysis {
@@ -16,8 +15,8 @@ namespace tactbench::analysis {
 std::vector<double> residual_by_level(const PatternCurve& ascending, const PatternCurve& descending, double scale);
 
 struct DocumentFrames {
-  std::vector<std::unique_ptr<HysteresisModel>> models;  // the compensators point to them
-  FrameCompensator frames;                               // from any state
+  std::vector<std::shared_ptr<const HysteresisModel>> models;  // the compensators point to them
+  FrameCompensator frames;                                     // from any state
 };
 // `scans`: averaged into a frame that is given; 0: as many as in those that were fitted. Throws std::invalid_argument
 // that says which member is missing or wrong, also when the model is not of a whole array.

@@ -17,10 +17,10 @@ enum TaxelBits : std::uint16_t {
   kTaxelFlat = 2,        // the slope hides much pressure behind the noise: see the uncertainty
   kTaxelOutOfRange = 4,  // output outside the external loop by more than the dead band: pressure clamped, or of one
                          // that the taxel cannot give the last one again; its uncertainty means nothing, not valid
-  kTaxelDead = 8,      // not usable by its model: lowest pressure, uncertainty the whole span
-  kTaxelOutside = 16,  // conditions outside the model's validity, as set by the caller: not valid
-  kTaxelUnknown = 32,  // history not known yet: midway between its extremes, see the uncertainty
-  kTaxelLost = 64,     // no sample (frame lost, or not a finite number): the last pressure again, not valid
+  kTaxelDead = 8,        // not usable by its model: lowest pressure, uncertainty the whole span
+  kTaxelOutside = 16,    // conditions outside the model's validity, as set by the caller: not valid
+  kTaxelUnknown = 32,    // history not known yet: midway between its extremes, see the uncertainty
+  kTaxelLost = 64,       // no sample (frame lost, or not a finite number): the last pressure again, not valid
 };
 
 class FrameCompensator {

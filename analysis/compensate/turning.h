@@ -250,9 +250,9 @@ class TurningCompensator final : public Compensator {
       return true;
     }
     const double end = y > top_ ? top_ : 0.0;
-    const bool nearby = started_ && std::abs(mean_ - end) <= band_;
+    const bool nearby = started_ && (y > top_ ? mean_ >= end - band_ : mean_ <= end + band_);
     if (std::isnan(y) || (!nearby && ++spikes_ <= options_.longest_spike)) return false;
-    y = end;
+    y = y > top_ ? std::max(end, mean_) : std::min(end, mean_);  // not back from where it was already
     return true;
   }
 
