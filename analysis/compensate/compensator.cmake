@@ -5,7 +5,11 @@ set(COMPENSATOR_SOURCES compensate/elam_curve compensate/preisach_curve compensa
   models/elam_pieces models/elam_state models/gpi models/linearised models/model models/monotone models/mpi
   models/pattern_curve models/poly models/preisach)
 list(TRANSFORM COMPENSATOR_SOURCES REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/analysis/\\1.cpp")
-add_library(tactbench_compensator_objects OBJECT ${COMPENSATOR_SOURCES})
+set(sources ${COMPENSATOR_SOURCES})
+if(TACTBENCH_MUTANTS)
+  tactbench_put_mutants(sources)
+endif()
+add_library(tactbench_compensator_objects OBJECT ${sources})
 target_link_libraries(tactbench_compensator_objects PUBLIC tactbench_options
   PRIVATE nlohmann_json::nlohmann_json fmt::fmt-header-only)
 set_target_properties(tactbench_compensator_objects PROPERTIES POSITION_INDEPENDENT_CODE ON

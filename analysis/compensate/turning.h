@@ -1,11 +1,11 @@
 // The one rule by which outputs become inputs, for any curve: a model's memory at the last remembered turn. A curve
 // counts outputs from that of the lowest input, and has
-//   double top() const, x_low() const, x_high() const   output at the highest input; ends of the inputs
-//   double place(double y) const, stretch(double y) const  the output in which its branches are linear, and the slope
-//   void start(bool from_top)             at rest at the lowest input, or on the way down from the highest
-//   CurvePiece piece(double u) const      the linear piece of the present branch at that place, constant beyond its
-//   ends void go(double u)                     the branch went on to there: loops that it closed are forgotten void
-//   turn(double u)                   the branch turned there
+//   top(), x_low(), x_high()    output at the highest input; ends of the inputs
+//   place(y), stretch(y)        the output u in which its branches are linear, and that one's slope
+//   start(from_top)             at rest at the lowest input, or on the way down from the highest
+//   piece(u)                    the linear piece of the present branch there, constant beyond its ends
+//   go(u)                       the branch went on to there: loops that it closed are forgotten
+//   turn(u)                     the branch turned there
 //
 // An output that moves by more than its noise from sample to sample is taken as it comes; one that does not is averaged
 // over up to 8 samples. Behind the furthest mean since the last turn lie three zones, as wide as that mean's noise:

@@ -42,13 +42,10 @@ install(TARGETS tactbench_compensator tactbench_compensator_shared EXPORT tactbe
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT development
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tactbench)
-set(compensate_headers compensator_c.h dispatch.h dynamic_frame_compensator.h dynamic_setup.h frame_compensator.h frame_setup.h
-  options.h)
-list(TRANSFORM compensate_headers PREPEND analysis/compensate/)
-install(FILES ${compensate_headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tactbench/analysis/compensate
+install(FILES analysis/compensate/compensator.h analysis/compensate/compensator_c.h analysis/compensate/document.h
+  analysis/compensate/frame_compensator.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tactbench/analysis/compensate
   COMPONENT development)
-install(FILES analysis/models/divider.h analysis/models/dynamics.h analysis/models/elam.h analysis/models/pattern_curve.h
-  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tactbench/analysis/models COMPONENT development)
+install(FILES analysis/models/dynamics.h analysis/models/pattern_curve.h analysis/models/piece.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tactbench/analysis/models COMPONENT development)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/tactbench)
 install(EXPORT tactbench-targets NAMESPACE tactbench:: DESTINATION ${package_folder} COMPONENT development)
 file(WRITE ${PROJECT_BINARY_DIR}/generated/tactbench-config.cmake

@@ -2,11 +2,11 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "analysis/compensate/document.h"
 #include "analysis/identify/congruency.h"
 #include "analysis/identify/elam/elam_samples.h"
 #include "analysis/identify/folds.h"
 #include "analysis/identify/histories.h"
-#include "analysis/identify/residuals.h"
 #include "analysis/loop.h"
 #include "analysis/statistics/conformity/trajectory.h"
 #include "analysis/statistics/figures/sweep_errors.h"
@@ -115,7 +115,7 @@ TEST_CASE("ranges elsewhere: what a stream leaves by level, random paths, and do
   taxel.residual_psi = 1.0;
   const std::vector<double> half{kBegin, kBegin + 50.0, kBegin + 100.0}, y{0.0, 2.0, 10.0};
   taxel.descending = PatternCurve(half, y, 0.0, 10.0);
-  const std::vector<double> psi = residual_by_level(taxel);
+  const std::vector<double> psi = residual_by_level(taxel.ascending, taxel.descending, taxel.residual_psi);
   CHECK(psi[0] == Approx(1.0));
   CHECK(psi[19] == Approx(1.0));
   CHECK(psi[20] == Approx(2.5));  // a fifth of the rise over half of the range

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "analysis/error.h"
-#include "analysis/identify/elam/identify.h"
+#include "analysis/identify/compensators.h"
 #include "analysis/identify/stored/model_document.h"
 
 using namespace tactbench;
@@ -27,7 +27,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       } catch (const std::invalid_argument&) {  // parameters so large that an output is not finite
       }
     }
-    (void)analysis::frame_setup_of(document, 1e-4);
+    (void)analysis::frames_of(document);
   } catch (const analysis::AnalysisError& error) {
     if (!error.id().starts_with("TB-MODEL-") || error.remedy().empty()) std::abort();
   }

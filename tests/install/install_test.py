@@ -1,6 +1,7 @@
 """Installs the build into an empty folder and uses what lies there: the program with its recipes, the library from
 CMake, pkg-config and Python. Arguments: cmake, build folder."""
 
+import json
 import os
 import shutil
 import subprocess
@@ -12,9 +13,17 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 RUNTIME = tempfile.TemporaryDirectory()  # commands to other runs of this machine do not reach ours
 
 
-def run(*words, folder, **environment):
+# A taxel of ELAM on straight lines.
+MODEL = {"schema": "tactbench.model", "version": 1, "output": {"falling": False, "scans": 1}, "sensor": {"rows": 1, "columns": 1},
+         "taxels": [{"taxel": 0, "status": "fitted", "zero": 0, "gain": 1, "noise": 0.001, "loop_low": 0, "figures": {"full_scale": 3},
+                     "model": {"model": "elam", "x": [0, 20, 40, 60], "ascending": [0, 1, 2, 3], "descending": [0, 1, 2, 3],
+                               "parameters": {"alpha_d": 0.5, "beta_d": 0.5, "alpha_a1": 0, "alpha_a0": 0.5, "beta_a": 0.5},
+                               "options": {"memory": False, "exact_outer": True, "splits": 1}}}]}
+
+
+def run(*words, folder, given=None, **environment):
     clean = {"PATH": os.environ["PATH"], "HOME": folder, "TACTBENCH_RUNTIME_DIR": RUNTIME.name, **environment}
-    done = subprocess.run(words, cwd=folder, env=clean, capture_output=True, text=True, timeout=900)
+    done = subprocess.run(words, cwd=folder, env=clean, input=given, capture_output=True, text=True, timeout=900)
     assert done.returncode == 0, f"{words}: {done.returncode}\n{done.stdout}\n{done.stderr}"
     return done.stdout
 
@@ -54,23 +63,31 @@ def check_program(prefix, folder):
     assert "verified" in run(program, "verify", "1", folder=folder)
 
 
+def check_frames(program, folder, **environment):
+    lines = run(program, "model.json", folder=folder, given="0 1.0\n0.1 2.0\n0.1 1.5\n0.1 9.0\n", **environment).splitlines()
+    frames = [line.split() for line in lines]
+    assert [(float(psi), int(status)) for psi, _, status in frames] == [(20, 1), (40, 1), (30, 1), (30, 4)], lines
+
+
 def check_library(prefix, folder):
     source, build = os.path.join(HERE, "consumer"), os.path.join(folder, "consumer")
     run(CMAKE, "-S", source, "-B", build, f"-DCMAKE_PREFIX_PATH={prefix}", folder=folder)
     run(CMAKE, "--build", build, folder=folder)
-    assert run(os.path.join(build, "consumer"), folder=folder) == "20.000 1\n"
-    assert run(os.path.join(build, "consumer_c"), folder=folder) == "1 1\n"
+    with open(os.path.join(folder, "model.json"), "w") as file:
+        json.dump(MODEL, file)
+    for program in ("consumer", "consumer_c"):
+        check_frames(os.path.join(build, program), folder)
     lib = os.path.join(prefix, "lib")
     flags = run("pkg-config", "--cflags", "--libs", "tactbench-compensator", folder=folder,
                 PKG_CONFIG_PATH=os.path.join(prefix, "share/pkgconfig")).split()
-    run("cc", os.path.join(source, "main.c"), "-o", "by_pkg_config", *flags, folder=folder)
-    assert run(os.path.join(folder, "by_pkg_config"), folder=folder, LD_LIBRARY_PATH=lib) == "1 1\n"
-    python = ("from tactbench_compensator import Compensator, Taxel\n"
-              "c = Compensator([0, 20, 40, 60], [Taxel([0, 1, 2, 3], [0, 1.5, 2.5, 3])], 5 / 65536, at_rest=True,\n"
-              "               exact_outer=True)\n"
-              "print('%.2f' % c.counts([13107]).pressure[0])")
+    run("cc", "-std=c99", "-pedantic-errors", "-Wall", "-Wextra", "-Werror", os.path.join(source, "main.c"), "-o", "by_pkg_config",
+        *flags, folder=folder)
+    check_frames(os.path.join(folder, "by_pkg_config"), folder, LD_LIBRARY_PATH=lib)
+    python = ("from tactbench_compensator import Compensator\n"
+              "c = Compensator(open('model.json').read(), at_rest=True)\n"
+              "print('%.2f %d' % (c.volts([1.0]).pressure[0], c.volts([3.0], 0.1).status[0]))")
     assert run("/usr/bin/python3", "-c", python, folder=folder, LD_LIBRARY_PATH=lib, PYTHONDONTWRITEBYTECODE="1",
-               PYTHONPATH=os.path.join(prefix, "lib/python3/dist-packages")) == "20.00\n"
+               PYTHONPATH=os.path.join(prefix, "lib/python3/dist-packages")) == "20.00 1\n"
     python = "from tactbench import Compensator, Store; print(len(Store('runs.db').runs()), Compensator.load.__name__)"
     assert run("/usr/bin/python3", "-c", python, folder=folder, LD_LIBRARY_PATH=lib, PYTHONDONTWRITEBYTECODE="1",
                PYTHONPATH=os.path.join(prefix, "lib/python3/dist-packages")) == "1 load\n"

@@ -7,7 +7,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "analysis/compensate/frame_compensator.h"
 #include "analysis/identify/elam/lanes.h"
 #include "analysis/json_io.h"
 #include "bench/cli/session.h"
@@ -34,7 +33,6 @@ ordered_json selfcheck_record() {
                          {"modified", build_info().modified},
                          {"build", build_info().build},
                          {"identification_lanes", analysis::to_string(analysis::lane_dispatch())},
-                         {"compensator_dispatch", analysis::to_string(analysis::best_dispatch())},
                          {"shipped_files", share_folder()}};
   for (const auto& [name, version] : library_versions()) record["libraries"][name] = version;
   const ScratchFolder folder("tactbench-selfcheck");
@@ -54,11 +52,11 @@ ordered_json selfcheck_record() {
 std::string text_of(const ordered_json& record) {
   const auto word = [](const ordered_json& value) { return value.get<std::string>(); };
   std::string text = fmt::format(
-      "tactbench selfcheck, {}\nversion {}, commit {}{}; {}\nidentification on {}, compensator on {}\nshipped files: "
+      "tactbench selfcheck, {}\nversion {}, commit {}{}; {}\nidentification on {}\nshipped files: "
       "{}\nlibraries:",
       word(record["date_utc"]), word(record["program_version"]), word(record["git_commit"]),
       record["modified"].get<bool>() ? ", modified" : "", word(record["build"]), word(record["identification_lanes"]),
-      word(record["compensator_dispatch"]), word(record["shipped_files"]));
+      word(record["shipped_files"]));
   for (const auto& [name, version] : record["libraries"].items()) text += fmt::format(" {} {}", name, word(version));
   text += "\n\n";
   for (const ordered_json& line : record["checks"])

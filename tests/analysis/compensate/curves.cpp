@@ -90,30 +90,6 @@ TEST_CASE("pieces of curves hold to the end of their branch at most, along neste
     }
 }
 
-TEST_CASE("a table of the Preisach model gives back the inputs of the model, whatever the staircase") {
-  for (const std::size_t n : {7U, 20U, 30U}) {
-    const PreisachModel model = random_preisach(static_cast<unsigned>(n), n);
-    PreisachCurve curve(film_table(model, 0.0));
-    curve.start(false);
-    const auto state = model.state();
-    Random level(5);
-    bool rises = true;
-    double last = 0.0;
-    for (int turn = 0; turn < 4000; ++turn) {
-      const double x = level(0.0, 60.0), y = state->output_at(x) - model.y_low();
-      const double before = state->output_at(last) - model.y_low();
-      if (std::abs(y - before) < 1e-9) continue;  // flat: any input in between is right
-      if ((x > last) != rises) curve.turn(before);
-      rises = x > last;
-      curve.go(y);
-      const double back = curve.piece(y).along(y);
-      state->go(x);
-      REQUIRE(std::abs(state->output_at(back) - model.y_low() - y) < 1e-9);
-      last = x;
-    }
-  }
-}
-
 TEST_CASE("on branches that leave the external loop ELAM's curve is the paper's") {
   ArrayOptions options;
   options.rows = options.columns = 3;

@@ -55,49 +55,7 @@ void* counted(std::size_t size) {
 
 namespace {
 
-constexpr std::size_t kThree = 3;
 constexpr double kUntold = std::numeric_limits<double>::quiet_NaN();
-
-// Two taxels of a kind, of different gain and noise, a dead one between them, and their mean.
-SensorModel sensor_of(const Kind& kind, bool falling = false) {
-  SensorModel model;
-  model.model = kind.name;
-  model.source = "run 1";
-  model.input_unit = "psi";
-  model.output_unit = "V";
-  model.rows = 1;
-  model.columns = kThree;
-  model.scans = 2;
-  model.falling = falling;
-  for (int i = 0; i <= 30; ++i) model.pressure_psi.push_back(kind.model->x_low() + kind.span() * i / 30.0);
-  if (kind.in_time) {
-    model.dynamics.emplace();
-    model.dynamics->shared = kind.dynamics();
-    model.dynamics->residual_shape = {0.5, 1.0, 1.5, 2.0};
-  }
-  for (const int number : {0, 1, 2, kMeanTaxel}) {
-    ModelTaxel& taxel = model.taxels.emplace_back();
-    taxel.taxel = number;
-    if (number == 1) {
-      taxel.status = TaxelStatus::kDead;
-      continue;
-    }
-    taxel.status = TaxelStatus::kFitted;
-    taxel.zero = kOutputZero;
-    taxel.gain = number == 2 ? 0.9 * kOutputGain : kOutputGain;
-    taxel.noise = kind.full() / (number == 2 ? 900.0 : 2000.0);
-    taxel.residual_psi = 0.4;
-    taxel.creep_scale = kind.taxel().creep_scale;
-    taxel.lag_share = kind.taxel().lag_share;
-    taxel.fit.model = kind.model;
-    taxel.fit.full_scale = kind.full();
-    taxel.loop_low = kind.model->state()->output_at(kind.model->x_low());
-    const ElamModel* const elam = elam_of(taxel);  // whose loop is its patterns
-    elam != nullptr ? set_loop(taxel, model.pressure_psi, elam->ascending.y(), elam->descending.y())
-                    : set_loop(taxel, model.pressure_psi);
-  }
-  return model;
-}
 
 struct Results {
   std::array<float, kThree> pressure{}, uncertainty{};

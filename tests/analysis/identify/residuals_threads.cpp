@@ -3,10 +3,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "analysis/identify/stored/array_stream.h"
+#include "analysis/identify/compensators.h"
 #include "analysis/identify/stored/model_document.h"
-#include "analysis/identify/streams/recording_stream.h"
-#include "analysis/identify/taxel_stream.h"
 #include "tests/analysis/support/dynamic_runs.h"
 
 using namespace synthetic;
@@ -32,7 +30,7 @@ Held held_of(const SensorModel& model, const Dataset& data) {
   double with = 0.0, without = 0.0, all = 0.0;
   const auto width = static_cast<std::size_t>(data.taxels());
   for (const std::size_t t : model.fitted()) {
-    RecordingStream one(model, model.taxels[t]), other(alone, alone.taxels[t]);
+    const auto one = compensator_of(model, model.taxels[t]), other = compensator_of(alone, alone.taxels[t]);
     const auto volts = [&](const Repeat& repeat, std::size_t i) { return repeat.volts[i * width + t]; };
     const auto count = [&](double& held) {
       return [&](std::size_t s, std::size_t r, std::size_t i, const Compensated& now) {
@@ -40,8 +38,8 @@ Held held_of(const SensorModel& model, const Dataset& data) {
         held += std::abs(now.pressure_psi - psi) <= 2.0 * now.uncertainty_psi ? 1.0 : 0.0;
       };
     };
-    stream_samples(data, one, volts, count(with));
-    stream_samples(data, other, volts, count(without));
+    stream_samples(data, *one, volts, count(with));
+    stream_samples(data, *other, volts, count(without));
     all += static_cast<double>(data.sequences.front().repeats.front().steps.size());
   }
   return {with / all, without / all};
@@ -51,7 +49,7 @@ Held held_of(const SensorModel& model, const Dataset& data) {
 
 TEST_CASE("residuals: twice the uncertainty holds most samples of a way that was not fitted, noise alone few") {
   // Relays behind a divider, with lag and creep: none of the models.
-  const DynamicArray array = dynamic_array(kTaxels, 0.0005);
+  const DynamicArray array = dynamic_array(kTaxels);
   const Runs runs = runs_of(array);
   for (const char* const name : {"elam", "gpi", "mpi", "poly", "preisach", "monotone"}) {
     const SensorModel model = fit_of(runs.fitted, name);
@@ -64,36 +62,32 @@ TEST_CASE("residuals: twice the uncertainty holds most samples of a way that was
 }
 
 TEST_CASE("residuals do not depend on threads, and are kept in documents") {
-  const DynamicArray array = dynamic_array(kTaxels, 0.0005);
+  const DynamicArray array = dynamic_array(kTaxels);
   const Runs runs = runs_of(array);
   for (const char* const name : {"elam", "preisach"})
     CHECK(to_text(fit_of(runs.fitted, name, 1)) == to_text(fit_of(runs.fitted, name, 3)));
   const SensorModel elam = fit_of(runs.fitted, "elam");
-  CHECK(residual_by_level(elam.taxels[0]).size() == 40);
   REQUIRE(elam.taxels.size() == kTaxels + 1);
   const SensorModel document = document_from_text(to_text(elam), "m.json");
   for (std::size_t t = 0; t < elam.taxels.size(); ++t) {
     CHECK(elam.taxels[t].residual_psi > 0.0);
     CHECK(document.taxels[t].residual_psi == elam.taxels[t].residual_psi);
   }
-  SensorModel without = elam;
-  for (ModelTaxel& taxel : without.taxels) taxel.residual_psi = 0.0;
-  CHECK(residual_by_level(document_from_text(to_text(without), "m.json").taxels[0]).empty());
 }
 
 TEST_CASE("an array's frames of any model start from anywhere, and again after many lost ones") {
-  const DynamicArray array = dynamic_array(kTaxels, 0.0005);
+  const DynamicArray array = dynamic_array(kTaxels);
   const Runs runs = runs_of(array);
   const Repeat& whole = runs.other.sequences.front().repeats.front();
   const SensorModel model = fit_of(runs.fitted, "preisach");
-  ArrayStream stream(model, 5.0 / 65536.0, 1.0, 2);
+  FrameCompensator stream = frames_of(model, 1.0, 2);
   std::vector<float> pressure(kTaxels), uncertainty(kTaxels);
   std::vector<std::uint16_t> status(kTaxels);
-  const ArrayStream::Output output{pressure, uncertainty, status};
+  const FrameCompensator::Output output{pressure, uncertainty, status};
   const auto frame = [&](std::size_t i) {
     std::vector<float> volts;
     for (std::size_t t = 0; t < kTaxels; ++t) volts.push_back(static_cast<float>(whole.volts[i * kTaxels + t]));
-    stream.frame(volts, output);
+    stream.frame(volts, 2.6, output);
   };
   const auto unknown = [&] { return (status[0] & kTaxelUnknown) != 0; };
   frame(20);
@@ -101,11 +95,11 @@ TEST_CASE("an array's frames of any model start from anywhere, and again after m
   for (std::size_t i = 21; i <= 60; ++i) frame(i);  // to the top, and to 0
   CHECK_FALSE(unknown());
   for (std::size_t i = 61; i < 75; ++i) frame(i);
-  stream.lost_frame(output);
-  stream.lost_frame(output);
+  stream.lost_frame(2.6, output);
+  stream.lost_frame(2.6, output);
   frame(75);
   CHECK_FALSE(unknown());
-  for (int i = 0; i < 3; ++i) stream.lost_frame(output);
+  for (int i = 0; i < 3; ++i) stream.lost_frame(2.6, output);
   frame(76);
   CHECK(unknown());
 }

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <memory>
 
-#include "analysis/identify/residuals.h"
-#include "analysis/identify/stored/array_stream.h"
+#include "analysis/compensate/document.h"
+#include "analysis/identify/compensators.h"
 #include "analysis/models/monotone.h"
 #include "tests/analysis/identify/refusals.h"
 
@@ -42,34 +42,38 @@ SensorModel line_array() {
 struct FrameOut {
   std::vector<float> pressure = std::vector<float>(3), uncertainty = std::vector<float>(3);
   std::vector<std::uint16_t> status = std::vector<std::uint16_t>(3);
-  ArrayStream::Output output() { return {pressure, uncertainty, status}; }
+  FrameCompensator::Output output() { return {pressure, uncertainty, status}; }
 };
+
+std::vector<double> levels_of(const ModelTaxel& taxel) {
+  return residual_by_level(taxel.ascending, taxel.descending, taxel.residual_psi);
+}
 
 }  // namespace
 
 TEST_CASE("frames of single-valued taxels by hand: pressure, range, lost samples, dead taxels, outside of validity") {
   const SensorModel model = line_array();
-  ArrayStream stream(model, 1.0, 1.0, 2);
+  FrameCompensator stream = frames_of(model, 1.0, 2);
   FrameOut out;
-  stream.frame(std::vector<float>{3.0F, 8.0F, 2.0F}, out.output());
+  stream.frame(std::vector<float>{3.0F, 8.0F, 2.0F}, 0.0, out.output());
   CHECK(out.pressure[0] == Approx(20.0));
   CHECK(out.pressure[1] == Approx(60.0));
   CHECK((out.status[0] == kTaxelValid && out.status[1] == kTaxelOutOfRange && out.status[2] == kTaxelDead));
   CHECK((out.pressure[2] == 0.0F && out.uncertainty[2] == 60.0F));
-  stream.frame(std::vector<float>{std::nanf(""), 2.0F, 2.0F}, out.output());
+  stream.frame(std::vector<float>{std::nanf(""), 2.0F, 2.0F}, 0.0, out.output());
   CHECK((out.status[0] == kTaxelLost && out.status[1] == kTaxelValid && out.status[2] == kTaxelDead));
   CHECK(out.pressure[0] == Approx(20.0));
   CHECK(out.pressure[1] == Approx(10.0));
-  stream.lost_frame(out.output());
+  stream.lost_frame(0.0, out.output());
   CHECK((out.status[0] == kTaxelLost && out.status[1] == kTaxelLost && out.status[2] == kTaxelDead));
   CHECK(out.pressure[1] == Approx(10.0));
   stream.set_outside_validity(true);
-  stream.frame(std::vector<float>{4.0F, 8.0F, 2.0F}, out.output());
+  stream.frame(std::vector<float>{4.0F, 8.0F, 2.0F}, 0.0, out.output());
   CHECK(out.status[0] == kTaxelOutside);
   CHECK(out.status[1] == (kTaxelOutside | kTaxelOutOfRange));
   CHECK(out.status[2] == kTaxelDead);
   stream.set_outside_validity(false);
-  stream.frame(std::vector<float>{4.0F, 0.5F, 2.0F}, out.output());
+  stream.frame(std::vector<float>{4.0F, 0.5F, 2.0F}, 0.0, out.output());
   CHECK((out.status[0] == kTaxelValid && out.status[1] == kTaxelOutOfRange));
   CHECK(out.pressure[1] == Approx(0.0).margin(1e-6));
 }
@@ -77,21 +81,21 @@ TEST_CASE("frames of single-valued taxels by hand: pressure, range, lost samples
 TEST_CASE("frames of a falling sensor are read as measured, and of a part of an array not at all") {
   SensorModel model = line_array();
   model.falling = true;
-  ArrayStream stream(model, 1.0, 1.0, 2);
+  FrameCompensator stream = frames_of(model, 1.0, 2);
   FrameOut out;
-  stream.frame(std::vector<float>{-3.0F, -2.0F, 0.0F}, out.output());
+  stream.frame(std::vector<float>{-3.0F, -2.0F, 0.0F}, 0.0, out.output());
   CHECK(out.pressure[0] == Approx(20.0));
   CHECK(out.pressure[1] == Approx(10.0));
   model.rows = 2;
-  CHECK(id_of_refusal([&] { const ArrayStream part(model, 1.0, 1.0, 2); }) == "TB-MODEL-COMPENSATOR");
+  CHECK(id_of_refusal([&] { (void)frames_of(model); }) == "TB-MODEL-COMPENSATOR");
 }
 
 TEST_CASE("what a stream leaves is spread by the flatness of each of twenty levels, within half and twelve times") {
   ModelTaxel taxel = rising_line(0);
-  CHECK(residual_by_level(taxel).empty());
+  CHECK(levels_of(taxel).empty());
   taxel.residual_psi = 0.5;
-  CHECK(residual_by_level(taxel).size() == 40);
-  for (const double psi : residual_by_level(taxel)) CHECK(psi == Approx(0.5));
+  CHECK(levels_of(taxel).size() == 40);
+  for (const double psi : levels_of(taxel)) CHECK(psi == Approx(0.5));
   // Levels of 3 psi. Up: a quarter of the rise in the lower half, twice and two thirds of the mean. Down: six tenths
   // of it over the first level, 0.4 and 0.45 % over the next two.
   const std::vector<double> half{0, 30, 60}, half_y{0, 1, 4}, uneven{0, 3, 6, 9, 60}, uneven_y{0, 6, 6.04, 6.085, 10};
@@ -99,7 +103,7 @@ TEST_CASE("what a stream leaves is spread by the flatness of each of twenty leve
   taxel.descending = PatternCurve(uneven, uneven_y, 0.0, 10.0);
   // The rise is that of the way up: 4. Of 10 the way down over its first level has 6, 0.04 and 0.045: own slopes of
   // 120, 0.8 and 0.9 against 4: 1/30, 5 and 4.44 times; the rest 3.915 over 17 levels: 4.606.
-  const std::vector<double> psi = residual_by_level(taxel);
+  const std::vector<double> psi = levels_of(taxel);
   CHECK(psi[0] == Approx(0.5 * 2.0));
   CHECK(psi[9] == Approx(0.5 * 2.0));
   CHECK(psi[10] == Approx(0.5 * 2.0 / 3.0));
@@ -110,9 +114,9 @@ TEST_CASE("what a stream leaves is spread by the flatness of each of twenty leve
   // Flatter than a twelfth of the mean slope.
   const std::vector<double> flat_y{0, 3.9, 3.9164, 3.9330, 4};
   taxel.descending = PatternCurve(uneven, flat_y, 0.0, 4.0);
-  CHECK(residual_by_level(taxel)[21] == Approx(0.5 * 12.0));  // 0.328 against 4 / 12
-  CHECK(residual_by_level(taxel)[22] == Approx(0.5 * 12.0));  // 0.332
+  CHECK(levels_of(taxel)[21] == Approx(0.5 * 12.0));  // 0.328 against 4 / 12
+  CHECK(levels_of(taxel)[22] == Approx(0.5 * 12.0));  // 0.332
   const std::vector<double> less_flat_y{0, 3.9, 3.9170, 3.9335, 4};
   taxel.descending = PatternCurve(uneven, less_flat_y, 0.0, 4.0);
-  CHECK(residual_by_level(taxel)[21] == Approx(0.5 * 4.0 / 0.34));
+  CHECK(levels_of(taxel)[21] == Approx(0.5 * 4.0 / 0.34));
 }

@@ -51,43 +51,35 @@ def check_frames(store):
     assert plain["units"]["fz_n"] == "N" and plain["units"]["tx_nmm"] == "N mm" and max(abs(plain["fz_n"])) > 1
 
 
-def check_stream(data, stream, model):
+def check_stream(data, stream, model, most=3):
     """All frames of a run through the package's stream, some taxels of them through the program's."""
-    flat, times = data["volts"].reshape(len(data["volts"]), -1), data["time_s"]
-    read, shares = [], []
-    for i, volts in enumerate(flat):
-        if stream.about["model"] == "dynamic" and i > 0:
-            stream.set_interval(float(times[i] - times[i - 1]))
-        read.append(stream.volts(volts))
+    flat, times = data["volts"].reshape(len(data["volts"]), -1).astype("float32"), data["time_s"]
+    read = [stream.volts(volts, float(times[i] - times[i - 1]) if i > 0 else 0) for i, volts in enumerate(flat)]
     for taxel in (0, 37, 255):
         with open("outputs.csv", "w") as file:
             file.write("time_s,output\n" + "".join(f"{float(t)!r},{float(v)!r}\n" for t, v in zip(times, flat[:, taxel])))
         lines = call("compensate", model, "outputs.csv", "--taxel", str(taxel), "-q").splitlines()[1:]
         for i, line in enumerate(lines):
             psi, own = float(line.split(",")[2]), float(read[i].pressure[taxel])
-            assert abs(psi - own) < 1e-9, f"{model}, taxel {taxel}, frame {i}: {own}, the program {psi}"
+            assert abs(psi - own) < 1e-5, f"{model}, taxel {taxel}, frame {i}: {own}, the program {psi}"
             doubt, of_program = float(read[i].uncertainty[taxel]), float(line.split(",")[3])
-            if not math.isnan(of_program):
-                shares.append(doubt / of_program)
+            assert math.isnan(of_program) or abs(doubt - of_program) < 1e-3 * of_program, (model, taxel, i, doubt, of_program)
         assert len(lines) == len(flat)
-    # The same residual, read at most half a piece off, which is another interval for some samples; of noise ELAM's frames state
-    # the most of a piece.
-    assert stream.about["model"] == "dynamic" or abs(numpy.median(shares) - 1) < 0.01 and numpy.mean(numpy.abs(numpy.array(shares) - 1) < 0.1) > 0.75, \
-        (model, numpy.mean(numpy.abs(numpy.array(shares) - 1) < 0.1), numpy.quantile(shares, (0, 0.05, 0.5, 0.95, 1)))
     errors = numpy.concatenate([numpy.abs(frame.pressure - true)[(frame.status & tactbench.VALID) > 0]
                                 for frame, true in zip(read, data["reference_psi"])])
-    assert len(errors) > 100_000 and errors.mean() < 3, (model, len(errors), errors.mean())
+    assert len(errors) > 100_000 and errors.mean() < most, (model, len(errors), errors.mean())
     return errors.mean()
 
 
 def check_models(store):
-    options = {"double": True, "at_rest": True}
+    options = {"at_rest": True}
     data = store.frames(2, "numpy")
     figures = [check_stream(data, Compensator.load("runs.db", 1, fit=1, **options), "1:1"),
                check_stream(data, Compensator.load("model.json", **options), "model.json"),
                check_stream(data, Compensator.load("runs.db", 1, fit=2, **options), "1:2"),
                check_stream(data, Compensator.load("runs.db", 1, **options), "1")]
     assert abs(figures[0] - figures[1]) < 1e-6 and figures[3] < 0.9 * figures[0], figures
+    check_stream(data, Compensator.load("monotone.json", **options), "monotone.json", most=8)
     assert Compensator.load("runs.db", 1).about["model"] == "dynamic"  # of ELAM and the dynamic model the newest
     # A child: each taxel's zero and gain moved, so that both have to be taken.
     with open("model.json") as file:
@@ -105,7 +97,7 @@ def check_models(store):
     assert about["simulated"] and about["sensor_serial"] == "MY-1" and about["rows"] == about["columns"] == 16
     counts = numpy.round(data["volts"][100] / about["volts_per_count"])
     by_counts = stream.counts(counts)
-    stream.reset()
+    stream.start()
     by_volts = stream.volts(counts * about["volts_per_count"])
     assert numpy.allclose(by_counts.pressure, by_volts.pressure, atol=1e-3)
     # A frame of one scan has more noise than the mean of two that were fitted; the residual stays.
@@ -139,11 +131,9 @@ def check_refusals(store):
                        ("scans=False", lambda: store.frames(1, "pandas", scans=True)), ("other.db", lambda: Store("other.db")),
                        ("text.db", lambda: Store("text.db")), ("fit 9", lambda: Compensator.load("runs.db", 1, fit=9)),
                        ("run 2", lambda: Compensator.load("runs.db", 2)), ("runs.db", lambda: Compensator.load("runs.db")),
-                       ("monotone", lambda: Compensator.load("monotone.json")),
                        ("volts_per_count=5 / 65536", lambda: Compensator.load("model.json").counts([0] * 256)),
                        ("1.toml", lambda: Compensator.load("1.toml")), ("none.json", lambda: Compensator.load("none.json"))):
         refused(named, act)
-    refused("option", lambda: Compensator.load("model.json", flat_pressure=-1.0), tactbench.CompensatorError)
     with open("model.json") as file:
         document = json.load(file)
     del document["taxels"][3]["model"]["parameters"]
@@ -173,9 +163,9 @@ def check_refusals(store):
     with open("broken.json", "w") as file:
         file.write("[" * 100_000)
     refused("broken.json", lambda: Compensator.load("broken.json"))
-    for options in ({"longest_gap": "x"}, {"longest_gap": -1}, {"scans": 10 ** 400}, {"scans": "x"}, {"volts_per_count": "x"},
-                    {"volts_per_count": 1e-300}, {"worked_seconds": -1.0}, {"nothing": 1}):
-        taken_or_refused("dynamic.json", **options)
+    for option, value in (("scans", 0), ("volts_per_count", -1.0), ("volts_per_count", math.inf)):
+        refused(option, lambda: Compensator.load("dynamic.json", **{option: value}))
+    refused("-3", lambda: Compensator.load("dynamic.json", worked_seconds=-1.0))
     call("runs", "void", "2", "--reason", "gauge closed", "--by", "test")
     refused("gauge closed", lambda: store.frames(2))
     assert len(store.frames(2, "numpy", void_too=True)["time_s"]) > 400

@@ -1,13 +1,15 @@
-// A film of the dynamic Preisach model's class, simulated by other means than the model's own: relays along a staircase
-// (PreisachModel's state), creep and lag by small steps, a divider, noise.
+// Films with lag and creep, simulated by other means than the streams that undo them: the direct model's state, creep
+// and lag by small steps. dynamic_array() has relays behind a divider.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
 
-#include "analysis/compensate/dynamic_compensator.h"
 #include "analysis/identify/fit_data.h"
+#include "analysis/models/divider.h"
+#include "analysis/models/dynamics.h"
 #include "tests/analysis/support/models.h"
 
 namespace synthetic {
@@ -28,70 +30,65 @@ inline PreisachModel film_of(unsigned seed, std::size_t n) {
   return {0.0, 60.0, 0.0, weights};
 }
 
-inline std::vector<double> everett_table(const PreisachModel& model, std::size_t n) {
-  std::vector<double> table;
-  for (std::size_t i = 0; i <= n; ++i)
-    for (std::size_t j = 0; j <= i; ++j)
-      table.push_back(model.everett(60.0 * static_cast<double>(i) / static_cast<double>(n),
-                                    60.0 * static_cast<double>(j) / static_cast<double>(n)));
-  return table;
-}
+struct DynamicTaxel {
+  Divider divider;
+  double creep_scale = 1.0, lag_share = 0.0;
+};
 
 class DynamicPlant {
  public:
-  DynamicPlant(const PreisachModel& film, const Dynamics& dynamics, const DynamicTaxel& taxel, int steps = 500)
-      : film_(film.state()), d_(dynamics), taxel_(taxel), steps_(steps) {}
+  DynamicPlant(const HysteresisModel& film, const Dynamics& dynamics, const DynamicTaxel& taxel, int steps = 500)
+      : film_(film.state()), x_low_(film.x_low()), d_(dynamics), taxel_(taxel), steps_(steps), at_(x_low_) {
+    u_low_ = film_->output_at(x_low_);
+  }
   // The pressure jumps to `psi` and is held for `seconds`; the output then.
   double step(double psi, double seconds) {
-    for (int i = 0; i < steps_; ++i) {
+    const double p = psi - x_low_;
+    for (int i = 0; i < steps_ && seconds > 0.0; ++i) {
       const double dt = seconds / steps_;
-      late_ += (psi - late_) * -std::expm1(-dt / d_.lag_s);
+      late_ += (p - late_) * -std::expm1(-dt / d_.lag_s);
       for (std::size_t j = 0; j < kCreepElements; ++j)
-        psi_[j] += (psi / (psi + d_.creep_half) - psi_[j]) * -std::expm1(-dt / d_.creep_s[j]);
+        psi_[j] += (p / (p + d_.creep_half) - psi_[j]) * -std::expm1(-dt / d_.creep_s[j]);
     }
-    const double arrived = (1.0 - taxel_.lag_share) * psi + taxel_.lag_share * late_;
-    film_->go(arrived);
+    at_ = x_low_ + (1.0 - taxel_.lag_share) * p + taxel_.lag_share * late_;
+    film_->go(at_);
     double factor = 1.0;
     for (std::size_t j = 0; j < kCreepElements; ++j) factor += taxel_.creep_scale * d_.creep_share[j] * (psi_[j] - 1.0);
-    const double u = film_->output_at(arrived), v = u / (1.0 + taxel_.divider.per_amplitude * u);
-    return taxel_.divider.zero + v * factor;
+    const double u = film_->output_at(at_) - u_low_, v = u / (1.0 + taxel_.divider.per_amplitude * u);
+    return taxel_.divider.zero + u_low_ + v * factor;
+  }
+  // By how much the input may differ where the film's output is `off` higher or lower.
+  [[nodiscard]] double hidden(double off) const {
+    const double u = film_->output_at(at_);
+    return std::max(film_->input_at(u + off) - at_, at_ - film_->input_at(u - off));
   }
 
  private:
   std::unique_ptr<ModelState> film_;
+  double x_low_, u_low_ = 0.0;
   Dynamics d_;
   DynamicTaxel taxel_;
   int steps_;
-  double late_ = 0.0;
+  double at_, late_ = 0.0;
   std::array<double, kCreepElements> psi_ = {};
 };
 
 struct DynamicArray {
-  DynamicSetup setup;
+  Dynamics dynamics;
+  std::vector<DynamicTaxel> taxels;
   std::vector<PreisachModel> films;
 };
 
-inline DynamicArray dynamic_array(std::size_t taxels, double noise_v, std::size_t intervals = 20) {
+inline DynamicArray dynamic_array(std::size_t taxels, std::size_t intervals = 20) {
   DynamicArray array;
-  DynamicSetup& setup = array.setup;
-  setup.x_low = 0.0;
-  setup.x_high = 60.0;
-  setup.intervals = intervals;
-  setup.volts_per_count = 5.0 / 65536.0;
-  setup.dynamics.creep_share = {0.015, 0.012, 0.01};
-  setup.dynamics.creep_half = 6.0;
-  setup.dynamics.lag_share = 0.07;
-  setup.start_unknown = false;
+  array.dynamics.creep_share = {0.015, 0.012, 0.01};
+  array.dynamics.creep_half = 6.0;
+  array.dynamics.lag_share = 0.07;
   for (std::size_t t = 0; t < taxels; ++t) {
     array.films.push_back(film_of(static_cast<unsigned>(t) + 1, intervals));
-    DynamicTaxel taxel;
-    taxel.usable = true;
-    taxel.divider = {0.02, 1.0 / (4.0 + 0.05 * static_cast<double>(t % 8))};
-    taxel.everett = everett_table(array.films.back(), intervals);
-    taxel.creep_scale = 0.8 + 0.05 * static_cast<double>(t % 9);
-    taxel.lag_share = 0.05 + 0.005 * static_cast<double>(t % 5);
-    taxel.noise_v = noise_v;
-    setup.taxels.push_back(std::move(taxel));
+    array.taxels.push_back({{0.02, 1.0 / (4.0 + 0.05 * static_cast<double>(t % 8))},
+                            0.8 + 0.05 * static_cast<double>(t % 9),
+                            0.05 + 0.005 * static_cast<double>(t % 5)});
   }
   return array;
 }

@@ -22,8 +22,7 @@ inline Dataset run_of(const DynamicArray& array,
                       const std::vector<std::pair<std::string, std::vector<Timed>>>& sequences, std::int64_t number,
                       double sign = 1.0) {
   std::vector<DynamicPlant> plants;
-  for (std::size_t t = 0; t < kTaxels; ++t)
-    plants.emplace_back(array.films[t], array.setup.dynamics, array.setup.taxels[t], 40);
+  for (std::size_t t = 0; t < kTaxels; ++t) plants.emplace_back(array.films[t], array.dynamics, array.taxels[t], 40);
   Dataset data;
   data.run = number;
   data.origin = "simulated";

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/identify/stored/array_stream.h"
+#include "analysis/identify/compensators.h"
 #include "analysis/identify/stored/model_document.h"
 #include "bench/page/frames.h"
 #include "bench/reporting/evaluation.h"
@@ -36,7 +36,7 @@ class ModelledPage : public FilmStore {
     return run;
   }
   [[nodiscard]] std::string words(std::int64_t run) const {
-    const auto found = bench::CompensatedRun::of(store, store.run(run), 1e-4);
+    const auto found = bench::CompensatedRun::of(store, store.run(run));
     return found ? found->words() : "none";
   }
   // A run under way, of the sensor.
@@ -127,7 +127,11 @@ TEST_CASE("page models: pressures of the newest frame, how many taxels are out o
   CHECK(std::abs(loaded[0] - 3000) < 100);
   CHECK(loaded[1] == loaded[0]);
   CHECK(picture["out_of_range"] == 0);
-  made.append(run, 6.0, 2.0);
+  made.append(run, 6.0, 2.0);  // a spike, until it has stayed
+  CHECK(frames.advance());
+  CHECK(frames.picture()["out_of_range"] == 2);
+  CHECK(two_numbers(frames.picture()["psi"]) == loaded);
+  for (int i = 0; i < 3; ++i) made.append(run, 6.0, 2.0);
   CHECK(frames.advance());
   CHECK(frames.picture()["out_of_range"] == 2);
   CHECK(two_numbers(frames.picture()["psi"]) == std::vector<int>{6000, 6000});
@@ -156,20 +160,20 @@ TEST_CASE("page models: what creeps is told the time between two frames, where t
   const analysis::SensorModel kept = analysis::load_fit(made.store, 1);
   struct Step {
     double volts, time_s;
-    std::optional<double> told_s;  // what the stream is to be told before it
+    double told_s;  // what the stream is to be told
   };
   const double day = 86'400.0;
-  const std::vector<Step> steps = {{0.2, 100.0, std::nullopt},
+  const std::vector<Step> steps = {{0.2, 100.0, 0.0},
                                    {1.0, 103.0, 3.0},
                                    {1.5, 104.0, 1.0},
                                    {1.5, 104.0, 0.0},
-                                   {1.6, 103.0, std::nullopt},
-                                   {1.6, 103.0 + day, std::nullopt},
+                                   {1.6, 103.0, 0.0},
+                                   {1.6, 103.0 + day, day},
                                    {1.7, 102.0 + 2.0 * day, day - 1.0},
                                    {1.7, 1102.0 + 2.0 * day, 1000.0}};
-  const auto shown = bench::CompensatedRun::of(made.store, made.store.run(2), 1e-4);
+  const auto shown = bench::CompensatedRun::of(made.store, made.store.run(2));
   REQUIRE(shown);
-  analysis::ArrayStream stream(kept, 1e-4, 1.0, 10);
+  analysis::FrameCompensator stream = analysis::frames_of(kept);
   std::vector<float> pressure(2), uncertainty(2);
   std::vector<std::uint16_t> status(2);
   for (const Step& step : steps) {
@@ -177,9 +181,8 @@ TEST_CASE("page models: what creeps is told the time between two frames, where t
     frame.time_ns = static_cast<std::int64_t>(1e9 * step.time_s);
     shown->see(frame, {1.0, 2.0, 3.0});  // of another array: left out, its time, too
     shown->see(frame, {step.volts, step.volts});
-    if (step.told_s) stream.set_interval(*step.told_s);
     const auto volts = static_cast<float>(step.volts);
-    stream.frame(std::vector<float>{volts, volts}, {pressure, uncertainty, status});
+    stream.frame(std::vector<float>{volts, volts}, step.told_s, {pressure, uncertainty, status});
     INFO(step.time_s);
     CHECK(shown->pressure_psi()[0] == Approx(pressure[0]).epsilon(1e-6));
     CHECK(shown->pressure_psi()[1] == Approx(pressure[1]).epsilon(1e-6));

@@ -4,9 +4,8 @@
 #include <cmath>
 #include <string>
 
-#include "analysis/compensate/frame_compensator.h"
+#include "analysis/identify/compensators.h"
 #include "analysis/identify/sensor_model.h"
-#include "analysis/identify/stored/model_document.h"
 #include "tests/benchmarks/study/simulated_run.h"
 #include "tests/support/process.h"
 
@@ -21,9 +20,10 @@ struct Held {
 };
 
 // Frames from rest, in volts; samples that are valid.
-Held held_of(const analysis::FrameSetup& setup, const bench::KnownRun& run) {
-  const std::size_t width = setup.taxels.size();
-  analysis::FrameCompensator<float> compensator(setup);
+Held held_of(const analysis::SensorModel& model, const bench::KnownRun& run) {
+  analysis::FrameCompensator compensator = analysis::frames_of(model);
+  compensator.start(analysis::Start::kAtRest);
+  const std::size_t width = compensator.taxels();
   std::vector<float> volts(width), pressure(width), uncertainty(width);
   std::vector<std::uint16_t> status(width);
   Held held;
@@ -32,7 +32,7 @@ Held held_of(const analysis::FrameSetup& setup, const bench::KnownRun& run) {
     for (const analysis::Repeat& repeat : sequence.repeats)
       for (std::size_t i = 0; i < repeat.steps.size(); ++i, ++frame) {
         for (std::size_t t = 0; t < width; ++t) volts[t] = static_cast<float>(repeat.volts[i * width + t]);
-        compensator.frame(std::span<const float>(volts), {pressure, uncertainty, status});
+        compensator.frame(volts, 0.0, {pressure, uncertainty, status});
         for (std::size_t t = 0; t < width; ++t) {
           if ((status[t] & analysis::kTaxelValid) == 0) continue;
           const double error = std::abs(static_cast<double>(pressure[t]) - run.chamber_psi[frame]);
@@ -53,11 +53,10 @@ TEST_CASE("twice the uncertainty of ELAM's frames holds 90 to 98 % of random rev
     const bench::SimulatedSensor sensor{.seed = sensor_seed};
     const bench::KnownRun fitted = bench::simulate_run({{"descending", "ascending"}, {}}, sensor, 1, store);
     const bench::KnownRun other = bench::simulate_run({{"random-reversal"}, {"recipe.seed=5"}}, sensor, 2, store);
-    analysis::FrameSetup setup = frame_setup_of(analysis::fit_array(fitted.data), 5.0 / 65536.0);
-    setup.start_unknown = false;
-    const Held own = held_of(setup, other);
-    for (analysis::TaxelSetup& taxel : setup.taxels) taxel.residual_psi.clear();
-    const Held noise = held_of(setup, other);
+    analysis::SensorModel model = analysis::fit_array(fitted.data);
+    const Held own = held_of(model, other);
+    for (analysis::ModelTaxel& taxel : model.taxels) taxel.residual_psi = 0.0;
+    const Held noise = held_of(model, other);
     INFO("sensor " << sensor_seed << ": " << own.percent() << " %, noise alone " << noise.percent() << " % of "
                    << own.samples);
     CHECK(own.percent() > 88.0);  // one sensor

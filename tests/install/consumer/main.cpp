@@ -1,20 +1,29 @@
-// One taxel from counts to pressure, with nothing but the installed package.
-#include <array>
+// Frames of a stored model, one a line of the input: seconds since the one before, then the volts of each taxel.
 #include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <stdexcept>
 
-#include "analysis/compensate/frame_compensator.h"
+#include "analysis/compensate/document.h"
 
-int main() {
+int main(int, char** words) try {
   using namespace tactbench::analysis;
-  FrameSetup setup;
-  setup.pressure_psi = {0, 20, 40, 60};
-  setup.taxels = {{true, {0, 1, 2, 3}, {0, 1.5, 2.5, 3}, {0.8, 0.97, -0.007, 0.6, 0.34}, 0.0, false}};
-  setup.volts_per_count = 5.0 / 65536;
-  setup.start_unknown = false;
-  setup.elam.exact_outer = true;
-  FrameCompensator<double> compensator(setup);
-  std::array<double, 1> psi{}, uncertainty{};
-  std::array<std::uint16_t, 1> status{};
-  compensator.frame(std::array<std::uint16_t, 1>{13107}, {psi, uncertainty, status});  // 1 V, rising: 20 psi
-  std::printf("%.3f %u\n", psi[0], static_cast<unsigned>(status[0]));
+  std::ifstream file(words[1]);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  DocumentFrames model = frames_from_document(text, 0);
+  model.frames.start(Start::kAtRest);  // unloaded ...
+  model.frames.work(70.0);             // ... and conditioned for 70 s just before
+  const std::size_t taxels = model.frames.taxels();
+  std::vector<float> volts(taxels), psi(taxels), uncertainty(taxels);
+  std::vector<std::uint16_t> status(taxels);
+  for (double seconds = 0.0; std::cin >> seconds;) {
+    for (float& volt : volts) std::cin >> volt;
+    model.frames.frame(volts, seconds, {psi, uncertainty, status});
+    for (std::size_t i = 0; i < taxels; ++i) std::printf("%.2f %.2f %d ", psi[i], uncertainty[i], status[i]);
+    std::printf("\n");
+  }
+} catch (const std::invalid_argument& error) {
+  std::fprintf(stderr, "%s: %s\n", words[1], error.what());
+  return 1;
 }

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <vector>
 
-#include "analysis/compensate/dynamic_setup.h"
 #include "analysis/identify/dynamic/dynamics_search.h"
 #include "analysis/identify/dynamic/track.h"
 #include "tests/analysis/support/dynamic_walk.h"

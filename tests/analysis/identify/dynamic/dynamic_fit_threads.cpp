@@ -13,7 +13,7 @@
 using namespace synthetic;
 
 TEST_CASE("the dynamic model of an array finds its plants, is kept whole, and reads a way of its own", "[dynamic]") {
-  const DynamicArray array = dynamic_array(kTaxels, 0.0005);
+  const DynamicArray array = dynamic_array(kTaxels);
   const Runs runs = runs_of(array);
   const SensorModel model = fit_dynamic(runs.fitted, runs.rate, runs.creep);
   CHECK(model.model == kDynamicModel);
@@ -22,7 +22,7 @@ TEST_CASE("the dynamic model of an array finds its plants, is kept whole, and re
   REQUIRE(model.dynamics);
   CHECK(model.dynamics->rate.run == 2);
   CHECK(model.dynamics->creep.run == 3);
-  const Dynamics &own = model.dynamics->shared, &truth = array.setup.dynamics;
+  const Dynamics &own = model.dynamics->shared, &truth = array.dynamics;
   double creep = 0.0, true_creep = 0.0;
   for (std::size_t j = 0; j < kCreepElements; ++j) {
     creep += own.creep_share[j];
@@ -33,7 +33,7 @@ TEST_CASE("the dynamic model of an array finds its plants, is kept whole, and re
   for (std::size_t t = 0; t < kTaxels; ++t) {
     REQUIRE(linearised_of(model.taxels[t]) != nullptr);
     CHECK(linearised_of(model.taxels[t])->divider().per_amplitude ==
-          Approx(array.setup.taxels[t].divider.per_amplitude).epsilon(0.1));
+          Approx(array.taxels[t].divider.per_amplitude).epsilon(0.1));
     CHECK(model.taxels[t].residual_psi > 0.0);
   }
   // Holds of five minutes and the fast loop are within its validity.
@@ -59,7 +59,7 @@ TEST_CASE("the dynamic model of an array finds its plants, is kept whole, and re
 }
 
 TEST_CASE("a falling sensor and an adjusted model stream like the one that they come from", "[dynamic]") {
-  const DynamicArray array = dynamic_array(kTaxels, 0.0005);
+  const DynamicArray array = dynamic_array(kTaxels);
   const Runs runs = runs_of(array), falling = runs_of(array, -1.0);
   const SensorModel model = fit_dynamic(runs.fitted, runs.rate, runs.creep);
   const SensorModel negated = fit_dynamic(falling.fitted, falling.rate, falling.creep);
@@ -79,7 +79,7 @@ TEST_CASE("a falling sensor and an adjusted model stream like the one that they 
 }
 
 TEST_CASE("a dynamic model is scored, checked and adjusted with creep and lag undone", "[dynamic]") {
-  const DynamicArray array = dynamic_array(kTaxels, 0.0005);
+  const DynamicArray array = dynamic_array(kTaxels);
   const Runs runs = runs_of(array);
   const SensorModel model = fit_dynamic(runs.fitted, runs.rate, runs.creep);
   const Histories other = histories_of(runs.other);
@@ -111,8 +111,8 @@ TEST_CASE("a dynamic model is scored, checked and adjusted with creep and lag un
 TEST_CASE(
     "without runs of lag and creep the dynamic model is made of one run, which needs no times if it tells no creep",
     "[dynamic]") {
-  DynamicArray array = dynamic_array(kTaxels, 0.0005);
-  array.setup.dynamics.creep_share = {};
+  DynamicArray array = dynamic_array(kTaxels);
+  array.dynamics.creep_share = {};
   const Runs runs = runs_of(array);
   const SensorModel model = fit_dynamic_alone(runs.fitted);
   REQUIRE(model.dynamics);

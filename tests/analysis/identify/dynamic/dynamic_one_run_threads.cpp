@@ -14,10 +14,10 @@ using namespace synthetic;
 namespace {
 
 DynamicArray creeping(double share, double slowest_s) {
-  DynamicArray array = dynamic_array(kTaxels, 0.0005);
-  array.setup.dynamics.creep_s = creep_times(slowest_s);
-  array.setup.dynamics.creep_share.fill(share);
-  for (DynamicTaxel& taxel : array.setup.taxels) taxel.creep_scale = 1.0;
+  DynamicArray array = dynamic_array(kTaxels);
+  array.dynamics.creep_s = creep_times(slowest_s);
+  array.dynamics.creep_share.fill(share);
+  for (DynamicTaxel& taxel : array.taxels) taxel.creep_scale = 1.0;
   return array;
 }
 

@@ -1,9 +1,8 @@
 // What a dynamic model says of its own error: against streams of models that did not see a sequence, and the truth.
 #include <catch2/catch.hpp>
 
+#include "analysis/identify/compensators.h"
 #include "analysis/identify/dynamic/dynamic_fit.h"
-#include "analysis/identify/streams/recording_stream.h"
-#include "analysis/identify/taxel_stream.h"
 #include "tests/analysis/support/dynamic_runs.h"
 
 using namespace synthetic;
@@ -18,9 +17,9 @@ struct ResidualSum {
 // Of sequence `only`, or of all where it is negative.
 ResidualSum residual_sum(const Dataset& data, const SensorModel& model, std::size_t taxel, int only) {
   ResidualSum sum;
-  RecordingStream stream(model, model.taxels[taxel]);
+  const auto stream = compensator_of(model, model.taxels[taxel]);
   stream_samples(
-      data, stream, [&](const Repeat& repeat, std::size_t i) { return repeat.volts[i * kTaxels + taxel]; },
+      data, *stream, [&](const Repeat& repeat, std::size_t i) { return repeat.volts[i * kTaxels + taxel]; },
       [&](std::size_t s, std::size_t r, std::size_t i, const Compensated& now) {
         if (only >= 0 && s != static_cast<std::size_t>(only)) return;
         const double error = now.pressure_psi - data.sequences[s].repeats[r].steps[i].reference_psi;
@@ -39,7 +38,7 @@ Dataset with_one(Dataset data, std::size_t sequence) {
 }  // namespace
 
 TEST_CASE("the residual of a dynamic model is that of sequences which its halves did not see", "[dynamic]") {
-  const DynamicArray array = dynamic_array(kTaxels, 0.0005);
+  const DynamicArray array = dynamic_array(kTaxels);
   const Runs runs = runs_of(array);
   const SensorModel model = fit_dynamic(runs.fitted, runs.rate, runs.creep);
   const SensorModel down = fit_dynamic(with_one(runs.fitted, 0), runs.rate, runs.creep);
@@ -57,7 +56,7 @@ TEST_CASE("the residual of a dynamic model is that of sequences which its halves
 }
 
 TEST_CASE("without a sequence to hold out the residual is twice what the fitted data leave", "[dynamic]") {
-  const DynamicArray array = dynamic_array(kTaxels, 0.0005);
+  const DynamicArray array = dynamic_array(kTaxels);
   const Runs runs = runs_of(array);
   Dataset one_name = runs.fitted, one_narrow = runs.fitted;
   one_name.sequences[1].name = one_name.sequences[0].name;
@@ -71,7 +70,7 @@ TEST_CASE("without a sequence to hold out the residual is twice what the fitted 
 }
 
 TEST_CASE("twice the uncertainty of a dynamic model holds most pressures on a path of its own", "[dynamic]") {
-  const DynamicArray array = dynamic_array(kTaxels, 0.0005);
+  const DynamicArray array = dynamic_array(kTaxels);
   const Runs runs = runs_of(array);
   const SensorModel model = fit_dynamic(runs.fitted, runs.rate, runs.creep);
   ResidualSum all;

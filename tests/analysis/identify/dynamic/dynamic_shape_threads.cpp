@@ -2,10 +2,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "analysis/identify/compensators.h"
 #include "analysis/identify/dynamic/dynamic_alone.h"
-#include "analysis/identify/dynamic_setup_of.h"
-#include "analysis/identify/streams/recording_stream.h"
-#include "analysis/identify/taxel_stream.h"
 #include "analysis/models/linearised.h"
 #include "analysis/models/preisach.h"
 #include "tests/analysis/support/dynamic_runs.h"
@@ -37,31 +35,30 @@ Dataset straight_run(std::int64_t number) {
 }  // namespace
 
 TEST_CASE("the residual's shape is what streams leave in each interval, over what they leave of a taxel", "[dynamic]") {
-  const DynamicArray array = dynamic_array(kTaxels, 0.0005);
+  const DynamicArray array = dynamic_array(kTaxels);
   const Runs runs = runs_of(array);
   Dataset fitted = runs.fitted;
   fitted.sequences.pop_back();  // none to hold out
   const SensorModel model = fit_dynamic(fitted, runs.rate, runs.creep);
-  const DynamicSetup setup = dynamic_setup_of(model, model.taxels, 0.0);
-  const std::size_t n = setup.intervals;
+  const std::size_t n = film_in(model.taxels[0]).intervals();
   REQUIRE(model.taxels.size() == kTaxels + 1);
   REQUIRE(model.dynamics->residual_shape.size() == 2 * n);
   std::vector<double> shape(2 * n, 0.0), count(2 * n, 0.0);
   for (std::size_t t = 0; t <= kTaxels; ++t) {
     std::vector<double> squares(2 * n, 0.0), own(2 * n, 0.0);
     double sum = 0.0, samples = 0.0;
-    RecordingStream stream(model, model.taxels[t]);
+    const auto stream = compensator_of(model, model.taxels[t]);
     const auto volts = [&](const Repeat& repeat, std::size_t i) {
       if (t < kTaxels) return repeat.volts[i * kTaxels + t];
       double mean = 0.0;
       for (std::size_t k = 0; k < kTaxels; ++k) mean += repeat.volts[i * kTaxels + k] / kTaxels;
       return mean;
     };
-    stream_samples(fitted, stream, volts, [&](std::size_t s, std::size_t r, std::size_t i, const Compensated& now) {
+    stream_samples(fitted, *stream, volts, [&](std::size_t s, std::size_t r, std::size_t i, const Compensated& now) {
       const double error = now.pressure_psi - fitted.sequences[s].repeats[r].steps[i].reference_psi;
       const auto at = std::min(n - 1, static_cast<std::size_t>(now.pressure_psi / 60.0 * static_cast<double>(n)));
-      squares[stream.ascending() ? at : n + at] += error * error;
-      own[stream.ascending() ? at : n + at] += 1.0;
+      squares[stream->ascending() ? at : n + at] += error * error;
+      own[stream->ascending() ? at : n + at] += 1.0;
       sum += error * error;
       samples += 1.0;
     });

@@ -93,7 +93,7 @@ TEST_CASE("determined: Preisach on external loops alone spreads its weights, whe
 
 TEST_CASE("scores: every model is scored from measured turns and free running, whatever the mode of its fit") {
   const FitData data = paper_both(0.032, 0.0205);
-  const ScoreOptions options{.dead_band = 0.1, .x_low = 0.0, .y_low = 0.0, .x_high = 60.0, .y_high = 3.49};
+  const ScoreOptions options{.noise = 0.016, .x_low = 0.0, .y_low = 0.0, .x_high = 60.0, .y_high = 3.49};
   for (const char* name : {"elam", "gpi", "mpi", "poly", "preisach", "monotone"}) {
     for (const bool free_run : {false, true}) {
       const ModelFit fit = identify(name, data, {.free_run = free_run, .starts = 1});

@@ -169,36 +169,6 @@ TEST_CASE("a document's members that are not what they have to be are refused by
   CHECK(id_of_refusal([] { return document_from_text("{", "m.json"); }) == "TB-MODEL-DOCUMENT");
 }
 
-TEST_CASE("what streaming takes of a model: its grid, patterns, noise and sign, of a whole array of ELAM alone") {
-  SensorModel fit = straight_fit();
-  fit.model = "elam";
-  fit.source = "run 5";
-  fit.falling = true;
-  fit.taxels[1].noise = 0.002;
-  const FrameSetup setup = frame_setup_of(fit, 0.25);
-  CHECK(setup.volts_per_count == 0.25);
-  CHECK(setup.pressure_psi == std::vector<double>{0.0, 60.0});
-  REQUIRE(setup.taxels.size() == 3);
-  CHECK((setup.taxels[0].usable && setup.taxels[1].usable && !setup.taxels[2].usable));
-  CHECK((setup.taxels[1].noise_v == 0.002 && setup.taxels[1].falling));
-  CHECK(setup.taxels[0].ascending_v == std::vector<double>{0.0, 3.0});
-  CHECK(setup.taxels[1].descending_v == std::vector<double>{0.0, 6.0});
-  CHECK(setup.taxels[0].residual_psi.empty());
-  const auto refused = [](const SensorModel& model) {
-    return id_of_refusal([&] { return frame_setup_of(model, 1.0); });
-  };
-  SensorModel other = fit;
-  other.columns = 4;
-  CHECK(refused(other) == "TB-MODEL-COMPENSATOR");
-  other = fit;
-  const std::vector<double> x{0.0, 30.0, 60.0}, y{0.0, 3.0, 6.0};
-  other.taxels[1].ascending = PatternCurve(x, y, 0.0, 6.0);
-  CHECK(refused(other) == "TB-MODEL-COMPENSATOR");
-  other = fit;
-  other.taxels[1].fit.model = whole_document().taxels[0].fit.model;
-  CHECK(refused(other) == "TB-MODEL-COMPENSATOR");
-}
-
 TEST_CASE("models by their labels, and MODEL of the command line: a file's path, or a run that needs a store") {
   SensorModel model = whole_document();
   CHECK(label_of(model) == "monotone");

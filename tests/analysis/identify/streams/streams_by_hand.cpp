@@ -1,14 +1,11 @@
-// Streams of any model by hand, on a film of two intervals: dead bands, uncertainties, unknown starts, and residuals by
-// level.
+// Streams of any model by hand, on a film of two intervals: uncertainties, rest, unknown starts, and what they leave.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <memory>
 #include <vector>
 
-#include "analysis/compensate/inverse_stream.h"
-#include "analysis/compensate/model_compensator.h"
+#include "analysis/identify/compensators.h"
 #include "analysis/identify/residuals.h"
-#include "analysis/identify/streams/recording_stream.h"
 #include "analysis/models/monotone.h"
 #include "analysis/models/preisach.h"
 
@@ -55,78 +52,48 @@ History scored(const std::string& name, const std::vector<double>& outputs, doub
 
 }  // namespace
 
-TEST_CASE("stream by hand: behind the furthest output it reads the way back, and remembers it beyond the dead band") {
-  const auto film = loop_film();
-  for (const auto& [band, later] : {std::pair{1.25, 26.25}, {1.125, 30.0}}) {
-    CAPTURE(band);
-    InverseStream stream(*film, band);
-    CHECK(stream.step(0.5) == Approx(15.0));
-    CHECK(stream.step(2.0) == Approx(45.0));
-    CHECK(stream.step(1.9) == Approx(42.0));
-    CHECK(stream.reads(1.75) == Approx(37.5));
-    CHECK(stream.reads(2.5) == Approx(52.5));
-    CHECK(stream.step(2.0) == Approx(45.0));
-    // Back by a band and a quarter: up again from there it is 30 psi where that was a turn, else still the way down.
-    CHECK(stream.step(0.75) == Approx(11.25));
-    CHECK(stream.step(1.375) == Approx(later));
-    CHECK(stream.step(2.5) == Approx(52.5));
-    stream.reset();
-    CHECK(stream.step(1.5) == Approx(37.5));
-  }
-  CHECK_NOTHROW(InverseStream(*film, 0.0));
-  CHECK_THROWS_AS(InverseStream(*film, -0.001), std::invalid_argument);
-  CHECK_THROWS_AS(InverseStream(*film, HUGE_VAL), std::invalid_argument);
-  InverseStream stream(*film, 0.0);
-  CHECK_THROWS_AS(stream.step(std::nan("")), std::invalid_argument);
-}
-
-TEST_CASE("stream by hand: an unknown start lies midway until both ways are within a hundredth of the range") {
-  const auto film = loop_film();
-  InverseStream stream(*film, 0.01);
-  stream.reset_unknown();
-  CHECK(stream.step(1.0) == Approx(22.5));  // 30 rising, 15 falling from the top
-  CHECK(stream.reads(1.0) == Approx(22.5));
-  // Both fall to 15 psi a volt at 15 and below, where 0.6 psi apart are one: of 0.041 V 1.23 and 0.615 psi are not, of
-  // 0.039 V 1.17 and 0.585 psi are.
-  stream.reset_unknown();
-  CHECK(stream.step(0.041) == Approx(0.5 * (1.23 + 0.615)));
-  // Up again the one that rose comes to 1 V at 30 psi, the one that fell turned at 0.615 psi: 28.77 psi further on.
-  CHECK(stream.reads(1.0) == Approx(0.5 * (30.0 + 0.615 + 28.77)));
-  stream.reset_unknown();
-  CHECK(stream.step(0.039) == Approx(0.5 * (1.17 + 0.585)));
-  CHECK(stream.step(1.0) == Approx(30.0));
-  stream.reset_unknown();
-  CHECK(stream.step(3.0) == Approx(60.0));
-  CHECK(stream.step(2.0) == Approx(30.0));
-}
-
 TEST_CASE("compensation by hand: the uncertainty is the wider of both sides, flat and out of range at their limits") {
   const auto film = loop_film();
-  CompensatorOptions options;
-  options.noise_v = 0.01;
-  // Four noises are 40 mV: at 45 psi going up 0.6 psi ahead, 1.2 psi back.
+  CompensatorSetup setup;
+  setup.noise = 0.01;
+  // Four noises are 40 mV: at 45 psi going up 0.6 psi ahead, 1.2 psi back once it may have turned.
   for (const auto& [flat_psi, flat] : {std::pair{1.15, true}, {1.25, false}}) {
-    options.flat_psi = flat_psi;
-    ModelCompensator compensator(*film, {0.0, 3.0, 0.25}, options);
-    const Compensated now = compensator.step(2.0);
+    setup.options.flat_share = flat_psi / 60.0;
+    const auto compensator = make_compensator(*film, setup);
+    compensator->step(2.0, 0.0);
+    const Compensated now = compensator->step(2.0, 0.0);
     CHECK(now.pressure_psi == Approx(45.0));
     CHECK(now.uncertainty_psi == Approx(0.3));
     CHECK(now.flat == flat);
     CHECK_FALSE(now.out_of_range);
     CHECK_FALSE(now.unknown);
   }
-  options.noise_v = 0.0;
-  ModelCompensator quiet(*film, {0.0, 3.0, 0.25}, options);
-  CHECK(quiet.step(2.0).uncertainty_psi == 0.0);
-  for (const auto& [output, out] : {std::pair{3.25, false}, {3.3125, true}, {-0.25, false}, {-0.3125, true}}) {
+  for (const auto& [output, out] : {std::pair{3.054, false}, {3.056, true}, {-0.054, false}, {-0.056, true}}) {
     CAPTURE(output);
-    CHECK(quiet.step(output).out_of_range == out);
+    CHECK(make_compensator(*film, setup)->step(output, 0.0).out_of_range == out);
   }
-  quiet.reset();
-  CHECK(quiet.step(1.0).pressure_psi == Approx(30.0));
 }
 
-TEST_CASE("recording by hand: at rest within six noises and a hundredth of the span, of adjusted outputs") {
+TEST_CASE("compensation by hand: an unknown start lies midway, half the distance is its doubt beside what is left") {
+  ModelTaxel taxel = streamed_taxel(loop_film(), 3.0);
+  taxel.residual_psi = 2.0;  // everywhere, of a straight loop
+  const SensorModel none = model_of_taxels("preisach", {});
+  const auto quiet = compensator_of(none, taxel);
+  quiet->start(Start::kUnknown);
+  Compensated now = quiet->step(1.0, 0.0);  // 30 psi rising, 15 falling from the top
+  CHECK(now.unknown);
+  CHECK(now.pressure_psi == Approx(22.5));
+  CHECK(now.uncertainty_psi == Approx(std::hypot(7.5, 2.0)));
+  now = quiet->step(3.0, 0.0);
+  CHECK_FALSE(now.unknown);
+  CHECK(now.pressure_psi == Approx(60.0));
+  CHECK(now.uncertainty_psi == Approx(2.0));
+  CHECK(quiet->step(2.0, 0.0).pressure_psi == Approx(30.0));
+  quiet->start(Start::kAtRest);
+  CHECK(quiet->step(1.0, 0.0).pressure_psi == Approx(30.0));
+}
+
+TEST_CASE("compensation by hand: at rest within the dead band and a hundredth of the span, of adjusted outputs") {
   ModelTaxel taxel = streamed_taxel(loop_film(), 3.0);
   taxel.loop_low = 0.1;
   taxel.zero = 0.5;
@@ -134,54 +101,16 @@ TEST_CASE("recording by hand: at rest within six noises and a hundredth of the s
   const SensorModel none = model_of_taxels("preisach", {});
   const auto rests = [&](double noise, double noisier, double above) {
     taxel.noise = noise;
-    return RecordingStream(none, taxel, noisier).at_rest(0.5 + 2.0 * (0.1 + above));
+    return compensator_of(none, taxel, noisier)->at_rest(0.5 + 2.0 * (0.1 + above));
   };
   CHECK(rests(0.0, 1.0, 0.0299));
   CHECK_FALSE(rests(0.0, 1.0, 0.0301));
-  CHECK(rests(0.02, 1.0, 0.0599));
-  CHECK_FALSE(rests(0.02, 1.0, 0.0601));
-  CHECK(rests(0.02, 2.0, 0.1199));
-  CHECK_FALSE(rests(0.02, 2.0, 0.1201));
+  // Of 20 mV on twice the model's outputs.
+  CHECK(rests(0.02, 1.0, 0.0549));
+  CHECK_FALSE(rests(0.02, 1.0, 0.0551));
+  CHECK(rests(0.02, 2.0, 0.1099));
+  CHECK_FALSE(rests(0.02, 2.0, 0.1101));
   CHECK(rests(0.0, 1.0, -1.0));
-}
-
-TEST_CASE("recording by hand: direction changes beyond six noises, an unknown start has half the distance as doubt") {
-  ModelTaxel taxel = streamed_taxel(loop_film(), 3.0);
-  taxel.noise = 0.0625;  // a dead band of 0.375
-  const SensorModel none = model_of_taxels("preisach", {});
-  RecordingStream stream(none, taxel);
-  const auto rises = [&](double output) {
-    (void)stream.step(output);
-    return stream.ascending();
-  };
-  for (int round = 0; round < 2; ++round, stream.reset()) {
-    CHECK(rises(0.5));
-    CHECK(rises(2.0));
-    CHECK(rises(1.625));
-    CHECK_FALSE(rises(1.5));
-    CHECK_FALSE(rises(1.875));
-    CHECK_FALSE(rises(1.25));
-    CHECK_FALSE(rises(1.625));
-    CHECK(rises(1.6875));
-    CHECK_FALSE(rises(0.5));
-  }
-  taxel.noise = 0.0;
-  taxel.residual_psi = 2.0;  // everywhere, of a straight loop
-  RecordingStream quiet(none, taxel);
-  quiet.reset_unknown();
-  Compensated now = quiet.step(1.0);
-  CHECK(now.unknown);
-  CHECK(now.pressure_psi == Approx(22.5));
-  CHECK(now.uncertainty_psi == Approx(std::hypot(7.5, 2.0)));
-  now = quiet.step(3.0);
-  CHECK_FALSE(now.unknown);
-  CHECK(now.pressure_psi == Approx(60.0));
-  CHECK(now.uncertainty_psi == Approx(2.0));
-  now = quiet.step(2.0);
-  CHECK_FALSE(now.unknown);
-  CHECK(now.pressure_psi == Approx(30.0));
-  quiet.reset();
-  CHECK(quiet.step(1.0).pressure_psi == Approx(30.0));
 }
 
 TEST_CASE("residual by hand: twice what a Preisach stream leaves, of a run the last repeat of each sequence") {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "analysis/identify/streams/recording_stream.h"
+#include "analysis/identify/compensators.h"
 #include "analysis/statistics/scoring/model_score.h"
 #include "tests/analysis/support/creeping_film.h"
 
@@ -37,23 +37,23 @@ TEST_CASE("a dynamic model's score by hand: a run's time goes on, a table's sequ
   };
   const auto off = [](const Compensated& there, double psi) { return std::abs(there.pressure_psi - psi); };
 
-  RecordingStream run(document, document.taxels[0]);
-  (void)run.step(0.5, 0.0);
-  run.work(98.0);  // of 100 s the first level was held for 2
-  double sum = off(run.step(1.0, 2.0), 20.0);
-  sum += off(run.step(1.6, 3.0), 30.0);
-  (void)run.step(0.8, 7.0);
-  sum += off(run.step(2.5, 4.0), 40.0);
+  const auto run = compensator_of(document, document.taxels[0]);
+  (void)run->step(0.5, 0.0);
+  run->work(98.0);  // of 100 s the first level was held for 2
+  double sum = off(run->step(1.0, 2.0), 20.0);
+  sum += off(run->step(1.6, 3.0), 30.0);
+  (void)run->step(0.8, 7.0);
+  sum += off(run->step(2.5, 4.0), 40.0);
   CHECK(scored(5).samples == 3);
   CHECK(scored(5).sum == Approx(sum).epsilon(1e-12));
 
-  RecordingStream table(document, document.taxels[0]);
-  (void)table.step(0.5, 0.0);
-  double table_sum = off(table.step(1.0, 100.0), 20.0);
-  table_sum += off(table.step(1.6, 3.0), 30.0);
-  table.reset_unknown();  // 0.8 V is not the unloaded output
-  (void)table.step(0.8, 0.0);
-  table_sum += off(table.step(2.5, 4.0), 40.0);
+  const auto table = compensator_of(document, document.taxels[0]);
+  (void)table->step(0.5, 0.0);
+  double table_sum = off(table->step(1.0, 100.0), 20.0);
+  table_sum += off(table->step(1.6, 3.0), 30.0);
+  table->start(Start::kUnknown);  // 0.8 V is not the unloaded output
+  (void)table->step(0.8, 0.0);
+  table_sum += off(table->step(2.5, 4.0), 40.0);
   CHECK(scored(0).samples == 3);
   CHECK(scored(0).sum == Approx(table_sum).epsilon(1e-12));
   CHECK(std::abs(table_sum - sum) > 0.01);

@@ -6,7 +6,8 @@
 #include <cmath>
 #include <random>
 
-#include "analysis/compensate/compensator.h"
+#include "analysis/compensate/elam_curve.h"
+#include "analysis/compensate/turning.h"
 #include "tests/analysis/support/effect_runs.h"
 
 using namespace tactbench;
@@ -37,8 +38,11 @@ std::vector<double> monte_carlo(const Example& example, const Uncertainty& uncer
   };
   const bool has_warmth = row_of(*budgets[0], UncertaintySource::kTemperature) != nullptr;
   const double step = 2.0 * width_of(0, UncertaintySource::kConverterStep);
+  CompensatorSetup setup;
+  setup.zero = model.y0();
+  setup.noise = fit.noise;
   for (int trial = 0; trial < trials; ++trial) {
-    TaxelCompensator compensator(model, {.noise_v = fit.noise});
+    TurningCompensator<ElamStack> compensator(ElamStack(model), setup);
     const double certificate = normal(random), drift = even(random), digit = even(random), zero = normal(random);
     const double warmth = has_warmth ? even(random) : 0.0;  // the day is warm at every level
     for (std::size_t k = 0; k < levels; ++k) {
@@ -50,9 +54,9 @@ std::vector<double> monte_carlo(const Example& example, const Uncertainty& uncer
       // The one reading that is late has crept; the way there has not.
       const double creep_v = width_if(i, UncertaintySource::kCreep);
       const double creep = creep_v > 0.0 ? even(random) * creep_v : 0.0;
-      TaxelCompensator late = compensator;
-      const double estimate = late.step(step * std::round((volts + creep) / step)).pressure_psi;
-      (void)compensator.step(step * std::round(volts / step));
+      auto late = compensator;
+      const double estimate = late.step(step * std::round((volts + creep) / step), 0.0).pressure_psi;
+      (void)compensator.step(step * std::round(volts / step), 0.0);
       // What readings tell enters the result itself.
       double readings = 0.0;
       for (const Contribution& row : budgets[i]->contributions)

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/identify/streams/recording_stream.h"
+#include "analysis/identify/compensators.h"
 #include "tests/analysis/support/creeping_film.h"
 #include "tests/bench/cli/models/known_model.h"
 #include "tests/bench/cli/models/models_here.h"
@@ -204,19 +204,19 @@ TEST_CASE("compensate: a model of lag and creep asks for times that rise, and ta
   };
   const std::string head = "time_s,output,compensated,uncertainty,flags\n";
   {  // Begins at rest.
-    analysis::RecordingStream stream(read, read.taxels[0]);
-    std::string expected = head + row("7,0.5", stream.step(0.5, 0.0));
-    expected += row("9,1.5", stream.step(1.5, 2.0));
-    expected += row("9.5,2.5", stream.step(2.5, 0.5));
+    const auto stream = analysis::compensator_of(read, read.taxels[0]);
+    std::string expected = head + row("7,0.5", stream->step(0.5, 0.0));
+    expected += row("9,1.5", stream->step(1.5, 2.0));
+    expected += row("9.5,2.5", stream->step(2.5, 0.5));
     CHECK(of.of_table("compensate", "time_s,output\n7,0.5\n9,1.5\n9.5,2.5\n").out == expected);
   }
   std::vector<std::string> late;
   for (const double worked : {0.0, 600.0}) {  // begins in mid-branch
-    analysis::RecordingStream stream(read, read.taxels[0]);
-    stream.reset_unknown();
-    stream.work(worked);
-    std::string expected = head + row("7,2.5", stream.step(2.5, 0.0));
-    expected += row("9,2.25", stream.step(2.25, 2.0));
+    const auto stream = analysis::compensator_of(read, read.taxels[0]);
+    stream->start(analysis::Start::kUnknown);
+    stream->work(worked);
+    std::string expected = head + row("7,2.5", stream->step(2.5, 0.0));
+    expected += row("9,2.25", stream->step(2.25, 2.0));
     late.push_back(expected);
     CHECK(
         of.of_table("compensate", "time_s,output\n7,2.5\n9,2.25\n", {"--conditioned", fmt::format("{}", worked)}).out ==
