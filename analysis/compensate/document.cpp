@@ -50,10 +50,6 @@ std::shared_ptr<PassedTime> time_of(const Json& dynamics) {
   return time;
 }
 
-bool undoes(const Dynamics& d) {
-  return d.lag_share != 0.0 || std::ranges::any_of(d.creep_share, [](double share) { return share != 0.0; });
-}
-
 DocumentFrames frames_of(const Json& document, int scans) {
   if (document.value("schema", "") != "tactbench.model")
     throw std::invalid_argument("\"schema\" is not tactbench.model");

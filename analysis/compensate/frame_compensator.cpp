@@ -29,7 +29,7 @@ void FrameCompensator::put(std::size_t taxel, const Compensated& now, int bits, 
     bits |= kTaxelValid;
   if (now.flat) bits |= kTaxelFlat;
   if (now.unknown) bits |= kTaxelUnknown;
-  if (outside_) bits |= kTaxelOutside;
+  if (outside_ && bits != kTaxelDead) bits |= kTaxelOutside;
   output.pressure_psi[taxel] = static_cast<float>(now.pressure_psi);
   output.uncertainty_psi[taxel] = static_cast<float>(std::min(now.uncertainty_psi, setup_.x_high - setup_.x_low));
   output.status[taxel] = static_cast<std::uint16_t>(bits);

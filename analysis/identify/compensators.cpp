@@ -6,8 +6,6 @@
 
 #include "analysis/compensate/document.h"
 #include "analysis/error.h"
-#include "analysis/identify/dynamic/dynamic_alone.h"
-#include "analysis/identify/stored/model_document.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -58,11 +56,11 @@ FrameCompensator frames_of(const SensorModel& model, double noisier, int longest
   if (model.array().size() != static_cast<std::size_t>(model.rows) * static_cast<std::size_t>(model.columns))
     throw AnalysisError(
         "TB-MODEL-COMPENSATOR",
-        fmt::format("{} of {} cannot compensate frames: it is not of a whole array", label_of(model), model.source),
+        fmt::format("{} of {} cannot compensate frames: it is not of a whole array", model.model, model.source),
         "fit a run of the array: tactbench fit RUN");
   FrameCompensator::Setup setup;
   setup.longest_gap = longest_gap;
-  setup.in_time = model.dynamics && in_time(*model.dynamics);
+  setup.in_time = model.dynamics && undoes(model.dynamics->shared);
   setup.x_low = model.pressure_psi.front();
   setup.x_high = model.pressure_psi.back();
   const auto time = time_of(model);

@@ -23,6 +23,11 @@ struct Dynamics {
   double lag_s = 1.0, lag_share = 0.0;
 };
 
+// Whether a stream has anything to undo, and has to be told the times.
+inline bool undoes(const Dynamics& d) {
+  return d.lag_share != 0.0 || d.creep_share != std::array<double, kCreepElements>{};
+}
+
 // One taxel's, along its samples: the input is taken as having gone to its value right after the sample before.
 struct DynamicsState {
   std::array<double, kCreepElements> psi = {0.0, 0.0, 0.0};

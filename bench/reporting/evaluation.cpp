@@ -7,9 +7,9 @@
 #include <iterator>
 #include <set>
 
-#include "analysis/identify/dispatch.h"
 #include "analysis/counted.h"
 #include "analysis/identify/dynamic/dynamic_alone.h"
+#include "analysis/identify/elam/dispatch.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/report/gather.h"
 #include "analysis/statistics/conformity/overall_verdict.h"

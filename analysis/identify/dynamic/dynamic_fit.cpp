@@ -196,6 +196,6 @@ bool undoes_creep(const SensorDynamics& dynamics) {
 
 bool undoes_lag(const SensorDynamics& dynamics) { return dynamics.shared.lag_share != 0.0; }
 
-bool in_time(const SensorDynamics& dynamics) { return undoes_creep(dynamics) || undoes_lag(dynamics); }
+bool in_time(const SensorDynamics& dynamics) { return undoes(dynamics.shared); }
 
 }  // namespace tactbench::analysis

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "analysis/identify/dispatch.h"
+#include "analysis/identify/elam/dispatch.h"
 #include "analysis/identify/elam/elam_samples.h"
 #include "analysis/models/elam.h"
 

@@ -1,5 +1,5 @@
 // The vector levels of the processor, by which identification computes.
-#include "analysis/identify/dispatch.h"
+#include "analysis/identify/elam/dispatch.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

@@ -1,4 +1,4 @@
-#include "analysis/identify/dispatch.h"
+#include "analysis/identify/elam/dispatch.h"
 
 #include <array>
 #include <cstddef>
