@@ -13,8 +13,8 @@
 #include <stdexcept>
 
 #include "analysis/error.h"
+#include "analysis/identify/compensators.h"
 #include "analysis/identify/dynamic/dynamic_alone.h"
-#include "analysis/identify/streams/recording_stream.h"
 #include "analysis/workers.h"
 #include "bench/cli/calibrate/calibration.h"
 #include "bench/common/build_info.h"
@@ -32,8 +32,8 @@ constexpr std::size_t kBins = 5000;
 enum DrawStream : std::uint64_t { kSensorStream = 301, kKindStream = 401, kRunStream = 501 };
 
 // What turns a taxel's outputs into pressures. A scan has more noise than the mean of those that a frame has.
-RecordingStream stream_of(const SensorModel& model, const ModelTaxel& taxel) {
-  return {model, taxel, std::sqrt(static_cast<double>(model.scans))};
+std::unique_ptr<Compensator> stream_of(const SensorModel& model, const ModelTaxel& taxel) {
+  return compensator_of(model, taxel, std::sqrt(static_cast<double>(model.scans)));
 }
 
 std::string code_commit() {
@@ -127,10 +127,10 @@ void add_errors(const SensorModel& model, const HistoryKind& kind, const Recordi
   for (std::size_t k = 0; k < taxels.size(); ++k) {
     const ModelTaxel& taxel = model.taxel(static_cast<int>(taxels[k]));
     if (!taxel.fitted()) continue;
-    RecordingStream stream = stream_of(model, taxel);
-    kind.unknown_start ? stream.reset_unknown() : stream.work(recording.worked_s);
+    const auto stream = stream_of(model, taxel);
+    kind.unknown_start ? stream->start(Start::kUnknown) : stream->work(recording.worked_s);
     for (std::size_t i = 0; i < recording.psi.size(); ++i) {
-      const Compensated now = stream.step(recording.volts[i * taxels.size() + k], recording.seconds[i]);
+      const Compensated now = stream->step(recording.volts[i * taxels.size() + k], recording.seconds[i]);
       errors.add(std::abs(now.pressure_psi - recording.psi[i]), now);
     }
   }
