@@ -57,7 +57,7 @@ CurvePiece ElamStack::piece(double y) const {
   // Beyond its end the loop is closed and another branch goes on.
   if (left > 2 && own.curve.ascending()) piece.high = std::min(piece.high, own.y_end);
   if (left > 2 && !own.curve.ascending()) piece.low = std::max(piece.low, own.y_end);
-  for (double* const own : {&piece.low, &piece.high, &piece.y_a}) *own -= y0;
+  for (double* const output : {&piece.low, &piece.high, &piece.y_a}) *output -= y0;
   return piece;
 }
 

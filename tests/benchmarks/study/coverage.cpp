@@ -147,7 +147,7 @@ class CoverageOfSensor {
     return run(std::move(made));
   }
 
-  void add_calibration(const std::vector<const char*>& recipes, const std::string& name, Coverages& coverages) {
+  void add_calibration(const std::vector<std::string>& recipes, const std::string& name, Coverages& coverages) {
     const std::int64_t calibration = run({recipes, {kThermometer}}).data.run;
     const std::vector<KnownRun> again = {run({recipes, {}}), run({recipes, {}})};
     std::vector<std::int64_t> held_out = held_out_;
