@@ -68,8 +68,10 @@ void ElamStack::turn(double y) {
   y += y0;
   const Target last = targets_[count_ - 1U];
   const bool rises = !last.curve.ascending();
-  // At an end of the range older turning points are forgotten.
+  // At an end of the range older turning points are forgotten, and a branch that left an end goes to the loop's own,
+  // not to the output measured there: that would take a gain that drifted for one that was fitted.
   const bool ends = rises ? x <= x0 : x >= xu;
+  const bool to_end = ends || (rises ? last.curve.turn_x() >= xu : last.curve.turn_x() <= x0);
   if (ends)
     count_ = 0;
   else if (count_ == kMost)
@@ -77,8 +79,10 @@ void ElamStack::turn(double y) {
   double split = x;
   if (!rises) split += std::clamp(2.0 - (yu - y) / (kDriftShare * top()), 0.0, 1.0) * (xu - x);
   const ElamCurve curve(*model_, rises, x, y, split);
-  targets_[count_] = ends ? rises ? target(curve, xu, yu) : target(curve, x0, y0)
-                          : target(curve, last.curve.turn_x(), last.curve.turn_y());
+  if (to_end)
+    targets_[count_] = rises ? target(curve, xu, yu) : target(curve, x0, y0);
+  else
+    targets_[count_] = target(curve, last.curve.turn_x(), last.curve.turn_y());
   ++count_;
 }
 

@@ -31,7 +31,7 @@ TEST_CASE("U of an error in one mount is no U of the sensor mounted anew or a mo
   REQUIRE(call(folder, {"init"}).code == 0);
   REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
   write_file(folder.path("limits.toml"),
-             "schema = 1\nname = \"limits\"\nrule = \"default\"\nmean_compensation_error_psi = 0.6\n"
+             "schema = 1\nname = \"limits\"\nrule = \"default\"\nmean_compensation_error_psi = 0.5\n"
              "worst_taxel_error_psi = 60\ndistance_of_mean_percent_fs = 100\nunfit_taxels = 256\n");
   run_recipe(folder, "production", {"--seed", "1"});
   run_recipe(folder, "production", {"--seed", "2"});
