@@ -42,7 +42,7 @@ struct Array {
   }
 };
 
-const Array& elam() {
+const Array& array_of_elam() {
   static const Array made = [] {
     Array array;
     std::mt19937 random(5);
@@ -54,7 +54,7 @@ const Array& elam() {
 }
 
 // Films of Preisach densities that fall off from the diagonal, in 20 intervals, behind a divider of about 4 V.
-const Array& dynamic() {
+const Array& array_in_time() {
   static const Array made = [] {
     Array array{{}, true};
     std::mt19937 random(5);
@@ -101,7 +101,7 @@ std::vector<float> volts_of(const Array& array, Way way) {
   return volts;
 }
 
-void frames_of(benchmark::State& state, const Array& array, Way way) {
+void time_frames(benchmark::State& state, const Array& array, Way way) {
   const std::vector<float> volts = volts_of(array, way);
   FrameCompensator compensator = array.frames();
   std::vector<float> pressure(kTaxels), uncertainty(kTaxels);
@@ -115,7 +115,7 @@ void frames_of(benchmark::State& state, const Array& array, Way way) {
 }
 
 void plain_loop(benchmark::State& state) {
-  const std::vector<float> volts = volts_of(elam(), Way::kMoving);
+  const std::vector<float> volts = volts_of(array_of_elam(), Way::kMoving);
   std::vector<float> to(kTaxels);
   std::size_t f = 0;
   for (auto _ : state) {
@@ -126,7 +126,7 @@ void plain_loop(benchmark::State& state) {
   }
 }
 
-const bool registered = [] {
+const bool frames_registered = [] {
   const auto add = [](const std::string& name, auto act) {
     benchmark::RegisterBenchmark(("compensate/" + name).c_str(), act)->Unit(benchmark::kMicrosecond);
   };
@@ -135,7 +135,7 @@ const bool registered = [] {
        {std::pair{"standing", Way::kStanding}, {"moving", Way::kMoving}, {"turning", Way::kTurning}})
     for (const bool in_time : {false, true})
       add(std::string(in_time ? "dynamic_" : "elam_") + name,
-          [=](benchmark::State& state) { frames_of(state, in_time ? dynamic() : elam(), way); });
+          [=](benchmark::State& state) { time_frames(state, in_time ? array_in_time() : array_of_elam(), way); });
   return true;
 }();
 

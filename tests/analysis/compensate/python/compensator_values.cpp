@@ -28,7 +28,7 @@ int main(int, char** words) {
       frames.frame(volts, walk.seconds, {pressure, uncertainty, status});
       std::printf("%s", name.c_str());
       for (const auto* const list : {&std::as_const(volts), &std::as_const(pressure), &std::as_const(uncertainty)})
-        for (const float value : *list) std::printf(" %.9g", value);
+        for (const float value : *list) std::printf(" %.17g", static_cast<double>(value));
       for (const unsigned bits : status) std::printf(" %u", bits);
       std::printf("\n");
     }
