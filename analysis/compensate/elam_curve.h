@@ -4,6 +4,7 @@
 // On branches that leave the external loop it is the paper's curve itself.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -20,6 +21,14 @@ class ElamStack {
   static constexpr double kDriftShare = 0.01;
 
   explicit ElamStack(const ElamModel& model) : model_(&model) { start(false); }  // keeps a pointer to `model`
+  ElamStack(const ElamStack& other) { *this = other; }
+  ElamStack& operator=(const ElamStack& other) {  // of those in use alone: each way back is a copy
+    model_ = other.model_;
+    count_ = other.count_;
+    std::copy_n(other.targets_.begin(), count_, targets_.begin());
+    return *this;
+  }
+  ~ElamStack() = default;
   [[nodiscard]] double top() const { return model_->yu() - model_->y0(); }
   [[nodiscard]] double x_low() const { return model_->x0(); }
   [[nodiscard]] double x_high() const { return model_->xu(); }
@@ -43,7 +52,7 @@ class ElamStack {
   [[nodiscard]] static CurvePiece piece_of(const Target& target, double y);
   [[nodiscard]] std::uint8_t left_at(double y) const;
 
-  const ElamModel* model_;
+  const ElamModel* model_ = nullptr;
   std::array<Target, kMost> targets_;
   std::uint8_t count_ = 0;
 };

@@ -17,8 +17,7 @@ namespace {
 
 // Bounds on what a document may say, so that no square or quotient of it overflows.
 constexpr double kMost = 1e9, kLeastSpan = 1e-9;
-// The full output in noises. A sample without noise is taken to have the least.
-constexpr double kMostOutput = 1e12, kLeastOutput = 1e-3;
+constexpr double kLeastOutput = 1e-3;  // the full output in noises
 
 void demand(bool holds, const std::string& what) {
   if (!holds) throw std::invalid_argument(what);
@@ -57,12 +56,11 @@ void check(const CompensatorSetup& setup) {
 }
 
 template <class Curve>
-std::unique_ptr<Compensator> of_curve(Curve curve, CompensatorSetup setup) {
+std::unique_ptr<Compensator> of_curve(Curve curve, const CompensatorSetup& setup) {
   demand(within(curve.x_high() - curve.x_low(), kLeastSpan, kMost) && std::abs(curve.x_low()) <= kMost,
          "its inputs do not span 1e-9 to 1e9, or begin beyond 1e9");
   const double full = curve.top() * std::abs(setup.gain);
   demand(std::isfinite(full) && full > 0.0, "its output does not rise");
-  setup.noise = std::max(setup.noise, full / kMostOutput);
   demand(full >= kLeastOutput * setup.noise, "its full output is below a thousandth of its noise");
   return std::make_unique<TurningCompensator<Curve>>(std::move(curve), setup);
 }
@@ -94,7 +92,7 @@ std::unique_ptr<Compensator> make_compensator(const HysteresisModel& model, cons
   const auto count_from = [&](double low) { own.zero += own.gain * low; };
   if (const auto* const elam = dynamic_cast<const ElamHysteresis*>(&model); elam != nullptr && elam->is_paper()) {
     count_from(elam->elam().y0());
-    return of_curve(ElamStack(elam->elam()), std::move(own));
+    return of_curve(ElamStack(elam->elam()), own);
   }
   const auto* const outer = dynamic_cast<const LinearisedModel*>(&model);
   const Divider divider = outer == nullptr ? Divider() : outer->divider();
@@ -103,11 +101,11 @@ std::unique_ptr<Compensator> make_compensator(const HysteresisModel& model, cons
   if (film != nullptr && (divider.per_amplitude == 0.0 ||
                           std::abs(film->y_low()) <= 1e-9 * film->everett(film->x_high(), film->x_low()))) {
     count_from(divider.zero + (divider.per_amplitude > 0.0 ? 0.0 : film->y_low()));
-    return of_curve(PreisachCurve(film_of(*film, divider)), std::move(own));
+    return of_curve(PreisachCurve(film_of(*film, divider)), own);
   }
   StateCurve curve(model, setup.highest);
   count_from(curve.low());
-  return of_curve(std::move(curve), std::move(own));
+  return of_curve(std::move(curve), own);
 }
 
 }  // namespace tactbench::analysis

@@ -37,7 +37,8 @@ class TurningCompensator final : public Compensator {
         top_(curve.top()),
         zero_(setup.zero),
         per_gain_(1.0 / setup.gain),
-        noise_(setup.noise / std::abs(setup.gain)),
+        stated_noise_(setup.noise / std::abs(setup.gain)),
+        noise_(std::max(stated_noise_, kLeastNoise * top_)),
         residual_(setup.residual),
         time_(setup.time),
         creep_scale_(setup.creep_scale),
@@ -153,7 +154,8 @@ class TurningCompensator final : public Compensator {
   // The mean square of the steps is a running one over this many samples, each counted up to a ceiling, so that a halt
   // is detected soon after a fast move.
   static constexpr double kStepWindow = 24.0, kStepCeiling = 14.0;
-  static constexpr double kNoNoise = 1e30;  // stands for 1 / 0 where there is no noise: any step is a move
+  static constexpr double kNoNoise = 1e30;      // stands for 1 / 0 where there is no noise: any step is a move
+  static constexpr double kLeastNoise = 1e-12;  // of the output at the top: that of a sample without noise
   static constexpr double kAtRestShare = 0.01;
   static constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
 
@@ -351,7 +353,7 @@ class TurningCompensator final : public Compensator {
       }
     }
     now.slope *= branch.curve.stretch(mean_);
-    const double noise2 = noise_ * noise_ * weight_ * steepest * steepest;
+    const double noise2 = stated_noise_ * stated_noise_ * weight_ * steepest * steepest;
     now.squared = noise2 + doubt * doubt;
     const double flat = options_.flat_share * span_ / options_.flat_in_noises;
     now.flat = noise2 > flat * flat;
@@ -382,8 +384,8 @@ class TurningCompensator final : public Compensator {
   }
 
   CompensatorOptions options_;
-  double x_low_, span_, top_;       // inputs; output
-  double zero_, per_gain_, noise_;  // noise: of a sample, of the model's output
+  double x_low_, span_, top_;                      // inputs; output
+  double zero_, per_gain_, stated_noise_, noise_;  // noise: of a sample, of the model's output
   double per_noise2_ = 0.0, jump2_ = 0.0, band2_ = 0.0, hold2_ = 0.0, rest2_ = 0.0, off_ = 0.0, band_ = 0.0;
   std::vector<double> residual_;
   std::shared_ptr<PassedTime> time_;

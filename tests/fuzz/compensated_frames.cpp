@@ -1,5 +1,6 @@
 // A model's document and frames: whatever stands in it, a stream of it reads its own memory alone, and a pressure that
 // it calls valid is a number. The document, a byte 0, then bytes that set up the stream and make its frames.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -69,7 +70,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const double full = bytes.next() < 128 ? 65535.0 * volts : 5.0;
   // As a robot reads it, and as the program does.
   try {
-    DocumentFrames own = frames_from_document(text, static_cast<int>(noisier * 4.0) % 1000);
+    DocumentFrames own = frames_from_document(text, static_cast<int>(std::min(noisier, 100.0)));
     if (own.frames.taxels() <= 1000) put_through(own.frames, bytes, full);
   } catch (const std::invalid_argument&) {
   }
