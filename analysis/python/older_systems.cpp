@@ -22,6 +22,8 @@ double __wrap_exp(double x) { return exp_2_2_5(x); }
 double __wrap_hypot(double x, double y) { return hypot_2_2_5(x, y); }
 // libstdc++ has it from GCC 11 on; what it throws is a bad_alloc, too.
 [[noreturn]] void __wrap__ZSt28__throw_bad_array_new_lengthv() { throw std::bad_alloc(); }
+// glibc has it from 2.32 on, and shared pointers look at it: they count for several threads, always.
+[[gnu::visibility("hidden")]] char __libc_single_threaded = 0;
 
 }  // extern "C"
 // NOLINTEND(readability-identifier-naming,bugprone-reserved-identifier,cert-dcl37-c,cert-dcl51-cpp)
