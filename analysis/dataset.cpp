@@ -8,16 +8,17 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 
 #include "analysis/counted.h"
 #include "analysis/json_io.h"
 #include "analysis/scanner_scale.h"
+#include "db/scan_means.h"
 
 namespace tactbench::analysis {
 namespace {
 
 constexpr const char* kScannerRole = "tactile scanner";
-constexpr std::uint16_t kConverterLimit = 65535;
 
 }  // namespace
 
@@ -52,39 +53,75 @@ namespace {
 // The frames of one repeat by ordinal; null where missing.
 using Slots = std::vector<const db::FrameRecord*>;
 
-struct Noise {
-  std::vector<double> sum_of_squares;  // counts^2 about each frame's mean, per taxel
-  std::int64_t degrees = 0;            // of freedom, the same for all taxels
-  std::int64_t scans = 0, frames = 0;
+// What the frames of a run tell of its taxels.
+struct Gathered {
+  explicit Gathered(std::size_t taxels) : sum_of_squares(taxels, 0.0), at_limit(taxels, 0), disagreeing(taxels, 0) {}
+  std::vector<double> sum_of_squares;      // counts^2 about each frame's mean, per taxel
+  std::vector<int> at_limit, disagreeing;  // frames
+  std::int64_t degrees = 0;                // of freedom, the same for all taxels
+  std::int64_t scans = 0, frames = 0, seen = 0;
+
+  void see(const db::FrameRecord& frame) {
+    ++seen;
+    const auto scans_here = static_cast<std::size_t>(frame.scans);
+    if (!db::scans_disagree(frame.counts, scans_here)) return;
+    for (std::size_t taxel = 0; taxel < disagreeing.size(); ++taxel)
+      if (db::disagree(frame.counts, scans_here, taxel)) ++disagreeing[taxel];
+  }
+  // Its scans seldom disagree. What they often do is noise, or a loose contact.
+  [[nodiscard]] bool alone(std::size_t taxel) const {
+    constexpr std::int64_t kFew = 3, kOneIn = 100;
+    return disagreeing[taxel] <= std::max(kFew, seen / kOneIn);
+  }
 };
 
-Repeat make_repeat(const Slots& slots, double scale, Dataset& dataset, Noise& noise) {
+// What most scans of a frame agree on (db::agreed_count), beside the frames before and after it in its repeat.
+double agreed_count(const Slots& slots, std::size_t i, std::size_t taxel) {
+  const auto mean = [&](std::size_t at) {
+    const std::vector<std::uint16_t>& counts = slots[at]->counts;
+    const std::size_t taxels = counts.size() / static_cast<std::size_t>(slots[at]->scans);
+    double sum = 0.0;
+    for (std::size_t k = taxel; k < counts.size(); k += taxels) sum += counts[k];
+    return sum / slots[at]->scans;
+  };
+  const double before = i > 0 ? mean(i - 1) : std::nan(""), after = i + 1 < slots.size() ? mean(i + 1) : before;
+  return db::agreed_count(slots[i]->counts, static_cast<std::size_t>(slots[i]->scans), taxel,
+                          {i > 0 ? before : after, after});
+}
+
+Repeat make_repeat(const Slots& slots, double scale, Dataset& dataset, Gathered& all) {
   const auto taxels = static_cast<std::size_t>(dataset.taxels());
   Repeat repeat;
   repeat.steps.reserve(slots.size());
   repeat.volts.reserve(slots.size() * taxels);
-  for (const db::FrameRecord* frame : slots) {
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    const db::FrameRecord* const frame = slots[i];
     repeat.steps.push_back({frame->setpoint_psi, frame->reference_psi, 1e-9 * static_cast<double>(frame->time_ns),
                             1e-9 * static_cast<double>(frame->since_command_ns)});
-    const auto scans = static_cast<std::size_t>(frame->scans);
+    const std::span<const std::uint16_t> counts = frame->counts;
+    const bool disagree = db::scans_disagree(counts, static_cast<std::size_t>(frame->scans));
     for (std::size_t taxel = 0; taxel < taxels; ++taxel) {
-      double sum = 0.0, squares = 0.0;
-      for (std::size_t scan = 0; scan < scans; ++scan) {
-        const std::uint16_t count = frame->counts[scan * taxels + taxel];
-        if (count == kConverterLimit) dataset.at_limit[taxel] = true;
-        sum += count;
+      const double agreed = disagree && all.alone(taxel) ? agreed_count(slots, i, taxel) : std::nan("");
+      const auto kept = [agreed](double count) { return !(std::abs(count - agreed) > db::kOutlying); };
+      double sum = 0.0, squares = 0.0, number = 0.0;
+      bool at_limit = false;
+      for (std::size_t k = taxel; k < counts.size(); k += taxels) {
+        if (!kept(counts[k])) continue;
+        at_limit = at_limit || counts[k] == db::kConverterLimit;
+        sum += counts[k];
+        number += 1.0;
       }
-      const double mean = sum / static_cast<double>(scans);
-      for (std::size_t scan = 0; scan < scans; ++scan) {
-        const double off = frame->counts[scan * taxels + taxel] - mean;
-        squares += off * off;
-      }
-      noise.sum_of_squares[taxel] += squares;
+      const double mean = sum / number;
+      for (std::size_t k = taxel; k < counts.size(); k += taxels)
+        if (kept(counts[k])) squares += (counts[k] - mean) * (counts[k] - mean);
+      dataset.outlying += frame->scans - static_cast<int>(number);
+      if (at_limit) ++all.at_limit[taxel];
+      all.sum_of_squares[taxel] += squares;
       repeat.volts.push_back(mean * scale);
     }
-    noise.degrees += frame->scans - 1;
-    noise.scans += frame->scans;
-    ++noise.frames;
+    all.degrees += frame->scans - 1;
+    all.scans += frame->scans;
+    ++all.frames;
   }
   return repeat;
 }
@@ -164,6 +201,7 @@ Dataset load_dataset(const StoredRun& stored) {
                         "check the store: tactbench db check");
   }
   std::map<std::pair<int, int>, Slots> repeats;  // by sequence, repeat
+  Gathered all(taxels);
   for (const db::FrameRecord& frame : frames) {
     const auto branch = branches.find(frame.branch);
     if (branch == branches.end() || !lengths.contains(branch->second.sequence))
@@ -173,6 +211,7 @@ Dataset load_dataset(const StoredRun& stored) {
     if (branch->second.is_void) continue;
     const int length = lengths[branch->second.sequence];
     check_frame(frame, dataset, length);
+    all.see(frame);
     Slots& slots = repeats[{branch->second.sequence, branch->second.repeat}];
     slots.resize(static_cast<std::size_t>(length), nullptr);
     const db::FrameRecord*& slot = slots[static_cast<std::size_t>(frame.ordinal)];
@@ -185,8 +224,6 @@ Dataset load_dataset(const StoredRun& stored) {
     slot = &frame;
   }
 
-  Noise noise;
-  noise.sum_of_squares.assign(taxels, 0.0);
   std::string missing;
   for (const db::SequenceRecord& sequence : record.sequences) {
     SequenceData data;
@@ -196,7 +233,7 @@ Dataset load_dataset(const StoredRun& stored) {
       const auto found = repeats.find({sequence.sequence, repeat});
       if (found == repeats.end()) continue;
       const auto absent = std::count(found->second.begin(), found->second.end(), nullptr);
-      if (absent == 0) data.repeats.push_back(make_repeat(found->second, scale, dataset, noise));
+      if (absent == 0) data.repeats.push_back(make_repeat(found->second, scale, dataset, all));
       best = std::max(best, static_cast<std::int64_t>(found->second.size()) - absent);
     }
     if (data.repeats.empty())
@@ -210,11 +247,13 @@ Dataset load_dataset(const StoredRun& stored) {
                         fmt::format("run {} has no complete repeat ({})", run,
                                     missing.empty() ? std::string("it has no sequence") : missing),
                         "resume the run or choose a completed one: tactbench runs list");
-  if (noise.degrees > 0) {
+  constexpr int kAgain = 2;  // one frame at the limit is no load that reaches it
+  for (std::size_t taxel = 0; taxel < taxels; ++taxel) dataset.at_limit[taxel] = all.at_limit[taxel] >= kAgain;
+  if (all.degrees > 0) {
     // Variance of one scan over the K that are averaged; never below the converter's own rounding.
-    const double mean_scans = static_cast<double>(noise.scans) / static_cast<double>(noise.frames);
+    const double mean_scans = static_cast<double>(all.scans) / static_cast<double>(all.frames);
     for (std::size_t taxel = 0; taxel < taxels; ++taxel) {
-      const double variance = std::max(noise.sum_of_squares[taxel] / static_cast<double>(noise.degrees), 1.0 / 12.0);
+      const double variance = std::max(all.sum_of_squares[taxel] / static_cast<double>(all.degrees), 1.0 / 12.0);
       dataset.noise_v[taxel] = scale * std::sqrt(variance / mean_scans);
     }
   }

@@ -29,7 +29,7 @@ TimePassed time_passed(const Sample& sample, double before_s);
 // One pass through a sequence's turning points.
 struct Repeat {
   std::vector<Sample> steps;
-  std::vector<double> volts;  // steps x taxels, row-major; mean of the K scans
+  std::vector<double> volts;  // steps x taxels, row-major; mean of the K scans, outliers left out
 };
 
 struct SequenceData {
@@ -43,7 +43,8 @@ struct Dataset {
   int rows = 0, columns = 0, scans = 1;  // scans: averaged into a sample, in the first frame
   std::vector<SequenceData> sequences;
   std::vector<double> noise_v;  // per taxel, standard deviation of one K-scan mean, from the K scans (0 if K = 1)
-  std::vector<bool> at_limit;   // per taxel: a sample stood at the converter's limit
+  std::vector<bool> at_limit;   // per taxel: stood at the converter's limit in more than one frame
+  int outlying = 0;             // samples left out of their frames' means: the other scans contradict (db/scan_means.h)
   std::vector<double> temperatures_c;  // of the surroundings: the run's readings, none where the bench has no sensor
   [[nodiscard]] int taxels() const { return rows * columns; }
 };

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "db/run_store_database.h"
+#include "db/scan_means.h"
 
 namespace tactbench::db {
 
@@ -46,11 +47,7 @@ struct ResetAtEnd {
 }  // namespace
 
 std::vector<double> mean_counts(const SeenFrame& frame) {
-  const std::size_t taxels = static_cast<std::size_t>(frame.rows) * static_cast<std::size_t>(frame.columns);
-  std::vector<double> means(taxels, 0.0);
-  for (std::size_t i = 0; i < frame.counts.size(); ++i) means[i % taxels] += frame.counts[i];
-  for (double& mean : means) mean /= frame.scans;
-  return means;
+  return scan_means(frame.counts, static_cast<std::size_t>(frame.scans));
 }
 
 struct RunLook::Queries {

@@ -16,6 +16,7 @@
 #include "bench/common/process_time.h"
 #include "bench/common/stop_request.h"
 #include "bench/rig/rig.h"
+#include "db/scan_means.h"
 #include "devices/fault.h"
 
 namespace tactbench::bench {
@@ -33,16 +34,6 @@ double microseconds_since(RealClock::time_point start) {
 
 double percentile(const std::vector<double>& values, double share) {
   return values.empty() ? 0.0 : analysis::quantile_of(values, share);
-}
-
-// The mean of the scans in volts.
-void average(const devices::ScanSet& scan, double volts_per_count, std::vector<float>& volts) {
-  const double scale = volts_per_count / scan.scans;
-  for (std::size_t t = 0; t < volts.size(); ++t) {
-    double sum = 0.0;
-    for (std::size_t k = t; k < scan.counts.size(); k += volts.size()) sum += scan.counts[k];
-    volts[t] = static_cast<float>(scale * sum);
-  }
 }
 
 }  // namespace
@@ -81,6 +72,7 @@ LiveSummary live_frames(const BenchConfig& config, const analysis::SensorModel& 
   const std::size_t taxels = compensator.taxels();
   std::vector<float> volts(taxels), pressure(taxels), uncertainty(taxels);
   std::vector<std::uint16_t> status(taxels);
+  std::vector<double> means;  // counts of the last frame
   const analysis::FrameCompensator::Output output{pressure, uncertainty, status};
   std::vector<double> latencies, compensations;
   const StopRequest stop;
@@ -94,7 +86,9 @@ LiveSummary live_frames(const BenchConfig& config, const analysis::SensorModel& 
     try {
       const devices::ScanSet scan = array.read(options.scans);
       const auto came = RealClock::now();
-      average(scan, volts_per_count, volts);
+      means = db::scan_means(scan.counts, static_cast<std::size_t>(scan.scans), means);
+      std::ranges::transform(means, volts.begin(),
+                             [&](double mean) { return static_cast<float>(volts_per_count * mean); });
       compensator.frame(volts, passed, output);
       compensations.push_back(microseconds_since(came));
       lost = 0;

@@ -8,6 +8,7 @@
 
 #include "bench/common/process_time.h"
 #include "bench/safety/ramp.h"
+#include "db/scan_means.h"
 #include "devices/fault.h"
 
 namespace tactbench::bench {
@@ -83,6 +84,7 @@ void Sequencer::chamber_step(const Step& step) {
   std::string retried;
   readings_.scans = read_array(retried);
   check_array();
+  if (db::scans_disagree(readings_.scans.counts, static_cast<std::size_t>(readings_.scans.scans))) add_flag("outlier");
   last_frame_ = readings_.scans.time;
   readings_.exchanges = static_cast<int>(rig_.exchanges() - exchanges_before);
   const double dwelt = devices::in_seconds(readings_.scans.time - readings_.in_band_since);

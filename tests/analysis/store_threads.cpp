@@ -127,6 +127,42 @@ TEST_CASE("stored frames become volts in step order, without void branches and r
   CHECK_FALSE(data.at_limit[0]);  // the void frame alone stood there
 }
 
+TEST_CASE("a sample that the other scan contradicts is left out; a taxel that stands at the limit twice is saturated") {
+  AnalysedStore store;
+  const std::int64_t run = begin(*store, {{0, "tiny", "r = 1", "", 1, 6}});
+  const std::int64_t branch = store->begin_branch(run, {0, 0, 0, 0, 0, false, "", 0.0, 10.0});
+  const std::uint16_t limit = 65535;
+  for (int i = 0; i < 6; ++i) {
+    const auto own = static_cast<std::uint16_t>(1000 * i + 10);
+    std::vector<std::uint16_t> counts = {own, own, own, static_cast<std::uint16_t>(own + 4), own, own};
+    if (i == 2) counts[3] = limit;              // taxel 0: one sample
+    if (i == 3) counts[0] = 40000;              // and another
+    if (i == 4) counts[1] = counts[4] = limit;  // taxel 1: one frame
+    if (i >= 4) counts[2] = counts[5] = limit;  // taxel 2: two frames
+    store->append_frame(run, frame(branch, i, 2.0 * i, counts, 2, 1, 3));
+  }
+  const Dataset data = load_dataset(*store, run);
+  CHECK(data.outlying == 2);
+  CHECK((data.at_limit == std::vector<bool>{false, false, true}));
+  const std::vector<double>& volts = data.sequences[0].repeats[0].volts;
+  CHECK(volts[2 * 3] == Approx(2010.0 * kScale));
+  CHECK(volts[3 * 3] == Approx(3014.0 * kScale));
+  CHECK(data.noise_v[0] < 5.0 * kScale);
+}
+
+TEST_CASE("scans of a taxel that differ again and again are its noise") {
+  AnalysedStore store;
+  const std::int64_t run = begin(*store, {{0, "tiny", "r = 1", "", 1, 8}});
+  const std::int64_t branch = store->begin_branch(run, {0, 0, 0, 0, 0, false, "", 0.0, 14.0});
+  for (int i = 0; i < 8; ++i)
+    store->append_frame(
+        run, frame(branch, i, 2.0 * i, {static_cast<std::uint16_t>(i < 4 ? 5000 : 0), 7000, 10000, 7000}, 2, 1, 2));
+  const Dataset data = load_dataset(*store, run);
+  CHECK(data.outlying == 0);
+  CHECK(data.noise_v[0] > 2000.0 * kScale);
+  CHECK(data.noise_v[1] < kScale);
+}
+
 TEST_CASE("a fit survives the store bit for bit, and evaluates the same") {
   AnalysedStore store;
   ArrayOptions options;

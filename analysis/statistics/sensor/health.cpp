@@ -52,7 +52,7 @@ std::string reason_for(const Health& health, const ModelTaxel* fit, TaxelStatus 
     case TaxelStatus::kStuck:
       return fmt::format("{}: moves less than {:g} V, away from 0 V", range, health.options.dead_v);
     case TaxelStatus::kSaturated:
-      return fmt::format("{}: a sample stood at the converter's limit", range);
+      return fmt::format("{}: frame after frame stood at the converter's limit", range);
     case TaxelStatus::kConstant:
       return range;
     case TaxelStatus::kUnfit:

@@ -9,6 +9,7 @@
 
 #include "analysis/json_io.h"
 #include "analysis/scanner_scale.h"
+#include "db/scan_means.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -21,10 +22,8 @@ std::vector<double> frame_volts(const db::FrameRecord& frame, double volts_a_cou
                         fmt::format("frame {} of branch {} does not hold {} x {} x {} counts", frame.ordinal,
                                     frame.branch, frame.rows, frame.columns, frame.scans),
                         "check the store: tactbench db check");
-  std::vector<double> volts(taxels, 0.0);
-  for (std::size_t scan = 0; scan < scans; ++scan)
-    for (std::size_t taxel = 0; taxel < taxels; ++taxel) volts[taxel] += frame.counts[scan * taxels + taxel];
-  for (double& value : volts) value *= volts_a_count / static_cast<double>(scans);
+  std::vector<double> volts = db::scan_means(frame.counts, scans);
+  for (double& value : volts) value *= volts_a_count;
   return volts;
 }
 

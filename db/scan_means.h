@@ -1,0 +1,35 @@
+// The scans of one frame, and the samples among them that the frame's others contradict. Counts are scans x taxels,
+// scan slowest.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace tactbench::db {
+
+// Scans of a frame follow each other within milliseconds: a sample further than 5 % of the converter from what the
+// others agree on is an outlier.
+inline constexpr double kOutlying = 0.05 * 65535.0;
+inline constexpr std::uint16_t kConverterLimit = 65535;
+
+// Outputs of the same taxel in the frames before and after, in any order; not a number: there are none.
+struct Nearby {
+  double one, other;
+};
+
+// What most samples of a taxel agree on, each within kOutlying; of two that differ the one that clearly is nearer to
+// the neighbouring frames, or, where there are none, the one that is not at an end of the converter. Not a number: none
+// is left out, since all agree, or none can be told.
+double agreed_count(std::span<const std::uint16_t> counts, std::size_t scans, std::size_t taxel, Nearby nearby);
+
+// A taxel's scans differ by more than kOutlying; any's do.
+bool disagree(std::span<const std::uint16_t> counts, std::size_t scans, std::size_t taxel);
+bool scans_disagree(std::span<const std::uint16_t> counts, std::size_t scans);
+
+// The mean of each taxel's scans, without outliers. `before`: those of the frame before; empty: there is none.
+std::vector<double> scan_means(std::span<const std::uint16_t> counts, std::size_t scans,
+                               std::span<const double> before = {});
+
+}  // namespace tactbench::db
