@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ios>
+#include <limits>
 #include <utility>
 
 #include "analysis/counted.h"
@@ -66,7 +67,9 @@ bool TableReader::read_line() {
 
 void TableReader::refuse(std::size_t line, const std::string& what) const {
   throw AnalysisError("TB-TABLE-ROW", fmt::format("{}:{}: {}", file_, line, what),
-                      "correct or remove the line; fit and import leave such rows out with --skip-bad-rows");
+                      needs_ == TableNeeds::kBoth
+                          ? "correct or remove the line, or leave such rows out: --skip-bad-rows"
+                          : "correct or remove the line");
 }
 
 double TableReader::number(std::size_t column) {
@@ -117,9 +120,23 @@ void TableReader::check_width() {
 
 void TableReader::read_row(Row& row) {
   if (const std::string wrong = fields_.split(line_, separator_); !wrong.empty()) refuse(number_, wrong);
-  check_width();
   row.line = number_;
   row.text = line_;
+  row.outputs.clear();
+  row.bad.clear();
+  try {
+    read_outputs(row);
+  } catch (const AnalysisError& error) {
+    if (needs_ != TableNeeds::kOutput || fields_.all.size() > names_.size()) throw;
+    row.text.append(names_.size() - fields_.all.size(), separator_);
+    row.bad = error.what();
+    row.outputs.clear();
+    row.step = row.time = row.frame = std::nullopt;
+  }
+}
+
+void TableReader::read_outputs(Row& row) {
+  check_width();
   row.sequence = sequence_ == kAbsent ? "1" : fields_.all[sequence_];
   row.taxel = 0;
   if (taxel_ != kAbsent) {
@@ -129,8 +146,15 @@ void TableReader::read_row(Row& row) {
     row.taxel = static_cast<int>(taxel);
   }
   if (input_ != kAbsent) row.input = number(input_);
-  row.outputs.clear();
-  for (const std::size_t column : outputs_) row.outputs.push_back(number(column));
+  for (const std::size_t column : outputs_) {
+    try {
+      row.outputs.push_back(number(column));
+    } catch (const AnalysisError& error) {
+      if (needs_ != TableNeeds::kOutput) throw;
+      row.outputs.push_back(std::numeric_limits<double>::quiet_NaN());
+      if (row.bad.empty()) row.bad = error.what();
+    }
+  }
   row.step = if_number(step_);
   row.time = if_number(time_);
   if (!row.time && time_ < fields_.all.size()) row.time = clock_seconds(fields_.all[time_]);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <istream>
 #include <map>
@@ -23,7 +24,7 @@ struct TableLayout {
       {"sequence", "sequence"}, {"input", "input"}, {"output", "output"}, {"taxel", "taxel"}, {"time", "time_s"}};
   bool no_header = false;      // no line of names; columns are numbers
   std::size_t skip_lines = 0;  // at the beginning, whatever they hold
-  bool skip_bad_rows = false;  // a row that would be refused is left out
+  bool skip_bad_rows = false;  // a row that would be refused, or whose sample is wild, is left out
 };
 // "input=COL,output=COL,...", a COL with a comma in double quotes, each role once. Throws AnalysisError TB-TABLE-MAP.
 TableLayout table_layout(const std::string& map);
@@ -33,7 +34,19 @@ struct TableSeries {
   std::string sequence;
   int taxel = 0;
   std::vector<double> input, output;
+  std::vector<double> time_s{};        // empty: not told of all samples
+  std::vector<std::uint32_t> lines{};  // of the table; empty: of none
 };
+
+// Samples whose input or output no sensor can have between its neighbours, which are alike. One a row of the table.
+struct WildSample {
+  std::size_t place = 0;  // in the series
+  bool input = false;
+  double value = 0.0, spans = 0.0;  // spans: of the middle nine tenths of the values, to its neighbours
+};
+std::vector<WildSample> wild_samples(const TableSeries& series);
+// "line 214: the output 83886.1 lies 2.9e+04 spans from its neighbours".
+std::string wild_words(const TableSeries& series, const WildSample& wild);
 
 enum class TableNeeds { kInput, kOutput, kBoth };
 
@@ -67,11 +80,15 @@ class TableReader {
     int taxel = 0;
     double input = 0.0;           // 0 where not asked for
     std::vector<double> outputs;  // one a column
+    // Where outputs alone are asked for: why some are nan, or all, since the row is too short or tells no taxel; its
+    // text is filled up, and `outputs` is empty.
+    std::string bad;
     std::optional<double> step;   // of a column called so, where it is a number
     std::optional<double> time;   // likewise of the times, or a clock's in seconds
     std::optional<double> frame;  // of an export
   };
   // False at the end. Of an export a frame: its first scan's row with the mean outputs of all; void rows are left out.
+  // Where outputs alone are asked for, a row is handed on whose outputs cannot be read (Row::bad).
   // Throws AnalysisError TB-TABLE-ROW: ragged, blank, not a number, not finite, a quote that is not
   // closed, a NUL, a line beyond kLongestLine; with file, line and column. TB-TABLE-SKIPPED: more rows are left out
   // than read.
@@ -126,6 +143,7 @@ class TableReader {
   [[nodiscard]] bool needed(std::size_t column) const;
   void check_width();
   void read_row(Row& row);
+  void read_outputs(Row& row);
   void skip(const std::string& reason);
   [[nodiscard]] double number(std::size_t column);
   [[nodiscard]] std::optional<double> if_number(std::size_t column) const;
@@ -139,9 +157,10 @@ class TableReader {
   std::size_t passed_ = 0;                       // lines over before these, comments apart
   std::size_t rows_ = 0, voids_ = 0;             // read so far, and void ones of them
   std::size_t scans_ = 1;                        // of a frame, at most
-  std::optional<Row> next_;                      // the next frame's first
-  std::deque<Line> ahead_;                       // read from the stream, not yet handed on
-  char separator_ = 0;                           // 0: not known yet
+  TableNeeds needs_;
+  std::optional<Row> next_;  // the next frame's first
+  std::deque<Line> ahead_;   // read from the stream, not yet handed on
+  char separator_ = 0;       // 0: not known yet
   bool skip_line_feed_ = false, labview_ = false, in_seconds_ = false;
   std::size_t short_line_ = 0;      // the first without its last field
   bool number_at_end_ = false;      // the last field held a number

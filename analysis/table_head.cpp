@@ -119,7 +119,7 @@ TableLayout table_layout(const std::string& map) {
 }
 
 TableReader::TableReader(std::istream& stream, std::string file, TableLayout layout, TableNeeds needs)
-    : stream_(&stream), file_(std::move(file)), layout_(std::move(layout)) {
+    : stream_(&stream), file_(std::move(file)), layout_(std::move(layout)), needs_(needs) {
   std::vector<std::string> wanted;
   std::vector<std::size_t> numbered;
   for (const auto& [role, name] : layout_.columns) {

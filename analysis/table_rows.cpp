@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <optional>
+#include <span>
 #include <sstream>
 #include <utility>
 
@@ -55,7 +57,92 @@ struct RowOrder {
   TimeOrder time;
 };
 
+// The middle nine tenths of some values.
+struct Middle {
+  double low = 0.0, high = 0.0;
+  explicit Middle(std::vector<double> values) {
+    constexpr double kOut = 0.05;  // at each end
+    std::ranges::sort(values);
+    const double last = static_cast<double>(values.size() - 1);
+    low = values[static_cast<std::size_t>(std::ceil(kOut * last))];
+    high = values[static_cast<std::size_t>(std::floor((1.0 - kOut) * last))];
+  }
+  [[nodiscard]] double span() const { return high - low; }
+};
+
+// Up to three samples beyond the middle and beyond what lies before and after them by more than kWild spans, where the
+// other value, of which `others` is the middle, goes nowhere: else both may be a short press.
+void add_wild(const std::vector<double>& values, const std::vector<double>& other, bool input,
+              std::vector<WildSample>& wild) {
+  constexpr double kWild = 3.0;
+  constexpr std::size_t kLongest = 3;
+  const Middle middle(values), others(other);
+  const double span = middle.span(), far = kWild * span;
+  const auto beyond = [&](std::size_t i) { return values[i] > middle.high + far || values[i] < middle.low - far; };
+  const auto rests = [&](std::size_t first, std::size_t end) {
+    const std::size_t from = first > kLongest ? first - kLongest - 1 : 0;
+    const auto [least, most] =
+        std::ranges::minmax(std::span(other).subspan(from, std::min(end + kLongest + 1, other.size()) - from));
+    return most - least <= kWild * others.span();
+  };
+  for (std::size_t first = 0, end = 0; span > 0.0 && first < values.size(); first = end) {
+    for (end = first; end < values.size() && beyond(end);) ++end;
+    if (end == first) {
+      ++end;
+      continue;
+    }
+    if (end - first > kLongest || !rests(first, end)) continue;
+    for (std::size_t i = first; i < end; ++i) {
+      double off = HUGE_VAL;
+      if (first > 0) off = std::abs(values[i] - values[first - 1]);
+      if (end < values.size()) off = std::min(off, std::abs(values[i] - values[end]));
+      if (off > far) wild.push_back({i, input, values[i], off / span});
+    }
+  }
+}
+
+// Leaves out the rows of wild samples, all columns of them.
+void leave_out_wild(const std::string& file, std::size_t outputs, Table& table) {
+  for (std::size_t first = 0; first < table.series.size(); first += outputs) {
+    std::map<std::size_t, std::string> out;
+    for (std::size_t k = first; k < first + outputs; ++k)
+      for (const WildSample& wild : wild_samples(table.series[k]))
+        out.try_emplace(wild.place, fmt::format("{}, {}", file, wild_words(table.series[k], wild)));
+    for (const auto& [row, words] : out)
+      if (++table.skipped.count <= SkippedRows::kNamed) table.skipped.first.push_back(words);
+    for (auto row = out.rbegin(); row != out.rend(); ++row) {
+      const auto erase = [&](auto& values) {
+        if (!values.empty()) values.erase(values.begin() + static_cast<std::ptrdiff_t>(row->first));
+      };
+      for (std::size_t k = first; k < first + outputs; ++k) {
+        TableSeries& own = table.series[k];
+        erase(own.input);
+        erase(own.output);
+        erase(own.time_s);
+        erase(own.lines);
+      }
+    }
+  }
+}
+
 }  // namespace
+
+std::vector<WildSample> wild_samples(const TableSeries& series) {
+  constexpr std::size_t kFewest = 20;
+  std::vector<WildSample> wild;
+  if (series.input.size() < kFewest) return wild;
+  add_wild(series.output, series.input, false, wild);
+  add_wild(series.input, series.output, true, wild);
+  return wild;
+}
+
+std::string wild_words(const TableSeries& series, const WildSample& wild) {
+  const std::string place = series.lines.empty()
+                                ? fmt::format("sample {} of sequence \"{}\"", wild.place + 1, series.sequence)
+                                : fmt::format("line {}", series.lines[wild.place]);
+  return fmt::format("{}: the {} {:.10g} lies {:.6g} spans from its neighbours", place, wild.input ? "input" : "output",
+                     wild.value, std::round(wild.spans));
+}
 
 std::string TimeOrder::see(double& time) {
   // 2^32 ticks, of a second, millisecond or microsecond; 2^16; midnight.
@@ -112,7 +199,7 @@ Table read_table(std::istream& stream, const std::string& file, const TableLayou
     if (series.empty() || series[last].taxel != row.taxel || series[last].sequence != row.sequence) {
       const auto [known, fresh] = places.try_emplace({row.sequence, row.taxel}, series.size());
       for (std::size_t k = 0; fresh && k < outputs; ++k)
-        series.push_back({row.sequence, row.taxel + static_cast<int>(k), {}, {}});
+        series.push_back({row.sequence, row.taxel + static_cast<int>(k), {}, {}, {}, {}});
       orders.resize(series.size());
       last = known->second;
     }
@@ -129,9 +216,13 @@ Table read_table(std::istream& stream, const std::string& file, const TableLayou
     for (std::size_t k = 0; k < outputs; ++k) {
       series[last + k].input.push_back(row.input);
       series[last + k].output.push_back(row.outputs[k]);
+      series[last + k].lines.push_back(static_cast<std::uint32_t>(row.line));
+      if (row.time) series[last + k].time_s.push_back(*row.time);
     }
   }
   for (const RowOrder& order : orders) wraps += order.time.wraps();
+  for (TableSeries& own : series)
+    if (!reader.has_seconds() || own.time_s.size() != own.input.size()) own.time_s.clear();
   reader.check_skipped();
   if (series.empty())
     throw AnalysisError("TB-TABLE-EMPTY", fmt::format("{}: no row follows the line of names", file),
@@ -146,6 +237,7 @@ Table read_table(std::istream& stream, const std::string& file, const TableLayou
         fmt::format("the times wrap {}, as a counter of 2^32 or 2^16 ticks or a clock at midnight does: undone",
                     counted(wraps, "time")));
   table.skipped = reader.skipped();
+  if (layout.skip_bad_rows) leave_out_wild(file, outputs, table);
   return table;
 }
 

@@ -55,6 +55,10 @@ class SensorFitter {
     } catch (const std::invalid_argument& error) {
       taxel.reason = error.what();
     }
+    if (!own.wild.empty()) {
+      taxel.status = TaxelStatus::kUnfit;
+      taxel.reason = own.wild;
+    }
     return taxel;
   }
 

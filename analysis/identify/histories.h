@@ -20,8 +20,9 @@ struct TaxelHistories {
   int taxel = 0;                              // kMeanTaxel: the mean of those that can be fitted
   TaxelStatus status = TaxelStatus::kFitted;  // dead, stuck, saturated and constant ones cannot be fitted
   double noise = 0.0;                         // standard deviation of a sample; 0: not known
-  double turn = 0.0;           // of a table: an input that goes back by more has turned; 0: inputs are commanded
-  std::vector<History> fit;    // one a sequence: a run's repeats brought to common inputs and averaged
+  double turn = 0.0;         // of a table: an input that goes back by more has turned; 0: inputs are commanded
+  std::string wild;          // of a table: the first of the samples to fit that no sensor can have, in words (table.h)
+  std::vector<History> fit;  // one a sequence: a run's repeats brought to common inputs and averaged
   std::vector<History> score;  // one a sequence and repeat, as measured
   [[nodiscard]] bool usable() const { return status == TaxelStatus::kFitted; }
 };

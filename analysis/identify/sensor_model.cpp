@@ -12,6 +12,13 @@ namespace tactbench::analysis {
 
 double ModelTaxel::full_scale() const { return ascending.x().empty() ? 0.0 : std::max(std::abs(y0()), std::abs(yu())); }
 
+std::string ModelTaxel::why() const {
+  if (!reason.empty() || status != TaxelStatus::kUnfit) return reason.empty() ? to_string(status) : reason;
+  if (fit.model == nullptr) return "its output moves, but not with the input";
+  return fmt::format("its mean error is {:.4g} % of its full scale, and {:g} % at most are a fit",
+                     100.0 * fit.mean_error / full_scale(), 100.0 * kUnfitShare);
+}
+
 std::vector<double> ModelTaxel::predicted(const History& history, bool free_run) const {
   History own = history;
   for (double& y : own.y) y = to_model(y);

@@ -64,7 +64,7 @@ struct ModelTaxel {
   PatternCurve ascending, descending;
 
   [[nodiscard]] bool fitted() const { return status == TaxelStatus::kFitted; }
-  [[nodiscard]] std::string why() const { return reason.empty() ? to_string(status) : reason; }
+  [[nodiscard]] std::string why() const;  // what kept a model from being fitted
   // Of the external loop. Only with a model.
   [[nodiscard]] double x0() const { return ascending.x().front(); }
   [[nodiscard]] double xu() const { return ascending.x().back(); }

@@ -403,6 +403,24 @@ void find_turns(TaxelHistories& taxel, const HistoriesOptions& options, std::vec
   }
 }
 
+// Wild samples of a series, which its taxel keeps the first of where it is fitted to them.
+void find_wild(const TableSeries& series, const HistoriesOptions& options, TaxelHistories& taxel,
+               std::vector<std::string>& found) {
+  for (const WildSample& wild : wild_samples(series)) {
+    found.push_back(wild_words(series, wild));
+    if (taxel.wild.empty() && is_fitted(taxel.fit.back(), options)) taxel.wild = found.back();
+  }
+}
+
+void tell_wild(const std::vector<std::string>& found, bool imported, std::vector<std::string>& warnings) {
+  for (std::size_t i = 0; i < std::min(found.size(), kNamed); ++i)
+    warnings.push_back(fmt::format("{}: correct it, or leave it out by {}--skip-bad-rows", found[i],
+                                   imported ? "importing the table anew with " : ""));
+  if (found.size() > kNamed)
+    warnings.push_back(
+        fmt::format("{} more lie as far from their neighbours", counted(found.size() - kNamed, "sample")));
+}
+
 // But for the rounding of the numbers.
 bool is_constant(const Span& span) {
   constexpr double kRounding = 1e-8;
@@ -417,6 +435,7 @@ Histories histories_of(const std::vector<TableSeries>& series, const std::string
   histories.source = source;
   histories.origin = "imported";
   std::map<int, TaxelHistories> taxels;
+  std::vector<std::string> wild;
   std::optional<double> count;  // of the first taxel that can be fitted
   for (const TableSeries& own : series) {
     if (own.input.size() < 4)
@@ -429,6 +448,7 @@ Histories histories_of(const std::vector<TableSeries>& series, const std::string
     TaxelHistories& taxel = taxels[own.taxel];
     taxel.taxel = own.taxel;
     taxel.fit.push_back({own.sequence, own.input, own.output, {}, {}, {}});
+    find_wild(own, options, taxel, wild);
   }
   for (auto& [number, taxel] : taxels) {
     const Span x = span_of(taxel.fit, &History::x), y = span_of(taxel.fit, &History::y);
@@ -449,6 +469,7 @@ Histories histories_of(const std::vector<TableSeries>& series, const std::string
     taxel.score = taxel.fit;
     histories.taxels.push_back(std::move(taxel));
   }
+  tell_wild(wild, series.front().lines.empty(), histories.warnings);
   histories.rows = static_cast<int>(histories.taxels.size());
   const auto first = std::ranges::find_if(histories.taxels, [](const auto& t) { return t.usable(); });
   if (first != histories.taxels.end()) Doubts(*first, *count, options).tell(histories.warnings);

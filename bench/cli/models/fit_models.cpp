@@ -86,6 +86,9 @@ class Fit {
 
   void run() {
     work();
+    // Verdicts judge unfit taxels themselves.
+    if (options_.limits.empty() && std::ranges::any_of(rows_, any_unfit, &ModelRow::document))
+      session_.code = ExitCode::kInconclusive;
     session_.json ? print_as_json() : print();
   }
 
@@ -183,10 +186,16 @@ class Fit {
                     "--held-out", "name runs that the model is not made from");
       *source = {number, run.content_sha256};
     }
-    ModelRow& row = rows_.emplace_back();
     const analysis::Dataset& fitted = runs_->dataset(histories_.run);
-    row.document = rate.run != 0 ? analysis::fit_dynamic(fitted, runs_->dataset(rate.run), runs_->dataset(creep.run))
-                                 : analysis::fit_dynamic_alone(fitted);
+    keep_dynamic(rate.run != 0 ? analysis::fit_dynamic(fitted, runs_->dataset(rate.run), runs_->dataset(creep.run))
+                               : analysis::fit_dynamic_alone(fitted),
+                 rate, creep);
+  }
+
+  void keep_dynamic(analysis::SensorModel model, const analysis::SensorDynamics::Source& rate,
+                    const analysis::SensorDynamics::Source& creep) {
+    ModelRow& row = rows_.emplace_back();
+    row.document = std::move(model);
     row.document.content_sha256 = histories_.content_sha256;
     row.document.program_version = build_info().version;
     row.document.dynamics->rate = rate;
@@ -223,7 +232,7 @@ class Fit {
     }
   }
 
-  void print_as_json() const {
+  void print_as_json() {
     nlohmann::ordered_json json;
     if (in_table_) {
       auto models = nlohmann::ordered_json::array();
@@ -247,10 +256,11 @@ class Fit {
     } else {
       add_fitted_json(fitted_.front(), json);
     }
+    if (on_bench_) json["outlying_samples"] = runs_->dataset(histories_.run).outlying;
     print_json("fit", json);
   }
 
-  void print() const {
+  void print() {
     if (in_table_) {
       tty::print("{} ({}): fitted on {}{}{}\n", histories_.source, histories_.origin,
                  fmt::join(rows_.front().document.sequences, ", "),
@@ -262,8 +272,18 @@ class Fit {
                               session_.unit()));
       if (targets_.empty()) tty::print("\nnothing was held out: --fit SEQ,... or --score names what to score on\n");
     }
+    if (on_bench_) tell_outliers();
     for (const FittedRun& fitted : fitted_)
       tty::print("{}{}", in_table_ ? "\n" : undetermined_text(*fitted.model), fitted_text(fitted, session_.unit()));
+  }
+
+  void tell_outliers() {
+    std::vector<std::int64_t> numbers = options_.held_out;
+    numbers.insert(numbers.begin(), histories_.run);
+    for (const std::int64_t run : numbers)
+      if (const int count = runs_->dataset(run).outlying; count > 0)
+        tty::print("run {}: {} left out, which the other scans of the frame contradict\n", run,
+                   analysis::counted(count, "outlying sample"));
   }
 
   FitModelsOptions options_;

@@ -59,7 +59,8 @@ nlohmann::ordered_json repeats_json(const std::vector<analysis::RepeatDrift>& re
 nlohmann::ordered_json left_out_json(const std::vector<LeftOut>& left_out) {
   auto json = nlohmann::ordered_json::array();
   for (const LeftOut& own : left_out)
-    json.push_back({{"taxel", own.taxel}, {"row", own.row}, {"column", own.column}, {"status", own.status}});
+    json.push_back(
+        {{"taxel", own.taxel}, {"row", own.row}, {"column", own.column}, {"status", own.status}, {"why", own.why}});
   return json;
 }
 
@@ -67,7 +68,8 @@ std::string left_out_text(const std::vector<LeftOut>& left_out) {
   constexpr std::size_t kNamed = 12;
   std::string text;
   for (const LeftOut& own : std::span(left_out).first(std::min(left_out.size(), kNamed)))
-    text += fmt::format("left out: row {}, column {} ({})\n", own.row, own.column, own.status);
+    text += fmt::format("left out: row {}, column {} ({}{})\n", own.row, own.column, own.status,
+                        own.why == own.status ? "" : ": " + own.why);
   if (left_out.size() > kNamed) text += fmt::format("left out: {} more; --json lists all\n", left_out.size() - kNamed);
   return text;
 }
@@ -87,8 +89,8 @@ std::vector<LeftOut> left_out_of(const analysis::SensorModel& fit) {
   std::vector<LeftOut> left_out;
   for (const analysis::ModelTaxel& taxel : fit.array()) {
     if (taxel.status == analysis::TaxelStatus::kFitted) continue;
-    left_out.push_back(
-        {taxel.taxel, taxel.taxel / fit.columns, taxel.taxel % fit.columns, analysis::to_string(taxel.status)});
+    left_out.push_back({taxel.taxel, taxel.taxel / fit.columns, taxel.taxel % fit.columns,
+                        analysis::to_string(taxel.status), taxel.why()});
   }
   return left_out;
 }
@@ -116,12 +118,18 @@ std::string linearised_text(const analysis::SensorModel& fit) {
 std::string dynamics_text(const analysis::SensorModel& fit) {
   if (!fit.dynamics) return {};
   const bool one_run = fit.dynamics->rate.run == 0 && fit.dynamics->creep.run == 0;
-  if (one_run && !analysis::undoes_creep(*fit.dynamics))
+  if (one_run && !analysis::in_time(*fit.dynamics) && fit.run == 0)
+    return "lag and creep are left in: the table tells of none that explain a good part of the errors";
+  if (one_run && !analysis::in_time(*fit.dynamics))
     return "lag and creep are left in: no runs of them were named, and the fitted one tells no creep";
   const analysis::Dynamics& d = fit.dynamics->shared;
   std::vector<std::string> elements;
   for (std::size_t j = 0; j < analysis::kCreepElements; ++j)
     elements.push_back(fmt::format("{:.2f} % in {:.3g} s", 100.0 * d.creep_share[j], d.creep_s[j]));
+  const std::string lag = fmt::format("lag {:.1f} % in {:.2g} s", 100.0 * d.lag_share, d.lag_s);
+  if (one_run && fit.run == 0)
+    return fmt::format("creep {}, half of it at {:.3g} {}; {} (from the fitted table)", fmt::join(elements, ", "),
+                       d.creep_half, fit.input_unit, lag);
   if (one_run)
     return fmt::format("creep {}, half of it at {:.1f} {} (from the fitted run); lag is left in",
                        fmt::join(elements, ", "), d.creep_half, fit.input_unit);

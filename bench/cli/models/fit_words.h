@@ -24,7 +24,7 @@ std::string dynamics_text(const analysis::SensorModel& fit);
 
 struct LeftOut {
   int taxel = 0, row = 0, column = 0;
-  std::string status;
+  std::string status, why;
 };
 // Each taxel that no model was made for, in the order of their numbers.
 std::vector<LeftOut> left_out_of(const analysis::SensorModel& fit);

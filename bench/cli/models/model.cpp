@@ -78,7 +78,11 @@ void show(const std::string& name, const Session& session) {
   for (const ModelTaxel& taxel : model.taxels) {
     const bool mean = taxel.taxel == analysis::kMeanTaxel;
     with_mean = with_mean || mean;
-    if (!mean || alone) ++statuses[taxel.why()];
+    if (!mean || alone)
+      ++statuses[alone && taxel.reason.empty() && !taxel.fitted()
+                     ? fmt::format("{} ({})", analysis::to_string(taxel.status), taxel.why())
+                 : taxel.reason.empty() ? analysis::to_string(taxel.status)
+                                        : taxel.reason];
   }
   std::vector<std::string> counts;
   for (const auto& [status, count] : statuses) counts.push_back(fmt::format("{} {}", count, status));

@@ -22,6 +22,11 @@ const analysis::ModelTaxel& shown(const analysis::SensorModel& document) {
                        [](const analysis::ModelTaxel& taxel) { return taxel.fit.model != nullptr; });
 }
 
+// Without the mean, unless it is alone.
+std::span<const analysis::ModelTaxel> own_taxels(const analysis::SensorModel& document) {
+  return document.array().empty() ? std::span(document.taxels) : document.array();
+}
+
 // Right in `width`, with a blank before it whatever its size.
 std::string number_cell(double value, int decimals, int width) {
   std::string text = fmt::format("{:.{}f}", value, decimals);
@@ -109,11 +114,31 @@ nlohmann::ordered_json score_json(const analysis::Score& score) {
 
 }  // namespace
 
+std::string left_out_text(const analysis::SensorModel& document) {
+  constexpr std::size_t kNamed = 12;
+  std::size_t count = 0;
+  std::string text;
+  for (const analysis::ModelTaxel& taxel : own_taxels(document)) {
+    if (taxel.fitted() || ++count > kNamed) continue;
+    const bool unfit = taxel.status == analysis::TaxelStatus::kUnfit;
+    text += fmt::format("{}: {} is {}{}\n", analysis::label_of(document),
+                        taxel.taxel == analysis::kMeanTaxel ? "the mean taxel" : fmt::format("taxel {}", taxel.taxel),
+                        analysis::to_string(taxel.status), unfit ? ": " + taxel.why() : "");
+  }
+  if (count > kNamed) text += fmt::format("{} more are not fitted\n", analysis::counted(count - kNamed, "taxel"));
+  return text;
+}
+
+bool any_unfit(const analysis::SensorModel& document) {
+  return std::ranges::any_of(own_taxels(document), [](const analysis::ModelTaxel& taxel) {
+    return taxel.status == analysis::TaxelStatus::kUnfit;
+  });
+}
+
 std::string undetermined_text(const analysis::SensorModel& document) {
   std::vector<std::string> names;
   int left_open = 0;
-  const bool alone = document.array().empty();  // the mean taxel
-  const std::span<const analysis::ModelTaxel> taxels = alone ? std::span(document.taxels) : document.array();
+  const std::span<const analysis::ModelTaxel> taxels = own_taxels(document);
   for (const analysis::ModelTaxel& taxel : taxels) {
     if (!taxel.fit.undetermined.empty()) ++left_open;
     for (const std::string& name : taxel.fit.undetermined)
@@ -175,7 +200,7 @@ std::string fits_table(const std::vector<ModelRow>& rows) {
                     fit.model->operations_per_sample(), taxels);
   }
   for (const ModelRow& row : rows) {
-    text += undetermined_text(row.document);
+    text += undetermined_text(row.document) + left_out_text(row.document);
     if (row.document.model == "gpi")
       text += "gpi: found by a search, which may miss the least J; the others are exact\n";
   }
@@ -226,6 +251,11 @@ std::string scores_table(const std::vector<ModelRow>& rows, const std::vector<Sc
 nlohmann::ordered_json model_row_json(const ModelRow& row, const std::vector<ScoreTarget>& targets) {
   const analysis::ModelFit& fit = shown(row.document).fit;
   nlohmann::ordered_json json = {{"model", row.label}, {"fit", row.document.fit}};
+  json["left_out"] = nlohmann::ordered_json::array();
+  for (const analysis::ModelTaxel& own : own_taxels(row.document))
+    if (!own.fitted())
+      json["left_out"].push_back(
+          {{"taxel", own.taxel}, {"status", analysis::to_string(own.status)}, {"why", own.why()}});
   auto parameters = nlohmann::ordered_json::array();
   for (const analysis::ModelParameter& p : fit.model->parameters())
     parameters.push_back({{"name", p.name}, {"value", p.value}, {"unit", p.unit}, {"at_bound", p.at_bound()}});

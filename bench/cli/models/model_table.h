@@ -45,6 +45,10 @@ void cross_validate(std::vector<ModelRow>& rows, const analysis::Histories& hist
 // What the data leave open, with the number of taxels it is open for (of an array without its mean), as a line; empty
 // where all is determined.
 std::string undetermined_text(const analysis::SensorModel& document);
+// Taxels without a model that holds, with the reason, a line each; empty where all are fitted.
+std::string left_out_text(const analysis::SensorModel& document);
+// A model of theirs errs by too much, or there is none.
+bool any_unfit(const analysis::SensorModel& document);
 std::string fits_table(const std::vector<ModelRow>& rows);
 std::string scores_table(const std::vector<ModelRow>& rows, const std::vector<ScoreTarget>& targets,
                          const std::string& unit_of_input, analysis::PressureUnit shown = analysis::PressureUnit::kPsi);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <fstream>
 #include <iostream>
 #include <limits>
@@ -90,6 +91,9 @@ class Compensation {
         stream_(analysis::compensator_of(model, taxel)) {}
   std::string step(const analysis::TableReader::Row& row, std::size_t column, char separator) {
     double seconds = 0.0;
+    const double output = sign_ * row.outputs[column];
+    if (!begun_ && std::isnan(output)) return nothing("bad", separator);
+    if (timed_ && !row.time && std::isnan(output)) return nothing("bad", separator);  // the next row's time covers it
     if (timed_) {
       const std::string place = fmt::format("line {}", row.line);
       if (!row.time) throw Error("TB-TABLE-ROW", "the time is not a number", place, "times are numbers, in seconds");
@@ -101,9 +105,9 @@ class Compensation {
       seconds = now_s - before_.value_or(now_s);
       before_ = now_s;
     }
-    const double output = sign_ * row.outputs[column];
     if (!begun_) begin(output);
     const analysis::Compensated now = stream_->step(output, seconds);
+    if (now.held) return nothing(std::isnan(output) ? "bad" : "range", separator);
     // Not known: beyond the loop, where the input is its end, and where the model does not know the noise (0).
     const bool known = !now.out_of_range && now.uncertainty_psi > 0.0;
     const double uncertainty = known ? now.uncertainty_psi : std::numeric_limits<double>::quiet_NaN();
@@ -115,6 +119,11 @@ class Compensation {
   }
 
  private:
+  // Of a sample that is none.
+  static std::string nothing(const char* flag, char separator) {
+    return fmt::format("nan{0}nan{0}{1}", separator, flag);
+  }
+
   // A recording that does not begin at the unloaded output begins in mid-branch.
   void begin(double output) {
     begun_ = true;
@@ -140,7 +149,7 @@ std::string written(std::string added, const analysis::TableReader& reader) {
 template <class Applied>
 void apply(const PredictOptions& options, const Session& session, analysis::TableNeeds needs) {
   const analysis::SensorModel model = load_model(options.model, session);
-  if (const std::string open = undetermined_text(model); !open.empty()) tty::print(stderr, "{}", open);
+  tty::print(stderr, "{}{}", undetermined_text(model), any_unfit(model) ? left_out_text(model) : "");
   std::ifstream file;
   if (options.file != "-") {
     const char* remedy = "check its name and rights; - is standard input";
@@ -188,14 +197,21 @@ void apply(const PredictOptions& options, const Session& session, analysis::Tabl
   };
   const std::optional<analysis::Range>& range = model.validity.input;
   const double slack = range ? analysis::kInputSlack * (range->high - range->low) : 0.0;
-  std::size_t rows = 0, outside = 0;
+  std::size_t rows = 0, outside = 0, bad = 0, none = 0;
+  std::string first_bad;
   for (analysis::TableReader::Row row; reader.next(row);) {
     ++rows;
+    if (!row.bad.empty() && ++bad == 1) first_bad = row.bad;
+    if (!row.bad.empty() && std::ranges::all_of(row.outputs, [](double y) { return std::isnan(y); })) ++none;
     if (needs == analysis::TableNeeds::kInput && range && !range->contains(row.input, slack)) ++outside;
     text += analysis::without_formulas(row.text, reader.separator());
     for (std::size_t k = 0; k < taxels; ++k) {
       if (wide && array[k].fit.model == nullptr) {
         text += fmt::format("{0}nan{0}nan{0}{1}", separator, analysis::to_string(array[k].status));
+        continue;
+      }
+      if (needs == analysis::TableNeeds::kOutput && row.outputs.empty()) {
+        text += fmt::format("{0}nan{0}nan{0}bad", separator);
         continue;
       }
       const analysis::ModelTaxel& taxel = wide ? array[k] : fitted(model, reader.has_taxel() ? row.taxel : only);
@@ -212,12 +228,18 @@ void apply(const PredictOptions& options, const Session& session, analysis::Tabl
     text += "\n";
     if (options.output.empty()) flush();
   }
+  if (none > 0 && none == rows)
+    throw Error("TB-TABLE-SKIPPED", fmt::format("no row holds what is to be compensated; the first: {}", first_bad),
+                options.file, "check separators, decimal commas and the assignment of columns (--map)");
   if (options.output.empty())
     flush();
   else
     write_output(options.output, text, session.replace);
   for (const std::string& line : reader.assumed())
     tty::print(stderr, "{}: {}\n", options.file == "-" ? "standard input" : options.file, line);
+  if (bad > 0)
+    tty::print(stderr, "warning: no output in {} of {}, which have nan and the flag bad; the first: {}\n", bad,
+               analysis::counted(rows, "row"), first_bad);
   if (outside > 0)
     tty::print(
         stderr, "{}\n",
@@ -252,10 +274,11 @@ void add_predict(CLI::App& app, Session& session) {
   CLI::App* verb = add_verb(
       app, session, compensate, "compensate",
       "inputs that a model's inverse reads from the outputs of a table: adds columns compensated, uncertainty "
-      "(standard; nan where it is not known: the model has no noise, or the output lies outside the loop, which "
-      "the flag range marks; the input is then the loop's "
-      "end) and flags (flat, range, unknown: the recording begins in mid-branch, and the input is midway between all "
-      "that its history may be). Of a table with one column a taxel (--map output=3-18, or what runs export wrote) "
+      "(standard; nan where it is not known: the model has no noise, or the output lies outside the loop) and flags "
+      "(flat; range: outside the loop, the input is the loop's end, or nan for an output that the taxel cannot give; "
+      "bad: the row holds no output, and what follows is as without it; unknown: the recording begins in mid-branch, "
+      "and the input is midway between all that its history may be). Of a table with one column a taxel (--map "
+      "output=3-18, or what runs export wrote) "
       "each "
       "taxel's, with its number, as compensated_0; flags of a taxel without a model say why. A model that undoes lag "
       "and creep needs a column time_s, in seconds");

@@ -29,7 +29,7 @@ analysis::Histories imported(const db::RunStore& store, const db::RunRecord& run
   std::vector<analysis::TableSeries> series;
   for (const db::SeriesRecord& record : store.series(run.run)) {
     const auto sequence = std::ranges::find(run.sequences, record.sequence, &db::SequenceRecord::sequence);
-    series.push_back({sequence->name, record.taxel, record.input, record.output});
+    series.push_back({sequence->name, record.taxel, record.input, record.output, {}, {}});
   }
   analysis::Histories histories = analysis::histories_of(series, fmt::format("run {}", run.run), options);
   for (const db::DeviceRecord& device : run.devices) {
@@ -74,9 +74,10 @@ void add_table_options(CLI::App& verb, TableOptions& options) {
           "of a table, in units of its inputs: an input that goes back by more has turned (default: seven times "
           "the inputs' own noise, and 0.1 % of their span at least)")
       ->check(CLI::NonNegativeNumber);
-  verb.add_flag("--skip-bad-rows", options.skip_bad_rows,
-                "of a table: leave out rows with blank cells, without numbers, or with too few or too many fields, and "
-                "say which");
+  verb.add_flag(
+      "--skip-bad-rows", options.skip_bad_rows,
+      "of a table: leave out rows with blank cells, without numbers, with too few or too many fields, or with "
+      "a number far from both its neighbours, and say which");
   verb.add_option("--output-unit", options.output_unit, "of a table: unit of its outputs, for display");
 }
 
