@@ -449,6 +449,12 @@ Histories histories_of(const std::vector<TableSeries>& series, const std::string
     taxel.taxel = own.taxel;
     taxel.fit.push_back({own.sequence, own.input, own.output, {}, {}, {}});
     find_wild(own, options, taxel, wild);
+    if (!options.timed) continue;
+    if (own.time_s.empty())
+      throw AnalysisError("TB-MODEL-DYNAMIC", fmt::format("{} tells no times in seconds", source),
+                          "give a table with a column time_s, or name it: --map time=COL; imported runs keep no times");
+    taxel.fit.back().time_s = own.time_s;
+    taxel.fit.back().held_s.assign(own.time_s.size(), 0.0);
   }
   for (auto& [number, taxel] : taxels) {
     const Span x = span_of(taxel.fit, &History::x), y = span_of(taxel.fit, &History::y);

@@ -10,6 +10,11 @@ namespace tactbench::analysis {
 // begin at 0 psi, or tells none. Throws as fit_array does.
 SensorModel fit_dynamic_alone(const Dataset& fitted, const DynamicFitOptions& options = {});
 
+// Of a table whose histories tell their times (HistoriesOptions::timed): creep and lag as they are found there.
+// Throws AnalysisError TB-ANALYSIS-DYNAMICS where the lowest input is not 0 or taxels have inputs of their own, and as
+// fit_array does.
+SensorModel fit_dynamic_table(const Histories& histories, const DynamicFitOptions& options = {});
+
 // Its creep is the one share that the fitted run tells, not that of holds.
 bool creep_of_fitted_run(const SensorDynamics& dynamics);
 bool undoes_creep(const SensorDynamics& dynamics);

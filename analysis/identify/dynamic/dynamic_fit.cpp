@@ -10,6 +10,7 @@
 #include "analysis/identify/dynamic/dynamic_residuals.h"
 #include "analysis/identify/dynamic/own_creep.h"
 #include "analysis/identify/dynamic/track.h"
+#include "analysis/statistics/numbers/moments.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -120,9 +121,14 @@ ArrayDynamics dynamics_of(const Dataset& fitted, const Dataset* rate, const Data
   return own;
 }
 
-// Null: lag is left in, creep is taken from the fitted run.
-SensorModel fit_from(const Dataset& fitted, const Dataset* rate, const Dataset* creep,
-                     const DynamicFitOptions& options) {
+// Of a table's recordings.
+struct Recorded {
+  double step_s = 0.0, longest_s = 0.0, dead = 0.0;
+};
+
+// Null: lag is left in, creep is taken from the fitted run; both from `recorded`.
+SensorModel fit_from(const Dataset& fitted, const Dataset* rate, const Dataset* creep, const DynamicFitOptions& options,
+                     const Recorded* recorded = nullptr) {
   std::vector<const Dataset*> others;
   for (const Dataset* const other : {rate, creep})
     if (other != nullptr) others.push_back(other);
@@ -130,6 +136,10 @@ SensorModel fit_from(const Dataset& fitted, const Dataset* rate, const Dataset* 
   HistoriesOptions gathered;
   gathered.threads = options.threads;
   gathered.all_scores = false;
+  if (recorded != nullptr) {
+    gathered.common.move_to_setpoint = false;
+    gathered.dead_v = recorded->dead;
+  }
   const Histories before = histories_of(fitted, gathered);
   std::vector<Histories> of_others;
   for (const Dataset* const other : others) of_others.push_back(histories_of(*other, gathered));
@@ -157,7 +167,15 @@ SensorModel fit_from(const Dataset& fitted, const Dataset* rate, const Dataset* 
   fit.identify.by_input = options.by_input;
   fit.identify.linearise = true;
   fit.threads = options.threads;
-  const ArrayDynamics found = dynamics_of(fitted, rate, creep, zeros, usable, highest, fit);
+  fit.common = gathered.common;
+  fit.dead_v = gathered.dead_v;
+  ArrayDynamics found = recorded != nullptr ? find_dynamics(nullptr, nullptr, zeros, usable)
+                                            : dynamics_of(fitted, rate, creep, zeros, usable, highest, fit);
+  if (recorded != nullptr) {
+    found.shared = dynamics_of_recording(CreepMisfit(fitted, zeros, usable, highest, fit), highest, recorded->step_s,
+                                         recorded->longest_s);
+    found.lag_share.assign(width, found.shared.lag_share);
+  }
   const Dataset undone = lag_and_creep_undone(fitted, found, zeros, highest);
   SensorModel model = fit_array(undone, fit);
   model.model = kDynamicModel;
@@ -183,6 +201,81 @@ SensorModel fit_dynamic(const Dataset& fitted, const Dataset& rate, const Datase
 
 SensorModel fit_dynamic_alone(const Dataset& fitted, const DynamicFitOptions& options) {
   return fit_from(fitted, nullptr, nullptr, options);
+}
+
+namespace {
+
+// The recordings as repeats of one run, with a rest of `rest_s` before each. Set-points follow the inputs with a play
+// of the least turn, so that noise is none.
+Dataset dataset_of(const Histories& histories, double rest_s) {
+  constexpr double kZero = 0.01;  // of the span: inputs as near to 0 are 0
+  Dataset data;
+  data.origin = histories.origin;
+  data.rows = static_cast<int>(histories.taxels.size());
+  data.columns = 1;
+  const std::vector<History>& first = histories.taxels.front().fit;
+  const double near = kZero * span_of(first, &History::x).length();
+  double begun_s = 0.0, before_s = 0.0;
+  for (std::size_t h = 0; h < first.size(); ++h) {
+    const History& like = first[h];
+    SequenceData& sequence = data.sequences.emplace_back();
+    sequence.name = like.name;
+    Repeat& repeat = sequence.repeats.emplace_back();
+    double level = like.x.front();
+    for (std::size_t i = 0; i < like.x.size(); ++i) {
+      const double half = 0.5 * histories.taxels.front().turn, time_s = begun_s + like.time_s[i] - like.time_s.front();
+      level = std::clamp(level, like.x[i] - half, like.x[i] + half);
+      repeat.steps.push_back({std::abs(level) <= near ? 0.0 : level, like.x[i], time_s, time_s - before_s});
+      before_s = time_s;
+      for (const TaxelHistories& taxel : histories.taxels) repeat.volts.push_back(taxel.fit[h].y[i]);
+    }
+    begun_s = before_s + rest_s;
+  }
+  for (const TaxelHistories& taxel : histories.taxels) data.noise_v.push_back(taxel.noise);
+  data.at_limit.assign(histories.taxels.size(), false);
+  return data;
+}
+
+}  // namespace
+
+SensorModel fit_dynamic_table(const Histories& histories, const DynamicFitOptions& options) {
+  constexpr double kDead = 1e-6, kRests = 20.0;  // of the outputs' span; of the longest recording
+  Histories own = histories;
+  if (own.taxels.back().taxel == kMeanTaxel) own.taxels.pop_back();
+  const std::vector<History>& first = own.taxels.front().fit;
+  for (const TaxelHistories& taxel : own.taxels)
+    if (!std::ranges::equal(taxel.fit, first, {}, &History::x, &History::x) ||
+        !std::ranges::equal(taxel.fit, first, {}, &History::time_s, &History::time_s))
+      throw AnalysisError("TB-ANALYSIS-DYNAMICS", histories.source + ": its taxels have inputs of their own",
+                          "fit a table of one taxel, or of taxels in columns beside each other");
+  Recorded recorded;
+  std::vector<double> steps;
+  for (const History& history : first) {
+    recorded.longest_s = std::max(recorded.longest_s, history.time_s.back() - history.time_s.front());
+    for (std::size_t i = 1; i < history.time_s.size(); ++i) steps.push_back(history.time_s[i] - history.time_s[i - 1]);
+  }
+  recorded.step_s = std::max(quantile_of(steps, 0.5), 1e-6 * recorded.longest_s);
+  for (const TaxelHistories& taxel : own.taxels)
+    recorded.dead = std::max(recorded.dead, kDead * span_of(taxel.fit, &History::y).length());
+  const Dataset data = dataset_of(own, kRests * recorded.longest_s);
+  if (lowest_level(data) != 0.0)
+    throw AnalysisError(
+        "TB-ANALYSIS-DYNAMICS", fmt::format("{}: its lowest input is {:g}", own.source, lowest_level(data)),
+        "the dynamic model counts inputs from the unloaded sensor: give a table whose inputs begin at 0");
+  SensorModel model = fit_from(data, nullptr, nullptr, options, &recorded);
+  model.source = own.source;
+  model.validity.hold_s.reset();  // how long an input was commanded is not known
+  model.run = own.run;
+  model.falling = own.falling;
+  model.input_unit = own.input_unit;
+  model.output_unit = own.output_unit;
+  for (std::size_t t = 0; t < own.taxels.size(); ++t) {
+    model.taxels[t].taxel = own.taxels[t].taxel;
+    if (own.taxels[t].wild.empty()) continue;
+    model.taxels[t].status = TaxelStatus::kUnfit;
+    model.taxels[t].reason = own.taxels[t].wild;
+  }
+  return model;
 }
 
 bool creep_of_fitted_run(const SensorDynamics& dynamics) {

@@ -9,12 +9,13 @@
 namespace tactbench::analysis {
 namespace {
 
-constexpr double kFastest = 3.0;     // seconds
-constexpr double kShareStep = 0.02;  // of a share
-constexpr double kMostCreep = 0.16;  // of each relaxation time
-constexpr double kOfRun = 0.5;       // a relaxation time that is longer shows no end
-constexpr double kCreepHelps = 0.8;  // of the misfit without creep
-constexpr double kHalf = 5.0;        // psi; the misfit hardly depends on it
+constexpr double kShareStep = 0.02;                // of a share
+constexpr double kMostCreep = 0.16;                // of each relaxation time
+constexpr double kOfRun = 0.5;                     // a relaxation time that is longer shows no end
+constexpr double kCreepHelps = 0.8;                // of the misfit without creep
+constexpr double kHalf = 5.0;                      // psi; the misfit hardly depends on it
+constexpr double kHalfShare = 1.0 / 12.0;          // the same of another range of inputs
+constexpr double kLagStep = 0.05, kMostLag = 0.5;  // of a share
 
 // The array's mean as one taxel.
 Dataset mean_taxel_of(const Dataset& data, const std::vector<bool>& usable) {
@@ -48,17 +49,17 @@ struct Least {
 
 // The misfit falls to its minimum and rises beyond it: found in steps from 0, then by a parabola.
 template <class Misfit>
-Least least_of(const Misfit& at, double without) {
-  double before = without, here = without, next = at(kShareStep), share = 0.0;
-  while (next < here && share + 2.0 * kShareStep <= kMostCreep) {
-    share += kShareStep;
+Least least_of(const Misfit& at, double without, double step = kShareStep, double most = kMostCreep) {
+  double before = without, here = without, next = at(step), share = 0.0;
+  while (next < here && share + 2.0 * step <= most) {
+    share += step;
     before = here;
     here = next;
-    next = at(share + kShareStep);
+    next = at(share + step);
   }
-  if (next < here) return {share + kShareStep, next};
+  if (next < here) return {share + step, next};
   const bool first = share == 0.0;  // between 0 and one step
-  const double width = first ? 0.5 * kShareStep : kShareStep, centre = first ? width : share;
+  const double width = first ? 0.5 * step : step, centre = first ? width : share;
   if (first) here = at(centre);
   const double bend = before - 2.0 * here + next;
   const double best = bend > 0.0 ? centre + 0.5 * width * (before - next) / bend : centre;
@@ -100,10 +101,10 @@ double CreepMisfit::operator()(const Dynamics& d) const {
   }
 }
 
-std::array<double, kCreepElements> creep_times(double slowest_s) {
+std::array<double, kCreepElements> creep_times(double slowest_s, double fastest_s) {
   std::array<double, kCreepElements> times;
-  const double ratio = std::pow(slowest_s / kFastest, 1.0 / (kCreepElements - 1));
-  for (std::size_t j = 0; j < kCreepElements; ++j) times[j] = kFastest * std::pow(ratio, static_cast<double>(j));
+  const double ratio = std::pow(slowest_s / fastest_s, 1.0 / (kCreepElements - 1));
+  for (std::size_t j = 0; j < kCreepElements; ++j) times[j] = fastest_s * std::pow(ratio, static_cast<double>(j));
   return times;
 }
 
@@ -118,6 +119,45 @@ Dynamics creep_of_one_run(const CreepMisfit& misfit) {
     slowest = time;
   }
   return best.misfit < kCreepHelps * without ? even_creep(best.share, slowest) : Dynamics();
+}
+
+Dynamics dynamics_of_recording(const CreepMisfit& misfit, double highest, double step_s, double longest_s) {
+  constexpr int kRounds = 2;
+  constexpr double kFaster = 0.1, kShortest = 10.0;  // of the slowest time; steps
+  Dynamics best;
+  double least = misfit(best);
+  const auto take = [&](const Dynamics& tried, double found) {
+    if (found >= kCreepHelps * least) return;
+    best = tried;
+    least = found;
+  };
+  for (int round = 0; round < kRounds; ++round) {
+    for (double slowest = kOfRun * longest_s; slowest > kShortest * step_s; slowest *= 0.3) {
+      const auto with = [&](double share) {
+        Dynamics d = best;
+        d.creep_s = creep_times(slowest, std::min(kFastest, kFaster * slowest));
+        d.creep_share.fill(share);
+        d.creep_half = kHalfShare * highest;
+        return d;
+      };
+      Dynamics none = best;
+      none.creep_share.fill(0.0);
+      const Least found = least_of([&](double share) { return misfit(with(share)); }, misfit(none));
+      take(with(found.share), found.misfit);
+    }
+    for (double lag_s = 0.5 * step_s; lag_s < 0.02 * longest_s; lag_s *= 2.0) {
+      const auto with = [&](double share) {
+        Dynamics d = best;
+        d.lag_s = lag_s;
+        d.lag_share = share;
+        return d;
+      };
+      const Least found =
+          least_of([&](double share) { return misfit(with(share)); }, misfit(with(0.0)), kLagStep, kMostLag);
+      take(with(found.share), found.misfit);
+    }
+  }
+  return best;
 }
 
 Dataset lag_and_creep_undone(Dataset data, const ArrayDynamics& dynamics, const std::vector<double>& zero_v,

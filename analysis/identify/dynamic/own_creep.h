@@ -27,12 +27,17 @@ class CreepMisfit {
   std::vector<double> slowest_s_;
 };
 
+inline constexpr double kFastest = 3.0;  // seconds
 // Relaxation times evenly spaced over the logarithm of time, the slowest as given.
-std::array<double, kCreepElements> creep_times(double slowest_s);
+std::array<double, kCreepElements> creep_times(double slowest_s, double fastest_s = kFastest);
 
 // One share for all relaxation times, a straight line over the logarithm of time: one dwell tells no more. Share and
 // slowest time are those of the least misfit; none (0) where creep does not explain a good part of it.
 Dynamics creep_of_one_run(const CreepMisfit& misfit);
+
+// Creep of one share and lag of a recording with inputs from 0 to `highest`, samples `step_s` apart: in turn, each
+// where it explains a good part of the misfit that the other leaves.
+Dynamics dynamics_of_recording(const CreepMisfit& misfit, double highest, double step_s, double longest_s);
 
 // The outputs of a run with lag and creep undone, at the pressures that have arrived.
 Dataset lag_and_creep_undone(Dataset data, const ArrayDynamics& dynamics, const std::vector<double>& zero_v,

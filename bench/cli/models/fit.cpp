@@ -55,8 +55,11 @@ void check_dynamic(const FitOptions& options) {
         "alone is named",
         "measure the other (tactbench run rate creep-levels) and name both, --rate RUN --creep RUN; or name none, and "
         "both are left in");
-  if (options.for_others || !models.fit.empty() || models.mean_taxel || !names_run(models.source))
-    refuse("the dynamic model is of all sequences of a run and of its whole array, always on the linearised output",
+  if (!names_run(models.source) && models.rate_run != 0)
+    refuse("lag and creep of a table are found in the table, and runs of them are named",
+           "leave out --rate and --creep, or fit a run");
+  if (options.for_others || !models.fit.empty() || models.mean_taxel)
+    refuse("the dynamic model is of all sequences and of the whole array, always on the linearised output",
            "leave out --fit, --mean-taxel and the options of other models");
 }
 

@@ -101,6 +101,7 @@ class Fit {
  private:
   void work() {
     LongWork progress("fit", session_.quiet || session_.json, fit_stages(options_.models));
+    options_.table.timed = std::ranges::find(options_.models, analysis::kDynamicModel) != options_.models.end();
     histories_ = read(options_.source, options_.fit);
     // A run of a bench, every taxel of it: what figures are taken on, and verdicts.
     on_bench_ = runs_ && histories_.origin != "imported" && !options_.mean_taxel;
@@ -172,10 +173,8 @@ class Fit {
   }
 
   void fit_dynamic() {
-    if (!on_bench_)
-      refuse("the dynamic model is fitted on runs, which have times, and this is an imported table",
-             "fit a run that the bench made");
     analysis::SensorDynamics::Source rate, creep;
+    if (!on_bench_) return keep_dynamic(analysis::fit_dynamic_table(histories_), rate, creep);
     for (const auto& [number, option, source] :
          {std::tuple(options_.rate_run, "--rate", &rate), std::tuple(options_.creep_run, "--creep", &creep)}) {
       if (number == 0) continue;
@@ -270,6 +269,8 @@ class Fit {
       tty::print("\n{}{}", fits_table(rows_),
                  scores_table(rows_, targets_, histories_.input_unit.empty() ? "input units" : histories_.input_unit,
                               session_.unit()));
+      if (const std::string dynamics = dynamics_text(rows_.front().document); !on_bench_ && !dynamics.empty())
+        tty::print("\n{}\n", session_.unit().in_text(dynamics));
       if (targets_.empty()) tty::print("\nnothing was held out: --fit SEQ,... or --score names what to score on\n");
     }
     if (on_bench_) tell_outliers();

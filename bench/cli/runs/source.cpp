@@ -18,6 +18,7 @@ analysis::HistoriesOptions options_of(const TableOptions& table, const std::vect
   options.fitted = fitted;
   options.turn = table.turn;
   options.noise = table.noise;
+  options.timed = table.timed;
   return options;
 }
 

@@ -17,6 +17,7 @@ struct TableOptions {
   double noise = -1.0;  // standard deviation of the outputs; negative: estimated
   double turn = -1.0;   // an input that goes back by more has turned; negative: by the inputs' own noise
   bool skip_bad_rows = false;
+  bool timed = false;  // no option: HistoriesOptions::timed
 };
 // How its text is read: --map, --no-header, --skip-lines; all that predict and compensate take.
 void add_layout_options(CLI::App& verb, TableOptions& options);

@@ -51,7 +51,7 @@ TEST_CASE("fit: models are named by their words, and the dynamic one alone with 
       {{"1", "--model", "dynamic", "--starts", "1"}, "fit"},
       {{"1", "--model", "dynamic", "--fit", "up"}, "fit"},
       {{"1", "--model", "dynamic", "--mean-taxel"}, "fit"},
-      {{"t.csv", "--model", "dynamic"}, "fit"},
+      {{"t.csv", "--rate", "2", "--creep", "3"}, "fit"},
       {{"1", "--lab", "lab.toml"}, "--lab"},
       {{"1", "--model", "elam,mpi", "-o", "m.json"}, "fit --output"},
       {{"1", "--model", "elam,mpi", "--limits", "limits.toml"}, "fit"},
