@@ -31,14 +31,26 @@ History history_of(const std::string& name, const Repeat& repeat, const std::vec
   return history;
 }
 
+// Without the twentieth at each end, which may hold wild samples.
+std::vector<double> clipped(std::vector<double> values) {
+  constexpr double kOut = 0.05;
+  const double low = quantile_of(values, kOut), high = quantile_of(values, 1.0 - kOut);
+  for (double& value : values) value = std::clamp(value, low, high);
+  return values;
+}
+
 // Of input and output over all samples of all taxels that can be fitted.
 double covariance(const std::vector<TaxelHistories>& taxels) {
   double sum = 0.0;
   for (const TaxelHistories& taxel : taxels) {
     if (!taxel.usable()) continue;
     for (const History& history : taxel.fit) {
-      const double x = mean_by_shares(history.x), y = mean_by_shares(history.y);
-      for (std::size_t i = 0; i < history.x.size(); ++i) sum += (history.x[i] - x) * (history.y[i] - y);
+      const bool wild = !taxel.wild.empty();
+      const std::vector<double> own_x = wild ? clipped(history.x) : std::vector<double>();
+      const std::vector<double> own_y = wild ? clipped(history.y) : std::vector<double>();
+      const std::vector<double>&x = wild ? own_x : history.x, &y = wild ? own_y : history.y;
+      const double mean_x = mean_by_shares(x), mean_y = mean_by_shares(y);
+      for (std::size_t i = 0; i < x.size(); ++i) sum += (x[i] - mean_x) * (y[i] - mean_y);
     }
   }
   return sum;

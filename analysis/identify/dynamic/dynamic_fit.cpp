@@ -231,8 +231,10 @@ Dataset dataset_of(const Histories& histories, double rest_s) {
     }
     begun_s = before_s + rest_s;
   }
-  for (const TaxelHistories& taxel : histories.taxels) data.noise_v.push_back(taxel.noise);
-  data.at_limit.assign(histories.taxels.size(), false);
+  for (const TaxelHistories& taxel : histories.taxels) {
+    data.noise_v.push_back(taxel.noise);
+    data.at_limit.push_back(!taxel.wild.empty());  // left out
+  }
   return data;
 }
 
@@ -248,6 +250,10 @@ SensorModel fit_dynamic_table(const Histories& histories, const DynamicFitOption
         !std::ranges::equal(taxel.fit, first, {}, &History::time_s, &History::time_s))
       throw AnalysisError("TB-ANALYSIS-DYNAMICS", histories.source + ": its taxels have inputs of their own",
                           "fit a table of one taxel, or of taxels in columns beside each other");
+  if (std::ranges::none_of(own.taxels, &std::string::empty, &TaxelHistories::wild))
+    throw AnalysisError("TB-ANALYSIS-MODEL",
+                        fmt::format("{}: the dynamic model cannot be fitted: {}", own.source, own.taxels.front().wild),
+                        "correct the line, or leave it out by --skip-bad-rows");
   Recorded recorded;
   std::vector<double> steps;
   for (const History& history : first) {

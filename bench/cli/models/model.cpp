@@ -79,10 +79,9 @@ void show(const std::string& name, const Session& session) {
     const bool mean = taxel.taxel == analysis::kMeanTaxel;
     with_mean = with_mean || mean;
     if (!mean || alone)
-      ++statuses[alone && taxel.reason.empty() && !taxel.fitted()
-                     ? fmt::format("{} ({})", analysis::to_string(taxel.status), taxel.why())
-                 : taxel.reason.empty() ? analysis::to_string(taxel.status)
-                                        : taxel.reason];
+      ++statuses[alone && taxel.status == analysis::TaxelStatus::kUnfit ? "unfit (" + taxel.why() + ")"
+                 : taxel.reason.empty()                                 ? analysis::to_string(taxel.status)
+                                                                        : taxel.reason];
   }
   std::vector<std::string> counts;
   for (const auto& [status, count] : statuses) counts.push_back(fmt::format("{} {}", count, status));

@@ -129,7 +129,8 @@ TEST_CASE("compensate: a table in which no row has an output is refused; predict
 TEST_CASE("fit: a wild output is named with its line and makes the taxel unfit, or its row is left out on request") {
   const FolderOfSamples of("input,output", 1);
   Rows rows = of.rows();
-  rows[40] = rows[40].substr(0, rows[40].find(',')) + ",83886.07";
+  const auto cell = [](const std::string& row) { return row.substr(0, row.find(',')) + ",83886.07"; };
+  rows[40] = cell(rows[40]);
   const Rows fit = {"fit", "x.csv", "--model", "elam,monotone"};
   const auto with = [&](const char* option) {
     Rows words = fit;
@@ -142,6 +143,10 @@ TEST_CASE("fit: a wild output is named with its line and makes the taxel unfit, 
   CHECK_THAT(told.out, Catch::Contains("unfit"));
   const auto json = nlohmann::json::parse(with("--json").out);
   for (const auto& model : json.at("models")) CHECK(model.at("left_out").at(0).at("status") == "unfit");
+  Rows low = of.rows();  // where it would turn the sign of what follows the input
+  low[1] = cell(low[1]);
+  const Finished still = of.verb(fit, low);
+  CHECK((still.code == 6 && still.out.find("unfit") != std::string::npos));
   const Finished without = with("--skip-bad-rows");
   CHECK(without.code == 0);
   CHECK_THAT(without.err, Catch::Contains("line 42"));

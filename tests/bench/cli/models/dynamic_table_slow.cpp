@@ -87,6 +87,13 @@ TEST_CASE("fit of a table: what has no times, or no unloaded sensor, has no dyna
   CHECK(lifted.code != 0);
   CHECK(model_verb(folder, {"fit", "fit.csv", "--model", "dynamic", "-o", "m.json"}).code == 0);
   CHECK(model_verb(folder, {"compensate", "m.json", "fit.csv"}).code == 0);
+  std::string wild = table;
+  wild.insert(wild.find(',', wild.find('\n', 2000)) + 1, "99999");
+  write_file(folder.path("wild.csv"), wild);
+  const Finished named = model_verb(folder, {"fit", "wild.csv", "--model", "dynamic"});
+  CHECK(named.code == 6);
+  CHECK_THAT(named.err, Catch::Contains("TB-ANALYSIS-MODEL"));
+  CHECK(model_verb(folder, {"fit", "wild.csv", "--model", "dynamic", "--skip-bad-rows"}).code == 0);
   const Finished blind = model_verb(folder, {"compensate", "m.json", "fit.csv", "--map", "time=none"});
   CHECK(blind.code == 2);
   CHECK_THAT(blind.err, Catch::Contains("TB-TABLE-COLUMN"));
