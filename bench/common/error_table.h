@@ -497,7 +497,7 @@ inline constexpr ErrorRow kErrorTable[] = {
     {"TB-TABLE-ROW", kUsage, "a row of the table cannot be read, or there are too many",
      "correct or remove the line; fit and import leave such rows out with --skip-bad-rows"},
     {"TB-TABLE-SHORT", kUsage, "a sequence is too short to hold a loop", "give at least 4 samples in each sequence"},
-    {"TB-TABLE-SKIPPED", kUsage, "more than half of the rows cannot be read",
+    {"TB-TABLE-SKIPPED", kUsage, "more than half of the rows cannot be read, or none has an output to compensate",
      "check separators, decimal commas and the assignment of columns (--map)"},
     {"TB-TABLE-STEP", kUsage, "the rows of a sequence are out of order, or one stands there twice",
      "put the rows in the order in which they were measured, each once"},

@@ -111,11 +111,12 @@ void add_fit(CLI::App& app, Session& session) {
       "fit", "identify models for every taxel of a run or table, score them on what was not fitted, store");
   verb->add_option("source", options->models.source, "run number, several (1-400,412), or a table (see import)")
       ->required();
-  verb->add_option(
-      "--model", options->model_list,
-      "some of elam, gpi, mpi, poly, preisach, monotone with commas between, or all; or dynamic: Preisach "
-      "on the linearised output, with the fitted run's creep undone, and lag where --rate and --creep name runs (ours) "
-      "[dynamic; elam of tables and of what the dynamic model does not take]");
+  verb->add_option("--model", options->model_list,
+                   "some of elam, gpi, mpi, poly, preisach, monotone with commas between, or all; or dynamic: Preisach "
+                   "on the linearised output, with the fitted run's creep undone, and lag where --rate and --creep "
+                   "name runs, or both as a table with time_s "
+                   "tells them (ours) "
+                   "[dynamic; elam of tables and of what the dynamic model does not take]");
   verb->add_option("--fit", options->fit_list, "fit these sequences alone (names with commas between)");
   verb->add_option("--score", options->score_list,
                    "score on these: sequences, runs or tables with commas between (default: what was not fitted)");
