@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "tests/bench/cli/models/models_here.h"
 #include "tests/bench/cli/play_table.h"
+#include "tests/support/process.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -46,12 +46,12 @@ class FolderOfSamples {
       : names_(names), rows_(rows_of_way(columns)) {
     write_file(folder_.path("t.csv"), text_of(names, rows_));
     options.insert(options.begin(), {"fit", "t.csv", "--model", "elam", "-o", "m.json"});
-    REQUIRE(model_verb(folder_, options).code == 0);
+    REQUIRE(call(folder_, options).code == 0);
   }
   [[nodiscard]] const Rows& rows() const { return rows_; }
   [[nodiscard]] Finished verb(Rows words, const Rows& rows) const {
     write_file(folder_.path("x.csv"), text_of(names_, rows));
-    return model_verb(folder_, std::move(words));
+    return call(folder_, std::move(words));
   }
 
  private:
@@ -141,8 +141,8 @@ TEST_CASE("fit: a wild output is named with its line and makes the taxel unfit, 
   CHECK(told.code == 6);
   CHECK_THAT(told.err, Catch::Contains("line 42"));
   CHECK_THAT(told.out, Catch::Contains("unfit"));
-  const auto json = nlohmann::json::parse(with("--json").out);
-  for (const auto& model : json.at("models")) CHECK(model.at("left_out").at(0).at("status") == "unfit");
+  const auto told_json = nlohmann::json::parse(with("--json").out);
+  for (const auto& model : told_json.at("models")) CHECK(model.at("left_out").at(0).at("status") == "unfit");
   Rows low = of.rows();  // where it would turn the sign of what follows the input
   low[1] = cell(low[1]);
   const Finished still = of.verb(fit, low);

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "bench/simulation/specimen.h"
-#include "tests/bench/cli/models/models_here.h"
+#include "tests/support/process.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -63,7 +63,7 @@ TEST_CASE(
       write_file(folder.path("fit.csv"), recorded(harsh, kFitted, 1, sign, factor));
       write_file(folder.path("new.csv"), recorded(harsh, kScored, 2, sign, factor));
       const auto error = [&](const char* model) {
-        const Finished fit = model_verb(folder, {"fit", "fit.csv", "--model", model, "--score", "new.csv", "--json"});
+        const Finished fit = call(folder, {"fit", "fit.csv", "--model", model, "--score", "new.csv", "--json"});
         INFO(fit.err);
         REQUIRE(fit.code == 0);
         return mean_compensated(nlohmann::json::parse(fit.out)) / factor;
@@ -79,22 +79,21 @@ TEST_CASE("fit of a table: what has no times, or no unloaded sensor, has no dyna
   const TemporaryFolder folder;
   const std::string table = recorded(false, kScored, 1);
   write_file(folder.path("fit.csv"), table);
-  const Finished untimed = model_verb(folder, {"fit", "fit.csv", "--model", "dynamic", "--map", "time=none"});
+  const Finished untimed = call(folder, {"fit", "fit.csv", "--model", "dynamic", "--map", "time=none"});
   CHECK(untimed.code == 2);
   CHECK_THAT(untimed.err, Catch::Contains("TB-MODEL-DYNAMIC"));
-  const Finished lifted =
-      model_verb(folder, {"fit", "fit.csv", "--model", "dynamic", "--map", "input=time_s,output=output"});
+  const Finished lifted = call(folder, {"fit", "fit.csv", "--model", "dynamic", "--map", "input=time_s,output=output"});
   CHECK(lifted.code != 0);
-  CHECK(model_verb(folder, {"fit", "fit.csv", "--model", "dynamic", "-o", "m.json"}).code == 0);
-  CHECK(model_verb(folder, {"compensate", "m.json", "fit.csv"}).code == 0);
+  CHECK(call(folder, {"fit", "fit.csv", "--model", "dynamic", "-o", "m.json"}).code == 0);
+  CHECK(call(folder, {"compensate", "m.json", "fit.csv"}).code == 0);
   std::string wild = table;
   wild.insert(wild.find(',', wild.find('\n', 2000)) + 1, "99999");
   write_file(folder.path("wild.csv"), wild);
-  const Finished named = model_verb(folder, {"fit", "wild.csv", "--model", "dynamic"});
+  const Finished named = call(folder, {"fit", "wild.csv", "--model", "dynamic"});
   CHECK(named.code == 6);
   CHECK_THAT(named.err, Catch::Contains("TB-ANALYSIS-MODEL"));
-  CHECK(model_verb(folder, {"fit", "wild.csv", "--model", "dynamic", "--skip-bad-rows"}).code == 0);
-  const Finished blind = model_verb(folder, {"compensate", "m.json", "fit.csv", "--map", "time=none"});
+  CHECK(call(folder, {"fit", "wild.csv", "--model", "dynamic", "--skip-bad-rows"}).code == 0);
+  const Finished blind = call(folder, {"compensate", "m.json", "fit.csv", "--map", "time=none"});
   CHECK(blind.code == 2);
   CHECK_THAT(blind.err, Catch::Contains("TB-TABLE-COLUMN"));
 }
