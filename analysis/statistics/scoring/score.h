@@ -37,7 +37,7 @@ struct Score {
 };
 
 struct ScoreOptions {
-  double noise = 0.0;  // standard deviation of an output
+  double noise = 0.0;                                           // standard deviation of an output
   double x_low = 0.0, y_low = 0.0, x_high = 1.0, y_high = 1.0;  // ends of the external loop
 };
 
