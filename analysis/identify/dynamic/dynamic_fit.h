@@ -10,7 +10,7 @@ namespace tactbench::analysis {
 inline constexpr const char* kDynamicModel = "dynamic";  // SensorModel::model
 
 struct DynamicFitOptions {
-  int cells = 20;        // Preisach's intervals of the input range; of one run no more than the levels have
+  int cells = 20;        // Preisach's intervals of the input range; no more than the fitted run's levels have
   int threads = 0;       // 0: as many as there are cores
   bool by_input = true;  // IdentifyOptions::by_input
 };

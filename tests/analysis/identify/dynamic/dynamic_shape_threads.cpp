@@ -6,6 +6,7 @@
 #include "analysis/identify/dynamic/dynamic_alone.h"
 #include "analysis/models/linearised.h"
 #include "analysis/models/preisach.h"
+#include "analysis/statistics/figures/evaluation.h"
 #include "tests/analysis/support/dynamic_runs.h"
 #include "tests/analysis/support/dynamic_walk.h"
 
@@ -97,4 +98,22 @@ TEST_CASE("of one run: no more intervals than levels tell apart, zeros that are 
     CHECK(model.taxels[2].fit.full_scale == Approx(1.8));
     CHECK(model.taxels[0].loop_low == Approx(0.101));
   }
+}
+
+TEST_CASE("with runs of lag and creep, too: no more intervals than levels tell apart, and no larger error than without",
+          "[dynamic]") {
+  const DynamicArray array = dynamic_array(kTaxels);
+  const Runs runs = runs_of(array);
+  const Dataset coarse = run_of(array, {{"coarse", {{way_along({0, 60, 0, 40, 0, 60, 20, 60, 0}, 10.0)}}}}, 1);
+  const SensorModel model = fit_dynamic(coarse, runs.rate, runs.creep);
+  CHECK(film_in(model.taxels[0]).intervals() == 6);
+  CHECK(evaluate(runs.other, model).mean_error_psi <= evaluate(runs.other, fit_dynamic_alone(coarse)).mean_error_psi);
+}
+
+TEST_CASE("a film that moves in a hold without creeping from pass to pass keeps its outputs", "[dynamic]") {
+  DynamicArray array = dynamic_array(kTaxels);
+  const Dataset creep = runs_of(array).creep;
+  array.dynamics.creep_share = {};
+  const Runs runs = runs_of(array);
+  CHECK_FALSE(undoes_creep(*fit_dynamic(runs.fitted, runs.rate, creep).dynamics));
 }
