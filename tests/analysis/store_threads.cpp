@@ -127,7 +127,8 @@ TEST_CASE("stored frames become volts in step order, without void branches and r
   CHECK_FALSE(data.at_limit[0]);  // the void frame alone stood there
 }
 
-TEST_CASE("a sample that the other scan contradicts is left out; a taxel that stands at the limit twice is saturated") {
+TEST_CASE(
+    "a sample that the other scan contradicts is left out, and a taxel that stands at the limit twice is saturated") {
   AnalysedStore store;
   const std::int64_t run = begin(*store, {{0, "tiny", "r = 1", "", 1, 6}});
   const std::int64_t branch = store->begin_branch(run, {0, 0, 0, 0, 0, false, "", 0.0, 10.0});

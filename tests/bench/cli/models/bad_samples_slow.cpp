@@ -116,7 +116,7 @@ TEST_CASE("compensate: of a table with a column a taxel only the taxel without a
   CHECK(of.verb(words, rows).code == 0);  // the other has outputs
 }
 
-TEST_CASE("compensate: a table in which no row has an output is refused; predict refuses a row without an input") {
+TEST_CASE("compensate: a table in which no row has an output is refused, and predict refuses a row without an input") {
   const FolderOfSamples of("input,output", 1);
   const Finished none = of.verb({"compensate", "m.json", "x.csv"}, {"1,a", "2,b", "3,c"});
   CHECK(none.code == 2);

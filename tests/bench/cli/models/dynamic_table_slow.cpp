@@ -75,7 +75,8 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("fit of a table: what has no times, or no unloaded sensor, has no dynamic model; its stream wants times") {
+TEST_CASE(
+    "fit of a table: what has no times, or no unloaded sensor, has no dynamic model, and its stream wants times") {
   const TemporaryFolder folder;
   const std::string table = recorded(false, kScored, 1);
   write_file(folder.path("fit.csv"), table);
