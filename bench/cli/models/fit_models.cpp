@@ -86,9 +86,9 @@ class Fit {
 
   void run() {
     work();
-    // Verdicts judge unfit taxels themselves.
-    if (options_.limits.empty() && std::ranges::any_of(rows_, any_unfit, &ModelRow::document))
-      session_.code = ExitCode::kInconclusive;
+    // Of an array some taxels may be unfit; verdicts judge how many.
+    const auto of_table = [](const ModelRow& row) { return row.document.run == 0 && any_unfit(row.document); };
+    if (options_.limits.empty() && std::ranges::any_of(rows_, of_table)) session_.code = ExitCode::kInconclusive;
     session_.json ? print_as_json() : print();
   }
 
