@@ -81,7 +81,7 @@ TEST_CASE("a dataset: scans that differ in number, frames of one scan, and the c
   const Dataset data = load_dataset(run);
   // 3 + 3 + 3 + 1 scans of four frames: 2.5 in the mean, six degrees of freedom.
   CHECK(data.noise_v[0] == Approx(0.001 * std::sqrt(32.0 / 6.0 / 2.5)));
-  CHECK((!data.at_limit[0] && data.at_limit[1]));
+  CHECK((!data.at_limit[0] && !data.at_limit[1]));  // in one frame alone
   for (int i = 0; i < 4; ++i) run.frames[static_cast<std::size_t>(i)] = frame_of_two(11 + i / 2, i % 2, {5, 65534});
   const Dataset single = load_dataset(run);
   CHECK(single.noise_v == std::vector<double>{0.0, 0.0});

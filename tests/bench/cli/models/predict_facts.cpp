@@ -125,7 +125,7 @@ TEST_CASE("compensate: the noise over the slope, the ends of the loop, and an ou
   CHECK(rising.out == "output,compensated,uncertainty,flags\n0,0,0.5,\n2,16,0.5,\n4,32,0.5,\n");
   const FolderOfModel silent(straight_model());
   CHECK(silent.of_table("compensate", "output\n0\n2\n99\n").out ==
-        "output,compensated,uncertainty,flags\n0,0,nan,\n2,16,nan,\n99,16,nan,range\n");
+        "output,compensated,uncertainty,flags\n0,0,nan,\n2,16,nan,\n99,nan,nan,range\n");
   SensorModel document = straight_model();
   document.falling = true;
   const FolderOfModel falling(document);
