@@ -176,8 +176,8 @@ void dynamic_array(benchmark::State& state) {
     const bench::ScratchFolder folder("tactbench-speed");
     db::RunStore store = db::RunStore::open(folder.path() + "/dynamic.db", db::Durability::kNormal);
     std::vector<Dataset> made;
-    for (const std::vector<const char*>& recipes :
-         {std::vector{"descending", "ascending"}, std::vector{"rate"}, std::vector{"creep-levels"}})
+    for (const std::vector<std::string>& recipes :
+         std::vector<std::vector<std::string>>{{std::string("descending"), "ascending"}, {"rate"}, {"creep-levels"}})
       made.push_back(bench::simulate_run({recipes, {}}, {}, static_cast<unsigned>(made.size()) + 1, store).data);
     return made;
   }();
