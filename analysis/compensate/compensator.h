@@ -75,6 +75,9 @@ struct CompensatorOptions {
 // beyond a small piece: it is at most this x the mean one.
 inline constexpr double kSteepestGuess = 4.0;
 
+// CompensatorOptions::top_share where lag and creep are undone.
+inline constexpr double kTopShare = 0.02;
+
 // What remains of lag and creep after the time between two samples; shared by the taxels of an array.
 struct PassedTime {
   Dynamics dynamics;

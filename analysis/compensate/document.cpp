@@ -12,7 +12,6 @@ namespace tactbench::analysis {
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr double kTopShare = 0.02;  // CompensatorOptions::top_share where lag and creep are undone
 
 PatternCurve loop_curve(const std::vector<double>& x, std::vector<double> y, double zero, double gain) {
   for (double& own : y) own = zero + gain * own;
@@ -27,11 +26,9 @@ std::vector<double> residual_of(const Json& taxel, const Json& document, double 
   if (!elam && !taxel.contains("loop")) return {};
   const Json& loop = elam ? model : taxel.at("loop");
   const std::vector<double> x = elam ? json_numbers(model, "x") : json_numbers(document, "loop_inputs");
-  if (elam)
-    return residual_by_level(loop_curve(x, json_numbers(loop, "ascending"), zero, gain),
-                             loop_curve(x, json_numbers(loop, "descending"), zero, gain), scale);
-  return residual_by_level(loop_curve(x, json_numbers(loop, "ascending"), 0.0, 1.0),
-                           loop_curve(x, json_numbers(loop, "descending"), 0.0, 1.0), scale);
+  if (!elam) zero = 0.0, gain = 1.0;  // is as measured
+  return residual_by_level(loop_curve(x, json_numbers(loop, "ascending"), zero, gain),
+                           loop_curve(x, json_numbers(loop, "descending"), zero, gain), scale);
 }
 
 std::shared_ptr<PassedTime> time_of(const Json& dynamics) {

@@ -10,9 +10,6 @@
 namespace tactbench::analysis {
 namespace {
 
-// A turn so near the top is taken for one at full pressure, where the model has the sensor's drift undone.
-constexpr double kTopShare = 0.02;
-
 std::unique_ptr<Compensator> make(const SensorModel& model, const ModelTaxel& taxel, bool falls, double noisier,
                                   const std::shared_ptr<PassedTime>& time) {
   CompensatorSetup setup;
