@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -109,6 +110,15 @@ struct Recipe {
 Recipe read_recipe(const std::string& path, const std::vector<Override>& overrides = {});
 Recipe parse_recipe(TomlDocument document, const std::vector<Override>& overrides = {});
 std::vector<KeyFacts> recipe_keys();
+
+// One recipe; or those that the file names by `recipes = [...]`, one after the other in the same run.
+struct RecipeFile {
+  std::string name, title, text;
+  std::vector<Recipe> recipes;
+};
+// `find` gives the path of a recipe that is named. `overrides` are applied to each. Throws FileError.
+RecipeFile read_recipe_file(const std::string& path, const std::vector<Override>& overrides,
+                            const std::function<std::string(const std::string& name)>& find);
 
 // Greatest number of steps of a run: a step takes about 300 bytes in memory and a row in the store, and at the least
 // dwell of 0.1 s a million steps take more than a day.

@@ -221,6 +221,12 @@ KeyTable kind_keys(Recipe& recipe) {
                     "levels: pressure in the chamber; press: an object under the z stage")};
 }
 
+KeyTable set_keys(RecipeFile& file, std::vector<std::string>& names) {
+  return {key::schema(), key::name("name", file.name, "Short name, by which reports and lists call it"),
+          key::described(key::text("title", file.title, "Title in reports and lists"), "the name"),
+          key::texts("recipes", names, "In place of all other keys: recipes that are carried out one after the other")};
+}
+
 KeyTable repeat_keys(Recipe& recipe) {
   recipe.repeats = static_cast<int>(std::max(recipe.dwell_s.size(), recipe.ramp_psi_per_s.size()));
   return {key::described(
@@ -240,7 +246,9 @@ std::vector<KeyFacts> recipe_keys() {
   const auto add = [&](const std::string& path, std::initializer_list<KeyTable> tables) {
     for (const KeyTable& keys : tables) add_facts(all, path, keys);
   };
-  add("", {head_keys(recipe), kind_keys(recipe)});
+  RecipeFile set;
+  std::vector<std::string> names;
+  add("", {head_keys(recipe), kind_keys(recipe), {set_keys(set, names).back()}});
   add_levels_keys(all);
   add("", {repeat_keys(recipe), rest_keys(recipe)});
   add("guard", {tolerance_keys(recipe), tolerance_keys(press), guard_keys(recipe.guard)});
@@ -291,6 +299,23 @@ Recipe parse_recipe(TomlDocument document, const std::vector<Override>& override
 
 Recipe read_recipe(const std::string& path, const std::vector<Override>& overrides) {
   return parse_recipe(TomlDocument::from_file(path), overrides);
+}
+
+RecipeFile read_recipe_file(const std::string& path, const std::vector<Override>& overrides,
+                            const std::function<std::string(const std::string& name)>& find) {
+  const TomlDocument document = TomlDocument::from_file(path);
+  const TomlTable root = document.root();
+  if (!root.has("recipes")) {
+    const Recipe recipe = parse_recipe(document, overrides);
+    return {recipe.name, recipe.title, recipe.text, {recipe}};
+  }
+  RecipeFile file{{}, {}, document.text(), {}};
+  std::vector<std::string> names;
+  read_whole(root, set_keys(file, names));
+  if (file.title.empty()) file.title = file.name;
+  if (names.empty()) root.fail("recipes", "no recipe is named", "name one or more, for instance [\"loops\", \"hold\"]");
+  for (const std::string& name : names) file.recipes.push_back(read_recipe(find(name), overrides));
+  return file;
 }
 
 }  // namespace tactbench::sequences

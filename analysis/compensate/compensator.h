@@ -76,7 +76,7 @@ struct CompensatorOptions {
 inline constexpr double kSteepestGuess = 4.0;
 
 // CompensatorOptions::top_share where lag and creep are undone.
-inline constexpr double kTopShare = 0.02;
+inline constexpr double kTopShare = 0.005;
 
 // What remains of lag and creep after the time between two samples; shared by the taxels of an array.
 struct PassedTime {

@@ -122,7 +122,7 @@ class TurningCompensator final : public Compensator {
     dynamics_ = {};
     if (time_) work_unseen(time_->dynamics, dynamics_, worked_s_, span_);
     last_x_ = last_slope_ = last_y_ = 0.0;
-    last_factor_ = 1.0;  // of no account until a reading has a slope
+    last_factor_ = extreme_factor_ = 1.0;  // of no account until a reading has a slope
     last_ = {x_low_, unknown_ ? span_ : std::sqrt(squared_residual(0.0)), false, false, unknown_, false};
   }
 
@@ -285,6 +285,7 @@ class TurningCompensator final : public Compensator {
   void take_extreme() {
     extreme_ = turn_ = mean_;
     extreme_weight_ = weight_;
+    extreme_factor_ = last_factor_;
     if (!decided_ || weight_ == 1.0) return;
     const double lead = options_.lead_in_noises * noise_ * std::sqrt(weight_) * (1.0 - weight_);
     turn_ += ascending_ ? -lead : lead;
@@ -306,7 +307,10 @@ class TurningCompensator final : public Compensator {
 
   void turn_when_beyond() {
     const double ahead = ascending_ ? mean_ - extreme_ : extreme_ - mean_;
-    const double behind = ascending_ ? turn_ - mean_ : mean_ - turn_, behind2 = behind > 0.0 ? behind * behind : 0.0;
+    // What creep alone moves is no turn: the outputs as they were measured have to be behind as well.
+    const double measured = mean_ * last_factor_ / extreme_factor_;
+    const double behind = ascending_ ? turn_ - std::max(mean_, measured) : std::min(mean_, measured) - turn_;
+    const double behind2 = behind > 0.0 ? behind * behind : 0.0;
     const double wider = std::max(weight_, extreme_weight_);
     held_ = ahead <= 0.0 || ahead * ahead <= hold2_ * wider;
     back_ = behind2 > hold2_ * wider;
@@ -400,6 +404,7 @@ class TurningCompensator final : public Compensator {
   double steps_ = 0.0;                           // running mean square of the steps, in noises squared
   double mean_ = 0.0, weight_ = 1.0;             // and the last sample's weight in it: 1 over their number
   double extreme_ = 0.0, extreme_weight_ = 1.0;  // furthest mean since the last turn
+  double extreme_factor_ = 1.0;                  // creep's there
   double turn_ = 0.0;                            // it without its lead
   double scale_ = 1.0, highest_ = 0.0;           // of the observed top
   int spikes_ = 0;                               // in a row

@@ -54,8 +54,7 @@ bool run_once(const Scenario& scenario, const std::vector<std::string>& set, std
   if (!request.bench.simulation)
     throw Error("TB-NIGHTLY-BENCH", "the nightly suite runs on simulated rigs only",
                 fmt::format("scenario {}, bench {}", scenario.name, scenario.bench));
-  for (const std::string& name : scenario.recipes)
-    request.recipes.push_back(sequences::read_recipe(find_recipe(name), overrides.recipe));
+  request.recipes = read_recipes(scenario.recipes, overrides.recipe);
   check_recipes(request.recipes, request.bench);
   request.overrides = overrides.all;
   request.sensor = sensor;

@@ -1,13 +1,13 @@
-// The dynamic Preisach model of one run, with the creep that the run tells and without lag; and which of the two a
-// dynamic model undoes.
+// The dynamic Preisach model of one run, with the lag and creep that the run tells; and which of the two a dynamic model
+// undoes.
 #pragma once
 
 #include "analysis/identify/dynamic/dynamic_fit.h"
 
 namespace tactbench::analysis {
 
-// As fit_dynamic() with lag left in the outputs. Creep is that of own_creep.h; it is left in where the run does not
-// begin at 0 psi, or tells none. Throws as fit_array does.
+// As fit_dynamic() of the run and itself: lag where repeats of it differ in pace, creep of its holds or, without any,
+// that of own_creep.h. Both are left in where it does not begin at 0 psi. Throws as fit_array does.
 SensorModel fit_dynamic_alone(const Dataset& fitted, const DynamicFitOptions& options = {});
 
 // Of a table whose histories tell their times (HistoriesOptions::timed): creep and lag as they are found there.

@@ -101,9 +101,10 @@ Validity validity_of_runs(const Histories& fitted, const std::vector<Histories>&
 }
 
 // Of the runs that are named; creep of none from the fitted run. A film may move in a hold without creeping from pass
-// to pass, and holds tell the creep of their own length alone. So theirs is taken where passes of the fitted run over
-// the same levels are clearly more alike with it than without, and not clearly more alike with the creep that the run
-// tells itself; else that is, or none, with the taxels' scales from the holds.
+// to pass, and holds tell the creep of their own length, and one hold that of its own level, alone. So theirs is taken
+// where passes of the fitted run over the same levels are clearly more alike with it than without, and not clearly more
+// alike with the creep that the run tells itself (of one hold: clearly more alike with it than with that one); else
+// that is, or none, with the taxels' scales from the holds.
 ArrayDynamics dynamics_of(const Dataset& fitted, const Dataset* rate, const Dataset* creep,
                           const std::vector<double>& zeros, const std::vector<bool>& usable, double highest,
                           const FitOptions& fit) {
@@ -113,13 +114,16 @@ ArrayDynamics dynamics_of(const Dataset& fitted, const Dataset* rate, const Data
   const CreepMisfit misfit(fitted, zeros, usable, highest, fit);
   ArrayDynamics own = of_runs;
   own.shared = creep_of_one_run(misfit);
-  if (creep == nullptr) return own;
-  Dynamics still = of_runs.shared;
-  still.lag_share = 0.0;
-  const double with_holds = misfit(still);
-  if (with_holds <= kClearlyLess * misfit({}) && misfit(own.shared) > kClearlyLess * with_holds) return of_runs;
-  find_creep_scales(*creep, zeros, usable, own);
-  find_lag(*rate, zeros, usable, own);
+  if (creep != nullptr) {
+    Dynamics still = of_runs.shared;
+    still.lag_share = 0.0;
+    const double with_holds = misfit(still), with_own = misfit(own.shared);
+    if (of_runs.holds > 1 ? with_holds <= kClearlyLess * misfit({}) && with_own > kClearlyLess * with_holds
+                          : with_holds <= kClearlyLess * with_own)
+      return of_runs;
+    find_creep_scales(*creep, zeros, usable, own);
+  }
+  if (rate != nullptr) find_lag(*rate, zeros, usable, own);
   return own;
 }
 
@@ -128,12 +132,12 @@ struct Recorded {
   double step_s = 0.0, longest_s = 0.0, dead = 0.0;
 };
 
-// Null: lag is left in, creep is taken from the fitted run; both from `recorded`.
+// Null: what the fitted run does not tell is left in; both from `recorded`.
 SensorModel fit_from(const Dataset& fitted, const Dataset* rate, const Dataset* creep, const DynamicFitOptions& options,
                      const Recorded* recorded = nullptr) {
   std::vector<const Dataset*> others;
   for (const Dataset* const other : {rate, creep})
-    if (other != nullptr) others.push_back(other);
+    if (other != nullptr && other != &fitted) others.push_back(other);
   for (const Dataset* const other : others) check_same_array(fitted, *other);
   HistoriesOptions gathered;
   gathered.threads = options.threads;
@@ -200,7 +204,10 @@ SensorModel fit_dynamic(const Dataset& fitted, const Dataset& rate, const Datase
 }
 
 SensorModel fit_dynamic_alone(const Dataset& fitted, const DynamicFitOptions& options) {
-  return fit_from(fitted, nullptr, nullptr, options);
+  if (lowest_level(fitted) != 0.0) return fit_from(fitted, nullptr, nullptr, options);
+  const std::vector<double> zeros(static_cast<std::size_t>(fitted.taxels()), 0.0);
+  const ArrayDynamics shown = find_dynamics(&fitted, &fitted, zeros, std::vector<bool>(zeros.size(), true));
+  return fit_from(fitted, shown.rate_samples > 0 ? &fitted : nullptr, shown.holds > 0 ? &fitted : nullptr, options);
 }
 
 namespace {

@@ -108,6 +108,12 @@ void find_scales(const Track& track, const std::vector<Hold>& holds, const Eigen
   const double total = share[0] + share[1] + share[2];
   const double most = total > 0.0 ? std::min(kMostCreepScale, kMostCreep / total) : kMostCreepScale;
   Eigen::VectorXd off(shape.size()), level(shape.size());
+  struct Scale {
+    std::size_t taxel;
+    double scale, doubt2;
+  };
+  std::vector<Scale> scales;
+  double mean = 0.0;
   for (std::size_t t = 0; t < zero_v.size(); ++t) {
     if (!usable[t]) continue;
     std::vector<double> above;
@@ -116,9 +122,16 @@ void find_scales(const Track& track, const std::vector<Hold>& holds, const Eigen
     const Eigen::VectorXd column = level.cwiseProduct(shape);
     if (column.squaredNorm() <= 0.0) continue;
     const double scale = column.dot(off) / column.squaredNorm();
-    const double doubt2 = (off - scale * column).squaredNorm() / static_cast<double>(off.size()) / column.squaredNorm();
+    scales.push_back(
+        {t, scale, (off - scale * column).squaredNorm() / static_cast<double>(off.size()) / column.squaredNorm()});
+    mean += scale;
+  }
+  mean /= static_cast<double>(scales.size());
+  if (!(mean > 0.0)) return;
+  for (const Scale& own : scales) {
     constexpr double kSpread2 = 0.25 * 0.25;  // of taxels, as far as is known before
-    result.creep_scale[t] = std::clamp(1.0 + (scale - 1.0) * kSpread2 / (kSpread2 + doubt2), 0.0, most);
+    const double scale = own.scale / mean, doubt2 = own.doubt2 / (mean * mean);
+    result.creep_scale[own.taxel] = std::clamp(1.0 + (scale - 1.0) * kSpread2 / (kSpread2 + doubt2), 0.0, most);
   }
 }
 

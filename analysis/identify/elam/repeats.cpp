@@ -26,6 +26,18 @@ SequenceData mean_sequence(const SequenceData& sequence, std::size_t width, std:
   return mean;
 }
 
+double lasts_s(const Repeat& repeat) { return repeat.steps.back().time_s - repeat.steps.front().time_s; }
+
+// Those at the pace of the first: at another one the film's output is another.
+SequenceData at_first_pace(SequenceData sequence) {
+  constexpr double kSamePace = 1.5;  // the longer over the shorter
+  const double first_s = lasts_s(sequence.repeats.front());
+  std::erase_if(sequence.repeats, [&](const Repeat& repeat) {
+    return lasts_s(repeat) > kSamePace * first_s || first_s > kSamePace * lasts_s(repeat);
+  });
+  return sequence;
+}
+
 // A repeat less the mean of the others but the first.
 Off off_from_others(const std::vector<std::vector<double>>& repeats, std::size_t which) {
   Off off;
@@ -52,9 +64,10 @@ std::vector<RepeatDrift> repeat_drifts(const Dataset& dataset, std::span<const s
   std::vector<RepeatDrift> drifts;
   const auto width = static_cast<std::size_t>(dataset.taxels());
   for (const SequenceData& sequence : dataset.sequences) {
-    const std::size_t count = sequence.repeats.size();
+    const SequenceData alike = at_first_pace(sequence);
+    const std::size_t count = alike.repeats.size();
     if (count < 3 || taxels.empty()) continue;
-    const SequenceData mean = mean_sequence(sequence, width, taxels);
+    const SequenceData mean = mean_sequence(alike, width, taxels);
     std::vector<std::vector<double>> means(count);
     for (std::size_t r = 0; r < count; ++r) {
       CommonOptions one = options;

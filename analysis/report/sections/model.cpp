@@ -65,7 +65,7 @@ Markup mean_taxel_table(const ReportInput& input) {
 // What a dynamic model undoes beside hysteresis, and the runs that this was taken from.
 Markup dynamics_table(const SensorModel& fit, PressureUnit unit) {
   if (!fit.dynamics) return {};
-  const bool one_run = fit.dynamics->rate.run == 0;
+  const bool one_run = fit.dynamics->rate.run == 0;  // and it tells no lag
   if (one_run && !undoes_creep(*fit.dynamics))
     return markup(
         "<p class=\"note\">Preisach's model on the linearised output u = v / (1 − c v), with an observer of the gain "
@@ -82,14 +82,17 @@ Markup dynamics_table(const SensorModel& fit, PressureUnit unit) {
   if (one_run)
     return pairs_table("Creep that the models undo: the array's",
                        {{"creep", creeps}, {"creep taken from", markup("the fitted run")}, {"lag", markup("left in")}});
-  return pairs_table("Lag and creep that the models undo: the array's",
-                     {{"lag", markup("{} % of a change of pressure comes late, in {} s", html::percent(d.lag_share, 1),
-                                     html::fixed(d.lag_s, 2))},
-                      {"lag taken from", source(fit.dynamics->rate)},
-                      {"creep", creeps},
-                      {"creep taken from", creep_of_fitted_run(*fit.dynamics)
-                                               ? markup("the fitted run; by taxel: {}", source(fit.dynamics->creep))
-                                               : source(fit.dynamics->creep)}});
+  const std::int64_t holds = fit.dynamics->creep.run;
+  const bool by_taxel = holds != 0 && holds != fit.run;
+  return pairs_table(
+      "Lag and creep that the models undo: the array's",
+      {{"lag", markup("{} % of a change of pressure comes late, in {} s", html::percent(d.lag_share, 1),
+                      html::fixed(d.lag_s, 2))},
+       {"lag taken from", source(fit.dynamics->rate)},
+       {"creep", creeps},
+       {"creep taken from", !creep_of_fitted_run(*fit.dynamics) ? source(fit.dynamics->creep)
+                            : by_taxel ? markup("the fitted run; by taxel: {}", source(fit.dynamics->creep))
+                                       : markup("the fitted run")}});
 }
 
 std::vector<const ModelTaxel*> fitted(const SensorModel& fit) {

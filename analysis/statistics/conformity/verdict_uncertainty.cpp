@@ -28,14 +28,20 @@ Dataset repeat_of(const Dataset& dataset, std::size_t repeat) {
   return one;
 }
 
-// The figures of each repeat by itself: of the run judged, or of the models' run where that has one repeat.
+// Its sequences of more than one repeat.
+Dataset repeated_of(Dataset dataset) {
+  std::erase_if(dataset.sequences, [](const SequenceData& data) { return data.repeats.size() < 2; });
+  return dataset;
+}
+
+// The figures of each repeat by itself: of the run judged, or of what the models' run repeats where that has one
+// repeat.
 class RepeatScatter {
  public:
   RepeatScatter(const Dataset& judged, const Dataset& models, const SensorModel& fit, int threads)
       : judged_(std::max<std::size_t>(1, repeats_of(judged))) {
     const bool own = repeats_of(judged) >= 2;
-    const Dataset& dataset = own ? judged : models;
-    if (repeats_of(dataset) < 2) return;
+    const Dataset dataset = own ? judged : repeated_of(models);
     for (std::size_t repeat = 0; repeat < repeats_of(dataset); ++repeat)
       repeats_.push_back(evaluate(repeat_of(dataset, repeat), fit, threads));
     run_ = own ? "the run judged" : "the run of the models, for the run judged has one repeat";

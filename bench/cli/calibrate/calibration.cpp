@@ -71,8 +71,8 @@ class Calibration {
     (void)metadata_tags(options_.metadata);
     const SplitOverrides overrides = split_overrides(options_.set);
     bench_ = read_bench(find_config(options_.bench), overrides.bench, options_.seeds);
-    const std::vector<Recipe> recipes = read_recipes(options_.recipes, overrides.recipe),
-                              judging = read_recipes(options_.held_out_recipes, {});
+    const std::vector<Recipe> recipes = checked_recipes(options_.recipes, overrides.recipe),
+                              judging = checked_recipes(options_.held_out_recipes, {});
     const analysis::Limits limits = read_limits(find_config(options_.limits));
     if (!options_.lab.empty()) (void)read_laboratory(find_config(options_.lab));
     result_.limits = limits.name;
@@ -97,10 +97,9 @@ class Calibration {
       tty::print("SIMULATED DATA: bench '{}' measures no real sensor\n", one_line(bench_.id));
   }
 
-  [[nodiscard]] std::vector<Recipe> read_recipes(const std::vector<std::string>& names,
-                                                 const std::vector<sequences::Override>& overrides) const {
-    std::vector<Recipe> recipes;
-    for (const std::string& name : names) recipes.push_back(sequences::read_recipe(find_recipe(name), overrides));
+  [[nodiscard]] std::vector<Recipe> checked_recipes(const std::vector<std::string>& names,
+                                                    const std::vector<sequences::Override>& overrides) const {
+    std::vector<Recipe> recipes = read_recipes(names, overrides);
     check_recipes(recipes, bench_);
     if (needs_press(recipes))
       refuse(fmt::format("no models are made from recipes that press objects: {}", fmt::join(names, ", ")), "calibrate",

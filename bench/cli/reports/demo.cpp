@@ -92,9 +92,7 @@ std::int64_t carry_out(const DemoRun& demo, const DemoOptions& options, const db
   RunRequest request;
   request.bench = read_bench(find_config("simulated.toml"), overrides.bench,
                              {options.seed + demo.seed_offset, options.sensor_seed});
-  for (const char* name : demo.recipes) {
-    request.recipes.push_back(sequences::read_recipe(find_recipe(name), overrides.recipe));
-  }
+  request.recipes = read_recipes({demo.recipes.begin(), demo.recipes.end()}, overrides.recipe);
   request.overrides = overrides.all;
   request.sensor = sensor;
   request.sensor_type = parse_sensor_type(sensor.type_toml, "sensor type");

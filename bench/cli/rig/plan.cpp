@@ -243,9 +243,7 @@ void plan(const PlanOptions& options, Session& session) {
   if (options.recipes.empty()) return list_plannable(session);
   const SplitOverrides overrides = split_overrides(options.set);
   Plan plan;
-  plan.recipes.reserve(options.recipes.size());
-  for (const std::string& name : options.recipes)
-    plan.recipes.push_back(sequences::read_recipe(find_recipe(name), overrides.recipe));
+  plan.recipes = read_recipes(options.recipes, overrides.recipe);
   if (options.parameters) {
     list_parameters(plan.recipes, session.json);
     return;

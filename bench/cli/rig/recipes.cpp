@@ -18,13 +18,14 @@ namespace tactbench::bench {
 
 using nlohmann::ordered_json;
 using sequences::Recipe;
+using sequences::RecipeFile;
 
 std::vector<ShippedRecipe> shipped_recipes() {
   std::vector<ShippedRecipe> shipped;
   for (const std::string& file : shipped_files("sequences")) {
     const std::string path = fmt::format("{}/sequences/{}", share_folder(), file);
     try {
-      shipped.push_back({sequences::read_recipe(path), path});
+      shipped.push_back({read_recipe_file(path), path});
     } catch (const sequences::FileError&) {
       continue;  // the folder also holds a suite
     }
@@ -35,9 +36,9 @@ std::vector<ShippedRecipe> shipped_recipes() {
 // The recipes that can be planned, for a call without names.
 void list_plannable(const Session& session) {
   ordered_json list = ordered_json::array();
-  for (const auto& [recipe, path] : shipped_recipes()) {
-    list.push_back({{"name", recipe.name}, {"title", recipe.title}});
-    if (!session.json) tty::print("{:<18}{}\n", one_line(recipe.name), one_line(recipe.title));
+  for (const auto& [file, path] : shipped_recipes()) {
+    list.push_back({{"name", file.name}, {"title", file.title}});
+    if (!session.json) tty::print("{:<18}{}\n", one_line(file.name), one_line(file.title));
   }
   if (session.json) return print_json("plan.recipes", {{"recipes", list}});
   tty::print("tactbench plan NAME... shows more; own recipes are given as files\n");
@@ -55,8 +56,8 @@ struct RecipeExtent {
   std::string highest;  // "60.0 psi", "30.0 N"
 };
 
-RecipeExtent extent_of(const Recipe& recipe, analysis::PressureUnit unit) {
-  const std::vector<sequences::Step> steps = sequences::compile(recipe, 0);
+RecipeExtent extent_of(const std::vector<Recipe>& recipes, analysis::PressureUnit unit) {
+  const std::vector<sequences::Step> steps = sequences::compile(recipes);
   RecipeExtent extent{steps.size(), 0, {}};
   for (const sequences::Step& step : steps) extent.frames += takes_frame(step) ? 1 : 0;
   const sequences::Extremes reached = sequences::extremes(steps);
@@ -65,11 +66,27 @@ RecipeExtent extent_of(const Recipe& recipe, analysis::PressureUnit unit) {
   return extent;
 }
 
-ordered_json recipe_json(const Recipe& recipe, const std::string& file) {
-  const RecipeExtent extent = extent_of(recipe, analysis::PressureUnit::kPsi);
-  return {{"name", recipe.name},       {"title", recipe.title},   {"file", file},
-          {"steps", extent.steps},     {"frames", extent.frames}, {"highest", extent.highest},
-          {"repeats", recipe.repeats}, {"drawn", recipe.drawn}};
+// "31 turning points drawn, ..."; empty where none of them are drawn.
+std::string drawn_of(const RecipeFile& file) {
+  std::string drawn;
+  for (const Recipe& recipe : file.recipes)
+    if (!recipe.drawn.empty()) drawn += (drawn.empty() ? "" : "; ") + recipe.drawn;
+  return drawn;
+}
+
+ordered_json recipe_json(const RecipeFile& file, const std::string& path) {
+  const RecipeExtent extent = extent_of(file.recipes, analysis::PressureUnit::kPsi);
+  auto names = ordered_json::array();
+  for (const Recipe& recipe : file.recipes) names.push_back(recipe.name);
+  return {{"name", file.name},
+          {"title", file.title},
+          {"file", path},
+          {"steps", extent.steps},
+          {"frames", extent.frames},
+          {"highest", extent.highest},
+          {"repeats", file.recipes.front().repeats},
+          {"drawn", drawn_of(file)},
+          {"recipes", names}};
 }
 
 void list(const Session& session) {
@@ -77,12 +94,12 @@ void list(const Session& session) {
   if (!session.json) tty::print("{:<18}{:>8}{:>12}  {}\n", "recipe", "frames", "highest", "what it is");
   for (const ShippedRecipe& shipped : shipped_recipes()) {
     if (session.json) {
-      json.push_back(recipe_json(shipped.recipe, shipped.path));
+      json.push_back(recipe_json(shipped.file, shipped.path));
       continue;
     }
-    const RecipeExtent extent = extent_of(shipped.recipe, session.unit());
-    tty::print("{}{:>8}{:>12}  {}\n", cell(shipped.recipe.name, 18), extent.frames, extent.highest,
-               one_line(shipped.recipe.title));
+    const RecipeExtent extent = extent_of(shipped.file.recipes, session.unit());
+    tty::print("{}{:>8}{:>12}  {}\n", cell(shipped.file.name, 18), extent.frames, extent.highest,
+               one_line(shipped.file.title));
   }
   if (session.json) return print_json("recipes.list", {{"recipes", json}});
   tty::print("tactbench recipes show NAME prints the file; recipes new MINE --from NAME makes one of your own\n");
@@ -90,13 +107,13 @@ void list(const Session& session) {
 
 void show(const RecipesOptions& options, const Session& session) {
   const std::string path = find_recipe(options.recipes.front());
-  const Recipe recipe = sequences::read_recipe(path);
+  const RecipeFile file = read_recipe_file(path);
   if (session.json) {
-    ordered_json json = recipe_json(recipe, path);
-    json["text"] = recipe.text;
+    ordered_json json = recipe_json(file, path);
+    json["text"] = file.text;
     return print_json("recipes.show", json);
   }
-  tty::print("# {}\n{}", path, recipe.text);
+  tty::print("# {}\n{}", path, file.text);
 }
 
 // Each file by itself: a wrong one does not hide the next.
@@ -106,20 +123,20 @@ void check(const RecipesOptions& options, Session& session) {
   for (const std::string& name : options.recipes) {
     try {
       const std::string path = find_recipe(name);
-      const Recipe recipe = sequences::read_recipe(path);
-      check_recipes({recipe}, bench);
-      for (const std::string& line : recipe_warnings({recipe}, bench))
+      const RecipeFile file = read_recipe_file(path);
+      check_recipes(file.recipes, bench);
+      for (const std::string& line : recipe_warnings(file.recipes, bench))
         tty::print(stderr, "warning: {}\n", session.unit().in_text(line));
       if (session.json) {
-        ordered_json good = recipe_json(recipe, path);
+        ordered_json good = recipe_json(file, path);
         good["good"] = true;
         json.push_back(good);
       } else {
-        const RecipeExtent extent = extent_of(recipe, session.unit());
-        tty::print("{}: recipe '{}' is good on bench '{}': {}, {}, up to {}{}\n", path, one_line(recipe.name),
+        const RecipeExtent extent = extent_of(file.recipes, session.unit());
+        const std::string drawn = drawn_of(file);
+        tty::print("{}: recipe '{}' is good on bench '{}': {}, {}, up to {}{}\n", path, one_line(file.name),
                    one_line(bench.id), analysis::counted(extent.steps, "step"),
-                   analysis::counted(extent.frames, "frame"), extent.highest,
-                   recipe.drawn.empty() ? "" : "; " + recipe.drawn);
+                   analysis::counted(extent.frames, "frame"), extent.highest, drawn.empty() ? "" : "; " + drawn);
       }
     } catch (...) {
       const Error error = as_error(std::current_exception(), name);
@@ -149,10 +166,9 @@ void make(const RecipesOptions& options, const Session& session) {
   if (name.empty() || name.find_first_not_of(kAllowed) != std::string::npos)
     throw Error("TB-USAGE", fmt::format("'{}' is no name of a recipe", name), "recipes new",
                 "use letters, digits, - and _");
-  const Recipe from = sequences::read_recipe(find_recipe(options.from));
+  const RecipeFile from = read_recipe_file(options.from);
   const std::string text = renamed(from.text, from.name, name);
   const std::string path = options.output.empty() ? name + ".toml" : options.output;
-  (void)sequences::parse_recipe(sequences::TomlDocument::from_text(text, path));
   // A copy begins as its original does, so the kind of the file would not protect it.
   if (std::filesystem::exists(path) && !session.replace)
     throw Error("TB-FILE-EXISTS", fmt::format("'{}' exists already", path), path,

@@ -11,7 +11,7 @@ namespace tactbench::bench {
 struct Session;
 
 struct ShippedRecipe {
-  sequences::Recipe recipe;
+  sequences::RecipeFile file;
   std::string path;
 };
 // In the order of their names; a shipped file that is no recipe, such as a suite, is left out.

@@ -107,9 +107,7 @@ CarriedOut begin_and_carry_out(const RunOptions& options, const Session& session
   RunRequest request;
   const std::vector<std::string> tags = metadata_tags(options.metadata);
   request.bench = read_bench(find_config(options.bench), overrides.bench, options.seeds);
-  for (const std::string& name : options.recipes) {
-    request.recipes.push_back(sequences::read_recipe(find_recipe(name), overrides.recipe));
-  }
+  request.recipes = read_recipes(options.recipes, overrides.recipe);
   check_recipes(request.recipes, request.bench);
   warn_of_instruments(request, session.unit());
   refuse_tripped(request.bench);

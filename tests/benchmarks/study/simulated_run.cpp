@@ -29,8 +29,7 @@ RunRequest simulated_request(const SimulatedRun& run, const SimulatedSensor& sen
   const SplitOverrides overrides = split_overrides(set);
   RunRequest request;
   request.bench = read_bench(find_config("simulated.toml"), overrides.bench, {noise_seed, sensor.seed});
-  for (const std::string& name : run.recipes)
-    request.recipes.push_back(sequences::read_recipe(find_recipe(name), overrides.recipe));
+  request.recipes = read_recipes(run.recipes, overrides.recipe);
   request.overrides = overrides.all;
   SensorType& type = request.sensor_type = read_sensor_type(find_config("sensor.toml"));
   type.rows = request.bench.scanner.rows;
