@@ -314,7 +314,12 @@ RecipeFile read_recipe_file(const std::string& path, const std::vector<Override>
   read_whole(root, set_keys(file, names));
   if (file.title.empty()) file.title = file.name;
   if (names.empty()) root.fail("recipes", "no recipe is named", "name one or more, for instance [\"loops\", \"hold\"]");
-  for (const std::string& name : names) file.recipes.push_back(read_recipe(find(name), overrides));
+  for (const std::string& name : names) {
+    TomlDocument named = TomlDocument::from_file(find(name));
+    if (named.root().has("recipes"))
+      root.fail("recipes", fmt::format("'{}' names recipes itself", name), "name those instead");
+    file.recipes.push_back(parse_recipe(std::move(named), overrides));
+  }
   return file;
 }
 

@@ -226,16 +226,6 @@ std::string find_in(const std::string& folder, const std::string& name, bool wit
 }  // namespace
 
 std::string find_recipe(const std::string& name) { return find_in("sequences", name, false, "recipe or suite"); }
-sequences::RecipeFile read_recipe_file(const std::string& name, const std::vector<sequences::Override>& overrides) {
-  return sequences::read_recipe_file(find_recipe(name), overrides, find_recipe);
-}
-std::vector<sequences::Recipe> read_recipes(const std::vector<std::string>& names,
-                                            const std::vector<sequences::Override>& overrides) {
-  std::vector<sequences::Recipe> recipes;
-  for (const std::string& name : names)
-    std::ranges::move(read_recipe_file(name, overrides).recipes, std::back_inserter(recipes));
-  return recipes;
-}
 std::string find_config(const std::string& name) { return find_in("bench/config", name, true, "configuration"); }
 
 }  // namespace tactbench::bench

@@ -16,7 +16,7 @@
 #include "devices/stage/options.h"
 #include "devices/tactile/options.h"
 #include "devices/wire/options.h"
-#include "sequences/recipe.h"
+#include "sequences/toml/strict_toml.h"
 
 namespace tactbench::bench {
 
@@ -196,10 +196,6 @@ std::vector<std::string> shipped_files(const std::string& folder);
 // `name` if such a file exists or it holds a folder, else the shipped one of that name (with or without .toml). Throws
 // FileError TB-FILE-MISSING, with the nearest shipped name or all of them.
 std::string find_recipe(const std::string& name);
-// Of a file or shipped recipe: what it is, and all recipes that the names stand for.
-sequences::RecipeFile read_recipe_file(const std::string& name, const std::vector<sequences::Override>& overrides = {});
-std::vector<sequences::Recipe> read_recipes(const std::vector<std::string>& names,
-                                            const std::vector<sequences::Override>& overrides = {});
 std::string find_config(const std::string& name);
 
 }  // namespace tactbench::bench

@@ -19,6 +19,17 @@ namespace tactbench::bench {
 using sequences::Recipe;
 using sequences::RecipeKind;
 
+sequences::RecipeFile read_recipe_file(const std::string& name, const std::vector<sequences::Override>& overrides) {
+  return sequences::read_recipe_file(find_recipe(name), overrides, find_recipe);
+}
+std::vector<sequences::Recipe> read_recipes(const std::vector<std::string>& names,
+                                            const std::vector<sequences::Override>& overrides) {
+  std::vector<sequences::Recipe> recipes;
+  for (const std::string& name : names)
+    std::ranges::move(read_recipe_file(name, overrides).recipes, std::back_inserter(recipes));
+  return recipes;
+}
+
 namespace {
 
 // Levels in kPa and bar are converted to psi: 60 psi written in kPa may convert back slightly above 60.

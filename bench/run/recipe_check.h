@@ -1,5 +1,5 @@
-// Preflight of recipes against a bench, before anything is touched: limits, axes, and whether the bench has the devices
-// that they need.
+// The recipes that names stand for, and their preflight against a bench, before anything is touched: limits, axes, and
+// whether the bench has the devices that they need.
 #pragma once
 
 #include <string>
@@ -10,6 +10,11 @@
 #include "sequences/recipe.h"
 
 namespace tactbench::bench {
+
+// Of a file or shipped recipe: what it is, and all recipes that the names stand for.
+sequences::RecipeFile read_recipe_file(const std::string& name, const std::vector<sequences::Override>& overrides = {});
+std::vector<sequences::Recipe> read_recipes(const std::vector<std::string>& names,
+                                            const std::vector<sequences::Override>& overrides = {});
 
 struct Margin {  // range of one axis in the recipes, and its limits
   std::string axis, unit;

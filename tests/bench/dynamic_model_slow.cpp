@@ -191,7 +191,7 @@ TEST_CASE("fit makes the dynamic model of a run where none is named, keeps to EL
   CHECK_THAT(read_file(folder.path("r.json")), Catch::Contains("\"dynamic\""));
   CHECK(call(folder, {"trend", "--sensor", "S-1"}).out == followed);  // ELAM's figures go on
   CHECK(kind({"1-2"}) == "dynamic");
-  CHECK(kind({"1", "--fit", "production"}) == "elam");
+  CHECK(kind({"1", "--fit", "inner-loops"}) == "elam");
   CHECK(kind({"1", "--mean-taxel"}) == "elam");
   CHECK(kind({"1", "--memory"}) == "elam, memory");
   CHECK(kind({"1", "--linearise"}) == "elam, linearised");
@@ -203,7 +203,7 @@ TEST_CASE("fit makes the dynamic model of a run where none is named, keeps to EL
   CHECK(kind({"3"}).starts_with("elam"));
   CHECK_THAT(said, Catch::Contains("run 3"));
   CHECK(call(folder, {"fit", "3", "--model", "dynamic"}).code == 2);
-  REQUIRE(measure(folder, {"production"}, "4", {"recipe.turning_points=[0, 60, 0, 60, 0]"}).code == 0);
+  REQUIRE(measure(folder, {"loops"}, "4").code == 0);
   CHECK(kind({"4"}) == "elam");
   CHECK_THAT(said, Catch::Contains("run 4"));
 
@@ -222,7 +222,7 @@ TEST_CASE("the dynamic model of one run errs as ELAM after the short recipe, and
   const double dynamic = held_out_error(call(folder, {"fit", "1", "--held-out", "2", "--json"}));
   INFO("psi: ELAM " << elam << ", dynamic " << dynamic);
   CHECK(dynamic < 0.8);
-  REQUIRE(measure(folder, {"production"}, "3",
+  REQUIRE(measure(folder, {"inner-loops"}, "3",
                   {"recipe.turning_points=[10, 60, 10, 40, 10, 60, 20, 60, 10]", "recipe.step=2"})
               .code == 0);
   const Finished above = call(folder, {"fit", "3", "--json"});

@@ -23,7 +23,7 @@ name = "parts"
 name = "judged"
 about = "models judged on another run"
 recipes = ["production"]
-held_out = ["recipe.repeats=1"]
+held_out = []
 [[scenario]]
 name = "rest"
 about = "no fit"

@@ -7,6 +7,7 @@
 #include "sequences/toml/pressure_text.h"
 #include "tests/sequences/recipe_text.h"
 #include "tests/sequences/refusal.h"
+#include "tests/support/process.h"
 
 using namespace tactbench::sequences;
 
@@ -139,4 +140,28 @@ TEST_CASE("recipe: a parameter and a key of pressure take other units, a bare nu
   CHECK_THROWS_AS(with({{"step", "20psi"}, {"step", "5"}}), FileError);
   CHECK_THROWS_AS(with({{"step", "5"}}), FileError);
   CHECK_THROWS_AS(with({{"dwell_s", "2kPa"}}), FileError);
+}
+
+TEST_CASE("a file that names recipes gives these, in their order, each with what is set; and is refused elsewhere") {
+  const tactbench::tests::TemporaryFolder folder;
+  const auto find = [&](const std::string& name) { return folder.path(name); };
+  const auto write = [&](const std::string& name, const std::string& rest) {
+    tactbench::tests::write_file(folder.path(name), "schema = 1\nname = \"" + name + "\"\n" + rest);
+  };
+  const auto read = [&](const std::string& name) {
+    return read_recipe_file(folder.path(name), {{"repeats", "4"}}, find);
+  };
+  write("a", "unit = \"psi\"\n" + kTwoLevels);
+  write("b", "unit = \"kPa\"\n" + kTwoLevels);
+  write("both", "title = \"B, A\"\nrecipes = [\"b\", \"a\"]\n");
+  const RecipeFile both = read("both");
+  CHECK((both.name == "both" && both.title == "B, A"));
+  REQUIRE(both.recipes.size() == 2);
+  CHECK((both.recipes[0].name == "b" && both.recipes[1].name == "a"));
+  for (const Recipe& recipe : both.recipes) CHECK(recipe.repeats == 4);
+  CHECK(read("a").recipes.size() == 1);
+  write("none", "recipes = []\n");
+  write("nested", "recipes = [\"both\"]\n");
+  write("more", "recipes = [\"a\"]\nstep = 2\n");
+  for (const char* name : {"none", "nested", "more"}) CHECK_THROWS_AS(read(name), FileError);
 }

@@ -9,6 +9,7 @@
 #include "analysis/compensate/compensator.h"
 #include "analysis/identify/dynamic/track.h"
 #include "analysis/identify/rivals/nnls.h"
+#include "analysis/statistics/numbers/moments.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -101,7 +102,7 @@ double mean_factor(const Track& track, const std::vector<Hold>& holds, const Dyn
   return factor / count;
 }
 
-// Each taxel's creep over the array's; `shape`: a row a sample, the array's relative change within its hold.
+// Each taxel's creep over the median taxel's; `shape`: a row a sample, the array's relative change within its hold.
 void find_scales(const Track& track, const std::vector<Hold>& holds, const Eigen::VectorXd& shape,
                  const std::vector<double>& zero_v, const std::vector<bool>& usable, ArrayDynamics& result) {
   const std::array<double, kCreepElements>& share = result.shared.creep_share;
@@ -113,7 +114,6 @@ void find_scales(const Track& track, const std::vector<Hold>& holds, const Eigen
     double scale, doubt2;
   };
   std::vector<Scale> scales;
-  double mean = 0.0;
   for (std::size_t t = 0; t < zero_v.size(); ++t) {
     if (!usable[t]) continue;
     std::vector<double> above;
@@ -124,13 +124,14 @@ void find_scales(const Track& track, const std::vector<Hold>& holds, const Eigen
     const double scale = column.dot(off) / column.squaredNorm();
     scales.push_back(
         {t, scale, (off - scale * column).squaredNorm() / static_cast<double>(off.size()) / column.squaredNorm()});
-    mean += scale;
   }
-  mean /= static_cast<double>(scales.size());
-  if (!(mean > 0.0)) return;
+  std::vector<double> all;
+  for (const Scale& own : scales) all.push_back(own.scale);
+  const double median = median_of(all);
+  if (!(median > 0.0)) return;
   for (const Scale& own : scales) {
     constexpr double kSpread2 = 0.25 * 0.25;  // of taxels, as far as is known before
-    const double scale = own.scale / mean, doubt2 = own.doubt2 / (mean * mean);
+    const double scale = own.scale / median, doubt2 = own.doubt2 / (median * median);
     result.creep_scale[own.taxel] = std::clamp(1.0 + (scale - 1.0) * kSpread2 / (kSpread2 + doubt2), 0.0, most);
   }
 }

@@ -22,6 +22,7 @@
 #include "bench/reporting/evaluation.h"
 #include "bench/run/characterize.h"
 #include "bench/run/control/locks.h"
+#include "bench/run/recipe_check.h"
 #include "db/run_store.h"
 #include "sequences/recipe.h"
 

@@ -301,7 +301,7 @@ TEST_CASE("on a hold samples are averaged, and a step comes at once") {
     for (std::size_t i = 0; i < walker.walk.x.size(); ++i) {
       const Compensated mean = averaging->step(walker.walk.output[i], 0.4);
       const Compensated one = single->step(walker.walk.output[i], 0.4);
-      if (i < 20) continue;
+      if (i < 60) continue;  // the step counts as a move until then
       of_means.add(mean, walker.walk.x[i], 0.0);
       of_singles.add(one, walker.walk.x[i], 0.0);
     }
@@ -350,6 +350,24 @@ TEST_CASE("lag and creep are undone by the time that passes, told to each taxel 
     setup.worked_s = 600.0;
     CHECK(make_compensator(*kind.model, setup)->step(kind.measured(0.5 * kind.full()), 0.4).pressure_psi ==
           Approx(worked));
+  }
+}
+
+TEST_CASE("more creep undone than there is makes no turn of a hold, and no fall of pressure") {
+  for (const Kind& kind : kinds()) {
+    if (!kind.in_time) continue;
+    std::vector<double> way = levels_of({0, 40});
+    way.resize(way.size() + 500, way.back());
+    const Walk walk = walk_of(kind, way, kNoise / 10.0, 2);
+    CompensatorSetup setup = kind.setup(kNoise / 10.0);
+    for (double& share : setup.time->dynamics.creep_share) share *= 2.0;
+    const auto stream = make_compensator(*kind.model, setup);
+    for (std::size_t i = 0; i < walk.x.size(); ++i) {
+      const Compensated now = stream->step(walk.output[i], walk.seconds);
+      INFO(kind.name << ", sample " << i << ": " << now.pressure_psi << " psi");
+      REQUIRE(stream->ascending());
+      REQUIRE(std::abs(now.pressure_psi - walk.x[i]) < 0.08 * kind.span());
+    }
   }
 }
 

@@ -191,7 +191,7 @@ try:
     with open("1.toml", "w") as file:
         file.write("a = 1\n")
     with Store("runs.db") as opened:
-        assert [run["recipes"] for run in opened.runs()][:2] == ["production", "random-reversal"]
+        assert [run["recipes"] for run in opened.runs()][:2] == ["loops, inner-loops, hold", "random-reversal"]
         check_frames(opened)
         check_models(opened)
         check_refusals(opened)

@@ -18,7 +18,7 @@ name = "parts"
 name = "short"
 about = "a fit judged on another run"
 recipes = ["production"]
-held_out = ["recipe.repeats=1"]
+held_out = []
 [[scenario]]
 name = "rest"
 about = "no fit"

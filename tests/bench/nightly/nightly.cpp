@@ -62,13 +62,17 @@ ScenarioResult came_out(const std::string& outcome = "completed", const std::str
 TEST_CASE("the shipped suite has at least thirty scenarios, all readable, and every shipped recipe") {
   const Suite suite = read_suite(tactbench::tests::source_path("sequences/nightly.toml"));
   CHECK(suite.scenarios.size() >= 30);
+  std::set<std::string> carried_out;
+  for (const Scenario& scenario : suite.scenarios)
+    for (const std::string& name : scenario.recipes) {
+      carried_out.insert(name);
+      for (const sequences::Recipe& recipe : read_recipe_file(name).recipes) carried_out.insert(recipe.name);
+    }
   for (const auto& file : std::filesystem::directory_iterator(tactbench::tests::source_path("sequences"))) {
     const std::string recipe = file.path().stem().string();
     if (file.path().extension() != ".toml" || recipe == "nightly") continue;
     INFO(recipe);
-    CHECK(std::ranges::any_of(suite.scenarios, [&](const Scenario& scenario) {
-      return std::ranges::find(scenario.recipes, recipe) != scenario.recipes.end();
-    }));
+    CHECK(carried_out.contains(recipe));
   }
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "bench/reporting/evaluation.h"
+#include "bench/run/recipe_check.h"
 #include "tests/analysis/report/report_page.h"
 #include "tests/support/process.h"
 #include "tests/support/small_run.h"
@@ -39,7 +40,7 @@ void swap_rows(std::vector<TaxelDefect>& defects, int row, int other) {
 std::int64_t run_with(db::RunStore& store, std::uint64_t seed,
                       const std::function<void(std::vector<TaxelDefect>&)>& plant) {
   bench::RunRequest request = small_request({}, {seed, 7});
-  request.recipes = {sequences::read_recipe(bench::find_recipe("production"))};
+  request.recipes = bench::read_recipes({"production"});
   request.check_seating = true;
   plant(request.bench.simulation->plant.specimen.defects);
   const bench::RunResult result = run_small(request, store);

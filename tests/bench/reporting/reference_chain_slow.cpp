@@ -53,9 +53,10 @@ TEST_CASE("reference chain: an error of the voltage input is within U by its row
   double with = 0.0, without = 0.0;
   constexpr int kRigs = 4;
   for (int rig = 1; rig <= kRigs; ++rig) {
-    const bench::SimulatedRun made = {{"production"},
-                                      {"reference.certificate_covers=transducer", "reference.input_limit_v=0.06",
-                                       fmt::format("simulation.instrument_seed={}", 2400 + rig)}};
+    const bench::SimulatedRun made = {
+        {"descending"},
+        {"recipe.repeats=2", "reference.certificate_covers=transducer", "reference.input_limit_v=0.06",
+         fmt::format("simulation.instrument_seed={}", 2400 + rig)}};
     const bench::SimulatedSensor sensor{.seed = 2401};
     const auto run = [&](int seed) {
       return simulate_run(made, sensor, static_cast<unsigned>(10 * rig + seed), store);

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "bench/reporting/evaluation.h"
+#include "bench/run/recipe_check.h"
 #include "tests/support/process.h"
 #include "tests/support/small_run.h"
 
@@ -33,7 +34,7 @@ analysis::ReportInput turned_runs(double tilt) {
                                                {"simulation.effects.chamber_tilt_deg", std::to_string(kTiltDeg)},
                                                {"simulation.turned_in_chamber_deg", std::to_string(90 * turn)}},
                                               {static_cast<std::uint64_t>(turn) + 1, 5});
-    request.recipes = {sequences::read_recipe(bench::find_recipe("production"))};
+    request.recipes = bench::read_recipes({"production"});
     request.check_seating = true;
     const bench::RunResult result = run_small(request, store);
     INFO((result.error ? result.error->what() : ""));

@@ -115,7 +115,7 @@ class CoverageOfSensor {
   void add_to(Coverages& coverages) {
     rate_ = run({{"rate"}, {}}).data.run;
     creep_ = run({{"creep-levels"}, {}}).data.run;
-    warm_ = run({{kProduction}, {kThermometer, "recipe.repeats=1", kWarm}}).data.run;
+    warm_ = run({{kProduction}, {kThermometer, kWarm}}).data.run;
     for (const Use& use : uses()) {
       if (!use.random) continue;
       for (int i = 0; i < kGiven; ++i) {

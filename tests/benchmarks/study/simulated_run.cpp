@@ -8,6 +8,7 @@
 #include "bench/common/utc.h"
 #include "bench/rig/rig.h"
 #include "bench/run/characterize.h"
+#include "bench/run/recipe_check.h"
 #include "bench/simulation/plant.h"
 
 namespace tactbench::bench {

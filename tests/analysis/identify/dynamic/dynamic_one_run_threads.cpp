@@ -68,6 +68,28 @@ TEST_CASE("a run that passes the same levels again and again tells its creep, an
   }
 }
 
+TEST_CASE("a run of two paces and a hold tells lag and each taxel's creep", "[dynamic]") {
+  const DynamicArray array = dynamic_array(kTaxels);
+  const std::vector<double> loop = way_along({0, 60, 0}, 4.0);
+  const std::vector<double> inner = way_along({0, 60, 10, 60, 30, 60, 50, 60, 0, 10, 0, 30, 0, 50, 0}, 2.0);
+  const Dataset fitted = run_of(array,
+                                {{"loops", {{loop, 0.8}, {loop, 3.6}, {loop, 0.8}}},
+                                 {"inner-loops", {{inner, 0.8}}},
+                                 {"hold", {{{60, 0}, 2.0, 31}}}},
+                                1);
+  const SensorModel model = fit_dynamic_alone(fitted);
+  CHECK(model.dynamics->rate.run == fitted.run);
+  CHECK(model.dynamics->creep.run == fitted.run);
+  CHECK(model.dynamics->shared.lag_share > 0.0);
+  const Dataset other = runs_of(array).other;
+  const double error = evaluate(other, model).mean_error_psi, plain = plain_error(fitted, other);
+  INFO(error << " psi, with lag and creep left in " << plain);
+  CHECK(error < 0.6 * plain);
+  double scales = 0.0;
+  for (std::size_t t = 0; t < kTaxels; ++t) scales += model.taxels[t].creep_scale / static_cast<double>(kTaxels);
+  CHECK(scales == Approx(1.0).margin(0.1));  // over the array's
+}
+
 TEST_CASE("creep is left in where a run tells none, no times, or is too short", "[dynamic]") {
   const DynamicArray still = creeping(0.0, 300.0), array = creeping(0.05, 300.0);
   CHECK_FALSE(in_time(*fit_dynamic_alone(long_run(still)).dynamics));

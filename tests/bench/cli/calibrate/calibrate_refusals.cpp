@@ -52,7 +52,7 @@ TEST_CASE("calibrate: runs of another sensor, runs that did not complete, and re
                       {{"--run", "1", "--held-out", "3"}, "TB-USAGE", "--held-out"},
                       {{"--recipe", "production", "--recipe", "ring"}, "TB-USAGE", "calibrate"},
                       {{"--held-out-recipe", "ring"}, "TB-USAGE", "calibrate"},
-                      {{"--limits", "nightly-limits.toml", "--held-out-recipe", "production"},
+                      {{"--limits", "nightly-limits.toml", "--held-out-recipe", "loops"},
                        "TB-CALIBRATE-LEVELS",
                        "--held-out-recipe"},
                       {{"--run", "9"}, "TB-STORE-NOT-FOUND", ""}});

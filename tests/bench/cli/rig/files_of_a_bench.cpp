@@ -115,7 +115,8 @@ TEST_CASE("recipes list knows the shipped recipes, and leaves out the suite besi
     return std::ranges::find_if(recipes, [&](const nlohmann::json& recipe) { return recipe.at("name") == name; });
   };
   REQUIRE(named("production") != recipes.end());
-  CHECK(named("production")->at("frames") == 303);
+  CHECK(named("production")->at("frames") == 576);
+  CHECK(named("production")->at("recipes").size() == 3);
   CHECK(named("production")->at("highest") == "60.0 psi");
   CHECK(named("nightly") == recipes.end());
   CHECK(verb_here(bench::add_recipes, {"recipes", "show", "produktion"}).code == 2);

@@ -12,7 +12,7 @@
 #include "bench/config/config_laboratory.h"
 #include "bench/config/config_profile.h"
 #include "bench/nightly/suite.h"
-#include "sequences/recipe.h"
+#include "bench/run/recipe_check.h"
 #include "tests/support/process.h"
 
 using namespace tactbench;
@@ -61,7 +61,7 @@ TEST_CASE("each shipped file is read, and of a bench file each value that is rea
     if (name == "nightly.toml")
       CHECK_NOTHROW(bench::read_suite(bench::find_recipe(name)));
     else
-      CHECK_NOTHROW(sequences::read_recipe(bench::find_recipe(name)));
+      CHECK_NOTHROW(bench::read_recipe_file(name));
   }
 }
 

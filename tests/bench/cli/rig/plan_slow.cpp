@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "bench/config/config.h"
+#include "bench/run/recipe_check.h"
 #include "bench/run/time_estimate.h"
 #include "sequences/recipe.h"
 #include "tests/bench/run/stored_past.h"
@@ -18,14 +18,9 @@ TEST_CASE("plan lists the very steps that the compiler makes") {
   const TemporaryFolder folder;
   for (const std::vector<std::string>& names :
        std::vector<std::vector<std::string>>{{"production", "ring"}, {"rate-ramp"}, {"random-reversal"}}) {
-    std::vector<sequences::Recipe> recipes;
-    std::vector<std::string> words = {"plan", "--steps"};
-    for (const std::string& name : names) {
-      recipes.push_back(sequences::read_recipe(bench::find_recipe(name)));
-      words.push_back(name);
-    }
+    std::vector<std::string> words = joined_words({"plan", "--steps"}, names);
     std::string lines;
-    const auto steps = sequences::compile(recipes);
+    const auto steps = sequences::compile(bench::read_recipes(names));
     for (const sequences::Step& step : steps) lines += step_line(step) + "\n";
     const Finished text = call(folder, words);
     CHECK(text.code == 0);
@@ -40,7 +35,7 @@ TEST_CASE("plan lists the very steps that the compiler makes") {
 TEST_CASE("plan lists what is shipped, and refuses another name") {
   const TemporaryFolder folder;
   CHECK(call(folder, {"plan"}).code == 0);
-  CHECK(json::parse(call(folder, {"plan", "--json"}).out)["recipes"].size() == 15);
+  CHECK(json::parse(call(folder, {"plan", "--json"}).out)["recipes"].size() == 18);
   CHECK(call(folder, {"plan", "produktion"}).code == 2);
   CHECK(call(folder, {"run", "produktion", "--bench", "simulated.toml", "--sensor", "S", "--operator", "o"}).code == 2);
 }
