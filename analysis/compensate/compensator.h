@@ -15,7 +15,7 @@ struct Compensated {
   double pressure_psi = 0.0;     // the input, in the unit of the model's
   double uncertainty_psi = 0.0;  // standard: noise, the unknown part of the history, and what the model leaves
   bool flat = false;             // slope of the curve too small against the noise: the estimate is weak here
-  bool out_of_range = false;     // output outside the external loop by more than the dead band: clamped
+  bool out_of_range = false;     // output beyond what the taxel can give (possible_share): the loop's end, or held
   bool unknown = false;          // the history is not known yet: midway between its extremes
   bool held = false;             // no sample, or one that the taxel cannot give: the last reading again
 };
@@ -61,9 +61,11 @@ struct CompensatorOptions {
   double flat_share = 1.0 / 30;    // ... by more than this share of the range of inputs
   double known_share = 1.0 / 120;  // an unknown start is over when the two histories are within this share of it
   double tare_share = 0.2;         // of the output's span
-  // A taxel can give outputs of its external loop, beyond it by its drift, and this share of the span more ...
+  // A taxel can give outputs of its external loop, and beyond it by drift, this share of the span (at least the dead
+  // band): they read the loop's end, and u has what as much output is worth inside it. What lies beyond is held, unless
+  // it came so often in a row, and one more time, or from nearby.
   double possible_share = 0.05;
-  int longest_spike = 3;  // ... and whatever comes so often in a row, or from nearby, and one more time
+  int longest_spike = 3;
   // A turn from rising to falling within `top_share` of the full output, or any beyond, is taken for one at full input
   // when it is the highest that was seen for long: outputs are scaled so that it is. `top_forget`: how far the highest
   // goes toward each lower turn within that share. A gain that changed tells of a new mount or of drift: u has

@@ -40,8 +40,8 @@ enum tb_compensator_code {
 enum tb_compensator_status {
   TB_TAXEL_VALID = 1,        /* computed from this frame's sample, within the model's range and validity */
   TB_TAXEL_FLAT = 2,         /* much pressure hides behind little output here: see the uncertainty */
-  TB_TAXEL_OUT_OF_RANGE = 4, /* outside the external loop: pressure clamped; or an output that the taxel cannot give:
-                                the last pressure again. Not valid, its uncertainty means nothing */
+  TB_TAXEL_OUT_OF_RANGE = 4, /* an output that the taxel cannot give: the loop's end, or the last pressure again.
+                                Not valid, its uncertainty means nothing */
   TB_TAXEL_DEAD = 8,         /* without a model: lowest pressure, uncertainty the whole span */
   TB_TAXEL_OUTSIDE = 16,     /* conditions outside the model's validity, as set by the caller: not valid */
   TB_TAXEL_UNKNOWN = 32,     /* history not known yet: midway between its extremes, see the uncertainty */

@@ -15,8 +15,8 @@ namespace tactbench::analysis {
 enum TaxelBits : std::uint16_t {
   kTaxelValid = 1,       // computed from this frame's sample, within the model's range and validity
   kTaxelFlat = 2,        // the slope hides much pressure behind the noise: see the uncertainty
-  kTaxelOutOfRange = 4,  // output outside the external loop by more than the dead band: pressure clamped, or of one
-                         // that the taxel cannot give the last one again; its uncertainty means nothing, not valid
+  kTaxelOutOfRange = 4,  // output outside the external loop by more than the drift of taxels: pressure clamped, or the
+                         // last one again; its uncertainty means nothing, not valid
   kTaxelDead = 8,        // not usable by its model: lowest pressure, uncertainty the whole span
   kTaxelOutside = 16,    // conditions outside the model's validity, as set by the caller: not valid
   kTaxelUnknown = 32,    // history not known yet: midway between its extremes, see the uncertainty

@@ -55,6 +55,7 @@ class TurningCompensator final : public Compensator {
     rest2_ = options_.rest_in_noises * options_.rest_in_noises * noise2;
     off_ = options_.flat_in_noises * noise_;
     band_ = options_.band_in_noises * noise_;
+    margin_ = std::max(options_.possible_share * top_, band_);
     start(Start::kAtRest);
   }
 
@@ -68,10 +69,12 @@ class TurningCompensator final : public Compensator {
       factor = creep_factor(time_->dynamics, dynamics_, *passed, guess, creep_scale_);
       y = above / factor;
     }
-    const bool beyond = y < -band_ || y > top_ + band_;
-    if (beyond || std::isnan(y)) {
+    // Before creep is undone, which may be smaller than the model says.
+    const bool beyond = above < -margin_ || above > top_ + margin_;
+    if (beyond || std::isnan(above)) {
       if (!taken_though_beyond(y)) return hold(passed, beyond);
     } else {
+      y = std::clamp(y, -margin_, top_ + margin_);
       spikes_ = 0;
     }
     last_factor_ = factor;
@@ -243,14 +246,8 @@ class TurningCompensator final : public Compensator {
     return time_ ? &time_->after(seconds) : nullptr;
   }
 
-  // What lies beyond by more than the possible is a spike, unless it came from the end nearby or stays: then it is the
-  // loop's end.
+  // What lies beyond the possible is a spike, unless it came from the end nearby or stays: then it is the loop's end.
   bool taken_though_beyond(double& y) {
-    const double margin = std::max(options_.possible_share * top_, band_);
-    if (y >= -margin && y <= top_ + margin) {
-      spikes_ = 0;
-      return true;
-    }
     const double end = y > top_ ? top_ : 0.0;
     const bool nearby = started_ && (y > top_ ? mean_ >= end - band_ : mean_ <= end + band_);
     if (std::isnan(y) || (!nearby && ++spikes_ <= options_.longest_spike)) return false;
@@ -345,7 +342,12 @@ class TurningCompensator final : public Compensator {
     Reading now;
     now.x = branch.x(mean_);
     now.slope = branch.here.slope;
-    double steepest = branch.steepest_at(mean_, off_), doubt = 0.0;
+    double steepest = branch.steepest_at(mean_, off_), doubt = 0.0, clamped = 0.0;
+    if (const double end = std::clamp(mean_, 0.0, top_), off = mean_ - end; std::abs(off) > band_) {
+      // Drift, or an input beyond the range, which is off by what as much output is worth inside it.
+      CurvePiece at = branch.here;
+      clamped = Branch::read(branch.curve, at, end) - Branch::read(branch.curve, at, end - off);
+    }
     if (decided_ && (back_ || held_)) {
       // It may have turned already: then the way back shows how much input hides behind the noise.
       steepest = std::max(steepest, branch.steepest_back(turn_, mean_, off_));
@@ -358,7 +360,7 @@ class TurningCompensator final : public Compensator {
     }
     now.slope *= branch.curve.stretch(mean_);
     const double noise2 = stated_noise_ * stated_noise_ * weight_ * steepest * steepest;
-    now.squared = noise2 + doubt * doubt;
+    now.squared = noise2 + doubt * doubt + clamped * clamped;
     const double flat = options_.flat_share * span_ / options_.flat_in_noises;
     now.flat = noise2 > flat * flat;
     return now;
@@ -390,7 +392,8 @@ class TurningCompensator final : public Compensator {
   CompensatorOptions options_;
   double x_low_, span_, top_;                      // inputs; output
   double zero_, per_gain_, stated_noise_, noise_;  // noise: of a sample, of the model's output
-  double per_noise2_ = 0.0, jump2_ = 0.0, band2_ = 0.0, hold2_ = 0.0, rest2_ = 0.0, off_ = 0.0, band_ = 0.0;
+  double per_noise2_ = 0.0, jump2_ = 0.0, band2_ = 0.0, hold2_ = 0.0, rest2_ = 0.0, off_ = 0.0, band_ = 0.0,
+         margin_ = 0.0;
   std::vector<double> residual_;
   std::shared_ptr<PassedTime> time_;
   double creep_scale_, lag_share_, worked_s_;

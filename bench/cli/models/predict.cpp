@@ -274,8 +274,9 @@ void add_predict(CLI::App& app, Session& session) {
   CLI::App* verb = add_verb(
       app, session, compensate, "compensate",
       "inputs that a model's inverse reads from the outputs of a table: adds columns compensated, uncertainty "
-      "(standard; nan where it is not known: the model has no noise, or the output lies outside the loop) and flags "
-      "(flat; range: outside the loop, the input is the loop's end, or nan for an output that the taxel cannot give; "
+      "(standard; nan where it is not known: the model has no noise, or the output lies far outside the loop) and "
+      "flags "
+      "(flat; range: an output that the taxel cannot give, the input is the loop's end or nan; "
       "bad: the row holds no output, and what follows is as without it; unknown: the recording begins in mid-branch, "
       "and the input is midway between all that its history may be). Of a table with one column a taxel (--map "
       "output=3-18, or what runs export wrote) "

@@ -180,10 +180,13 @@ TEST_CASE("what stays beyond a taxel's outputs is its loop's end, at once when i
     walker.go_along(levels_of({0, 60}));
     follow(*stream, walker.walk);
     const double top = walker.walk.output.back() + (kind.in_time ? 0.1 * full : 0.0);
-    for (const double share : {0.01, 0.2, 0.4}) {
+    double before = 0.0;
+    for (const double share : {0.0, 0.01, 0.03, 0.2, 0.4}) {
       const Compensated now = stream->step(top + share * full, walker.walk.seconds);
       CHECK_FALSE(now.held);
-      CHECK(now.out_of_range);
+      CHECK(now.out_of_range == (share > 0.05 || kind.in_time));
+      if (!now.out_of_range) CHECK(now.uncertainty_psi > before);
+      before = now.uncertainty_psi;
       CHECK(now.pressure_psi == Approx(kind.model->x_high()).margin(0.02 * kind.span()));
     }
     stream->start(Start::kAtRest);
@@ -379,17 +382,21 @@ TEST_CASE("a gain that changed by a hundredth is found at the top, and doubted")
       const double low = kind.measured(kind.model->state()->output_at(kind.model->x_low()));
       for (double& output : walk.output) output = low + gain * (output - low);
       CompensatorSetup setup = kind.setup(kNoise);
+      setup.residual = {0.1, 0.1};
       const auto blind = make_compensator(*kind.model, setup);
       setup.options.top_share = 0.02;
       const auto finds = make_compensator(*kind.model, setup);
+      setup.options.top_doubt = 0.0;
+      const auto sure = make_compensator(*kind.model, setup);
       Errors without, with;
       double doubt = 0.0, none = 0.0;
       for (std::size_t i = 0; i < walk.x.size(); ++i) {
         const Compensated a = blind->step(walk.output[i], 0.4), b = finds->step(walk.output[i], 0.4);
+        const double known = sure->step(walk.output[i], 0.4).uncertainty_psi;
         if (i < 70) continue;
         without.add(a, walk.x[i], 0.0);
         with.add(b, walk.x[i], 0.0);
-        none += a.uncertainty_psi;
+        none += known;
         doubt += b.uncertainty_psi;
       }
       INFO(kind.name << ", gain " << gain << ": rms " << with.rms() << ", without " << without.rms());

@@ -21,8 +21,9 @@ int main(int, char** words) {
     frames.start(Start::kAtRest);
     frames.work(30.0);
     const Walk walk = walk_of(kind, reversals(kind, 200, 2.0, 3), 1.0 / 2000.0, 1);
-    for (const double output : walk.output) {
-      const std::array<float, kThree> volts{static_cast<float>(output), 0.0F, static_cast<float>(0.9 * output)};
+    for (std::size_t i = 0; i < walk.output.size(); ++i) {
+      const double output = walk.output[i], first = i % 41 == 17 ? output + 3.0 * kind.full() : output;  // spikes
+      const std::array<float, kThree> volts{static_cast<float>(first), 0.0F, static_cast<float>(0.9 * output)};
       std::array<float, kThree> pressure{}, uncertainty{};
       std::array<std::uint16_t, kThree> status{};
       frames.frame(volts, walk.seconds, {pressure, uncertainty, status});
