@@ -2,7 +2,7 @@
 # takes headers alone.
 set(COMPENSATOR_SOURCES compensate/elam_curve compensate/preisach_curve compensate/make_compensator
   compensate/frame_compensator compensate/document compensate/compensator_c models/elam models/elam_hysteresis
-  models/elam_pieces models/elam_state models/gpi models/linearised models/model models/monotone models/mpi
+  models/gpi models/linearised models/model models/model_json models/monotone models/mpi
   models/pattern_curve models/poly models/preisach)
 list(TRANSFORM COMPENSATOR_SOURCES REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/analysis/\\1.cpp")
 set(sources ${COMPENSATOR_SOURCES})
@@ -11,7 +11,7 @@ if(TACTBENCH_MUTANTS)
 endif()
 add_library(tactbench_compensator_objects OBJECT ${sources})
 target_link_libraries(tactbench_compensator_objects PUBLIC tactbench_options
-  PRIVATE nlohmann_json::nlohmann_json fmt::fmt-header-only)
+  PRIVATE nlohmann_json::nlohmann_json)
 set_target_properties(tactbench_compensator_objects PROPERTIES POSITION_INDEPENDENT_CODE ON
   CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
 add_library(tactbench_compensator STATIC $<TARGET_OBJECTS:tactbench_compensator_objects>)

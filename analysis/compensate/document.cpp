@@ -5,8 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "analysis/models/json_members.h"
-#include "analysis/models/model.h"
+#include "analysis/models/model_json.h"
 
 namespace tactbench::analysis {
 namespace {

@@ -2,7 +2,10 @@
 // history, with return-point memory as an option of ours.
 #pragma once
 
-#include "analysis/models/elam_pieces.h"
+#include <array>
+#include <vector>
+
+#include "analysis/models/elam.h"
 #include "analysis/models/model.h"
 
 namespace tactbench::analysis {
@@ -11,6 +14,9 @@ namespace tactbench::analysis {
 // it, turning points stand on a stack: a branch runs to the turning point before the last, where it closes the inner
 // loop, forgets both (wiping-out) and continues along the branch that was left there. The closing branch is the paper's
 // curve, its ordinates scaled linearly so that it meets that point.
+inline constexpr std::array<std::vector<double> ElamPieces::*, 4> kElamSides = {
+    &ElamPieces::descending_low, &ElamPieces::descending_high, &ElamPieces::ascending_low, &ElamPieces::ascending_high};
+
 class ElamHysteresis final : public HysteresisModel {
  public:
   // Throws std::invalid_argument when the patterns do not share their grid and ends, a parameter is not finite, or
@@ -28,9 +34,6 @@ class ElamHysteresis final : public HysteresisModel {
   // measured(y) within 1 % of the span from x0 or xu belongs to an external branch: the state is on the external curve
   // for every y, as in identification.
   [[nodiscard]] std::unique_ptr<ModelState> state() const override;
-  // {"model": "elam", "x": [...], "ascending": [...], "descending": [...], "parameters": {...}, "options": {...}}
-  // and with more than one split "pieces": {"descending_low": [...], "descending_high": [...], "ascending_low": ...}.
-  [[nodiscard]] nlohmann::ordered_json to_json() const override;
 
   [[nodiscard]] const ElamModel& elam() const { return model_; }
   [[nodiscard]] const ElamPieces& pieces() const { return pieces_; }
@@ -45,6 +48,4 @@ class ElamHysteresis final : public HysteresisModel {
 };
 
 // Throws std::invalid_argument that names the missing or wrong member.
-std::unique_ptr<HysteresisModel> elam_from_json(const nlohmann::ordered_json& json);
-
 }  // namespace tactbench::analysis

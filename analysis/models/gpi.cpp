@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "analysis/models/invert.h"
-#include "analysis/models/json_members.h"
 #include "analysis/models/play_operators.h"
 
 namespace tactbench::analysis {
@@ -78,13 +76,6 @@ GpiModel::GpiModel(const GpiParameters& parameters, double x_low, double x_high,
   }
 }
 
-std::unique_ptr<GpiModel> GpiModel::from_json(const nlohmann::ordered_json& json) {
-  GpiParameters p;
-  for (const Member& m : kMembers) p.*m.value = json_number(json_member(json, "parameters"), m.name);
-  return std::make_unique<GpiModel>(p, json_number(json, "x_low"), json_number(json, "x_high"),
-                                    json_number(json, "y_low"));
-}
-
 std::vector<ModelParameter> GpiModel::parameters() const {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   std::vector<ModelParameter> list;
@@ -98,12 +89,6 @@ std::vector<ModelParameter> GpiModel::parameters() const {
 int GpiModel::operations_per_sample() const { return 2 * 4 + kGpiOperators * (4 + 2) + 1; }
 
 std::unique_ptr<ModelState> GpiModel::state() const { return std::make_unique<GpiState>(*this); }
-
-nlohmann::ordered_json GpiModel::to_json() const {
-  nlohmann::ordered_json json{{"model", name()}, {"x_low", x_low_}, {"x_high", x_high_}, {"y_low", y_low_}};
-  for (const Member& m : kMembers) json["parameters"][m.name] = p_.*m.value;
-  return json;
-}
 
 GpiModel::Operators GpiModel::moved(const Operators& before, double x) const {
   const double left = p_.a3 - a_ * std::exp(-p_.a1 * (x - x_low_));   // (42)

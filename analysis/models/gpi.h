@@ -25,7 +25,6 @@ class GpiModel final : public HysteresisModel {
  public:
   // Throws std::invalid_argument when a number is not finite, not positive where it must be, or x_low >= x_high.
   GpiModel(const GpiParameters& parameters, double x_low, double x_high, double y_low);
-  static std::unique_ptr<GpiModel> from_json(const nlohmann::ordered_json& json);
 
   [[nodiscard]] std::string name() const override { return "gpi"; }
   [[nodiscard]] std::vector<ModelParameter> parameters() const override;
@@ -33,9 +32,8 @@ class GpiModel final : public HysteresisModel {
   [[nodiscard]] double x_high() const override { return x_high_; }
   [[nodiscard]] int operations_per_sample() const override;
   [[nodiscard]] std::unique_ptr<ModelState> state() const override;
-  // {"model": "gpi", "x_low", "x_high", "y_low", "parameters": {...}}
-  [[nodiscard]] nlohmann::ordered_json to_json() const override;
 
+  [[nodiscard]] double y_low() const { return y_low_; }
   using Operators = std::array<double, kGpiOperators>;
   [[nodiscard]] Operators moved(const Operators& before, double x) const;  // Eq. (3) for each operator
   [[nodiscard]] double output(const Operators& operators) const;           // Eq. (2)

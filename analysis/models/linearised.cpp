@@ -1,10 +1,7 @@
 #include "analysis/models/linearised.h"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
-
-#include "analysis/models/json_members.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -36,11 +33,6 @@ LinearisedModel::LinearisedModel(Divider divider, std::shared_ptr<const Hysteres
     throw std::invalid_argument("linearised model: \"zero\" or \"per_amplitude\" is not finite or below 0");
 }
 
-std::unique_ptr<LinearisedModel> LinearisedModel::from_json(const nlohmann::ordered_json& json) {
-  return std::make_unique<LinearisedModel>(Divider{json_number(json, "zero"), json_number(json, "per_amplitude")},
-                                           model_from_json(json_member(json, "of")));
-}
-
 std::vector<ModelParameter> LinearisedModel::parameters() const {
   // Where it is off, c = 0 is no bound that was met.
   const double c = divider_.per_amplitude;
@@ -51,13 +43,6 @@ std::vector<ModelParameter> LinearisedModel::parameters() const {
 
 std::unique_ptr<ModelState> LinearisedModel::state() const {
   return std::make_unique<LinearisedState>(divider_, inner_->state());
-}
-
-nlohmann::ordered_json LinearisedModel::to_json() const {
-  return {{"model", "linearised"},
-          {"zero", divider_.zero},
-          {"per_amplitude", divider_.per_amplitude},
-          {"of", inner_->to_json()}};
 }
 
 }  // namespace tactbench::analysis

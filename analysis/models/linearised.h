@@ -12,7 +12,6 @@ class LinearisedModel final : public HysteresisModel {
   // `inner` maps inputs to u. Throws std::invalid_argument when it is null, the zero is not finite, or c is negative or
   // not finite.
   LinearisedModel(Divider divider, std::shared_ptr<const HysteresisModel> inner);
-  static std::unique_ptr<LinearisedModel> from_json(const nlohmann::ordered_json& json);
 
   [[nodiscard]] std::string name() const override { return inner_->name(); }
   [[nodiscard]] std::vector<ModelParameter> parameters() const override;  // "c" and the inner model's
@@ -20,8 +19,6 @@ class LinearisedModel final : public HysteresisModel {
   [[nodiscard]] double x_high() const override { return inner_->x_high(); }
   [[nodiscard]] int operations_per_sample() const override { return inner_->operations_per_sample() + 2; }
   [[nodiscard]] std::unique_ptr<ModelState> state() const override;
-  // {"model": "linearised", "zero", "per_amplitude", "of": the inner model}
-  [[nodiscard]] nlohmann::ordered_json to_json() const override;
 
   [[nodiscard]] const Divider& divider() const { return divider_; }
   [[nodiscard]] const HysteresisModel& inner() const { return *inner_; }

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <memory>
-#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -49,12 +48,7 @@ class HysteresisModel {
   // Additions, multiplications, comparisons and table accesses of one sample between turns, counted by hand.
   [[nodiscard]] virtual int operations_per_sample() const = 0;
   [[nodiscard]] virtual std::unique_ptr<ModelState> state() const = 0;  // keeps a pointer to the model
-  // All members from which model_from_json makes the same model, bit for bit.
-  [[nodiscard]] virtual nlohmann::ordered_json to_json() const = 0;
 };
-
-// "model" names the class. Throws std::invalid_argument that names the missing or wrong member.
-std::unique_ptr<HysteresisModel> model_from_json(const nlohmann::ordered_json& json);
 
 // Outputs along inputs, and inputs along outputs, from a virgin state. Throw std::invalid_argument when a value is not
 // finite.

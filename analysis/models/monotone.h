@@ -11,7 +11,6 @@ class MonotoneModel final : public HysteresisModel {
  public:
   // Throws std::invalid_argument when the curve is empty.
   explicit MonotoneModel(PatternCurve curve);
-  static std::unique_ptr<MonotoneModel> from_json(const nlohmann::ordered_json& json);
 
   [[nodiscard]] std::string name() const override { return "monotone"; }
   [[nodiscard]] std::vector<ModelParameter> parameters() const override;  // y0, y1, ...: the knots' outputs
@@ -19,8 +18,6 @@ class MonotoneModel final : public HysteresisModel {
   [[nodiscard]] double x_high() const override { return curve_.x().back(); }
   [[nodiscard]] int operations_per_sample() const override { return 3; }  // a table access and a multiply-add
   [[nodiscard]] std::unique_ptr<ModelState> state() const override;
-  // {"model": "monotone", "x": [...], "y": [...]}
-  [[nodiscard]] nlohmann::ordered_json to_json() const override;
 
   [[nodiscard]] const PatternCurve& curve() const { return curve_; }
 

@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "analysis/models/invert.h"
-#include "analysis/models/json_members.h"
 #include "analysis/models/play_operators.h"
 
 namespace tactbench::analysis {
@@ -62,14 +60,6 @@ MpiModel::MpiModel(const MpiParameters& parameters, double x_low, double x_high,
   for (double& b : b_) b *= p_.rho;
 }
 
-std::unique_ptr<MpiModel> MpiModel::from_json(const nlohmann::ordered_json& json) {
-  const nlohmann::ordered_json& p = json_member(json, "parameters");
-  return std::make_unique<MpiModel>(MpiParameters{json_number(p, "a1"), json_number(p, "a2"), json_number(p, "a3"),
-                                                  json_number(p, "rho"), json_number(p, "tau")},
-                                    json_number(json, "x_low"), json_number(json, "x_high"),
-                                    json_number(json, "y_low"));
-}
-
 std::vector<ModelParameter> MpiModel::parameters() const {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   return {{"a1", p_.a1, "y/x", -kNone, kNone},
@@ -84,14 +74,6 @@ std::vector<ModelParameter> MpiModel::parameters() const {
 int MpiModel::operations_per_sample() const { return 2 + 9 * 5 + 2 + 6 + 1; }
 
 std::unique_ptr<ModelState> MpiModel::state() const { return std::make_unique<MpiState>(*this); }
-
-nlohmann::ordered_json MpiModel::to_json() const {
-  return {{"model", name()},
-          {"x_low", x_low_},
-          {"x_high", x_high_},
-          {"y_low", y_low_},
-          {"parameters", {{"a1", p_.a1}, {"a2", p_.a2}, {"a3", p_.a3}, {"rho", p_.rho}, {"tau", p_.tau}}}};
-}
 
 MpiModel::Operators MpiModel::densities(double tau) {
   Operators densities;

@@ -29,7 +29,6 @@ class MpiModel final : public HysteresisModel {
  public:
   // Throws std::invalid_argument when a number is not finite, rho < 0, or x_low >= x_high.
   MpiModel(const MpiParameters& parameters, double x_low, double x_high, double y_low);
-  static std::unique_ptr<MpiModel> from_json(const nlohmann::ordered_json& json);
 
   [[nodiscard]] std::string name() const override { return "mpi"; }
   [[nodiscard]] std::vector<ModelParameter> parameters() const override;
@@ -37,9 +36,8 @@ class MpiModel final : public HysteresisModel {
   [[nodiscard]] double x_high() const override { return x_high_; }
   [[nodiscard]] int operations_per_sample() const override;
   [[nodiscard]] std::unique_ptr<ModelState> state() const override;
-  // {"model": "mpi", "x_low", "x_high", "y_low", "parameters": {...}}
-  [[nodiscard]] nlohmann::ordered_json to_json() const override;
 
+  [[nodiscard]] double y_low() const { return y_low_; }
   using Operators = std::array<double, kMpiOperators>;                                                 // of u
   static constexpr double threshold(std::size_t i) { return static_cast<double>(i) / kMpiOperators; }  // i from 0
   // e^(-tau (n r_i - 1)^2) / n: the factor of rho.

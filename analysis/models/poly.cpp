@@ -1,15 +1,11 @@
 #include "analysis/models/poly.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "analysis/models/invert.h"
-#include "analysis/models/json_members.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -129,28 +125,14 @@ PolyModel::PolyModel(const PolyParameters& parameters, double x_low, double x_hi
   down_ = shape_of(p_.b, "b");
 }
 
-std::unique_ptr<PolyModel> PolyModel::from_json(const nlohmann::ordered_json& json) {
-  PolyParameters p;
-  const auto read = [&](const char* name, std::array<double, kPolyOrder + 1>& into) {
-    const std::vector<double> list = json_numbers(json, name);
-    if (list.size() != into.size())
-      throw std::invalid_argument(std::string("\"") + name + "\" does not hold 7 numbers");
-    std::ranges::copy(list, into.begin());
-  };
-  read("a", p.a);
-  read("b", p.b);
-  return std::make_unique<PolyModel>(p, json_number(json, "x_low"), json_number(json, "x_high"),
-                                     json_number(json, "y_low"), json_number(json, "y_high"));
-}
-
 std::vector<ModelParameter> PolyModel::parameters() const {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   std::vector<ModelParameter> list;
   for (const auto& [letter, f] : {std::pair{"a", &p_.a}, std::pair{"b", &p_.b}})
     for (std::size_t i = 0; i <= kPolyOrder; ++i) {
       const std::size_t power = kPolyOrder - i;
-      const std::string unit = power == 0 ? "y" : power == 1 ? "y/x" : fmt::format("y/x^{}", power);
-      list.push_back({fmt::format("{}{}", letter, i), (*f)[i], unit, -kNone, kNone});
+      const std::string unit = power == 0 ? "y" : power == 1 ? "y/x" : std::string("y/x^") + std::to_string(power);
+      list.push_back({std::string(letter) + std::to_string(i), (*f)[i], unit, -kNone, kNone});
     }
   return list;
 }
@@ -160,11 +142,6 @@ std::vector<ModelParameter> PolyModel::parameters() const {
 int PolyModel::operations_per_sample() const { return 18; }
 
 std::unique_ptr<ModelState> PolyModel::state() const { return std::make_unique<PolyState>(*this); }
-
-nlohmann::ordered_json PolyModel::to_json() const {
-  return {{"model", name()},   {"x_low", x_low_}, {"x_high", x_high_}, {"y_low", y_low_},
-          {"y_high", y_high_}, {"a", p_.a},       {"b", p_.b}};
-}
 
 double PolyModel::value(const Shape& shape, double t) { return t * horner(shape, t); }
 

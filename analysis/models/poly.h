@@ -31,7 +31,6 @@ class PolyModel final : public HysteresisModel {
   // Throws std::invalid_argument when a number is not finite, a polynomial is the same at both ends, x_low >= x_high
   // or y_low >= y_high.
   PolyModel(const PolyParameters& parameters, double x_low, double x_high, double y_low, double y_high);
-  static std::unique_ptr<PolyModel> from_json(const nlohmann::ordered_json& json);
 
   [[nodiscard]] std::string name() const override { return "poly"; }
   [[nodiscard]] std::vector<ModelParameter> parameters() const override;
@@ -41,8 +40,6 @@ class PolyModel final : public HysteresisModel {
   // measured(y) within 1 % of the span from x_low or x_high belongs to an external branch: the state is on the external
   // curve for every y. Elsewhere any continuation is a new branch that starts at y.
   [[nodiscard]] std::unique_ptr<ModelState> state() const override;
-  // {"model": "poly", "x_low", "x_high", "y_low", "y_high", "a": [...], "b": [...]}
-  [[nodiscard]] nlohmann::ordered_json to_json() const override;
 
   struct Turn {
     bool ascending = true;
@@ -52,6 +49,7 @@ class PolyModel final : public HysteresisModel {
   // Places where f_ra or f_rd changes direction, in 0..1 of a branch from its low end, rising.
   [[nodiscard]] std::vector<double> extremes(bool ascending) const;
   [[nodiscard]] Turn external(bool ascending) const;
+  [[nodiscard]] const PolyParameters& polynomials() const { return p_; }
 
  private:
   using Shape = std::array<double, kPolyOrder>;  // F(t) = sum of shape[k] t^(k+1); its sum is 1

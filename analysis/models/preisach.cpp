@@ -1,16 +1,12 @@
 #include "analysis/models/preisach.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "analysis/models/interval.h"
 #include "analysis/models/invert.h"
-#include "analysis/models/json_members.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -89,17 +85,13 @@ PreisachModel::PreisachModel(double x_low, double x_high, double y_low, std::vec
   }
 }
 
-std::unique_ptr<PreisachModel> PreisachModel::from_json(const nlohmann::ordered_json& json) {
-  return std::make_unique<PreisachModel>(json_number(json, "x_low"), json_number(json, "x_high"),
-                                         json_number(json, "y_low"), json_numbers(json, "weights"));
-}
-
 std::vector<ModelParameter> PreisachModel::parameters() const {
   std::vector<ModelParameter> list;
   for (std::size_t i = 0; i < n_; ++i)
     for (std::size_t j = 0; j <= i; ++j)
       if (const double weight = weights_[cell(i, j)]; weight > 0.0)
-        list.push_back({fmt::format("w({},{})", i, j), weight, "y", 0.0, std::numeric_limits<double>::infinity()});
+        list.push_back({std::string("w(") + std::to_string(i) + "," + std::to_string(j) + ")", weight, "y", 0.0,
+                        std::numeric_limits<double>::infinity()});
   return list;
 }
 
@@ -108,10 +100,6 @@ std::vector<ModelParameter> PreisachModel::parameters() const {
 int PreisachModel::operations_per_sample() const { return 16; }
 
 std::unique_ptr<ModelState> PreisachModel::state() const { return std::make_unique<PreisachState>(*this); }
-
-nlohmann::ordered_json PreisachModel::to_json() const {
-  return {{"model", name()}, {"x_low", x_low_}, {"x_high", x_high_}, {"y_low", y_low_}, {"weights", weights_}};
-}
 
 double PreisachModel::everett(double high, double low) const {
   if (high <= low) return 0.0;

@@ -16,7 +16,6 @@ class PreisachModel final : public HysteresisModel {
   // weights[i (i + 1) / 2 + j] >= 0 of cell (i, j), in y. Throws std::invalid_argument when their number is not that
   // of a triangle, one is negative or not finite, or x_low >= x_high.
   PreisachModel(double x_low, double x_high, double y_low, std::vector<double> weights);
-  static std::unique_ptr<PreisachModel> from_json(const nlohmann::ordered_json& json);
 
   [[nodiscard]] std::string name() const override { return "preisach"; }
   [[nodiscard]] std::vector<ModelParameter> parameters() const override;  // "w(i,j)": those above 0, in y
@@ -24,11 +23,10 @@ class PreisachModel final : public HysteresisModel {
   [[nodiscard]] double x_high() const override { return x_high_; }
   [[nodiscard]] int operations_per_sample() const override;
   [[nodiscard]] std::unique_ptr<ModelState> state() const override;
-  // {"model": "preisach", "x_low", "x_high", "y_low", "weights": [...]}
-  [[nodiscard]] nlohmann::ordered_json to_json() const override;
 
   static std::size_t cell(std::size_t i, std::size_t j) { return i * (i + 1) / 2 + j; }
   [[nodiscard]] double y_low() const { return y_low_; }
+  [[nodiscard]] const std::vector<double>& weights() const { return weights_; }
   [[nodiscard]] std::size_t intervals() const { return n_; }
   // Everett's function: the output's rise when the input rises from `low`, a minimum, to `high`, and its fall on the
   // way back; both within the range, 0 when high <= low. A constant number of table accesses.

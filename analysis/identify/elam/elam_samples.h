@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "analysis/identify/elam/identify.h"
-#include "analysis/models/elam_pieces.h"
+#include "analysis/models/elam.h"
 
 namespace tactbench::analysis {
 

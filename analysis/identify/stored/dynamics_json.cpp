@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "analysis/models/json_members.h"
+#include "analysis/models/model_json.h"
 
 namespace tactbench::analysis {
 namespace {

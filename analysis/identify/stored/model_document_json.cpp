@@ -9,7 +9,7 @@
 #include "analysis/identify/stored/dynamics_json.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/json_io.h"
-#include "analysis/models/json_members.h"
+#include "analysis/models/model_json.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -31,12 +31,6 @@ std::string text_from(const Json& json, const std::string& name) {
   const Json& value = json_member(json, name);
   if (!value.is_string()) throw std::invalid_argument("\"" + name + "\" is not a text");
   return value.get<std::string>();
-}
-
-bool flag_from(const Json& json, const std::string& name) {
-  const Json& value = json_member(json, name);
-  if (!value.is_boolean()) throw std::invalid_argument("\"" + name + "\" is neither true nor false");
-  return value.get<bool>();
 }
 
 int integer_from(const Json& json, const std::string& name) {
@@ -97,7 +91,7 @@ Json taxel_json(const ModelTaxel& taxel, bool dynamic) {
     add_taxel_dynamics(taxel, json);
   else if (taxel.residual_psi > 0.0)
     json["residual_psi"] = taxel.residual_psi;
-  json["model"] = taxel.fit.model->to_json();
+  json["model"] = model_json(*taxel.fit.model);
   return json;
 }
 
@@ -149,15 +143,15 @@ SensorModel document_from(const Json& json) {
   document.model = text_from(json, "model");
   const Json& options = json_member(json, "options");
   document.options.free_run = text_from(options, "mode") == "free-run";
-  document.options.exact_outer = flag_from(options, "exact_outer");
-  document.options.genetic = flag_from(options, "genetic");
-  document.options.memory = flag_from(options, "memory");
+  document.options.exact_outer = json_flag(options, "exact_outer");
+  document.options.genetic = json_flag(options, "genetic");
+  document.options.memory = json_flag(options, "memory");
   document.options.splits = integer_from(options, "splits");
   document.options.starts = integer_from(options, "starts");
-  document.options.linearise = options.contains("linearise") && flag_from(options, "linearise");
+  document.options.linearise = options.contains("linearise") && json_flag(options, "linearise");
   document.input_unit = text_from(json_member(json, "input"), "unit");
   document.output_unit = text_from(json_member(json, "output"), "unit");
-  document.falling = flag_from(json_member(json, "output"), "falling");
+  document.falling = json_flag(json_member(json, "output"), "falling");
   document.scans = integer_from(json_member(json, "output"), "scans");
   const Json& source = json_member(json, "source");
   document.source = text_from(source, "name");

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "analysis/models/model_json.h"
 #include "analysis/report/data/data.h"
 #include "analysis/report/data/section_data.h"
 #include "analysis/report/parts.h"
@@ -78,7 +79,7 @@ std::string model_sha256(const SensorModel& fit) {
       const ElamParameters& p = elam->parameters;
       add(std::array{p.alpha_d, p.beta_d, p.alpha_a1, p.alpha_a0, p.beta_a});
     } else if (taxel.fit.model != nullptr) {
-      bytes += taxel.fit.model->to_json().dump();
+      bytes += model_json(*taxel.fit.model).dump();
     } else if (is_elam) {
       add(std::array{0.5, 0.5, 0.0, 0.5, 0.5});  // as reports have counted a taxel without a model
     }

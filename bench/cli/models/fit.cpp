@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "analysis/identify/dynamic/dynamic_fit.h"
-#include "analysis/models/elam_pieces.h"
+#include "analysis/models/elam.h"
 #include "bench/cli/models/fit_many.h"
 #include "bench/cli/session.h"
 

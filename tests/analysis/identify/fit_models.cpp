@@ -6,6 +6,7 @@
 
 #include "analysis/identify/identifier.h"
 #include "analysis/identify/rivals/nnls.h"
+#include "analysis/models/model_json.h"
 #include "tests/analysis/support/fit_samples.h"
 #include "tests/analysis/support/models.h"
 
@@ -130,7 +131,7 @@ TEST_CASE("identification: no parameters near the fitted ones have a smaller err
   const FitData data = paper_both(0.032, 0.0205);
   for (const char* name : {"gpi", "mpi", "poly"}) {
     const ModelFit fit = identify(name, data);
-    const nlohmann::ordered_json best = fit.model->to_json();
+    const nlohmann::ordered_json best = model_json(*fit.model);
     const auto j_of = [&](const nlohmann::ordered_json& json) {
       const auto model = model_from_json(json);
       double j = 0.0;

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "analysis/models/elam_hysteresis.h"
-#include "analysis/models/elam_pieces.h"
 
 using namespace tactbench::analysis;
 

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "analysis/identify/fit_data.h"
+#include "analysis/models/model_json.h"
 #include "tests/analysis/support/synthetic.h"
 
 using namespace synthetic;
@@ -125,14 +126,14 @@ TEST_CASE("a measured turning point is where the next branch starts") {
 TEST_CASE("a wrong ELAM document is refused and the member named") {
   const ElamHysteresis model(model_of(paper_loop(), kPrinted));
   const auto refused = [&](const std::string& path, const nlohmann::ordered_json& value, const std::string& word) {
-    nlohmann::ordered_json json = model.to_json();
+    nlohmann::ordered_json json = model_json(model);
     const nlohmann::ordered_json::json_pointer at(path);
     if (value.is_null())
       json[at.parent_pointer()].erase(at.back());
     else
       json[at] = value;
     INFO(path);
-    CHECK_THROWS_WITH(elam_from_json(json), Catch::Contains(word));
+    CHECK_THROWS_WITH(model_from_json(json), Catch::Contains(word));
   };
   refused("/x", nullptr, "\"x\"");
   refused("/ascending", "steep", "\"ascending\"");

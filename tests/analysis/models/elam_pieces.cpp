@@ -1,11 +1,12 @@
 // ELAM with more than one split point a branch.
-#include "analysis/models/elam_pieces.h"
+#include "analysis/models/elam.h"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 #include <random>
 
 #include "analysis/models/elam_hysteresis.h"
+#include "analysis/models/model_json.h"
 #include "tests/analysis/support/fit_samples.h"
 
 using namespace synthetic;
@@ -98,8 +99,8 @@ TEST_CASE("ELAM with more splits fits what one cannot and never worse") {
     const ModelFit fit = identify_elam(noisy, options);
     INFO(splits << " splits");
     CHECK(fit.j <= one * (1.0 + 1e-9));
-    const auto again = model_from_json(fit.model->to_json());
-    CHECK(again->to_json() == fit.model->to_json());
+    const auto again = model_from_json(model_json(*fit.model));
+    CHECK(model_json(*again) == model_json(*fit.model));
     CHECK(predict(*again, noisy.histories[0].x) == predict(*fit.model, noisy.histories[0].x));
   }
 }
@@ -112,7 +113,7 @@ TEST_CASE("an impossible number of splits and pieces that do not join are refuse
   const ElamModel model = model_of(paper_loop(), kPrinted);
   CHECK_THROWS_AS(ElamHysteresis(model, false, {{0.1}, {}, {}, {}}), std::invalid_argument);
   CHECK_THROWS_AS(ElamHysteresis(model, false, {{2.1}, {}, {0.0}, {}}), std::invalid_argument);
-  nlohmann::ordered_json json = ElamHysteresis(model, false, {{0.1}, {}, {}, {-0.2}}).to_json();
+  nlohmann::ordered_json json = model_json(ElamHysteresis(model, false, {{0.1}, {}, {}, {-0.2}}));
   json["options"]["splits"] = 3;
   CHECK_THROWS_WITH(model_from_json(json), Catch::Contains("\"splits\""));
   json["pieces"].erase("ascending_low");

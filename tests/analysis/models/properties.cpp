@@ -8,6 +8,7 @@
 
 #include "analysis/models/elam_hysteresis.h"
 #include "analysis/models/invert.h"
+#include "analysis/models/model_json.h"
 #include "analysis/models/play_operators.h"
 #include "tests/analysis/support/models.h"
 #include "tests/analysis/support/synthetic.h"
@@ -172,11 +173,11 @@ TEST_CASE("models: a stored model is the same bit for bit") {
   std::mt19937 random(7);
   for (const auto& model : models) {
     INFO(model->name());
-    const auto again = model_from_json(nlohmann::ordered_json::parse(model->to_json().dump()));
+    const auto again = model_from_json(nlohmann::ordered_json::parse(model_json(*model).dump()));
     REQUIRE(again->name() == model->name());
     CHECK(again->x_low() == model->x_low());
     CHECK(again->x_high() == model->x_high());
-    CHECK(again->to_json() == model->to_json());
+    CHECK(model_json(*again) == model_json(*model));
     std::uniform_real_distribution<double> uniform(model->x_low(), model->x_high());
     std::vector<double> inputs;
     for (int i = 0; i < 200; ++i) inputs.push_back(uniform(random));
@@ -188,7 +189,7 @@ TEST_CASE("models: a stored model is the same bit for bit") {
 
 TEST_CASE("models: an incomplete stored model is refused, naming the member") {
   for (const auto& model : rising_models()) {
-    const nlohmann::ordered_json good = model->to_json();
+    const nlohmann::ordered_json good = model_json(*model);
     for (const auto& [name, value] : good.items()) {
       INFO(model->name() << "." << name);
       nlohmann::ordered_json bad = good;
@@ -269,7 +270,7 @@ TEST_CASE("POLY: an equal input is no turn, and a polynomial times a constant pl
 
 TEST_CASE("models: Preisach is the sum of its cells, each a play operator") {
   const PreisachModel model = random_preisach(5, 6, 0.0);
-  const auto weights = model.to_json()["weights"].get<std::vector<double>>();
+  const auto weights = model_json(model)["weights"].get<std::vector<double>>();
   std::vector<double> on(weights.size(), 0.0);
   std::mt19937 random(9);
   std::uniform_real_distribution<double> uniform(0.0, 60.0);

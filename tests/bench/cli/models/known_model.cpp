@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "analysis/models/model.h"
+#include "analysis/models/model_json.h"
 
 namespace tactbench::tests {
 
@@ -23,7 +23,7 @@ void write_model(const TemporaryFolder& folder, const std::string& name, const S
     ModelTaxel walked;
     walked.zero = own.zero;
     walked.gain = own.gain;
-    walked.fit.model = analysis::model_from_json(own.fit.model->to_json());
+    walked.fit.model = analysis::model_from_json(analysis::model_json(*own.fit.model));
     std::vector<double> up = inputs, down = inputs;
     try {
       analysis::set_loop(walked, inputs);
