@@ -70,7 +70,10 @@ struct CompensatorOptions {
   // when it is the highest that was seen for long: outputs are scaled so that it is. `top_forget`: how far the highest
   // goes toward each lower turn within that share. A gain that changed tells of a new mount or of drift: u has
   // top_doubt x |1 - gain| x the input above the lowest. 0: off.
-  double top_share = 0.0, top_forget = 0.02, top_doubt = 5.0;
+  double top_share = 0.0, top_forget = 0.02, top_doubt = 3.0;
+  // What a film does in time is known in part: u has this share of each creep that is not settled, of the fastest at
+  // least so much of the output (lag is no slower), through the slope.
+  double creep_doubt = 0.15, swift_doubt = 0.02;
 };
 
 // The creep's target is guessed along the slope of the last reading. Where the film is flat that slope says nothing

@@ -106,7 +106,7 @@ std::vector<double> residual_by_level(const PatternCurve& ascending, const Patte
   constexpr std::size_t kLevels = 20;
   // The flatter the branch, the more input an error of the output is; to a limit, since errors are not of the output
   // alone.
-  constexpr double kMostOfMean = 12.0, kLeastOfMean = 0.5;
+  constexpr double kMostOfMean = 4.0, kLeastOfMean = 0.5;
   if (!(scale > 0.0) || ascending.x().size() < 2) return {};
   const double low = ascending.x().front(), high = ascending.x().back();
   const double rise = ascending.y().back() - ascending.y().front();

@@ -11,7 +11,7 @@
 namespace tactbench::analysis {
 
 // Root mean square of what a model leaves, by 20 equal intervals of the loop's inputs rising, then falling: `scale`
-// times mean slope over the branch's own there, at most 12 and at least 0.5. Empty where scale is 0.
+// times mean slope over the branch's own there, at most 4 and at least 0.5. Empty where scale is 0.
 std::vector<double> residual_by_level(const PatternCurve& ascending, const PatternCurve& descending, double scale);
 
 struct DocumentFrames {

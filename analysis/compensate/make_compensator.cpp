@@ -34,9 +34,9 @@ void check(const CompensatorSetup& setup) {
   demand(within(setup.worked_s, 0.0, kMost), "the time worked is not within 0 and 1e9 s");
   demand(within(std::abs(setup.highest), 0.0, kMost), "its highest output is not within 1e9");
   const CompensatorOptions& o = setup.options;
-  for (const double option :
-       {o.moving, o.jump_in_noises, o.lead_in_noises, o.band_in_noises, o.rest_in_noises, o.hold_in_noises,
-        o.flat_in_noises, o.flat_share, o.known_share, o.tare_share, o.possible_share, o.top_forget, o.top_doubt})
+  for (const double option : {o.moving, o.jump_in_noises, o.lead_in_noises, o.band_in_noises, o.rest_in_noises,
+                              o.hold_in_noises, o.flat_in_noises, o.flat_share, o.known_share, o.tare_share,
+                              o.possible_share, o.top_forget, o.top_doubt, o.creep_doubt, o.swift_doubt})
     demand(within(option, 0.0, kMost), "an option is not within 0 and 1e9");
   demand(o.longest_mean >= 1 && o.longest_spike >= 0 && o.top_share >= 0.0 && o.top_share < 1.0,
          "longest_mean is below 1, longest_spike negative or top_share not within 0 and 1");

@@ -15,6 +15,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -56,6 +57,9 @@ class TurningCompensator final : public Compensator {
     off_ = options_.flat_in_noises * noise_;
     band_ = options_.band_in_noises * noise_;
     margin_ = std::max(options_.possible_share * top_, band_);
+    for (std::size_t j = 0; time_ && j < kCreepElements; ++j)
+      creep_doubt_[j] = std::max(options_.creep_doubt * creep_scale_ * time_->dynamics.creep_share[j],
+                                 j == 0 ? options_.swift_doubt : 0.0);
     start(Start::kAtRest);
   }
 
@@ -93,13 +97,15 @@ class TurningCompensator final : public Compensator {
     if (unknown_) settle(now);
     last_x_ = now.x - x_low_;
     last_y_ = mean_;
-    double pressure = last_x_;
+    double pressure = last_x_, unsettled = 0.0;
     if (passed != nullptr) {
       last_slope_ = std::min(now.slope, kSteepestGuess * span_ / top_);
       pressure = std::clamp(before_lag(lag_share_, dynamics_, *passed, last_x_), 0.0, span_);
       advance(time_->dynamics, dynamics_, *passed, pressure);
+      unsettled = std::min(unsettled_share(pressure) * std::abs(mean_ * now.slope), span_);
     }
-    last_ = {x_low_ + pressure, std::sqrt(now.squared + squared_residual(last_x_)), now.flat, beyond, unknown_, false};
+    const double squared = now.squared + squared_residual(last_x_) + unsettled * unsettled;
+    last_ = {x_low_ + pressure, std::sqrt(squared), now.flat, beyond, unknown_, false};
     return last_;
   }
 
@@ -389,6 +395,14 @@ class TurningCompensator final : public Compensator {
     return left * left + changed * changed;
   }
 
+  // Share of the output in doubt, since creep may take it yet or has not taken where it was read.
+  [[nodiscard]] double unsettled_share(double pressure) const {
+    const double target = creep_target(time_->dynamics, pressure);
+    double sum = 0.0;
+    for (std::size_t j = 0; j < kCreepElements; ++j) sum += creep_doubt_[j] * std::abs(dynamics_.psi[j] - target);
+    return sum;
+  }
+
   CompensatorOptions options_;
   double x_low_, span_, top_;                      // inputs; output
   double zero_, per_gain_, stated_noise_, noise_;  // noise: of a sample, of the model's output
@@ -397,6 +411,7 @@ class TurningCompensator final : public Compensator {
   std::vector<double> residual_;
   std::shared_ptr<PassedTime> time_;
   double creep_scale_, lag_share_, worked_s_;
+  std::array<double, kCreepElements> creep_doubt_{};  // of each element's share of the output
 
   Branch low_, high_;  // high_: of an unknown history, the one that fell from the top
   bool unknown_ = false;

@@ -139,8 +139,8 @@ SensorModel described(const std::string& model, const Histories& histories, cons
 
 }  // namespace
 
-SensorModel fit_models(const std::string& model, const Histories& histories, const std::vector<std::string>& sequences,
-                       const IdentifyOptions& options, int threads) {
+SensorModel fit_models_alone(const std::string& model, const Histories& histories,
+                             const std::vector<std::string>& sequences, const IdentifyOptions& options, int threads) {
   SensorModel fit = described(model, histories, sequences, options);
   const SensorFitter fitter(model, histories, sequences, options);
   const auto scored = std::ranges::find_if(histories.taxels, [](const auto& t) { return !t.score.empty(); });
@@ -151,13 +151,17 @@ SensorModel fit_models(const std::string& model, const Histories& histories, con
   fit.taxels.resize(histories.taxels.size() - (with_mean ? 1 : 0));
   for_each_index(fit.taxels.size(), threads, [&](std::size_t i) { fit.taxels[i] = fitter.fit(histories.taxels[i]); });
   if (with_mean) fitter.add_mean(fit);
-  if (std::ranges::any_of(fit.taxels, [](const ModelTaxel& t) { return t.fit.model != nullptr; })) {
-    if (!options.by_input) find_residuals(histories, sequences, threads, fit);  // of the dynamic model it finds its own
-    return fit;
-  }
+  if (std::ranges::any_of(fit.taxels, [](const ModelTaxel& t) { return t.fit.model != nullptr; })) return fit;
   const auto first = std::ranges::find_if(histories.taxels, [](const auto& t) { return t.usable(); });
   throw cannot_be_fitted(histories, model,
                          fit.taxels[static_cast<std::size_t>(first - histories.taxels.begin())].why());
+}
+
+SensorModel fit_models(const std::string& model, const Histories& histories, const std::vector<std::string>& sequences,
+                       const IdentifyOptions& options, int threads) {
+  SensorModel fit = fit_models_alone(model, histories, sequences, options, threads);
+  if (!options.by_input) find_residuals(histories, sequences, threads, fit);  // of the dynamic model it finds its own
+  return fit;
 }
 
 SensorModel fit_array(const Dataset& dataset, const FitOptions& options) {

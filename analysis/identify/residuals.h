@@ -1,4 +1,5 @@
-// What the streams of a sensor's models leave, by level and direction: for the uncertainty of compensated values.
+// What the streams of a sensor's models leave on ways that were not measured: for the uncertainty of compensated
+// values.
 #pragma once
 
 #include <string>
@@ -9,13 +10,32 @@
 
 namespace tactbench::analysis {
 
+// Models like `model`, each fitted without one part of the inner branches (folds.h; the repeats of a branch are in one
+// part): of up to 32 of its fitted taxels, evenly chosen. A part that the rest carries no model of has none.
+struct LeftOut {
+  std::vector<std::size_t> places;     // of the chosen taxels in `model`, in the order of theirs in each of models
+  std::vector<SensorModel> models;     // a part each
+  std::vector<std::vector<int>> part;  // that the sample belongs to, by fitted history; -1: of none
+};
+LeftOut leave_out(Histories histories, const std::vector<std::string>& sequences, const SensorModel& model, int threads);
+
+// Mean squares of the errors on inner branches.
+struct InnerErrors {
+  double held = 0.0, fitted = 0.0;  // with the models that did not see them, and with the one in use
+};
+// Ways in use lie between those that were measured, nearer to them than a branch that is left out: half of what is left
+// there, and no less than what is left of the fitted branches.
+double between_branches(const InnerErrors& errors);
+// The square of a taxel's residual: halfway between that of the array and one as far above it as its `own` mean square
+// on all fitted samples is above the taxels' `mean` one.
+double residual2_of_taxel(double array, double own, double mean);
+// Where no inner branch tells: anywhere between the branches of the external loop, the mean square in inputs.
+double between_external_branches(const ModelTaxel& taxel);
+
 // Fills in residual_psi of the taxels of a model without dynamics that was fitted on the named sequences (empty: all)
-// of `histories`. It is what their streams leave, root mean square, where the external loop has its mean slope. Two
-// parts, added as squares. The first is twice what a taxel's stream leaves of the samples as measured, of a run the
-// last repeat of each sequence: other paths leave more. The second stands for the model's own error on other paths: a
-// Preisach model is fitted to the same data of up to 32 taxels and driven over random reversals, and the stream has to
-// give back its inputs; its ratio to the fitted samples' is the array's. A Preisach model has the first part alone.
-// Taxels without samples as measured keep 0. Threads by taxel; the result does not depend on them.
+// of `histories`: root mean square where the external loop has its mean slope, by the above, of the samples as
+// measured; of a run the last repeat of each sequence. Taxels without such samples keep 0. Threads by taxel; the result
+// does not depend on them.
 void find_residuals(const Histories& histories, const std::vector<std::string>& sequences, int threads,
                     SensorModel& model);
 

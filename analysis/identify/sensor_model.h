@@ -40,7 +40,7 @@ Validity validity_of(const std::vector<History>& histories, const std::vector<do
 // have arrived (dynamic/dynamic_fit.h), and a stream is told the time.
 struct SensorDynamics {
   Dynamics shared;
-  // Root mean square of what the stream leaves of the fitted run, psi, over that of a taxel: by interval of the models,
+  // What the stream leaves over what it leaves on the whole (ModelTaxel::residual_psi): by interval of the models,
   // rising, then falling.
   std::vector<double> residual_shape;
   struct Source {
@@ -140,6 +140,10 @@ Dataset as_modelled(Dataset dataset, const SensorModel& fit);
 // taxel can carry the model.
 SensorModel fit_models(const std::string& model, const Histories& histories, const std::vector<std::string>& sequences,
                        const IdentifyOptions& options, int threads = 0);
+// The same without residuals (residuals.h), which are of models that this makes.
+SensorModel fit_models_alone(const std::string& model, const Histories& histories,
+                             const std::vector<std::string>& sequences, const IdentifyOptions& options,
+                             int threads = 0);
 
 // In what the named sequences (empty: all) of `used` lie outside the model's validity, a line each: serials, inputs
 // beyond 2 % of the range, holds and rates beyond 10 %, temperatures beyond 1 degC. What either does not know is

@@ -1,5 +1,5 @@
-// What the streams of a dynamic model leave of pressures on paths that were not fitted, by level and direction: for the
-// uncertainty of compensated values.
+// What the streams of a dynamic model leave of pressures on ways that were not measured, by level and direction: for
+// the uncertainty of compensated values.
 #pragma once
 
 #include "analysis/identify/sensor_model.h"
@@ -7,10 +7,10 @@
 namespace tactbench::analysis {
 
 // Fills in residual_shape and the taxels' residual_psi of `model`, which was fitted to `undone` with `fit`: the outputs
-// of `fitted` with lag and creep undone. Where `fitted` has sequences of two or more names that all go over its whole
-// range, each half of them is read with a model of the other half, and what these streams leave, root mean square, is
-// the residual. Otherwise, and for taxels that such a half does not tell, it is twice what the model's own stream
-// leaves.
+// of `fitted` with lag and creep undone. As of any model (residuals.h), in time: streams of models that did not see a
+// part of the inner branches read the whole run, and their errors on that part count. The shape is the root of half 1
+// and half those errors' squares by interval, of both directions apart and smoothed, over their mean: few branches tell
+// an interval. It is 1 where no inner branch tells.
 void find_dynamic_residuals(const Dataset& fitted, const Dataset& undone, const FitOptions& fit, SensorModel& model);
 
 }  // namespace tactbench::analysis

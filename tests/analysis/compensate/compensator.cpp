@@ -405,6 +405,25 @@ TEST_CASE("a gain that changed by a hundredth is found at the top, and doubted")
     }
 }
 
+TEST_CASE("uncertainty: wider until creep has settled, the more of it the wider") {
+  for (const Kind& kind : kinds()) {
+    if (kind.name != "linearised in time") continue;  // as fitted
+    INFO(kind.name);
+    const auto widths = [&](double creep) {  // a second, and an hour after a load
+      CompensatorSetup setup = kind.setup(0.0);
+      for (double& share : setup.time->dynamics.creep_share) share *= creep;
+      const auto stream = make_compensator(*kind.model, setup);
+      const double output = kind.measured(0.5 * kind.full());
+      const double at_once = stream->step(output, 1.0).uncertainty_psi;
+      return std::pair{at_once, stream->step(output, 3600.0).uncertainty_psi};
+    };
+    const auto [at_once, settled] = widths(4.0);
+    CHECK(at_once > 0.002 * kind.span());
+    CHECK(settled < 0.1 * at_once);
+    CHECK(at_once > widths(1.0).first);
+  }
+}
+
 TEST_CASE("numbers of a set-up that make no compensator are refused, each") {
   using Spoil = std::function<void(CompensatorSetup&)>;
   const std::vector<Kind> all = kinds();
@@ -431,7 +450,7 @@ TEST_CASE("numbers of a set-up that make no compensator are refused, each") {
         &CompensatorOptions::band_in_noises, &CompensatorOptions::rest_in_noises, &CompensatorOptions::hold_in_noises,
         &CompensatorOptions::flat_in_noises, &CompensatorOptions::flat_share, &CompensatorOptions::known_share,
         &CompensatorOptions::tare_share, &CompensatorOptions::possible_share, &CompensatorOptions::top_forget,
-        &CompensatorOptions::top_doubt})
+        &CompensatorOptions::top_doubt, &CompensatorOptions::creep_doubt, &CompensatorOptions::swift_doubt})
     out_of(spoils, [=](S& s) -> double& { return s.options.*option; }, {-0.1, kNaN, 2e9});
   out_of(spoils, [](S& s) -> double& { return s.options.top_share; }, {-0.1, kNaN, 1.0});
   spoils.push_back([](S& s) { s.options.longest_mean = 0; });
