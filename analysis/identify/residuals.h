@@ -11,13 +11,14 @@
 namespace tactbench::analysis {
 
 // Models like `model`, each fitted without one part of the inner branches (folds.h; the repeats of a branch are in one
-// part): of up to 32 of its fitted taxels, evenly chosen. A part that the rest carries no model of has none.
+// part): of up to 32 of its fitted taxels, evenly chosen. None where what is left carries no model.
 struct LeftOut {
   std::vector<std::size_t> places;     // of the chosen taxels in `model`, in the order of theirs in each of models
   std::vector<SensorModel> models;     // a part each
   std::vector<std::vector<int>> part;  // that the sample belongs to, by fitted history; -1: of none
 };
-LeftOut leave_out(Histories histories, const std::vector<std::string>& sequences, const SensorModel& model, int threads);
+LeftOut leave_out(Histories histories, const std::vector<std::string>& sequences, const SensorModel& model,
+                  int threads);
 
 // Mean squares of the errors on inner branches.
 struct InnerErrors {
