@@ -1,5 +1,5 @@
-// The dynamic Preisach model of one run, with the lag and creep that the run tells; and which of the two a dynamic model
-// undoes.
+// The dynamic Preisach model of one run, with the lag and creep that the run tells; and which of the two a dynamic
+// model undoes.
 #pragma once
 
 #include "analysis/identify/dynamic/dynamic_fit.h"

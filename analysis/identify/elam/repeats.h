@@ -19,8 +19,8 @@ struct RepeatDrift {
   bool differs = false;        // |shift| above 3 uncertainties, or rms above twice the others'
 };
 
-// One per sequence of three or more repeats at the pace of the first: with two none could say which one drifted. To leave the first one out of a
-// fit: CommonOptions::first_repeat.
+// One per sequence of three or more repeats at the pace of the first: with two none could say which one drifted. To
+// leave the first one out of a fit: CommonOptions::first_repeat.
 std::vector<RepeatDrift> repeat_drifts(const Dataset& dataset, std::span<const std::size_t> taxels,
                                        const CommonOptions& options);
 

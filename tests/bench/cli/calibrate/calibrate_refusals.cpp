@@ -46,16 +46,15 @@ TEST_CASE("calibrate: runs of another sensor, runs that did not complete, and re
   }
   const WordsOfVerb rest = {"--bench", "simulated.toml", "--operator", "me", "--db", path};
   const auto of_sensor = [&](const std::string& serial) { return joined_words({"calibrate", serial}, rest); };
-  check_each_refused(bench::add_calibrate, of_sensor("S-1"),
-                     {{{"--held-out", "1"}, "TB-USAGE", "--held-out"},
-                      {{"--run", "2"}, "TB-USAGE", "--run"},
-                      {{"--run", "1", "--held-out", "3"}, "TB-USAGE", "--held-out"},
-                      {{"--recipe", "production", "--recipe", "ring"}, "TB-USAGE", "calibrate"},
-                      {{"--held-out-recipe", "ring"}, "TB-USAGE", "calibrate"},
-                      {{"--limits", "nightly-limits.toml", "--held-out-recipe", "loops"},
-                       "TB-CALIBRATE-LEVELS",
-                       "--held-out-recipe"},
-                      {{"--run", "9"}, "TB-STORE-NOT-FOUND", ""}});
+  check_each_refused(
+      bench::add_calibrate, of_sensor("S-1"),
+      {{{"--held-out", "1"}, "TB-USAGE", "--held-out"},
+       {{"--run", "2"}, "TB-USAGE", "--run"},
+       {{"--run", "1", "--held-out", "3"}, "TB-USAGE", "--held-out"},
+       {{"--recipe", "production", "--recipe", "ring"}, "TB-USAGE", "calibrate"},
+       {{"--held-out-recipe", "ring"}, "TB-USAGE", "calibrate"},
+       {{"--limits", "nightly-limits.toml", "--held-out-recipe", "loops"}, "TB-CALIBRATE-LEVELS", "--held-out-recipe"},
+       {{"--run", "9"}, "TB-STORE-NOT-FOUND", ""}});
   check_each_refused(bench::add_calibrate, of_sensor("S-2"), {{{"--run", "1"}, "TB-USAGE", "--run"}});
   check_each_refused(bench::add_calibrate,
                      {"calibrate", "S-1", "--bench", "simulated.toml", "--operator", " ", "--db", path},
