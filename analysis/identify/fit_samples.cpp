@@ -73,11 +73,17 @@ FitSamples::FitSamples(const FitData& data, bool one_way) {
     branches_.push_back(history.branches);
   }
   if (one_way ? !up && !down : !up || !down) throw std::invalid_argument("branches of both directions are needed");
-  // As thin() in elam_samples.h: in step with no period of the data.
+  fitted = thinned(scored, kFittedSamples);
+}
+
+// As thin() in elam_samples.h: in step with no period of the data.
+std::vector<std::size_t> thinned(const std::vector<std::size_t>& samples, std::size_t most) {
   constexpr double kGolden = 0.6180339887498949;
-  const double share = static_cast<double>(kFittedSamples) / static_cast<double>(scored.size());
-  for (std::size_t i = 0; i < scored.size(); ++i)
-    if (share >= 1.0 || std::fmod(kGolden * static_cast<double>(i), 1.0) < share) fitted.push_back(scored[i]);
+  const double share = static_cast<double>(most) / static_cast<double>(samples.size());
+  std::vector<std::size_t> left;
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    if (share >= 1.0 || std::fmod(kGolden * static_cast<double>(i), 1.0) < share) left.push_back(samples[i]);
+  return left;
 }
 
 std::vector<double> FitSamples::outputs(const FitData& data) const {

@@ -40,6 +40,7 @@ struct FitSamples {
 // Regressions look at no more samples than this: longer histories are thinned evenly, in step with no period of them.
 // Errors are over all samples.
 inline constexpr std::size_t kFittedSamples = 20000;
+std::vector<std::size_t> thinned(const std::vector<std::size_t>& samples, std::size_t most);
 
 // Calls visit(sample, state) for each scored sample with `state` as it was at the start of the sample's branch.
 // State: a value with move(x).

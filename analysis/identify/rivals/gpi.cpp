@@ -22,6 +22,10 @@ constexpr double kFirstSize = 0.1;
 constexpr int kTournament = 300, kGpiGenerations = 250;
 constexpr double kFurther[] = {2.0, 1.0, 0.5};  // sizes of the last evolutions, about the best: neighbouring minima
 
+// Of more samples than this the search looks at so many, evenly chosen, between all turns; its ends go on on all.
+constexpr std::size_t kSearched = 1000;
+constexpr int kLastGenerations = 60;
+
 // What the data leave open: standard errors above 1, a factor e or the whole output. By the parameter that the unknown
 // alone, or first, moves.
 constexpr std::array<const char*, kGpiUnknowns> kUnknownNames = {"a1", "a3", "a0", "b1", "b3", "b0", "alpha", "tau"};
@@ -69,7 +73,8 @@ GpiPoint start_of(int n) {
 
 class GpiIdentifier final : public Identifier {
  public:
-  GpiIdentifier(const FitData& like, int starts) : samples_(like), tree_(samples_), starts_(starts) {
+  GpiIdentifier(const FitData& like, int starts)
+      : samples_(like), tree_(samples_), searched_(few_of(samples_)), starts_(starts) {
     if (starts < 1) throw std::invalid_argument("GPI: the search needs at least one start");
     for (int n = 1; n <= kTried * starts_; ++n) tried_.push_back({start_of(n)});
   }
@@ -79,7 +84,7 @@ class GpiIdentifier final : public Identifier {
     std::vector<double> share(y.size());
     std::ranges::transform(y, share.begin(), [&](double output) { return (output - y_low) / y_span; });
     const GpiTree::Target target = tree_.target(share);
-    const GpiFound best = search(target);
+    const GpiFound best = search(target, share);
     const double x_span = samples_.x_high - samples_.x_low;
     ModelFit fit;
     fit.model =
@@ -95,8 +100,13 @@ class GpiIdentifier final : public Identifier {
   }
 
  private:
-  [[nodiscard]] GpiFound search(const GpiTree::Target& target) const {
-    GpiSearch search(tree_, target);
+  static FitSamples few_of(FitSamples samples) {
+    samples.fitted = thinned(samples.fitted, kSearched);
+    return samples;
+  }
+  [[nodiscard]] GpiFound search(const GpiTree::Target& target, std::span<const double> y) const {
+    const GpiTree::Target few = searched_.target(y);
+    GpiSearch search(searched_, few);
     std::vector<GpiFound> found = tried_;
     const auto keep = [&](int share, double apart) {
       std::ranges::stable_sort(found, {}, &GpiFound::j);
@@ -111,16 +121,23 @@ class GpiIdentifier final : public Identifier {
     found = search.tournament(found, kFirstSize, static_cast<std::size_t>(kThird * starts_), kTournament, kApart);
     search.descend(found, kLastSteps);
     GpiFound best = *std::ranges::min_element(found, {}, &GpiFound::j);
-    for (const double size : kFurther) {
-      GpiFound further = search.evolve(best, size, kGpiGenerations);
-      search.descend(std::span(&further, 1), kLastSteps);
+    const auto go_on = [&best](GpiSearch& on, double size, int generations) {
+      GpiFound further = on.evolve(best, size, generations);
+      on.descend(std::span(&further, 1), kLastSteps);
       if (further.j < best.j) best = further;
-    }
+    };
+    for (const double size : kFurther) go_on(search, size, kGpiGenerations);
+    if (samples_.fitted.size() <= kSearched) return best;
+    found.push_back(best);
+    GpiSearch whole(tree_, target);
+    whole.descend(found, kLastSteps);
+    best = *std::ranges::min_element(found, {}, &GpiFound::j);
+    go_on(whole, kFirstSize, kLastGenerations);
     return best;
   }
 
   FitSamples samples_;
-  GpiTree tree_;
+  GpiTree tree_, searched_;
   int starts_;
   std::vector<GpiFound> tried_;
 };

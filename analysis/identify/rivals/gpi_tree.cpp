@@ -76,8 +76,11 @@ GpiTree::GpiTree(const FitSamples& samples) {
     for (const FitSamples::Part& part : samples.parts) {
       if (part.opens_history) begin();
       if (part.from_top) rise();
-      for (std::size_t i = part.opens_history ? part.first : std::min(last + 1, part.first); i <= part.first; ++i)
-        move(i);
+      // Of what lies between two branches the turns alone count.
+      const std::vector<double>& x = samples.x;
+      for (std::size_t i = part.opens_history ? part.first : std::min(last + 1, part.first); i < part.first; ++i)
+        if ((x[i] - x[i - 1]) * (x[i + 1] - x[i]) <= 0.0) move(i);
+      move(part.first);
       for (std::size_t i = part.first + 1; i <= part.last; ++i)
         if (fitted[i]) compare(i);
       move(last = part.last);

@@ -8,6 +8,7 @@
 #include "analysis/identify/rivals/gpi_search.h"
 #include "tests/analysis/identify/rivals/gpi_walked.h"
 #include "tests/analysis/support/fit_samples.h"
+#include "tests/analysis/support/models.h"
 
 using namespace synthetic;
 
@@ -78,4 +79,24 @@ TEST_CASE("GPI: the fit has the same bits on every vector level") {
     force_lane_dispatch(dispatch);
     CHECK(identify("gpi", data, {.starts = 1}).j == j);
   }
+}
+
+TEST_CASE("GPI: of more samples than the search looks at the fit is at least as near to all as the truth is") {
+  const GpiModel truth(kGpiTable2, 0.0, 60.0, 0.0);
+  std::mt19937 random(4);
+  const std::vector<double> inputs = random_inputs(random, 60, 0.0, 60.0, 50), ends{0.0, 60.0};
+  const auto at = [&, state = std::shared_ptr<ModelState>(truth.state())](double x) {
+    state->go(x);
+    return state->output_at(x);
+  };
+  const History clean = drive("random", inputs, at);
+  FitData data;
+  const std::vector<double> y{truth.state()->output_at(0.0), truth.state()->output_at(60.0)};
+  data.ascending = data.descending = PatternCurve(ends, y, y[0], y[1]);
+  data.histories = {clean};
+  std::normal_distribution<double> noise(0.0, 0.05);
+  for (double& output : data.histories.front().y) output += noise(random);
+  double j = 0.0;
+  for (std::size_t i = 1; i < inputs.size(); ++i) j += std::pow(data.histories.front().y[i] - clean.y[i], 2);
+  CHECK(identify("gpi", data, {.starts = 2}).j < j);
 }
