@@ -24,17 +24,14 @@ ElamStack::Target ElamStack::target(const ElamCurve& curve, double x_end, double
 void ElamStack::start(bool from_top) {
   const double x0 = model_->x0(), xu = model_->xu(), y0 = model_->y0(), yu = model_->yu();
   targets_[0] = from_top ? target({*model_, false, xu, yu}, x0, y0) : target({*model_, true, x0, y0}, xu, yu);
-  count_ = 1;
+  below_ = 0;
 }
 
-std::uint8_t ElamStack::left_at(double y) const {
-  std::uint8_t left = count_;
-  while (left > 2) {
-    const Target& own = targets_[left - 1U];
-    if (own.curve.ascending() ? y <= own.y_end : y >= own.y_end) break;
-    left = static_cast<std::uint8_t>(left - 2);
-  }
-  return left;
+ElamStack::Branch ElamStack::branch_at(const Target& last, std::size_t below, double y) const {
+  Branch at{&last, below};
+  while (at.below >= 2 && (at.target->curve.ascending() ? y > at.target->y_end : y < at.target->y_end))
+    at = {&targets_[at.below - 2], at.below - 2};
+  return at;
 }
 
 CurvePiece ElamStack::piece_of(const Target& t, double y) {
@@ -49,41 +46,36 @@ CurvePiece ElamStack::piece_of(const Target& t, double y) {
   return {std::clamp(back(p.low), low, y), std::clamp(back(p.high), y, high), back(p.y_a), p.x_a, p.slope * t.per};
 }
 
-CurvePiece ElamStack::piece(double y) const {
+CurvePiece ElamStack::piece_of(const Target& last, std::size_t below, double y) const {
   const double y0 = model_->y0();
-  const std::uint8_t left = left_at(y + y0);
-  const Target& own = targets_[left - 1U];
+  const Branch at = branch_at(last, below, y + y0);
+  const Target& own = *at.target;
   CurvePiece piece = piece_of(own, y + y0);
   // Beyond its end the loop is closed and another branch goes on.
-  if (left > 2 && own.curve.ascending()) piece.high = std::min(piece.high, own.y_end);
-  if (left > 2 && !own.curve.ascending()) piece.low = std::max(piece.low, own.y_end);
+  if (at.below >= 2 && own.curve.ascending()) piece.high = std::min(piece.high, own.y_end);
+  if (at.below >= 2 && !own.curve.ascending()) piece.low = std::max(piece.low, own.y_end);
   for (double* const output : {&piece.low, &piece.high, &piece.y_a}) *output -= y0;
   return piece;
 }
 
-void ElamStack::turn(double y) {
+ElamStack::Way ElamStack::back_from(double y, const CurvePiece& on) const {
   const double x0 = model_->x0(), xu = model_->xu(), y0 = model_->y0(), yu = model_->yu();
-  go(y);
-  const double x = std::clamp(piece(y).along(y), x0, xu);
+  const auto [left, below] = branch_at(targets_[below_], below_, y + y0);
+  const Target& last = *left;
+  const double x = std::clamp(on.along(y), x0, xu);
   y += y0;
-  const Target last = targets_[count_ - 1U];
   const bool rises = !last.curve.ascending();
   // At an end of the range older turning points are forgotten, and a branch that left an end goes to the loop's own,
   // not to the output measured there: that would take a gain that drifted for one that was fitted.
   const bool ends = rises ? x <= x0 : x >= xu;
   const bool to_end = ends || (rises ? last.curve.turn_x() >= xu : last.curve.turn_x() <= x0);
-  if (ends)
-    count_ = 0;
-  else if (count_ == kMost)
-    count_ = static_cast<std::uint8_t>(count_ - 2);
   double split = x;
   if (!rises) split += std::clamp(2.0 - (yu - y) / (kDriftShare * top()), 0.0, 1.0) * (xu - x);
   const ElamCurve curve(*model_, rises, x, y, split);
-  if (to_end)
-    targets_[count_] = rises ? target(curve, xu, yu) : target(curve, x0, y0);
-  else
-    targets_[count_] = target(curve, last.curve.turn_x(), last.curve.turn_y());
-  ++count_;
+  const std::size_t room = below + 1 < kMost ? below + 1 : below - 1;
+  return {to_end ? rises ? target(curve, xu, yu) : target(curve, x0, y0)
+                 : target(curve, last.curve.turn_x(), last.curve.turn_y()),
+          ends ? 0 : room};
 }
 
 }  // namespace tactbench::analysis

@@ -4,9 +4,8 @@
 // On branches that leave the external loop it is the paper's curve itself.
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <cstdint>
+#include <cstddef>
 
 #include "analysis/models/elam.h"
 #include "analysis/models/piece.h"
@@ -14,33 +13,6 @@
 namespace tactbench::analysis {
 
 class ElamStack {
- public:
-  // Where the rising curve is nearly flat, an output a few thousandths low (temperature, creep) puts the turn psi below
-  // xu, and the split with it. Within this share of the span below yu the split is taken as that of a turn at xu,
-  // fading out to twice that.
-  static constexpr double kDriftShare = 0.01;
-
-  explicit ElamStack(const ElamModel& model) : model_(&model) { start(false); }  // keeps a pointer to `model`
-  ElamStack(const ElamStack& other) { *this = other; }
-  ElamStack& operator=(const ElamStack& other) {  // of those in use alone: each way back is a copy
-    model_ = other.model_;
-    count_ = other.count_;
-    std::copy_n(other.targets_.begin(), count_, targets_.begin());
-    return *this;
-  }
-  ~ElamStack() = default;
-  [[nodiscard]] double top() const { return model_->yu() - model_->y0(); }
-  [[nodiscard]] double x_low() const { return model_->x0(); }
-  [[nodiscard]] double x_high() const { return model_->xu(); }
-  [[nodiscard]] static double place(double y) { return y; }
-  [[nodiscard]] static double stretch(double /*y*/) { return 1.0; }
-  void start(bool from_top);
-  void go(double y) { count_ = left_at(y + model_->y0()); }
-  void turn(double y);
-  [[nodiscard]] CurvePiece piece(double y) const;
-
- private:
-  static constexpr std::uint8_t kMost = 16;  // when full, the last two, the smallest loop, are forgotten
   struct Target {
     ElamCurve curve;
     double x_end = 0.0, y_end = 0.0;  // where it closes its loop or ends
@@ -48,13 +20,48 @@ class ElamStack {
     double per = 1.0;                 // outputs of the curve per output
     bool straight = false;
   };
+
+ public:
+  // Where the rising curve is nearly flat, an output a few thousandths low (temperature, creep) puts the turn psi below
+  // xu, and the split with it. Within this share of the span below yu the split is taken as that of a turn at xu,
+  // fading out to twice that.
+  static constexpr double kDriftShare = 0.01;
+
+  // A branch that began while the first `below` targets were remembered.
+  struct Way {
+    Target target;
+    std::size_t below = 0;
+  };
+  explicit ElamStack(const ElamModel& model) : model_(&model) { start(false); }  // keeps a pointer to `model`
+  [[nodiscard]] double top() const { return model_->yu() - model_->y0(); }
+  [[nodiscard]] double x_low() const { return model_->x0(); }
+  [[nodiscard]] double x_high() const { return model_->xu(); }
+  [[nodiscard]] static double place(double y) { return y; }
+  [[nodiscard]] static double output(double u) { return u; }
+  [[nodiscard]] static double input(double x) { return x; }
+  [[nodiscard]] static double stretch(double /*y*/) { return 1.0; }
+  void start(bool from_top);
+  void go(double y) { below_ = branch_at(targets_[below_], below_, y + model_->y0()).below; }
+  [[nodiscard]] Way back_from(double y, const CurvePiece& on) const;
+  void turn(const Way& way) { targets_[below_ = way.below] = way.target; }
+  [[nodiscard]] CurvePiece piece(double y) const { return piece_of(targets_[below_], below_, y); }
+  [[nodiscard]] CurvePiece piece(const Way& way, double y) const { return piece_of(way.target, way.below, y); }
+
+ private:
+  static constexpr std::size_t kMost = 16;  // when full, the last two, the smallest loop, are forgotten
+  // The branch that goes on at y, when it was `last` on the first `below`.
+  struct Branch {
+    const Target* target;
+    std::size_t below;
+  };
+  [[nodiscard]] Branch branch_at(const Target& last, std::size_t below, double y) const;
   [[nodiscard]] Target target(const ElamCurve& curve, double x_end, double y_end) const;
   [[nodiscard]] static CurvePiece piece_of(const Target& target, double y);
-  [[nodiscard]] std::uint8_t left_at(double y) const;
+  [[nodiscard]] CurvePiece piece_of(const Target& last, std::size_t below, double y) const;
 
-  const ElamModel* model_ = nullptr;
+  const ElamModel* model_;
+  std::size_t below_ = 0;  // the present one, of the targets
   std::array<Target, kMost> targets_;
-  std::uint8_t count_ = 0;
 };
 
 }  // namespace tactbench::analysis

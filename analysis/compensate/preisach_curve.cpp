@@ -60,12 +60,12 @@ CurvePiece piece_of(const Film& e, bool rises, double x0, double u0, double u) {
 
 }  // namespace
 
-CurvePiece PreisachCurve::piece_in_intervals(double at) const {
-  const std::uint8_t left = left_at(at);
-  CurvePiece piece = piece_of(*film_, rises(), x_[left - 1U], u_[left - 1U], at);
+CurvePiece PreisachCurve::piece(const Way& way, double at) const {
+  const Way on = branch_at(way, at);
+  CurvePiece piece = piece_of(*film_, on.rises(), on.corner.x, on.corner.u, at);
   // The next corner wipes it out.
-  if (rises() && left >= 3) piece.high = std::min(piece.high, u_[left - 2U]);
-  if (!rises() && left >= 4) piece.low = std::max(piece.low, u_[left - 2U]);
+  if (on.rises() && on.below >= 2) piece.high = std::min(piece.high, corners_[on.below - 1].u);
+  if (!on.rises() && on.below >= 3) piece.low = std::max(piece.low, corners_[on.below - 1].u);
   return piece;
 }
 

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -27,6 +26,15 @@ class PreisachCurve {
     [[nodiscard]] double at(std::size_t i, std::size_t j) const { return everett[i * (i + 1) / 2 + j]; }
     [[nodiscard]] double top() const { return at(n, 0); }
   };
+  struct Corner {
+    double x = 0.0, u = 0.0;
+  };
+  // The branch from a corner on, which the first `below` are before.
+  struct Way {
+    Corner corner;
+    std::size_t below = 0;
+    [[nodiscard]] bool rises() const { return below % 2 == 0; }
+  };
   explicit PreisachCurve(std::shared_ptr<const Film> film)
       : film_(std::move(film)), per_interval_((film_->x_high - film_->x_low) / static_cast<double>(film_->n)) {}
 
@@ -34,55 +42,45 @@ class PreisachCurve {
   [[nodiscard]] double x_low() const { return film_->x_low; }
   [[nodiscard]] double x_high() const { return film_->x_high; }
   [[nodiscard]] double place(double y) const { return film_->divider.linear(y); }
+  [[nodiscard]] double output(double u) const { return film_->divider.output(u); }
   [[nodiscard]] double stretch(double y) const {
     const double share = 1.0 - std::min(y * film_->divider.per_amplitude, Divider::kMost);
-    return 1.0 / (share * share);
+    return per_interval_ / (share * share);
   }
+  [[nodiscard]] double input(double x) const { return film_->x_low + per_interval_ * x; }
   void start(bool from_top) {
-    count_ = 1;
-    x_[0] = u_[0] = 0.0;
-    if (from_top) turn_at(static_cast<double>(film_->n), film_->top());
+    last_ = {};
+    if (from_top) turn({{static_cast<double>(film_->n), film_->top()}, 1});
   }
-  void go(double at) { count_ = left_at(at); }
-  void turn(double at) { turn_at(piece_in_intervals(at).along(at), at); }
-  [[nodiscard]] CurvePiece piece(double at) const {
-    CurvePiece piece = piece_in_intervals(at);
-    piece.x_a = film_->x_low + per_interval_ * piece.x_a;
-    piece.slope *= per_interval_;
-    return piece;
+  void go(double at) { last_ = branch_at(last_, at); }
+  [[nodiscard]] Way back_from(double at, const CurvePiece& on) const {
+    const double x = on.along(at);
+    const std::size_t below = branch_at(last_, at).below + 1;
+    if (below % 2 == 0 && x <= 0.0) return {};
+    return {{x, at}, below < kMost ? below : below - 2};
   }
+  void turn(const Way& way) {
+    corners_[way.below] = way.corner;
+    last_ = way;
+  }
+  [[nodiscard]] CurvePiece piece(double at) const { return piece(last_, at); }
+  [[nodiscard]] CurvePiece piece(const Way& way, double at) const;
 
  private:
-  static constexpr std::uint8_t kMost = 24;  // when full, the last two turning points, the smallest loop, are forgotten
+  static constexpr std::size_t kMost = 24;  // when full, the last two turning points, the smallest loop, are forgotten
 
-  [[nodiscard]] bool rises() const { return count_ % 2 == 1; }
-  // How many corners remain when the present branch goes on to u.
-  [[nodiscard]] std::uint8_t left_at(double at) const {
-    std::uint8_t left = count_;
-    if (rises())
-      while (left >= 3 && at > u_[left - 2U]) left = static_cast<std::uint8_t>(left - 2);
-    else
-      while (left >= 4 && at < u_[left - 2U]) left = static_cast<std::uint8_t>(left - 2);
-    return left;
-  }
-  [[nodiscard]] CurvePiece piece_in_intervals(double at) const;
-  void turn_at(double x_turn, double at) {
-    go(at);
-    if (!rises() && x_turn <= 0.0) {
-      count_ = 1;
-      return;
-    }
-    if (count_ == kMost) count_ = static_cast<std::uint8_t>(count_ - 2);
-    x_[count_] = x_turn;
-    u_[count_] = at;
-    ++count_;
+  // The branch that goes on at u.
+  [[nodiscard]] Way branch_at(Way way, double at) const {
+    while (way.below >= (way.rises() ? 2U : 3U) &&
+           (way.rises() ? at > corners_[way.below - 1].u : at < corners_[way.below - 1].u))
+      way = {corners_[way.below - 2], way.below - 2};
+    return way;
   }
 
   std::shared_ptr<const Film> film_;
   double per_interval_;
-  // Turning points, minima even and maxima odd, the first the low end; the branch since the last is the present one.
-  std::array<double, kMost> x_{}, u_{};
-  std::uint8_t count_ = 1;
+  Way last_;                             // the present branch
+  std::array<Corner, kMost> corners_{};  // turning points, minima even and maxima odd, the first the low end
 };
 
 }  // namespace tactbench::analysis

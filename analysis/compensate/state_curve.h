@@ -11,59 +11,53 @@ namespace tactbench::analysis {
 
 class StateCurve {
  public:
+  // From a turn at y and x, where the state stands.
+  struct Way {
+    std::shared_ptr<const ModelState> state;
+    bool rises = true;
+    double y = 0.0, x = 0.0;
+  };
   // `highest`: output of the loop as measured, where the model's own may be off.
-  StateCurve(const HysteresisModel& model, double highest) : model_(&model), state_(model.state()) {
-    low_ = state_->output_at(model.x_low());
-    top_ = std::max(highest, state_->output_at(model.x_high())) - low_;
+  StateCurve(const HysteresisModel& model, double highest) : model_(&model) {
+    const auto virgin = model.state();
+    low_ = virgin->output_at(model.x_low());
+    top_ = std::max(highest, virgin->output_at(model.x_high())) - low_;
     start(false);
   }
-  StateCurve(const StateCurve& other) { *this = other; }
-  StateCurve(StateCurve&&) noexcept = default;
-  StateCurve& operator=(const StateCurve& other) {
-    if (this == &other) return *this;
-    model_ = other.model_;
-    state_ = other.state_->clone();
-    low_ = other.low_;
-    top_ = other.top_;
-    rises_ = other.rises_;
-    corner_ = other.corner_;
-    return *this;
-  }
-  StateCurve& operator=(StateCurve&&) noexcept = default;
-  ~StateCurve() = default;
 
   [[nodiscard]] double low() const { return low_; }  // output at the lowest input
   [[nodiscard]] double top() const { return top_; }
   [[nodiscard]] double x_low() const { return model_->x_low(); }
   [[nodiscard]] double x_high() const { return model_->x_high(); }
   [[nodiscard]] static double place(double y) { return y; }
+  [[nodiscard]] static double output(double u) { return u; }
+  [[nodiscard]] static double input(double x) { return x; }
   [[nodiscard]] static double stretch(double /*y*/) { return 1.0; }
   void start(bool from_top) {
-    state_->reset();
-    rises_ = !from_top;
-    if (from_top) state_->go(model_->x_high());
-    corner_ = {0.0, 0.0, from_top ? top_ : 0.0, from_top ? x_high() : x_low(), 0.0};
+    const std::shared_ptr<ModelState> state = model_->state();
+    if (from_top) state->go(x_high());
+    at_ = {state, !from_top, from_top ? top_ : 0.0, from_top ? x_high() : x_low()};
   }
   // Loops are closed by the state itself, at the next turn.
   void go(double /*y*/) {}
-  void turn(double y) {
-    const double x = piece(y).x_a;
-    state_->go(x);
-    rises_ = !rises_;
-    corner_ = {0.0, 0.0, y, x, 0.0};
+  [[nodiscard]] Way back_from(double y, const CurvePiece& on) const {
+    const double x = on.x_a;
+    const std::shared_ptr<ModelState> state = at_.state->clone();
+    state->go(x);
+    return {state, !at_.rises, y, x};
   }
+  void turn(const Way& way) { at_ = way; }
+  [[nodiscard]] CurvePiece piece(double y) const { return piece(at_, y); }
   // Of no length: the branch's inverse at y.
-  [[nodiscard]] CurvePiece piece(double y) const {
-    if (rises_ ? y <= corner_.y_a : y >= corner_.y_a) return {y, y, y, corner_.x_a, 0.0};
-    return {y, y, y, state_->input_at(low_ + y), 0.0};
+  [[nodiscard]] CurvePiece piece(const Way& way, double y) const {
+    if (way.rises ? y <= way.y : y >= way.y) return {y, y, y, way.x, 0.0};
+    return {y, y, y, way.state->input_at(low_ + y), 0.0};
   }
 
  private:
-  const HysteresisModel* model_ = nullptr;
-  std::unique_ptr<ModelState> state_;
+  const HysteresisModel* model_;
   double low_ = 0.0, top_ = 0.0;
-  bool rises_ = true;
-  CurvePiece corner_;
+  Way at_;
 };
 
 }  // namespace tactbench::analysis

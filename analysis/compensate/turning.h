@@ -1,11 +1,14 @@
 // The one rule by which outputs become inputs, for any curve: a model's memory at the last remembered turn. A curve
 // counts outputs from that of the lowest input, and has
 //   top(), x_low(), x_high()    output at the highest input; ends of the inputs
-//   place(y), stretch(y)        the output u in which its branches are linear, and that one's slope
+//   place(y), stretch(y)        the output u in which its branches are linear; slope of the inputs over a piece's
+//   output(u)                   the y that has it
+//   input(x)                    of an x of its pieces
 //   start(from_top)             at rest at the lowest input, or on the way down from the highest
 //   piece(u)                    the linear piece of the present branch there, constant beyond its ends
 //   go(u)                       the branch went on to there: loops that it closed are forgotten
-//   turn(u)                     the branch turned there
+//   back_from(u, piece)         the Way back that begins there, on that piece, and of which piece(way, u) is one
+//   turn(way)                   the branch turned, and that way is the present one
 //
 // An output that moves by more than its noise from sample to sample is taken as it comes; one that does not is averaged
 // over up to 8 samples. Behind the furthest mean since the last turn lie three zones, as wide as that mean's noise:
@@ -32,21 +35,24 @@ template <class Curve>
 class TurningCompensator final : public Compensator {
  public:
   TurningCompensator(Curve curve, const CompensatorSetup& setup)
-      : options_(setup.options),
+      : time_(setup.time),
+        creep_scale_(setup.creep_scale),
+        lag_share_(setup.lag_share),
+        zero_(setup.zero),
+        per_gain_(1.0 / setup.gain),
         x_low_(curve.x_low()),
         span_(curve.x_high() - curve.x_low()),
         top_(curve.top()),
-        zero_(setup.zero),
-        per_gain_(1.0 / setup.gain),
         stated_noise_(setup.noise / std::abs(setup.gain)),
-        noise_(std::max(stated_noise_, kLeastNoise * top_)),
+        top_doubt_(setup.options.top_doubt),
+        moving_(setup.options.moving),
+        least_weight_(1.0 / setup.options.longest_mean),
         residual_(setup.residual),
-        time_(setup.time),
-        creep_scale_(setup.creep_scale),
-        lag_share_(setup.lag_share),
-        worked_s_(setup.worked_s),
-        low_{curve},
-        high_{std::move(curve)} {
+        low_(curve),
+        high_(std::move(curve)),
+        options_(setup.options),
+        noise_(std::max(stated_noise_, kLeastNoise * top_)),
+        worked_s_(setup.worked_s) {
     const double noise2 = noise_ * noise_;
     per_noise2_ = noise2 > 0.0 ? 1.0 / noise2 : kNoNoise;
     jump2_ = options_.jump_in_noises * options_.jump_in_noises * noise2;
@@ -55,6 +61,9 @@ class TurningCompensator final : public Compensator {
     hold2_ = hold * hold * noise2;
     rest2_ = options_.rest_in_noises * options_.rest_in_noises * noise2;
     off_ = options_.flat_in_noises * noise_;
+    const double flat = options_.flat_share * span_ / options_.flat_in_noises;
+    flat2_ = flat * flat;
+    steepest_guess_ = kSteepestGuess * span_ / top_;
     band_ = options_.band_in_noises * noise_;
     margin_ = std::max(options_.possible_share * top_, band_);
     for (std::size_t j = 0; time_ && j < kCreepElements; ++j)
@@ -75,37 +84,32 @@ class TurningCompensator final : public Compensator {
     }
     // Before creep is undone, which may be smaller than the model says.
     const bool beyond = above < -margin_ || above > top_ + margin_;
-    if (beyond || std::isnan(above)) {
+    if (beyond || std::isnan(above)) [[unlikely]] {
       if (!taken_though_beyond(y)) return hold(passed, beyond);
     } else {
       y = std::clamp(y, -margin_, top_ + margin_);
       spikes_ = 0;
     }
     last_factor_ = factor;
-    if (started_) {
+    if (started_) [[likely]] {
       follow(y);
     } else {
       mean_ = extreme_ = turn_ = y;
       started_ = true;
     }
-    decided_ ? turn_when_beyond() : decide_when_beyond();
-    if (decided_ && mean_ == extreme_) {
-      low_.go(mean_);
-      if (unknown_) high_.go(mean_);
-    }
-    Reading now = read(low_);
-    if (unknown_) settle(now);
+    const bool stands = weight_ == least_weight_ && mean_ >= stands_from_ && mean_ <= stands_to_;
+    const Reading now = stands ? read_again(low_, noise2_) : read_anew();
     last_x_ = now.x - x_low_;
     last_y_ = mean_;
     double pressure = last_x_, unsettled = 0.0;
     if (passed != nullptr) {
-      last_slope_ = std::min(now.slope, kSteepestGuess * span_ / top_);
+      last_slope_ = std::min(now.slope, steepest_guess_);
       pressure = std::clamp(before_lag(lag_share_, dynamics_, *passed, last_x_), 0.0, span_);
       advance(time_->dynamics, dynamics_, *passed, pressure);
       unsettled = std::min(unsettled_share(pressure) * std::abs(mean_ * now.slope), span_);
     }
     const double squared = now.squared + squared_residual(last_x_) + unsettled * unsettled;
-    last_ = {x_low_ + pressure, std::sqrt(squared), now.flat, beyond, unknown_, false};
+    last_ = {x_low_ + pressure, std::sqrt(squared), noise2_ > flat2_, beyond, unknown_, false};
     return last_;
   }
 
@@ -120,6 +124,7 @@ class TurningCompensator final : public Compensator {
     unknown_ = how == Start::kUnknown;
     if (unknown_) high_.start(true);
     started_ = decided_ = !unknown_;
+    stands_from_ = kNowhere;
     ascending_ = held_ = true;
     back_ = false;
     steps_ = kStepCeiling;
@@ -170,12 +175,13 @@ class TurningCompensator final : public Compensator {
 
   // One history: its curve, the way back from a turn that is not remembered yet, and what was read of them last.
   struct Branch {
-    Curve curve;
-    Curve back = curve;
     CurvePiece here = {}, there = {};
-    double back_from = kNowhere;              // the output of the way back's turn
     double slope_at = kNowhere, slope = 0.0;  // steepest within the flat criterion's step, x a y
     double back_slope_at = kNowhere, back_slope = 0.0;
+    double back_from = kNowhere;  // the output of the way back's turn
+    typename Curve::Way back = {};
+    Curve curve;
+    explicit Branch(Curve own) : curve(std::move(own)) {}
 
     void forget() {
       here = {};
@@ -186,7 +192,8 @@ class TurningCompensator final : public Compensator {
       forget();
     }
     void turn(double y) {
-      curve.turn(curve.place(y));
+      find_back(y);
+      curve.turn(back);
       forget();
     }
     void go(double y) {
@@ -196,37 +203,38 @@ class TurningCompensator final : public Compensator {
       here = curve.piece(u);
       back_from = slope_at = kNowhere;
     }
-    static double read(const Curve& curve, CurvePiece& piece, double y) {
+    // `piece`: the last one that was read, `here` or on the way back.
+    double read(CurvePiece& piece, bool on_back, double y) const {
       const double u = curve.place(y);
-      if (!piece.holds(u)) piece = curve.piece(u);
-      return piece.along(u);
+      if (!piece.holds(u)) piece = on_back ? curve.piece(back, u) : curve.piece(u);
+      return curve.input(piece.along(u));
     }
-    static double steepest(const Curve& curve, const CurvePiece& at, double y, double off) {
+    double steepest(const CurvePiece& at, bool on_back, double y, double off) const {
       const auto x = [&](double to) {
         CurvePiece piece = at;
-        return read(curve, piece, to);
+        return read(piece, on_back, to);
       };
-      const double here = x(y);
-      return std::max(here - x(y - off), x(y + off) - here) / off;
+      const double middle = x(y);
+      return std::max(middle - x(y - off), x(y + off) - middle) / off;
     }
-    double x(double y) { return read(curve, here, y); }
+    double x(double y) { return read(here, false, y); }
     void find_back(double from) {
       if (back_from == from) return;
-      back = curve;
-      back.turn(curve.place(from));
+      const double u = curve.place(from);
+      back = curve.back_from(u, u > here.low && u < here.high ? here : curve.piece(u));  // at an end the next's
       back_from = from;
       there = {};
       back_slope_at = kNowhere;
     }
     double x_back(double from, double y) {
       find_back(from);
-      return read(back, there, y);
+      return read(there, true, y);
     }
     // Within half the step it is taken as the same.
     double steepest_at(double y, double off) {
       if (off <= 0.0) return 0.0;
       if (!(std::abs(y - slope_at) <= 0.5 * off)) {
-        slope = steepest(curve, here, y, off);
+        slope = steepest(here, false, y, off);
         slope_at = y;
       }
       return slope;
@@ -235,7 +243,7 @@ class TurningCompensator final : public Compensator {
       if (off <= 0.0) return 0.0;
       if (!(std::abs(y - back_slope_at) <= 0.5 * off)) {
         find_back(from);
-        back_slope = steepest(back, there, y, off);
+        back_slope = steepest(there, true, y, off);
         back_slope_at = y;
       }
       return back_slope;
@@ -243,11 +251,10 @@ class TurningCompensator final : public Compensator {
   };
   struct Reading {
     double x = 0.0, slope = 0.0, squared = 0.0;  // inputs; of an output; uncertainty squared, of noise and turns
-    bool flat = false;
   };
 
   const DynamicsStep* passed_in(double seconds) const {
-    if (!std::isfinite(seconds) || seconds < 0.0)
+    if (!(seconds >= 0.0 && seconds <= std::numeric_limits<double>::max())) [[unlikely]]
       throw std::invalid_argument("compensator: a time is negative or not a finite number");
     return time_ ? &time_->after(seconds) : nullptr;
   }
@@ -273,13 +280,13 @@ class TurningCompensator final : public Compensator {
     const double off = y - mean_, off2 = off * off;
     // A step's variance is noise2 (1 + weight); 1 - weight / 2 is close enough to the inverse and needs no division.
     const double step = off2 * per_noise2_ * (1.0 - 0.5 * weight_);
-    const bool moving = steps_ > options_.moving;
+    const bool moving = steps_ > moving_;
     steps_ += (std::min(step, kStepCeiling) - steps_) * (1.0 / kStepWindow);
     if (moving || off2 > jump2_ * (1.0 + weight_)) {
       weight_ = 1.0;
       mean_ = y;
     } else {
-      weight_ = std::max(weight_ / (1.0 + weight_), 1.0 / options_.longest_mean);
+      if (weight_ > least_weight_) weight_ = std::max(weight_ / (1.0 + weight_), least_weight_);
       mean_ += weight_ * off;
     }
   }
@@ -317,7 +324,7 @@ class TurningCompensator final : public Compensator {
     const double wider = std::max(weight_, extreme_weight_);
     held_ = ahead <= 0.0 || ahead * ahead <= hold2_ * wider;
     back_ = behind2 > hold2_ * wider;
-    if (behind2 > band2_ * wider) {
+    if (behind2 > band2_ * wider) [[unlikely]] {
       if (ascending_) observe_top();
       low_.turn(turn_);
       if (unknown_) high_.turn(turn_);
@@ -327,7 +334,7 @@ class TurningCompensator final : public Compensator {
       return;
     }
     // It came to rest so near that the extreme was noise.
-    const bool rested = weight_ <= 1.0 / options_.longest_mean && extreme_weight_ > weight_ && behind2 <= rest2_;
+    const bool rested = weight_ <= least_weight_ && extreme_weight_ > weight_ && behind2 <= rest2_;
     if (ahead < 0.0 && !rested) return;
     take_extreme();
     back_ = false;
@@ -344,36 +351,78 @@ class TurningCompensator final : public Compensator {
     for (double* const own : {&mean_, &extreme_, &turn_, &last_y_}) *own *= change;
   }
 
-  Reading read(Branch& branch) {
-    Reading now;
-    now.x = branch.x(mean_);
-    now.slope = branch.here.slope;
-    double steepest = branch.steepest_at(mean_, off_), doubt = 0.0, clamped = 0.0;
-    if (const double end = std::clamp(mean_, 0.0, top_), off = mean_ - end; std::abs(off) > band_) {
-      // Drift, or an input beyond the range, which is off by what as much output is worth inside it.
-      CurvePiece at = branch.here;
-      clamped = Branch::read(branch.curve, at, end) - Branch::read(branch.curve, at, end - off);
+  [[gnu::noinline]] Reading read_anew() {
+    if (decided_)
+      turn_when_beyond();
+    else
+      decide_when_beyond();
+    if (decided_ && mean_ == extreme_) {
+      low_.go(mean_);
+      if (unknown_) high_.go(mean_);
     }
-    if (decided_ && (back_ || held_)) {
-      // It may have turned already: then the way back shows how much input hides behind the noise.
-      steepest = std::max(steepest, branch.steepest_back(turn_, mean_, off_));
-      if (back_) {
-        const double there = branch.x_back(turn_, mean_);
-        doubt = (there - now.x) * (1.0 / 3.4641016151377544);  // turned or not: anywhere between, / sqrt(12)
-        now.x = there;
-        now.slope = branch.there.slope;
-      }
-    }
-    now.slope *= branch.curve.stretch(mean_);
-    const double noise2 = stated_noise_ * stated_noise_ * weight_ * steepest * steepest;
-    now.squared = noise2 + doubt * doubt + clamped * clamped;
-    const double flat = options_.flat_share * span_ / options_.flat_in_noises;
-    now.flat = noise2 > flat * flat;
+    Reading now = read(low_, noise2_);
+    if (unknown_) settle(now);
+    find_where_it_stands();
     return now;
   }
 
+  // `noise2`: the part of the uncertainty squared that is the noise's.
+  Reading read(Branch& branch, double& noise2) {
+    branch.x(mean_);
+    double steepest = branch.steepest_at(mean_, off_);
+    if (decided_ && (back_ || held_)) {
+      // It may have turned already: then the way back shows how much input hides behind the noise.
+      steepest = std::max(steepest, branch.steepest_back(turn_, mean_, off_));
+      if (back_) branch.x_back(turn_, mean_);
+    }
+    noise2 = stated_noise_ * stated_noise_ * weight_ * steepest * steepest;
+    Reading now = read_again(branch, noise2);
+    if (const double end = std::clamp(mean_, 0.0, top_), off = mean_ - end; std::abs(off) > band_) {
+      // Drift, or an input beyond the range, which is off by what as much output is worth inside it.
+      CurvePiece at = branch.here;
+      const double clamped = branch.read(at, false, end) - branch.read(at, false, end - off);
+      now.squared += clamped * clamped;
+    }
+    return now;
+  }
+
+  // On the pieces that were found last.
+  Reading read_again(const Branch& branch, double noise2) const {
+    const double u = branch.curve.place(mean_), x = branch.curve.input(branch.here.along(u));
+    if (!back_) return {x, branch.here.slope * branch.curve.stretch(mean_), noise2};
+    const double there = branch.curve.input(branch.there.along(u));
+    const double doubt = (there - x) * (1.0 / 3.4641016151377544);  // turned or not: anywhere between, / sqrt(12)
+    return {there, branch.there.slope * branch.curve.stretch(mean_), noise2 + doubt * doubt};
+  }
+
+  // From which to which mean a further reading finds the same pieces, slopes and zone.
+  void find_where_it_stands() {
+    stands_from_ = kNowhere;
+    if (weight_ > least_weight_ || extreme_weight_ > weight_ || unknown_ || !(held_ || back_) ||
+        std::isnan(low_.back_slope_at))
+      return;
+    if (back_ && time_) return;  // creep alone may end it
+    const double way = ascending_ ? -1.0 : 1.0, hold = way * std::sqrt(hold2_ * weight_);
+    const double one = back_ ? turn_ + hold : extreme_;
+    const double other = turn_ + (back_ ? way * std::sqrt(band2_ * weight_) : hold);
+    stands_from_ = std::min(one, other);
+    stands_to_ = std::max(one, other);
+    const auto within = [&](double from, double to) {
+      stands_from_ = std::max(stands_from_, from);
+      stands_to_ = std::min(stands_to_, to);
+    };
+    for (const double at : {low_.slope_at, low_.back_slope_at}) within(at - 0.5 * off_, at + 0.5 * off_);
+    within(low_.curve.output(low_.here.low), low_.curve.output(low_.here.high));
+    if (back_) within(low_.curve.output(low_.there.low), low_.curve.output(low_.there.high));
+    within(-band_, top_ + band_);
+    const double little = 1e-6 * off_;  // more than these ends are rounded by
+    stands_from_ += little;
+    stands_to_ -= little;
+  }
+
   void settle(Reading& now) {
-    const Reading low = read(high_);
+    double noise2 = 0.0;
+    const Reading low = read(high_, noise2);
     const double apart = now.x - low.x;
     if (std::abs(apart) <= options_.known_share * span_) {
       unknown_ = false;
@@ -382,16 +431,16 @@ class TurningCompensator final : public Compensator {
       return;
     }
     now.x = 0.5 * (now.x + low.x);
+    noise2_ = std::max(noise2_, noise2);
     // Half the distance, since ELAM's inner curves may leave the space between the two.
     now.squared = std::max(now.squared, low.squared) + 0.25 * apart * apart;
-    now.flat = now.flat || low.flat;
   }
 
   [[nodiscard]] double squared_residual(double x) const {
     if (residual_.empty()) return 0.0;
     const std::size_t levels = residual_.size() / 2;
     const std::size_t at = interval_of(x / span_ * static_cast<double>(levels), levels);
-    const double left = residual_[ascending_ ? at : levels + at], changed = options_.top_doubt * (1.0 - scale_) * x;
+    const double left = residual_[ascending_ ? at : levels + at], changed = top_doubt_ * (1.0 - scale_) * x;
     return left * left + changed * changed;
   }
 
@@ -403,32 +452,35 @@ class TurningCompensator final : public Compensator {
     return sum;
   }
 
-  CompensatorOptions options_;
-  double x_low_, span_, top_;                      // inputs; output
-  double zero_, per_gain_, stated_noise_, noise_;  // noise: of a sample, of the model's output
-  double per_noise2_ = 0.0, jump2_ = 0.0, band2_ = 0.0, hold2_ = 0.0, rest2_ = 0.0, off_ = 0.0, band_ = 0.0,
-         margin_ = 0.0;
-  std::vector<double> residual_;
+  // What each sample needs stands together, first in order of use: an array's state goes through the cache each frame.
   std::shared_ptr<PassedTime> time_;
-  double creep_scale_, lag_share_, worked_s_;
+  double creep_scale_, lag_share_;
   std::array<double, kCreepElements> creep_doubt_{};  // of each element's share of the output
-
-  Branch low_, high_;  // high_: of an unknown history, the one that fell from the top
+  DynamicsState dynamics_;
+  double last_x_ = 0.0, last_slope_ = 0.0, last_y_ = 0.0, last_factor_ = 1.0;  // x: above the lowest
+  double steepest_guess_ = 0.0;
+  double stands_from_ = kNowhere, stands_to_ = kNowhere, noise2_ = 0.0;  // of the last reading
+  double zero_, per_gain_, scale_ = 1.0;                                 // scale: by the observed top
+  double x_low_, span_, top_;                                            // inputs; output
+  double stated_noise_, band_ = 0.0, margin_ = 0.0;                      // of a sample, of the model's output
+  double per_noise2_ = 0.0, jump2_ = 0.0, band2_ = 0.0, hold2_ = 0.0, rest2_ = 0.0, off_ = 0.0, flat2_ = 0.0;
+  double top_doubt_, moving_, least_weight_;
   bool unknown_ = false;
   bool started_ = true;  // false: no sample yet
   bool decided_ = true;  // false: rises or falls, not known yet
   bool ascending_ = true;
   bool held_ = true, back_ = false;              // advanced by no more than noise; behind the extreme by more
+  int spikes_ = 0;                               // in a row
   double steps_ = 0.0;                           // running mean square of the steps, in noises squared
   double mean_ = 0.0, weight_ = 1.0;             // and the last sample's weight in it: 1 over their number
   double extreme_ = 0.0, extreme_weight_ = 1.0;  // furthest mean since the last turn
   double extreme_factor_ = 1.0;                  // creep's there
   double turn_ = 0.0;                            // it without its lead
-  double scale_ = 1.0, highest_ = 0.0;           // of the observed top
-  int spikes_ = 0;                               // in a row
-  DynamicsState dynamics_;
-  double last_x_ = 0.0, last_slope_ = 0.0, last_y_ = 0.0, last_factor_ = 1.0;  // x: above the lowest
+  std::vector<double> residual_;
   Compensated last_;
+  Branch low_, high_;  // high_: of an unknown history, the one that fell from the top
+  CompensatorOptions options_;
+  double noise_, worked_s_, highest_ = 0.0;  // of the observed top
 };
 
 }  // namespace tactbench::analysis

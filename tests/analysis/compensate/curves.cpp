@@ -51,7 +51,8 @@ void check_pieces(Curve curve, unsigned seed) {
       const double other = u + draw(0.0, 1.0) * (ahead - u);
       INFO("turn " << turn << ", " << (rises ? "rising" : "falling") << " from " << from << ": the piece of " << y);
       REQUIRE(curve.piece(other).along(other) == Approx(piece.along(other)).margin(1e-7 * span));
-      REQUIRE((piece.along(u) >= curve.x_low() - 1e-9 * span && piece.along(u) <= curve.x_high() + 1e-9 * span));
+      const double x = curve.input(piece.along(u));
+      REQUIRE((x >= curve.x_low() - 1e-9 * span && x <= curve.x_high() + 1e-9 * span));
       if (rises ? y < furthest : y > furthest) continue;
       // As a stream walks: it goes where its kept piece ends, and a jump lands on the same.
       furthest = y;
@@ -62,7 +63,7 @@ void check_pieces(Curve curve, unsigned seed) {
       REQUIRE(kept.along(u) == Approx(piece.along(u)).margin(1e-7 * span));
     }
     curve = gone_on;
-    curve.turn(curve.place(furthest));
+    curve.turn(curve.back_from(curve.place(furthest), curve.piece(curve.place(furthest))));
     turns.push_back(from = furthest);
     rises = !rises;
     if (rises ? from < 0.001 * top : from > 0.999 * top) {  // at an end it does not turn again at once
@@ -107,14 +108,14 @@ TEST_CASE("on branches that leave the external loop ELAM's curve is the paper's"
         const double y = y0 + (yu - y0) * i / 60.0, x = up.input(y);
         stack.start(false);
         compare(up, y);
-        stack.turn(y - y0);
+        stack.turn(stack.back_from(y - y0, stack.piece(y - y0)));
         if (yu - y > 2.0 * ElamStack::kDriftShare * (yu - y0) || i == 60)
           for (int k = 0; k <= 40; ++k)
             compare(i == 60 ? down : ElamCurve(model, false, x, y), y0 + (y - y0) * k / 40.0);
         // Falling from the top, and up from there: Eqs (35) to (38).
         stack.start(true);
         compare(down, y);
-        stack.turn(y - y0);
+        stack.turn(stack.back_from(y - y0, stack.piece(y - y0)));
         if (i > 0 && i < 60)
           for (int k = 0; k <= 40; ++k) compare(ElamCurve(model, true, down.input(y), y), y + (yu - y) * k / 40.0);
       }
