@@ -5,6 +5,7 @@
 #include "analysis/compensate/elam_curve.h"
 #include "analysis/compensate/preisach_curve.h"
 #include "analysis/compensate/state_curve.h"
+#include "analysis/compensate/turning.h"
 #include "tests/analysis/compensate/kinds.h"
 
 using namespace synthetic;
@@ -119,5 +120,24 @@ TEST_CASE("on branches that leave the external loop ELAM's curve is the paper's"
         if (i > 0 && i < 60)
           for (int k = 0; k <= 40; ++k) compare(ElamCurve(model, true, down.input(y), y), y + (yu - y) * k / 40.0);
       }
+    }
+}
+
+TEST_CASE("a stream that stands reads what its curve says there, though its pieces are short") {
+  const PreisachModel film = film_of(1, 60);  // a state's pieces have no length: nothing is kept of it
+  const double top = film.everett(film.x_high(), film.x_low());
+  CompensatorSetup setup;
+  setup.zero = film.y_low();
+  setup.noise = 0.02 * top;
+  TurningCompensator<PreisachCurve> kept(PreisachCurve(film_table(film, 0.0)), setup);
+  TurningCompensator<StateCurve> asked(StateCurve(film, 0.0), setup);
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0.0, setup.noise);
+  for (const double level : {0.3, 0.7, 0.5, 0.2, 0.6})
+    for (int i = 0; i < 400; ++i) {
+      const double output = setup.zero + top * level + noise(random);
+      const Compensated a = kept.step(output, 0.0), b = asked.step(output, 0.0);
+      REQUIRE(a.pressure_psi == Approx(b.pressure_psi).margin(1e-6 * (film.x_high() - film.x_low())));
+      REQUIRE(a.uncertainty_psi == Approx(b.uncertainty_psi).epsilon(1e-6));
     }
 }
