@@ -73,7 +73,7 @@ struct CompensatorOptions {
   double top_share = 0.0, top_forget = 0.02, top_doubt = 3.0;
   // What a film does in time is known in part: u has this share of each creep that is not settled, of the fastest at
   // least so much of the output (lag is no slower), through the slope.
-  double creep_doubt = 0.15, swift_doubt = 0.02;
+  double creep_doubt = 0.08, swift_doubt = 0.02;
 };
 
 // The creep's target is guessed along the slope of the last reading. Where the film is flat that slope says nothing

@@ -142,7 +142,7 @@ TEST_CASE("recipe: a parameter and a key of pressure take other units, a bare nu
   CHECK_THROWS_AS(with({{"dwell_s", "2kPa"}}), FileError);
 }
 
-TEST_CASE("a file that names recipes gives these, in their order, each with what is set; and is refused elsewhere") {
+TEST_CASE("a file that names recipes gives these in their order, each with what is set") {
   const tactbench::tests::TemporaryFolder folder;
   const auto find = [&](const std::string& name) { return folder.path(name); };
   const auto write = [&](const std::string& name, const std::string& rest) {

@@ -6,11 +6,13 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <pugixml.hpp>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "bench/nightly/night.h"
+#include "bench/run/recipe_check.h"
 #include "sequences/toml/strict_toml.h"
 #include "tests/support/paths.h"
 
