@@ -89,7 +89,9 @@ void judge(const Scenario& scenario, db::RunStore& store, ScenarioResult& result
   for (std::size_t i = 1; i < result.runs.size(); ++i) held_out.push_back(result.runs[i].run);
   if (scenario.void_held_out) store.void_run(held_out.front(), "by the scenario", "nightly", utc_now());
   analysis::Runs runs(store);
-  const analysis::SensorModel fit = fit_run(store, runs.dataset(result.runs.front().run));
+  const std::int64_t fitted = result.runs.front().run;
+  const analysis::SensorModel fit =
+      scenario.dynamic ? fit_run_dynamic(store, runs, fitted) : fit_run(store, runs.dataset(fitted));
   const std::vector<NamedEvaluation> evaluations = evaluate_runs(runs, fit, held_out);
   const std::size_t shown = scenario.held_out.empty() ? 0 : scenario.void_held_out ? evaluations.size() - 1 : 1;
   const analysis::Evaluation& e = evaluations[shown].evaluation;

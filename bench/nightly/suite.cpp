@@ -90,6 +90,8 @@ KeyTable scenario_keys(Scenario& scenario) {
       key::flag("own_run", scenario.own_run,
                 "Hold the figures of the fit's own run against the limits: no verdict on the sensor"),
       key::flag("fits", scenario.fits, "Whether the run is fitted and judged; false for recipes without a loop"),
+      key::word("model", scenario.dynamic, {"dynamic", "elam"}, "dynamic",
+                "Kind of the models: dynamic, which calibrate makes, or elam"),
       key::text("limits", scenario.limits, "Limits file of the verdicts"),
       key::number("seed", scenario.seed, kOne, kSeeds, "Seed of noise and faults"),
       key::number("sensor_seed", scenario.sensor_seed, kOne, kSeeds, "Seed of the array"),

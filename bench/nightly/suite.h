@@ -25,6 +25,7 @@ struct Scenario {
   bool void_held_out = false;                  // the first of them is declared void before anything is judged
   bool own_run = false;                        // judges the figures of the fit's own run: no verdict on the sensor
   bool fits = true;                            // the runs are fitted and judged
+  bool dynamic = false;                        // by dynamic models, as calibrate does; else by ELAM
   std::string limits = "nightly-limits.toml";  // for the verdicts
   std::uint64_t seed = 1, sensor_seed = 1;
 
