@@ -126,14 +126,15 @@ class StudyGatherer {
   }
 
  private:
+  // A run that has plain loops beside others, as `production` has, is one of loops.
   static StudyPurpose purpose_of(const db::RunRecord& record) {
-    StudyPurpose purpose = StudyPurpose::kPlainLoops;
+    bool plain = record.sequences.empty();
     for (const db::SequenceRecord& sequence : record.sequences) {
       const auto recipe = recipe_of(sequence, record.run);
       if (recipe && recipe->kind == sequences::RecipeKind::kPress) return StudyPurpose::kPresses;
-      if (recipe && studies_pace(*recipe)) purpose = StudyPurpose::kPaces;
+      plain = plain || !recipe || !studies_pace(*recipe);
     }
-    return purpose;
+    return plain ? StudyPurpose::kPlainLoops : StudyPurpose::kPaces;
   }
 
   bool take_paces(const db::RunRecord& record) {

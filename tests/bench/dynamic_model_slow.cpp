@@ -222,8 +222,8 @@ TEST_CASE("the dynamic model of one run errs as ELAM after the short recipe, and
   const double dynamic = held_out_error(call(folder, {"fit", "1", "--held-out", "2", "--json"}));
   INFO("psi: ELAM " << elam << ", dynamic " << dynamic);
   CHECK(dynamic < 0.8);
-  REQUIRE(measure(folder, {"inner-loops"}, "3",
-                  {"recipe.turning_points=[10, 60, 10, 40, 10, 60, 20, 60, 10]", "recipe.step=2"})
+  REQUIRE(measure(folder, {"loops"}, "3",
+                  {"recipe.turning_points=[10, 60, 10, 40, 10, 60, 20, 60, 10]", "recipe.step=2", "recipe.dwell_s=1"})
               .code == 0);
   const Finished above = call(folder, {"fit", "3", "--json"});
   INFO(above.err);

@@ -102,9 +102,9 @@ Validity validity_of_runs(const Histories& fitted, const std::vector<Histories>&
 
 // Of the runs that are named; creep of none from the fitted run. A film may move in a hold without creeping from pass
 // to pass, and holds tell the creep of their own length, and one hold that of its own level, alone. So theirs is taken
-// where passes of the fitted run over the same levels are clearly more alike with it than without, and not clearly more
-// alike with the creep that the run tells itself (of one hold: clearly more alike with it than with that one); else
-// that is, or none, with the taxels' scales from the holds.
+// where passes of the fitted run over the same levels are clearly more alike with it than without, and no less than
+// with the creep that the run tells itself (of one hold: clearly more alike than with that one); else that is, or none,
+// with the taxels' scales from the holds.
 ArrayDynamics dynamics_of(const Dataset& fitted, const Dataset* rate, const Dataset* creep,
                           const std::vector<double>& zeros, const std::vector<bool>& usable, double highest,
                           const FitOptions& fit) {
@@ -118,9 +118,8 @@ ArrayDynamics dynamics_of(const Dataset& fitted, const Dataset* rate, const Data
     Dynamics still = of_runs.shared;
     still.lag_share = 0.0;
     const double with_holds = misfit(still), with_own = misfit(own.shared);
-    if (of_runs.holds > 1 ? with_holds <= kClearlyLess * misfit({}) && with_own > kClearlyLess * with_holds
-                          : with_holds <= kClearlyLess * with_own)
-      return of_runs;
+    const double least = of_runs.holds > 1 ? std::min(with_own, kClearlyLess * misfit({})) : kClearlyLess * with_own;
+    if (with_holds <= least) return of_runs;
     find_creep_scales(*creep, zeros, usable, own);
   }
   if (rate != nullptr) find_lag(*rate, zeros, usable, own);

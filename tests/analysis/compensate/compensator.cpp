@@ -369,7 +369,7 @@ TEST_CASE("more creep undone than there is makes no turn of a hold, and no fall 
       const Compensated now = stream->step(walk.output[i], walk.seconds);
       INFO(kind.name << ", sample " << i << ": " << now.pressure_psi << " psi");
       REQUIRE(stream->ascending());
-      REQUIRE(std::abs(now.pressure_psi - walk.x[i]) < 0.08 * kind.span());
+      REQUIRE(std::abs(now.pressure_psi - walk.x[i]) < 0.12 * kind.span());
     }
   }
 }

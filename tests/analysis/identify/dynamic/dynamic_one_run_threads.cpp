@@ -73,8 +73,8 @@ TEST_CASE("a run of two paces and a hold tells lag and each taxel's creep", "[dy
   const std::vector<double> loop = way_along({0, 60, 0}, 4.0);
   const std::vector<double> inner = way_along({0, 60, 10, 60, 30, 60, 50, 60, 0, 10, 0, 30, 0, 50, 0}, 2.0);
   const Dataset fitted = run_of(array,
-                                {{"loops", {{loop, 0.8}, {loop, 3.6}, {loop, 0.8}}},
-                                 {"inner-loops", {{inner, 0.8}}},
+                                {{"loops", {{loop, 1.4}, {loop, 4.3}, {loop, 1.4}}},
+                                 {"inner-loops", {{inner, 1.4}}},
                                  {"hold", {{{60, 0}, 2.0, 31}}}},
                                 1);
   const SensorModel model = fit_dynamic_alone(fitted);

@@ -69,7 +69,7 @@ TEST_CASE("twice the uncertainty of a dynamic model holds most pressures on a pa
     all.covered += own.covered;
     all.squares += own.squares;
     // Not by being wide: the residual is no more than a few times the error that is there.
-    CHECK(model.taxels[t].residual_psi < 5.0 * own.rms());
+    CHECK(model.taxels[t].residual_psi < 6.0 * own.rms());
   }
   INFO(100.0 * all.covered / all.samples << " % of " << all.samples << " samples, which err by " << all.rms()
                                          << " psi");
