@@ -115,7 +115,8 @@ void add_spikes(const analysis::SensorModel& model, const analysis::ModelTaxel& 
     sum.samples += 1.0;
     sum.flagged += now.held || now.out_of_range ? 1.0 : 0.0;
     sum.moves += moves ? 1.0 : 0.0;
-    sum.late += moves && std::abs(now.pressure_psi - before) < 0.2 ? 1.0 : 0.0;
+    const bool at_end = now.pressure_psi <= 0.0 || now.pressure_psi >= 60.0;  // no reading lies beyond
+    sum.late += moves && !at_end && std::abs(now.pressure_psi - before) < 0.2 ? 1.0 : 0.0;
     before = now.pressure_psi;
     passed += seconds;
     if (i == next) {

@@ -33,15 +33,21 @@ TEST_CASE("U of an error in one mount is no U of the sensor mounted anew or a mo
   write_file(folder.path("limits.toml"),
              "schema = 1\nname = \"limits\"\nrule = \"default\"\nmean_compensation_error_psi = 0.5\n"
              "worst_taxel_error_psi = 60\ndistance_of_mean_percent_fs = 100\nunfit_taxels = 256\n");
-  run_recipe(folder, "loops", {"--seed", "1", "--set", "recipe.dwell_s=1", "--set", "recipe.step=2"});
-  run_recipe(folder, "loops", {"--seed", "2", "--set", "recipe.dwell_s=1", "--set", "recipe.step=2"});
-  run_recipe(folder, "loops",
-             {"--seed", "3", "--set", "recipe.dwell_s=1", "--set", "recipe.step=2", "--set",
-              "simulation.effects.remount_variation=0.03", "--set", "simulation.mount_seed=4"});
-  run_recipe(folder, "loops",
-             {"--seed", "4", "--set", "recipe.dwell_s=1", "--set", "recipe.step=2", "--set", "simulation.age_months=1",
-              "--set", "simulation.temperature_c=28", "--set", "simulation.effects.gain_drift_per_month=0.01", "--set",
-              "simulation.effects.zero_drift_v_per_month=0.01"});
+  run_recipe(
+      folder, "loops",
+      {"--seed", "1", "--set", "recipe.dwell_s=1", "--set", "recipe.turning_points=[0, 60, 0, 40, 0, 60, 20, 60, 0]"});
+  run_recipe(
+      folder, "loops",
+      {"--seed", "2", "--set", "recipe.dwell_s=1", "--set", "recipe.turning_points=[0, 60, 0, 40, 0, 60, 20, 60, 0]"});
+  run_recipe(
+      folder, "loops",
+      {"--seed", "3", "--set", "recipe.dwell_s=1", "--set", "recipe.turning_points=[0, 60, 0, 40, 0, 60, 20, 60, 0]",
+       "--set", "simulation.effects.remount_variation=0.03", "--set", "simulation.mount_seed=4"});
+  run_recipe(
+      folder, "loops",
+      {"--seed", "4", "--set", "recipe.dwell_s=1", "--set", "recipe.turning_points=[0, 60, 0, 40, 0, 60, 20, 60, 0]",
+       "--set", "simulation.age_months=1", "--set", "simulation.temperature_c=28", "--set",
+       "simulation.effects.gain_drift_per_month=0.01", "--set", "simulation.effects.zero_drift_v_per_month=0.01"});
   // ELAM: the dynamic model's observer of the gain makes up for much of the month.
   const json same =
       answer(folder, {"fit", "1", "--model", "elam", "--held-out", "2", "--limits", "limits.toml"}, 0)["judgement"];

@@ -40,7 +40,8 @@ void swap_rows(std::vector<TaxelDefect>& defects, int row, int other) {
 std::int64_t run_with(db::RunStore& store, std::uint64_t seed,
                       const std::function<void(std::vector<TaxelDefect>&)>& plant) {
   bench::RunRequest request = small_request({}, {seed, 7});
-  request.recipes = bench::read_recipes({"loops"}, {{"dwell_s", "1"}});
+  request.recipes =
+      bench::read_recipes({"loops"}, {{"turning_points", "[0, 60, 0, 40, 0, 60, 20, 60, 0]"}, {"dwell_s", "1"}});
   request.check_seating = true;
   plant(request.bench.simulation->plant.specimen.defects);
   const bench::RunResult result = run_small(request, store);

@@ -34,7 +34,7 @@ analysis::ReportInput turned_runs(double tilt) {
                                                {"simulation.effects.chamber_tilt_deg", std::to_string(kTiltDeg)},
                                                {"simulation.turned_in_chamber_deg", std::to_string(90 * turn)}},
                                               {static_cast<std::uint64_t>(turn) + 1, 5});
-    request.recipes = bench::read_recipes({"production"});
+    request.recipes = bench::read_recipes({"descending"}, {{"repeats", "1"}});
     request.check_seating = true;
     const bench::RunResult result = run_small(request, store);
     INFO((result.error ? result.error->what() : ""));
