@@ -97,7 +97,7 @@ class TurningCompensator final : public Compensator {
       mean_ = extreme_ = turn_ = y;
       started_ = true;
     }
-    const bool stands = weight_ == least_weight_ && mean_ >= stands_from_ && mean_ <= stands_to_;
+    const bool stands = weight_ == least_weight_ && mean_ >= stands_from_ && mean_ <= stands_to_ && zone_stands();
     const Reading now = stands ? read_again(low_, noise2_) : read_anew();
     last_x_ = now.x - x_low_;
     last_y_ = mean_;
@@ -315,11 +315,20 @@ class TurningCompensator final : public Compensator {
     }
   }
 
+  // The nearer to the extreme of the mean and the mean as measured then, with the creep of the extreme undone: what
+  // creep alone moves is no turn.
+  [[nodiscard]] double nearer_mean() const {
+    const double measured = mean_ * last_factor_ / extreme_factor_;
+    return ascending_ ? std::max(mean_, measured) : std::min(mean_, measured);
+  }
+  [[nodiscard]] bool zone_stands() const {
+    const double nearer = nearer_mean();
+    return nearer >= nearer_from_ && nearer <= nearer_to_;
+  }
+
   void turn_when_beyond() {
     const double ahead = ascending_ ? mean_ - extreme_ : extreme_ - mean_;
-    // What creep alone moves is no turn: the outputs as they were measured have to be behind as well.
-    const double measured = mean_ * last_factor_ / extreme_factor_;
-    const double behind = ascending_ ? turn_ - std::max(mean_, measured) : std::min(mean_, measured) - turn_;
+    const double nearer = nearer_mean(), behind = ascending_ ? turn_ - nearer : nearer - turn_;
     const double behind2 = behind > 0.0 ? behind * behind : 0.0;
     const double wider = std::max(weight_, extreme_weight_);
     held_ = ahead <= 0.0 || ahead * ahead <= hold2_ * wider;
@@ -401,12 +410,12 @@ class TurningCompensator final : public Compensator {
     if (weight_ > least_weight_ || extreme_weight_ > weight_ || unknown_ || !(held_ || back_) ||
         std::isnan(low_.back_slope_at))
       return;
-    if (back_ && time_) return;  // creep alone may end it
-    const double way = ascending_ ? -1.0 : 1.0, hold = way * std::sqrt(hold2_ * weight_);
-    const double one = back_ ? turn_ + hold : extreme_;
-    const double other = turn_ + (back_ ? way * std::sqrt(band2_ * weight_) : hold);
-    stands_from_ = std::min(one, other);
-    stands_to_ = std::max(one, other);
+    const double way = ascending_ ? -1.0 : 1.0, hold = turn_ + way * std::sqrt(hold2_ * weight_);
+    const double beyond = back_ ? turn_ + way * std::sqrt(band2_ * weight_) : -way * kNoNoise;
+    nearer_from_ = std::min(hold, beyond);
+    nearer_to_ = std::max(hold, beyond);
+    stands_from_ = back_ || ascending_ ? -kNoNoise : extreme_;
+    stands_to_ = back_ || !ascending_ ? kNoNoise : extreme_;
     const auto within = [&](double from, double to) {
       stands_from_ = std::max(stands_from_, from);
       stands_to_ = std::min(stands_to_, to);
@@ -416,8 +425,8 @@ class TurningCompensator final : public Compensator {
     if (back_) within(low_.curve.output(low_.there.low), low_.curve.output(low_.there.high));
     within(-band_, top_ + band_);
     const double little = 1e-6 * off_;  // more than these ends are rounded by
-    stands_from_ += little;
-    stands_to_ -= little;
+    for (double* const from : {&stands_from_, &nearer_from_}) *from += little;
+    for (double* const to : {&stands_to_, &nearer_to_}) *to -= little;
   }
 
   void settle(Reading& now) {
@@ -459,10 +468,11 @@ class TurningCompensator final : public Compensator {
   DynamicsState dynamics_;
   double last_x_ = 0.0, last_slope_ = 0.0, last_y_ = 0.0, last_factor_ = 1.0;  // x: above the lowest
   double steepest_guess_ = 0.0;
-  double stands_from_ = kNowhere, stands_to_ = kNowhere, noise2_ = 0.0;  // of the last reading
-  double zero_, per_gain_, scale_ = 1.0;                                 // scale: by the observed top
-  double x_low_, span_, top_;                                            // inputs; output
-  double stated_noise_, band_ = 0.0, margin_ = 0.0;                      // of a sample, of the model's output
+  double stands_from_ = kNowhere, stands_to_ = kNowhere, nearer_from_ = 0.0, nearer_to_ = 0.0;
+  double noise2_ = 0.0;                              // of the last reading
+  double zero_, per_gain_, scale_ = 1.0;             // scale: by the observed top
+  double x_low_, span_, top_;                        // inputs; output
+  double stated_noise_, band_ = 0.0, margin_ = 0.0;  // of a sample, of the model's output
   double per_noise2_ = 0.0, jump2_ = 0.0, band2_ = 0.0, hold2_ = 0.0, rest2_ = 0.0, off_ = 0.0, flat2_ = 0.0;
   double top_doubt_, moving_, least_weight_;
   bool unknown_ = false;
