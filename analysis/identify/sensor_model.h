@@ -47,7 +47,7 @@ struct SensorDynamics {
     std::int64_t run = 0;
     std::string content_sha256;
   };
-  Source rate, creep;  // runs that lag and creep were taken from
+  Source rate, creep;  // further runs that lag and creep were taken from; 0: none
 };
 
 struct ModelTaxel {

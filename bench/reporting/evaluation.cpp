@@ -49,8 +49,6 @@ analysis::SensorModel fit_run(db::RunStore& store, const analysis::Dataset& data
 analysis::SensorModel fit_run_dynamic(db::RunStore& store, analysis::Runs& runs, std::int64_t run) {
   analysis::SensorModel fit = analysis::fit_dynamic_alone(runs.dataset(run));
   fit.content_sha256 = runs.record(run).content_sha256;
-  for (analysis::SensorDynamics::Source* const source : {&fit.dynamics->rate, &fit.dynamics->creep})
-    if (source->run == run) source->content_sha256 = fit.content_sha256;
   fit.program_version = build_info().version;
   fit.fit = keep_fit(store, fit);
   return fit;

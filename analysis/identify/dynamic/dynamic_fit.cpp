@@ -184,8 +184,10 @@ SensorModel fit_from(const Dataset& fitted, const Dataset* rate, const Dataset* 
   model.model = kDynamicModel;
   model.validity = validity_of_runs(before, of_others);
   model.repeats = repeat_drifts(fitted, model.fitted(), fit.common);
-  model.dynamics =
-      SensorDynamics{found.shared, {}, {rate != nullptr ? rate->run : 0, {}}, {creep != nullptr ? creep->run : 0, {}}};
+  const auto source = [&](const Dataset* other) {
+    return SensorDynamics::Source{other != nullptr && other != &fitted ? other->run : 0, {}};
+  };
+  model.dynamics = SensorDynamics{found.shared, {}, source(rate), source(creep)};
   for (std::size_t t = 0; t < width; ++t) {
     model.taxels[t].creep_scale = found.creep_scale[t];
     model.taxels[t].lag_share = found.lag_share[t];

@@ -65,8 +65,8 @@ Markup mean_taxel_table(const ReportInput& input) {
 // What a dynamic model undoes beside hysteresis, and the runs that this was taken from.
 Markup dynamics_table(const SensorModel& fit, PressureUnit unit) {
   if (!fit.dynamics) return {};
-  const bool one_run = fit.dynamics->rate.run == 0;  // and it tells no lag
-  if (one_run && !undoes_creep(*fit.dynamics))
+  const bool one_run = fit.dynamics->rate.run == 0;
+  if (one_run && !in_time(*fit.dynamics))
     return markup(
         "<p class=\"note\">Preisach's model on the linearised output u = v / (1 − c v), with an observer of the gain "
         "at full pressure. Creep and lag are left in: the models come from one run, which tells no creep.</p>\n");
@@ -76,23 +76,21 @@ Markup dynamics_table(const SensorModel& fit, PressureUnit unit) {
     creep += markup("{}{} % in {} s", Text(j == 0 ? "" : ", "), html::percent(d.creep_share[j], 2),
                     html::significant(d.creep_s[j], 3));
   const auto source = [](const SensorDynamics::Source& from) {
-    return markup("run {}, content {}", from.run, code(from.content_sha256));
+    return from.run == 0 ? markup("the fitted run") : markup("run {}, content {}", from.run, code(from.content_sha256));
   };
   const Markup creeps = markup("{} of the output; half of it at {}", creep, html::pressure(d.creep_half, unit, 1));
-  if (one_run)
+  const bool own = creep_of_fitted_run(*fit.dynamics) && fit.dynamics->creep.run != 0;
+  const Markup creep_from =
+      own ? markup("the fitted run; by taxel: {}", source(fit.dynamics->creep)) : source(fit.dynamics->creep);
+  if (one_run && !undoes_lag(*fit.dynamics))
     return pairs_table("Creep that the models undo: the array's",
-                       {{"creep", creeps}, {"creep taken from", markup("the fitted run")}, {"lag", markup("left in")}});
-  const std::int64_t holds = fit.dynamics->creep.run;
-  const bool by_taxel = holds != 0 && holds != fit.run;
-  return pairs_table(
-      "Lag and creep that the models undo: the array's",
-      {{"lag", markup("{} % of a change of pressure comes late, in {} s", html::percent(d.lag_share, 1),
-                      html::fixed(d.lag_s, 2))},
-       {"lag taken from", source(fit.dynamics->rate)},
-       {"creep", creeps},
-       {"creep taken from", !creep_of_fitted_run(*fit.dynamics) ? source(fit.dynamics->creep)
-                            : by_taxel ? markup("the fitted run; by taxel: {}", source(fit.dynamics->creep))
-                                       : markup("the fitted run")}});
+                       {{"creep", creeps}, {"creep taken from", creep_from}, {"lag", markup("left in")}});
+  return pairs_table("Lag and creep that the models undo: the array's",
+                     {{"lag", markup("{} % of a change of pressure comes late, in {} s", html::percent(d.lag_share, 1),
+                                     html::fixed(d.lag_s, 2))},
+                      {"lag taken from", source(fit.dynamics->rate)},
+                      {"creep", creeps},
+                      {"creep taken from", creep_from}});
 }
 
 std::vector<const ModelTaxel*> fitted(const SensorModel& fit) {

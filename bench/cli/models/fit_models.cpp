@@ -197,10 +197,8 @@ class Fit {
     row.document = std::move(model);
     row.document.content_sha256 = histories_.content_sha256;
     row.document.program_version = build_info().version;
-    analysis::SensorDynamics& dynamics = *row.document.dynamics;
-    const analysis::SensorDynamics::Source own{histories_.run, histories_.content_sha256};
-    dynamics.rate = dynamics.rate.run == histories_.run ? own : rate;
-    dynamics.creep = dynamics.creep.run == histories_.run ? own : creep;
+    row.document.dynamics->rate = rate;
+    row.document.dynamics->creep = creep;
     row.label = analysis::label_of(row.document);
     for (const ScoreTarget& target : targets_)
       row.scores.push_back(analysis::score_model(row.document, *target.histories, target.sequences));

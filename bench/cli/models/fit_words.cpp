@@ -127,17 +127,18 @@ std::string dynamics_text(const analysis::SensorModel& fit) {
   for (std::size_t j = 0; j < analysis::kCreepElements; ++j)
     elements.push_back(fmt::format("{:.2f} % in {:.3g} s", 100.0 * d.creep_share[j], d.creep_s[j]));
   const std::string lag = fmt::format("lag {:.1f} % in {:.2g} s", 100.0 * d.lag_share, d.lag_s);
-  const auto source = [&](std::int64_t run) {
-    return run == 0 || run == fit.run ? std::string("the fitted run") : fmt::format("run {}", run);
+  const auto source = [](std::int64_t run) {
+    return run == 0 ? std::string("the fitted run") : fmt::format("run {}", run);
   };
   if (one_run && fit.run == 0)
     return fmt::format("creep {}, half of it at {:.3g} {}; {} (from the fitted table)", fmt::join(elements, ", "),
                        d.creep_half, fit.input_unit, lag);
   const std::int64_t rate = fit.dynamics->rate.run, creep = fit.dynamics->creep.run;
-  const bool own = analysis::creep_of_fitted_run(*fit.dynamics), by_taxel = own && creep != 0 && creep != fit.run;
-  return fmt::format("creep {}, half of it at {:.1f} {} (from {}{}); {}", fmt::join(elements, ", "), d.creep_half,
-                     fit.input_unit, source(own ? fit.run : creep), by_taxel ? ", by taxel from " + source(creep) : "",
-                     rate == 0 ? "lag is left in" : fmt::format("{} (from {})", lag, source(rate)));
+  const bool own = analysis::creep_of_fitted_run(*fit.dynamics);
+  return fmt::format(
+      "creep {}, half of it at {:.1f} {} (from {}{}); {}", fmt::join(elements, ", "), d.creep_half, fit.input_unit,
+      source(own ? 0 : creep), own && creep != 0 ? ", by taxel from " + source(creep) : "",
+      !analysis::undoes_lag(*fit.dynamics) ? "lag is left in" : fmt::format("{} (from {})", lag, source(rate)));
 }
 
 std::string fitted_text(const FittedRun& fitted, analysis::PressureUnit unit) {
