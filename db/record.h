@@ -219,6 +219,13 @@ struct ReportRecord {
   std::string number, content_sha256, approved_by, approved_utc;
   std::string replaces;  // number of the previously approved one; empty: none
   std::string reason;    // what changed and why; empty: replaces none
+  // The runs that it rests on: its own first, those that its models and verdicts are from, those that it was given. A
+  // copy of the store numbers runs anew; their content stays.
+  struct Evidence {
+    std::int64_t run = 0;
+    std::string content_sha256;
+  };
+  std::vector<Evidence> evidence = {};
 };
 
 // A night, or one part of several of it (shard K of N), with what each of its scenarios gave.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <sstream>
 
 #include "db/run_store_database.h"
 
@@ -147,11 +148,13 @@ void RunStore::add_report(const ReportRecord& report) {
                      fmt::format("report {} replaces none, and a reason to replace one is stated", report.number),
                      "leave the reason out");
   }
+  std::string evidence;
+  for (const auto& [run, content] : report.evidence) evidence += fmt::format("{} {}\n", run, content);
   sqlite::Statement(database_->connection,
-                    "INSERT INTO reports (run, number, content_sha256, approved_by, approved_utc, replaces, reason) "
-                    "VALUES (?, ?, ?, ?, ?, ?, ?)")
+                    "INSERT INTO reports (run, number, content_sha256, approved_by, approved_utc, replaces, reason, "
+                    "evidence) VALUES (?, ?, ?, ?, ?, ?, ?, ?)")
       .bind(report.run, report.number, report.content_sha256, report.approved_by, report.approved_utc, report.replaces,
-            report.reason)
+            report.reason, evidence)
       .run();
   seal(report.run, "approvals");
   transaction.commit();
@@ -160,13 +163,16 @@ void RunStore::add_report(const ReportRecord& report) {
 namespace {
 
 constexpr const char* kReportColumns =
-    "SELECT run, number, content_sha256, approved_by, approved_utc, replaces, reason FROM reports";
+    "SELECT run, number, content_sha256, approved_by, approved_utc, replaces, reason, evidence FROM reports";
 
 std::vector<ReportRecord> report_rows(sqlite::Statement& rows) {
   std::vector<ReportRecord> reports;
   while (rows.step()) {
     ReportRecord& r = reports.emplace_back();
-    rows.read(r.run, r.number, r.content_sha256, r.approved_by, r.approved_utc, r.replaces, r.reason);
+    std::string evidence;
+    rows.read(r.run, r.number, r.content_sha256, r.approved_by, r.approved_utc, r.replaces, r.reason, evidence);
+    std::istringstream lines(evidence);
+    for (ReportRecord::Evidence one; lines >> one.run >> one.content_sha256;) r.evidence.push_back(one);
   }
   return reports;
 }

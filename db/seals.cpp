@@ -38,7 +38,8 @@ Digest HashChain::approvals(const std::vector<ReportRecord>& reports) {
     for (const std::string* text : {&r.number, &r.content_sha256, &r.approved_by, &r.approved_utc, &r.replaces}) {
       add(*text);
     }
-    if (!r.reason.empty()) add("reason: " + r.reason);  // no number begins so
+    add(r.reason);
+    for (const ReportRecord::Evidence& one : r.evidence) add("evidence: " + one.content_sha256);
   }
   return finish();
 }

@@ -180,6 +180,7 @@ CREATE TABLE reports (
   approved_by TEXT NOT NULL CHECK (approved_by <> ''), approved_utc TEXT NOT NULL,
   replaces TEXT NOT NULL,          -- number of the report approved before it; '': none
   reason TEXT NOT NULL,            -- why it replaces that one
+  evidence TEXT NOT NULL,          -- the runs that it rests on: number here when signed, content hash; one a line
   UNIQUE (run, number)
 ) STRICT;
 

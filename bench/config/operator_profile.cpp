@@ -49,6 +49,7 @@ constexpr std::array<ProfileRow, kProfileKeys.size()> kRows = {
      {ProfileKey::kRecipe, "recipe", "",
       "Recipe of run and calibrate, where none is typed; several with commas between them"},
      {ProfileKey::kLimits, "limits", "", "Limits file by which calibrate judges, and fit with held-out runs"},
+     {ProfileKey::kLab, "lab", "", "Laboratory file of reports and verdicts, where no --lab is typed"},
      {ProfileKey::kFleet, "fleet", "TACTBENCH_FLEET",
       "Database of the fleet, where a verb needs one and TACTBENCH_FLEET is not set"},
      {ProfileKey::kUnits, "units", "", "Unit of the pressures that are printed, where no --units is typed"}}};

@@ -13,10 +13,10 @@ namespace tactbench::bench {
 
 inline constexpr const char* kProfileFile = "tactbench.toml";
 
-enum class ProfileKey { kBench, kDb, kOperator, kRecipe, kLimits, kFleet, kUnits };
+enum class ProfileKey { kBench, kDb, kOperator, kRecipe, kLimits, kLab, kFleet, kUnits };
 inline constexpr std::array kProfileKeys = {ProfileKey::kBench,  ProfileKey::kDb,     ProfileKey::kOperator,
-                                            ProfileKey::kRecipe, ProfileKey::kLimits, ProfileKey::kFleet,
-                                            ProfileKey::kUnits};
+                                            ProfileKey::kRecipe, ProfileKey::kLimits, ProfileKey::kLab,
+                                            ProfileKey::kFleet,  ProfileKey::kUnits};
 const char* to_string(ProfileKey key);  // as in the file: "bench"
 // "TACTBENCH_BENCH", "TACTBENCH_DB", "TACTBENCH_FLEET"; empty where the environment does not give the value.
 std::string variable_of(ProfileKey key);

@@ -2,13 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <optional>
+#include <set>
 #include <system_error>
 
 #include "analysis/report/parts.h"
 #include "bench/common/error.h"
 #include "bench/common/file_text.h"
 #include "bench/common/signed_number.h"
+#include "bench/reporting/named_runs.h"
+#include "bench/reporting/source_runs.h"
 
 namespace tactbench::bench {
 
@@ -41,6 +46,55 @@ bool may_be_written(const std::string& path, const std::string& number, const db
   if (there == number) return false;
   throw Error("TB-REPORT-SIGNED", fmt::format("the file holds the signed report {}", there), path,
               "a signed report is not written over: name another file with -o");
+}
+
+namespace {
+
+// The runs of this store that a report rests on, its own first; `missing`: content hashes of those that it has not.
+std::vector<db::RunRecord> evidence_runs(const db::RunStore& store, const db::ReportRecord& report,
+                                         std::vector<std::string>* missing) {
+  std::vector<db::RunRecord> runs = {store.run(report.run)};
+  for (const auto& [number, content] : report.evidence) {
+    if (content == runs.front().content_sha256) continue;
+    if (const std::optional<std::int64_t> run = run_of_source(store, {number, content}))
+      runs.push_back(store.run(*run));
+    else if (missing != nullptr)
+      missing->push_back(fmt::format("this store does not have run {}, content {}", number, content.substr(0, 12)));
+  }
+  return runs;
+}
+
+}  // namespace
+
+std::vector<std::string> void_evidence(const db::RunStore& store, const db::ReportRecord& report) {
+  std::vector<std::string> words;
+  for (const db::RunRecord& run : evidence_runs(store, report, nullptr))
+    if (run.is_void()) words.push_back(void_in_words(run));
+  return words;
+}
+
+ReportEvidence check_evidence(const db::RunStore& store, const db::ReportRecord& report) {
+  ReportEvidence found;
+  for (const db::RunRecord& run : evidence_runs(store, report, &found.missing)) {
+    if (run.is_void()) found.fallen.push_back(void_in_words(run));
+    for (const std::string& wrong : store.check_seals(run.run))
+      found.fallen.push_back(fmt::format("run {}: the store was changed: {}", run.run, wrong));
+    const db::ContentCheck data = store.check_content(run.run);
+    if (!data.holds())
+      found.fallen.push_back(fmt::format("run {}: its data were changed: {}", run.run, data.difference));
+  }
+  return found;
+}
+
+std::vector<db::ReportRecord> reports_resting_on(const db::RunStore& store, std::int64_t run) {
+  std::vector<db::ReportRecord> resting = store.reports();
+  std::set<std::string> replaced;
+  for (const db::ReportRecord& report : resting) replaced.insert(report.replaces);
+  std::erase_if(resting, [&](const db::ReportRecord& report) {
+    const std::vector<db::RunRecord> runs = evidence_runs(store, report, nullptr);
+    return replaced.contains(report.number) || std::ranges::find(runs, run, &db::RunRecord::run) == runs.end();
+  });
+  return resting;
 }
 
 }  // namespace tactbench::bench

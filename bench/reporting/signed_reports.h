@@ -1,7 +1,9 @@
 // Protects signed reports from being overwritten.
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "db/run_store.h"
 
@@ -19,5 +21,16 @@ std::string free_report_path(const db::RunStore& store, const std::string& name,
 // Whether report `number` may be written to `path`: false when the file already holds this report, signed. Throws
 // TB-REPORT-SIGNED when it holds another signed report.
 bool may_be_written(const std::string& path, const std::string& number, const db::RunStore& store);
+
+// Why the evidence of a signed report does not hold any more, a sentence each: a run that it rests on is void, or was
+// changed in the store. `missing`: runs that this store does not have, of which nothing can be said.
+struct ReportEvidence {
+  std::vector<std::string> fallen, missing;
+};
+ReportEvidence check_evidence(const db::RunStore& store, const db::ReportRecord& report);
+// Of these the void runs alone, without reading any data.
+std::vector<std::string> void_evidence(const db::RunStore& store, const db::ReportRecord& report);
+// The signed reports that rest on a run, its own among them; without those that a later one replaced.
+std::vector<db::ReportRecord> reports_resting_on(const db::RunStore& store, std::int64_t run);
 
 }  // namespace tactbench::bench

@@ -210,7 +210,14 @@ TEST_CASE("approved reports and figures are copied with their run") {
   NewStore store;
   const std::int64_t run = store_example(store);
   store.add_report({run, "1-0a1b2c3d", "0a1b2c3d", "K. Lee", "2026-01-01T00:00:00Z", "", ""});
-  store.add_report({run, "1-ffffffff", "ff", "M. Ito", "2026-01-02T00:00:00Z", "1-0a1b2c3d", "serial corrected"});
+  store.add_report({run,
+                    "1-ffffffff",
+                    "ff",
+                    "M. Ito",
+                    "2026-01-02T00:00:00Z",
+                    "1-0a1b2c3d",
+                    "serial corrected",
+                    {{run, "c1"}, {9, "c2"}}});
   store.replace_figures(run, "sensor", {{"x_psi", 1.0}});
   NewStore other;
   store_example(other);
@@ -219,6 +226,8 @@ TEST_CASE("approved reports and figures are copied with their run") {
   REQUIRE(reports.size() == 2);
   CHECK((reports[0].number == "1-0a1b2c3d" && reports[1].replaces == "1-0a1b2c3d" && reports[1].run == copied));
   CHECK((reports[0].reason.empty() && reports[1].reason == "serial corrected"));
+  REQUIRE(reports[1].evidence.size() == 2);
+  CHECK((reports[1].evidence[1].run == 9 && reports[1].evidence[1].content_sha256 == "c2"));
   REQUIRE(other.figures("sensor").size() == 1);
   CHECK(other.figures("sensor")[0].run == copied);
 }

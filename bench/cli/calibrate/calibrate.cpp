@@ -34,7 +34,8 @@ void add_calibrate(CLI::App& app, Session& session) {
       ->default_str("random-reversal");
   profile.add(*verb, "--limits", ProfileKey::kLimits, options->limits, "limits file that judges")
       ->capture_default_str();
-  verb->add_option("--lab", options->lab, "laboratory file: facts for the report that no instrument knows");
+  profile.add(*verb, "--lab", ProfileKey::kLab, options->lab,
+              "laboratory file: facts for the report that no instrument knows");
   std::vector<std::string> models = {analysis::kDynamicModel};
   std::ranges::copy(analysis::model_names(), std::back_inserter(models));
   verb->add_option("--model", options->model,

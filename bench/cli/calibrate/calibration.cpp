@@ -276,7 +276,7 @@ std::string calibrate_again(const CalibrateOptions& options, Session& session, s
   add("--recipe", options.recipes, otherwise(ProfileKey::kRecipe, standard.recipes));
   add("--held-out-recipe", options.held_out_recipes, standard.held_out_recipes);
   add("--limits", {options.limits}, otherwise(ProfileKey::kLimits, {standard.limits}));
-  add("--lab", {options.lab}, {standard.lab});
+  add("--lab", {options.lab}, otherwise(ProfileKey::kLab, {standard.lab}));
   add("--model", {options.model}, {standard.model});
   add("--lot", {options.metadata.lot}, {""});
   add("--order", {options.metadata.order}, {""});

@@ -63,14 +63,17 @@ void check_dynamic(const FitOptions& options) {
            "leave out --fit, --mean-taxel and the options of other models");
 }
 
-// The profile's limits count where there is something to judge: held-out runs, and one model of the whole array.
-void take_limits_of_profile(FitModelsOptions& models, Session& session) {
-  if (!models.limits.empty() || models.held_out.empty() || models.models.size() > 1) return;
-  const auto given = session.profile.values().find(ProfileKey::kLimits);
-  if (given == session.profile.values().end()) return;
-  models.limits = given->second.values.front();
-  if (!session.quiet && !session.json)
-    tty::print(stderr, "judged by {} ({})\n", one_line(models.limits), given->second.origin);
+// The profile's limits count where there is something to judge: held-out runs, and one model of the whole array; its
+// laboratory file where something is judged.
+void judge_by_profile(FitModelsOptions& models, Session& session) {
+  const OperatorProfile& profile = session.profile.values();
+  const auto limits = profile.find(ProfileKey::kLimits), lab = profile.find(ProfileKey::kLab);
+  if (models.limits.empty() && !models.held_out.empty() && models.models.size() < 2 && limits != profile.end()) {
+    models.limits = limits->second.values.front();
+    if (!session.quiet && !session.json)
+      tty::print(stderr, "judged by {} ({})\n", one_line(models.limits), limits->second.origin);
+  }
+  if (models.lab.empty() && !models.limits.empty() && lab != profile.end()) models.lab = lab->second.values.front();
 }
 
 // Where none is named: fit_models() looks at the data, unless ELAM alone can do what is asked.
@@ -93,7 +96,7 @@ void fit(FitOptions options, Session& session) {
   options.models.identify.genetic = options.way == "ga";
   check_dynamic(options);
   if (options.check.empty() && names_runs(options.models.source)) return fit_many(options.models, session);
-  take_limits_of_profile(options.models, session);
+  judge_by_profile(options.models, session);
   if (!options.models.lab.empty() && options.models.limits.empty())
     throw Error("TB-USAGE", "--lab is for judging, and there are no limits", "--lab",
                 "add --limits FILE, or leave --lab out");
@@ -162,7 +165,8 @@ void add_fit(CLI::App& app, Session& session) {
       "judged by the limits of tactbench.toml, if it names any");
   verb->add_option(
       "--lab", options->models.lab,
-      "laboratory file: a reference that is overdue by its dates makes verdicts inconclusive, as in a report");
+      "laboratory file: a reference that is overdue by its dates makes verdicts inconclusive, as in a report. Without "
+      "this option that of tactbench.toml, if it names any");
   add_units(*verb, session);
   add_void_too(*verb, session);
   add_common(*verb, session);

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -23,6 +24,7 @@
 #include "bench/reporting/evaluation.h"
 #include "bench/reporting/report_pdf.h"
 #include "bench/reporting/signed_reports.h"
+#include "bench/reporting/source_runs.h"
 #include "db/run_store.h"
 
 namespace tactbench::bench {
@@ -147,6 +149,22 @@ WrittenReport several_runs(analysis::Runs& runs, const ReportOptions& options, c
   return out;
 }
 
+// The runs that the report rests on, its own first.
+std::vector<db::ReportRecord::Evidence> evidence_of(analysis::Runs& runs, const analysis::ReportInput& input,
+                                                    const std::vector<std::string>& studies) {
+  std::vector<std::int64_t> numbers = {input.run.run};
+  std::ranges::copy(source_runs(runs.store(), input.fit), std::back_inserter(numbers));
+  for (const analysis::HeldOut& held_out : input.held_out) numbers.push_back(held_out.run.run);
+  for (const db::VerdictRecord& verdict : input.verdicts) numbers.push_back(verdict.run);
+  for (const db::RunRecord& run : input.further) numbers.push_back(run.run);
+  for (const StudyRun& study : study_runs_of(studies)) numbers.push_back(study.run);
+  std::vector<db::ReportRecord::Evidence> evidence;
+  for (const std::int64_t number : numbers)
+    if (std::ranges::find(evidence, number, &db::ReportRecord::Evidence::run) == evidence.end())
+      evidence.push_back({number, runs.record(number).content_sha256});
+  return evidence;
+}
+
 WrittenReport one_run(db::RunStore& store, analysis::Runs& runs, const ReportOptions& options, const Session& session) {
   JudgedInput judged = input_for(runs, options, options.runs.front(), session);
   analysis::ReportInput& input = judged.input;
@@ -165,7 +183,8 @@ WrittenReport one_run(db::RunStore& store, analysis::Runs& runs, const ReportOpt
     check_signature(judged.judgement, input.run.run, input.run.origin, options.without_verdict, session);
     const std::vector<db::ReportRecord> before = store.reports(input.run.run);
     store.add_report({input.run.run, out.report.number, out.report.content_sha256, options.approve_by, utc_now(),
-                      before.empty() ? "" : before.back().number, options.reason});
+                      before.empty() ? "" : before.back().number, options.reason,
+                      evidence_of(runs, input, options.extras.studies)});
     input.approvals = store.reports(input.run.run);
     out.report = analysis::render_report(input);
   }
@@ -253,7 +272,7 @@ void add_report(CLI::App& app, Session& session) {
   CLI::App* verb = app.add_subcommand("report",
                                       "write the calibration report of a run (a test report when it states no "
                                       "uncertainty), a comparison of two runs, or a page on many, as one file");
-  add_report_options(*verb, *options);
+  add_report_options(*verb, *options, session.profile);
   add_replace(*verb, session);
   verb->add_option(
       "-o,--output", options->output,

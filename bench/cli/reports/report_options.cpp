@@ -39,8 +39,8 @@ void check_report_options(const ReportOptions& options) {
     refuse(fmt::format("--compare takes two runs, not {}", options.runs.size()), "tactbench report --compare 1 2");
   const bool several = options.compare || options.batch;
   if (several && (!options.approve_by.empty() || !options.reason.empty() || !options.held_out.empty() ||
-                  !options.lab.empty() || !options.extras.previous.empty() || !options.extras.studies.empty()))
-    refuse("--approve-by, --reason, --held-out, --lab, --previous and --studies belong to the report of one run",
+                  !options.extras.previous.empty() || !options.extras.studies.empty()))
+    refuse("--approve-by, --reason, --held-out, --previous and --studies belong to the report of one run",
            "report each run by itself, then compare");
   if (!options.issued.empty() && !analysis::is_date(options.issued))
     refuse(fmt::format("'{}' is not a date", options.issued), "write it as 2026-01-31");
@@ -101,7 +101,7 @@ void check_report_runs(analysis::Runs& runs, const ReportOptions& options, const
   (void)named_runs(runs, studied, {"--studies", model_run != run ? model_run : 0}, session.void_too);
 }
 
-void add_report_options(CLI::App& verb, ReportOptions& options) {
+void add_report_options(CLI::App& verb, ReportOptions& options, ProfileOptions& profile) {
   verb.add_option("runs", options.runs,
                   "the run; further runs of the same sensor add creep and temperature to the uncertainty")
       ->required()
@@ -125,7 +125,8 @@ void add_report_options(CLI::App& verb, ReportOptions& options) {
       ->capture_default_str();
   verb.add_option("--limits", options.limits,
                   "judge by this limits file, without storing (default: the limits that the fit was judged by)");
-  verb.add_option("--lab", options.lab, "laboratory file: facts that no instrument knows (init writes one)");
+  profile.add(verb, "--lab", ProfileKey::kLab, options.lab,
+              "laboratory file: facts that no instrument knows (init writes one)");
   verb.add_option("--approve-by", options.approve_by,
                   "store this person's approval of the report, which gets a file named by its number and is not "
                   "overwritten; a changed report names the number that it replaces, and why (--reason)")

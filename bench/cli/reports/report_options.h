@@ -20,7 +20,7 @@ struct ReportOptions {
 
 // Those of the verb itself, without --units, --replace and the ones that all verbs have. `options` outlives the
 // parsing.
-void add_report_options(CLI::App& verb, ReportOptions& options);
+void add_report_options(CLI::App& verb, ReportOptions& options, ProfileOptions& profile);
 
 // The run and fit (0: the standing one, of its dynamic model and ELAM the newer) whose models are used; {`run`, 0}
 // where none is named.

@@ -9,6 +9,7 @@
 #include "bench/cli/reports/reports_verify.h"
 #include "bench/cli/session.h"
 #include "bench/reporting/evaluation.h"
+#include "bench/reporting/signed_reports.h"
 #include "db/run_store.h"
 
 namespace tactbench::bench {
@@ -34,6 +35,7 @@ void list(std::int64_t only, const Session& session) {
     if (only != 0 && run.run != only) continue;
     for (const db::ReportRecord& report : store.reports(run.run)) {
       const std::string file = file_of(store, report);
+      const std::vector<std::string> void_runs = void_evidence(store, report);
       json.push_back({{"number", report.number},
                       {"run", report.run},
                       {"sensor", run.sensor_serial},
@@ -43,11 +45,13 @@ void list(std::int64_t only, const Session& session) {
                       {"replaces", report.replaces},
                       {"reason", report.reason},
                       {"sha256", report.content_sha256},
+                      {"void_evidence", void_runs},
                       {"file", file}});
       if (session.json) continue;
       tty::print("{}{}{}{}{}{}{}\n", cell(report.number, 20), cell(run.sensor_serial, 14),
                  cell(report.approved_utc, 22), cell(report.approved_by, 20), cell(report.replaces, 20),
                  file.empty() ? "elsewhere" : one_line(file), run.origin == "simulated" ? " (simulated)" : "");
+      for (const std::string& why : void_runs) tty::print("    its evidence fell: {}\n", one_line(why, kLongestText));
       if (!report.reason.empty()) tty::print("    reason: {}\n", one_line(report.reason, kLongestText));
     }
   }
@@ -68,11 +72,12 @@ void add_reports(CLI::App& app, Session& session) {
   auto named = std::make_shared<std::string>();
   CLI::App* verify = group->add_subcommand(
       "verify",
-      "tell whether a report is one that was signed, and its file unchanged (exit 0), changed (1), or unknown");
+      "tell whether a report was signed and its file is unchanged, and whether the runs that it rests on still count");
   verify->add_option("report", *named, "number of the report, or a file")->required();
   verify->footer(
-      "Exit codes: 0 signed and unchanged; 1 changed, not signed in this store, or of a void run; 6 it cannot be "
-      "told.");
+      "Exit codes: 0 signed and unchanged; 1 changed, not signed in this store, or its evidence fell (a run that it "
+      "rests on is void "
+      "or was changed); 6 it cannot be told.");
   add_common(*verify, session);
   verify->callback([named, &session] { verify_report(*named, session); });
 }

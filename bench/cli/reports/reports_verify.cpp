@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "analysis/counted.h"
 #include "analysis/whole_file.h"
 #include "bench/common/utc.h"
 #include "bench/reporting/evaluation.h"
@@ -74,29 +75,22 @@ Finding look_at(const KnownReport& known, const std::string& path) {
   return out;
 }
 
-// What else the store says of the report; worse than what the file says.
-std::vector<std::string> doubts(const db::RunStore& store, const KnownReport& known) {
-  std::vector<std::string> lines;
-  if (known.run.is_void())
-    lines.push_back(fmt::format("run {} is VOID: {} ({})", known.run.run, known.run.void_reason, known.run.void_by));
-  for (const std::string& wrong : store.check_seals(known.run.run)) lines.push_back("the store was changed: " + wrong);
-  const db::ContentCheck content = store.check_content(known.run.run);
-  if (!content.holds()) lines.push_back("the run's data were changed: " + content.difference);
-  return lines;
-}
-
 void tell(const std::string& number, const std::optional<KnownReport>& known, const std::vector<Finding>& findings,
-          const std::vector<std::string>& wrong, Session& session) {
-  for (const Finding& finding : findings)
-    if (finding.code == ExitCode::kCriterionFailed || session.code == ExitCode::kPass) session.code = finding.code;
-  if (!wrong.empty()) session.code = ExitCode::kCriterionFailed;
+          const ReportEvidence& evidence, Session& session) {
+  const auto worsen = [&](ExitCode code) {
+    if (code == ExitCode::kCriterionFailed || session.code == ExitCode::kPass) session.code = code;
+  };
+  for (const Finding& finding : findings) worsen(finding.code);
+  const char* const state = !evidence.fallen.empty() ? "fallen" : !evidence.missing.empty() ? "unknown" : "holds";
+  if (known && !evidence.missing.empty()) worsen(ExitCode::kInconclusive);
+  if (!evidence.fallen.empty()) worsen(ExitCode::kCriterionFailed);
   if (session.json) {
     auto files = nlohmann::ordered_json::array();
     for (const Finding& one : findings)
       files.push_back({{"file", one.file}, {"sha256", one.sha256}, {"state", one.state}});
-    nlohmann::ordered_json json = {
-        {"number", number}, {"signed", known.has_value()}, {"files", files}, {"wrong", wrong}};
+    nlohmann::ordered_json json = {{"number", number}, {"signed", known.has_value()}, {"files", files}};
     if (known) {
+      json["evidence"] = {{"state", state}, {"fallen", evidence.fallen}, {"missing", evidence.missing}};
       json["run"] = known->run.run;
       json["sensor"] = known->run.sensor_serial;
       json["origin"] = known->run.origin;
@@ -114,8 +108,13 @@ void tell(const std::string& number, const std::optional<KnownReport>& known, co
                one_line(known->run.sensor_serial), known->run.origin == "simulated" ? " (simulated)" : "",
                one_line(known->report.approved_by), known->report.approved_utc);
   for (const Finding& one : findings)
-    tty::print("{}{}{}\n", one_line(one.file), one.file.empty() ? "" : ": ", one.words);
-  for (const std::string& line : wrong) tty::print("{}\n", one_line(line, kLongestText));
+    tty::print("file      {}{}{}\n", one_line(one.file), one.file.empty() ? "" : ": ", one.words);
+  if (known && evidence.fallen.empty() && evidence.missing.empty())
+    tty::print("evidence  holds: none of the {} that it rests on is void or changed\n",
+               analysis::counted(known->report.evidence.size(), "run"));
+  for (const std::string& line : evidence.fallen) tty::print("evidence  FALLEN: {}\n", one_line(line, kLongestText));
+  for (const std::string& line : evidence.missing)
+    tty::print("evidence  cannot be told: {}\n", one_line(line, kLongestText));
   if (known && !known->next.number.empty())
     tty::print("replaced by report {}{}{}\n", known->next.number, known->next.reason.empty() ? "" : ": ",
                one_line(known->next.reason, kLongestText));
@@ -171,7 +170,7 @@ void verify_report(const std::string& named, Session& session) {
       findings.push_back(
           {"", "", "no file", "its file does not lie beside the store: name it", ExitCode::kInconclusive});
   }
-  tell(number, known, findings, known ? doubts(store, *known) : std::vector<std::string>(), session);
+  tell(number, known, findings, known ? check_evidence(store, known->report) : ReportEvidence(), session);
 }
 
 }  // namespace tactbench::bench

@@ -30,7 +30,7 @@ std::string profile_text(const std::string& operator_name) {
       "# the environment (TACTBENCH_BENCH, TACTBENCH_DB, TACTBENCH_FLEET), and that precedes this file: tactbench "
       "config show --origin.\n"
       "bench = \"bench.toml\"\ndb = \"runs.db\"\noperator = {}\nrecipe = \"production\"\n"
-      "limits = \"limits.toml\"\n# units = \"kPa\"\n",
+      "limits = \"limits.toml\"\nlab = \"lab.toml\"\n# units = \"kPa\"\n",
       nlohmann::json(operator_name).dump());
 }
 

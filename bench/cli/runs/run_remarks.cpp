@@ -9,6 +9,7 @@
 #include "analysis/documents/run_json.h"
 #include "bench/cli/session.h"
 #include "bench/common/utc.h"
+#include "bench/reporting/signed_reports.h"
 #include "db/run_store.h"
 
 namespace tactbench::bench {
@@ -55,8 +56,16 @@ void note_run(const RunRemark& remark, const Session& session) {
 void void_run(const RunRemark& remark, const Session& session) {
   db::RunStore store = store_for_remark(session, remark.run);
   store.void_run(remark.run, remark.text, remark.by, utc_now());
-  tell_remark("runs.void", store.run(remark.run), fmt::format("void, by {}: {}; it is kept", remark.by, remark.text),
-              session);
+  const std::vector<db::ReportRecord> fallen = reports_resting_on(store, remark.run);
+  if (session.json) {
+    nlohmann::ordered_json json = analysis::run_json(store.run(remark.run));
+    for (const db::ReportRecord& report : fallen) json["signed_reports"].push_back(report.number);
+    return print_json("runs.void", json);
+  }
+  tty::print("run {}: void, by {}: {}; it is kept\n", remark.run, remark.by, remark.text);
+  for (const db::ReportRecord& report : fallen)
+    tty::print("warning: the report {}, signed by {} on {}, rests on this run: withdraw it, and report run {} anew\n",
+               report.number, one_line(report.approved_by), report.approved_utc, report.run);
 }
 
 }  // namespace

@@ -146,7 +146,7 @@ TEST_CASE("operator's profile: keys, variables, names between commas, units") {
   const std::vector<std::pair<ProfileKey, std::string>> words = {
       {ProfileKey::kBench, "bench"},   {ProfileKey::kDb, "db"},       {ProfileKey::kOperator, "operator"},
       {ProfileKey::kRecipe, "recipe"}, {ProfileKey::kUnits, "units"}, {ProfileKey::kLimits, "limits"},
-      {ProfileKey::kFleet, "fleet"}};
+      {ProfileKey::kLab, "lab"},       {ProfileKey::kFleet, "fleet"}};
   for (const auto& [key, word] : words) {
     CHECK(bench::to_string(key) == word);
     const bool has = key == ProfileKey::kBench || key == ProfileKey::kDb || key == ProfileKey::kFleet;

@@ -23,7 +23,14 @@ struct SignedStore : OpenStoreHere {
     store_example(store, other);
     store.add_report({1, "1-0000000a", "h", "K. Lee", "2026-01-02T00:00:00Z", "", ""});
     store.add_report({1, "1-0000000b", "i", "M. Ito", "2026-01-03T00:00:00Z", "1-0000000a", "serial corrected"});
-    store.add_report({2, "2-0000000c", "j", "K. Lee", "2026-01-04T00:00:00Z", "", ""});
+    store.add_report({2,
+                      "2-0000000c",
+                      "j",
+                      "K. Lee",
+                      "2026-01-04T00:00:00Z",
+                      "",
+                      "",
+                      {{2, store.run(2).content_sha256}, {1, store.run(1).content_sha256}}});
   }
   Finished reports(std::vector<std::string> words) const {
     words.insert(words.begin(), "reports");
@@ -57,6 +64,7 @@ TEST_CASE("reports list: each signed report with its run, who signed it, what it
                                      {"replaces", "1-0000000a"},
                                      {"reason", "serial corrected"},
                                      {"sha256", "i"},
+                                     {"void_evidence", nlohmann::json::array()},
                                      {"file", ""}});
   CHECK(told.at(2).at("file") == file);
   CHECK(nlohmann::json::parse(store.reports({"list", "1", "--json"}).out).at("reports").size() == 2);
@@ -120,6 +128,32 @@ TEST_CASE("reports verify: a void run and a changed store outweigh an unchanged 
           "UPDATE frames SET status = 9 WHERE frame / 1000000000 = 2; UPDATE reports SET approved_by = 'B' WHERE run "
           "= 2");
   CHECK(store.reports({"verify", page}).code == 1);
+}
+
+TEST_CASE(
+    "voiding a run that a signed report was judged on: void names the report, verify says that its evidence fell") {
+  SignedStore store;
+  const std::string page = store.write_report_file(2, "run-2-0000000c.html", "2-0000000c");
+  const auto evidence = [&](const std::string& in) {
+    return nlohmann::json::parse(verb_here(bench::add_reports, {"reports", "verify", page, "--json", "--db", in}).out)
+        .at("evidence")
+        .at("state");
+  };
+  CHECK(evidence(store.path) == "holds");
+  const auto voided =
+      store.told<nlohmann::json>(bench::add_runs, {"runs", "void", "1", "--reason", "gauge closed", "--by", "me"});
+  CHECK(voided.at("signed_reports") == nlohmann::json{"1-0000000b", "2-0000000c"});
+  CHECK(store.reports({"verify", page}).code == 1);
+  CHECK(evidence(store.path) == "fallen");
+  CHECK(nlohmann::json::parse(store.reports({"list", "2", "--json"}).out)
+            .at("reports")
+            .at(0)
+            .at("void_evidence")
+            .size() == 1);
+  // A copy without the run that it was judged on cannot tell.
+  const std::string copy = store.folder.path("copy.db");
+  db::RunStore::open(copy).copy_runs_from(store.store, {2});
+  CHECK(evidence(copy) == "unknown");
 }
 
 TEST_CASE("the hash of a report's file is kept once, and of signed reports alone") {
