@@ -113,8 +113,11 @@ void judge(const Scenario& scenario, db::RunStore& store, ScenarioResult& result
 void look_at_rig(const db::RunStore& store, ScenarioResult& result) {
   const analysis::StoredRun run = analysis::read_run(store, store.run(result.runs.back().run));
   result.figures["instruments"] = static_cast<double>(run.record.devices.size());
-  const auto busy = std::ranges::count(store.events(run.record.run), "TB-MODBUS-BUSY", &db::EventRecord::id);
+  const std::vector<db::EventRecord> events = store.events(run.record.run);
+  const auto busy = std::ranges::count(events, "TB-MODBUS-BUSY", &db::EventRecord::id),
+             repeated = std::ranges::count(events, "attempt", &db::EventRecord::kind);
   if (busy > 0) result.figures["module_busy"] = static_cast<double>(busy);
+  result.figures["repeated_reads"] = static_cast<double>(repeated);
   result.figures.merge(analysis::chamber_figures(run));
   result.figures.merge(analysis::press_figures(run));
 }
