@@ -4,7 +4,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "analysis/statistics/conformity/trajectory.h"
+#include "analysis/judgement/trajectory.h"
 #include "analysis/statistics/figures/evaluation.h"
 #include "db/record.h"
 

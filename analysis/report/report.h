@@ -14,7 +14,7 @@
 #include "analysis/report/page/style.h"
 #include "analysis/report/results.h"
 #include "analysis/statistics/conformity/overall_verdict.h"
-#include "analysis/statistics/conformity/trajectory.h"
+#include "analysis/judgement/trajectory.h"
 #include "analysis/statistics/conformity/verdict.h"
 #include "analysis/statistics/figures/behaviour.h"
 #include "analysis/statistics/figures/evaluation.h"

@@ -8,7 +8,7 @@
 #include "analysis/identify/folds.h"
 #include "analysis/identify/histories.h"
 #include "analysis/loop.h"
-#include "analysis/statistics/conformity/trajectory.h"
+#include "analysis/judgement/trajectory.h"
 #include "analysis/statistics/figures/sweep_errors.h"
 #include "analysis/statistics/figures/sweep_estimates.h"
 #include "tests/analysis/support/straight_array.h"

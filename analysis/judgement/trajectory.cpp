@@ -1,4 +1,4 @@
-#include "analysis/statistics/conformity/trajectory.h"
+#include "analysis/judgement/trajectory.h"
 
 #include <fmt/format.h>
 

@@ -1,0 +1,89 @@
+// What is compared with a limit: which figure, of what, its value with U, and the verdict on it.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "analysis/judgement/verdict.h"
+#include "analysis/pressure_unit.h"
+#include "analysis/statistics/figures/limits.h"
+
+namespace tactbench::analysis {
+
+// kMeanError: over all fitted taxels and frames. kWorstTaxelError: the largest mean error of a taxel. kDistanceOfMean:
+// of the array's mean, loading from unloading. kUnfitTaxels: without a model. kMismatch: standard deviation over the
+// taxels at a level. kMpe: the |error| of a reading that `share` of the taxels do not exceed at any level of a span.
+enum class Criterion { kMeanError, kWorstTaxelError, kDistanceOfMean, kUnfitTaxels, kMismatch, kMpe };
+
+enum class Quantity { kPressure, kShareOfFullScale, kCount };  // values in psi; shares of 1; taxels
+Quantity quantity_of(Criterion criterion);
+// Whether it is of single readings. The others are means or scatters, which single readings may exceed by far.
+bool of_readings(Criterion criterion);
+
+enum class Direction { kBoth, kUp, kDown };
+
+struct Scope {
+  enum class Kind { kArray, kLevel, kSpan };
+  Kind kind = Kind::kArray;
+  double low_psi = 0.0, high_psi = 0.0;  // of a level both are its pressure; of the array 0
+  Direction direction = Direction::kBoth;
+  double share = 1.0;  // of the fitted taxels that the figure is to hold for
+  static Scope level(double psi, Direction direction);
+  static Scope span(double low_psi, double high_psi, double share);
+  friend bool operator==(const Scope&, const Scope&) = default;
+};
+
+// U of a judged figure, which is not that of a taxel's reading: k = t_95.45 of the effective degrees of freedom.
+struct FigureUncertainty {
+  double expanded = std::numeric_limits<double>::quiet_NaN();  // U, as the value; NaN: not known
+  double combined = std::numeric_limits<double>::quiet_NaN(), dof = 0.0, factor = 0.0;
+  std::string basis;    // how it is formed; without pressures
+  std::string missing;  // why it is not known; empty: it is, or the store has it without its parts
+};
+
+struct Figure {
+  Criterion criterion = Criterion::kMeanError;
+  Scope scope;
+  double value = 0.0;  // NaN: not measured
+  FigureUncertainty u;
+};
+
+struct JudgedFigure : Figure {
+  std::int64_t run = 0;
+  std::int64_t fit = 0, model_run = 0;  // the models'; 0: without a stored fit
+  double limit = 0.0;
+  DecisionRule rule = DecisionRule::kSimple;  // as applied, never kDefault
+  Verdict verdict = Verdict::kInconclusive;
+  std::string limits_sha256;
+  // (value + U) / limit, without U where it is not known: above 1 the figure is beyond. 0 where value and limit are.
+  [[nodiscard]] double use_of_limit() const;
+};
+
+// Words of stores, limits files and JSON: "mean_compensation_error"; "psi", "FS", "taxels"; "array", "level", "span";
+// "both", "up", "down". *_from(): none for an unknown word.
+const char* to_string(Criterion criterion);
+const char* to_string(Quantity quantity);
+const char* to_string(Scope::Kind kind);
+const char* to_string(Direction direction);
+std::optional<Criterion> criterion_from(std::string_view word);
+std::optional<Scope::Kind> scope_kind_from(std::string_view word);
+std::optional<Direction> direction_from(std::string_view word);
+
+// For people: "mean absolute error"; "array", "275.8 kPa increasing", "0 to 413.7 kPa, 95 % of the taxels".
+const char* in_words(Criterion criterion);
+std::string in_words(const Scope& scope, PressureUnit unit);
+// A value, U or limit of it: "6.23 kPa", "1.5 % FS", "1 taxel", "not measured".
+std::string figure_text(Criterion criterion, double value, PressureUnit unit);
+
+// {"kind": "array"}; {"kind": "level", "psi": 40, "direction": "up"}; {"kind": "span", "low_psi": 0, "high_psi": 60,
+// "direction": "both", "share": 0.95}.
+nlohmann::ordered_json scope_json(const Scope& scope);
+// criterion scope value expanded limit unit rule verdict limits_sha256
+nlohmann::ordered_json figure_json(const JudgedFigure& figure);
+
+}  // namespace tactbench::analysis
