@@ -115,6 +115,11 @@ std::string PressureUnit::short_text(double psi) const {
   return kind_ == kPsi ? fmt::format("{:g} psi", psi) : fmt::format("{:.4g} {}", of(psi), symbol());
 }
 
+std::string PressureUnit::short_span(double low_psi, double high_psi) const {
+  return kind_ == kPsi ? fmt::format("{:g} to {:g} psi", low_psi, high_psi)
+                       : fmt::format("{:.4g} to {:.4g} {}", of(low_psi), of(high_psi), symbol());
+}
+
 std::string PressureUnit::rewritten(const std::string& text, bool both) const {
   if (text.find(" psi") == std::string::npos) return text;
   return replaced(text, stated_pressures(), [&](const std::smatch& span) {

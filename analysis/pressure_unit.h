@@ -28,6 +28,7 @@ class PressureUnit {
   [[nodiscard]] std::string text(double psi, int digits) const;   // "68.9 kPa"
   // As short as it is exact to four digits: "40 psi", "275.8 kPa", "2.758 bar".
   [[nodiscard]] std::string short_text(double psi) const;
+  [[nodiscard]] std::string short_span(double low_psi, double high_psi) const;  // "0 to 413.7 kPa"
   // A sentence of the program, which states pressures in psi ("40 psi up", "allowed is 0 to 60 psi", "2.5 psi/s"), in
   // this unit: "275.8 kPa up". For texts that were stored, or come from where nothing is known of the reader.
   [[nodiscard]] std::string in_text(const std::string& text) const;

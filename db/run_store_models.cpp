@@ -88,11 +88,12 @@ void RunStore::replace_verdicts(std::int64_t run, std::int64_t fit, const std::v
   for (const VerdictRecord& v : verdicts) limits.insert(v.limits_sha256);
   for (const std::string& sha256 : limits) before.bind(run, sha256, fit).run();
   sqlite::Statement row(connection,
-                        "INSERT INTO verdicts (run, fit, criterion, scope, value, limit_value, unit, rule, verdict, "
-                        "limits_toml, limits_sha256) VALUES (?, nullif(?, 0), ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+                        "INSERT INTO verdicts (run, fit, criterion, scope_kind, low_psi, high_psi, direction, "
+                        "taxel_share, value, expanded, limit_value, unit, rule, verdict, limits_toml, limits_sha256) "
+                        "VALUES (?, nullif(?, 0), ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   for (const VerdictRecord& v : verdicts) {
-    row.bind(run, fit, v.criterion, v.scope, v.value, v.limit, v.unit, v.rule, v.verdict, v.limits_toml,
-             v.limits_sha256)
+    row.bind(run, fit, v.criterion, v.scope_kind, v.low_psi, v.high_psi, v.direction, v.share, v.value, v.expanded,
+             v.limit, v.unit, v.rule, v.verdict, v.limits_toml, v.limits_sha256)
         .run();
   }
   seal(run, "verdicts");
@@ -103,16 +104,17 @@ namespace {
 
 std::vector<VerdictRecord> verdict_rows(sqlite::Connection& connection, const char* where, std::int64_t run) {
   sqlite::Statement rows(connection,
-                         fmt::format("SELECT v.run, v.fit, v.criterion, v.scope, v.value, v.limit_value, v.unit, "
-                                     "v.rule, v.verdict, v.limits_toml, v.limits_sha256, coalesce(f.run, 0) FROM "
-                                     "verdicts v LEFT JOIN fits f ON f.fit = v.fit WHERE {} = ? ORDER BY v.verdict_row",
+                         fmt::format("SELECT v.run, v.fit, v.criterion, v.scope_kind, v.low_psi, v.high_psi, "
+                                     "v.direction, v.taxel_share, v.value, v.expanded, v.limit_value, v.unit, v.rule, "
+                                     "v.verdict, v.limits_toml, v.limits_sha256, coalesce(f.run, 0) FROM verdicts v "
+                                     "LEFT JOIN fits f ON f.fit = v.fit WHERE {} = ? ORDER BY v.verdict_row",
                                      where));
   rows.bind(run);
   std::vector<VerdictRecord> verdicts;
   while (rows.step()) {
     VerdictRecord& v = verdicts.emplace_back();
-    rows.read(v.run, v.fit, v.criterion, v.scope, v.value, v.limit, v.unit, v.rule, v.verdict, v.limits_toml,
-              v.limits_sha256, v.model_run);
+    rows.read(v.run, v.fit, v.criterion, v.scope_kind, v.low_psi, v.high_psi, v.direction, v.share, v.value, v.expanded,
+              v.limit, v.unit, v.rule, v.verdict, v.limits_toml, v.limits_sha256, v.model_run);
   }
   return verdicts;
 }

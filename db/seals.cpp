@@ -23,11 +23,10 @@ Digest HashChain::verdicts(const std::vector<VerdictRecord>& verdicts) {
   for (const VerdictRecord& v : verdicts) {
     add(v.fit);
     for (const std::string* text :
-         {&v.criterion, &v.scope, &v.unit, &v.rule, &v.verdict, &v.limits_toml, &v.limits_sha256}) {
+         {&v.criterion, &v.scope_kind, &v.direction, &v.unit, &v.rule, &v.verdict, &v.limits_toml, &v.limits_sha256}) {
       add(*text);
     }
-    add(v.value);
-    add(v.limit);
+    for (const double number : {v.low_psi, v.high_psi, v.share, v.value, v.expanded, v.limit}) add(number);
   }
   return finish();
 }

@@ -120,8 +120,13 @@ CREATE TABLE verdicts (
   verdict_row INTEGER PRIMARY KEY,
   run INTEGER NOT NULL REFERENCES runs (run),
   fit INTEGER REFERENCES fits (fit),  -- NULL: judged without a stored fit
-  criterion TEXT NOT NULL, scope TEXT NOT NULL, value REAL, limit_value REAL,
-  unit TEXT NOT NULL,  -- of value and limit_value
+  criterion TEXT NOT NULL,
+  scope_kind TEXT NOT NULL CHECK (scope_kind IN ('array', 'level', 'span')),
+  low_psi REAL NOT NULL, high_psi REAL NOT NULL,  -- of a level equal, of the array 0
+  direction TEXT NOT NULL CHECK (direction IN ('both', 'up', 'down')),
+  taxel_share REAL NOT NULL,                         -- of the taxels, that the figure is to hold for
+  value REAL, expanded REAL, limit_value REAL,       -- expanded: U of the value; NULL: not known
+  unit TEXT NOT NULL CHECK (unit IN ('psi', 'FS', 'taxels')),  -- of value, expanded and limit_value
   rule TEXT NOT NULL,
   verdict TEXT NOT NULL
     CHECK (verdict IN ('pass', 'conditional pass', 'conditional fail', 'fail', 'inconclusive')),
@@ -267,8 +272,8 @@ SELECT f.run, f.fit, f.model, json_extract(t.value, '$.taxel') AS taxel, json_ex
 FROM fits f, json_each(f.document, '$.taxels') t;
 
 CREATE VIEW v_verdicts AS
-SELECT v.run, v.fit, r.origin, r.sensor_serial, v.criterion, v.scope, v.value, v.limit_value, v.unit, v.rule, v.verdict,
-  v.limits_sha256
+SELECT v.run, v.fit, r.origin, r.sensor_serial, v.criterion, v.scope_kind, v.low_psi, v.high_psi, v.direction,
+  v.taxel_share, v.value, v.expanded, v.limit_value, v.unit, v.rule, v.verdict, v.limits_sha256
 FROM verdicts v JOIN runs r ON r.run = v.run;
 
 CREATE VIEW v_figures AS

@@ -30,17 +30,4 @@ nlohmann::ordered_json evaluation_json(const Evaluation& evaluation) {
           {"levels_made_worse_psi", made_worse}};
 }
 
-nlohmann::ordered_json verdict_json(const db::VerdictRecord& verdict) {
-  return {{"criterion", verdict.criterion}, {"scope", verdict.scope},
-          {"value", verdict.value},         {"limit", verdict.limit},
-          {"unit", verdict.unit},           {"rule", verdict.rule},
-          {"verdict", verdict.verdict},     {"limits_sha256", verdict.limits_sha256}};
-}
-
-nlohmann::ordered_json trajectory_json(const JudgedTrajectory& judged) {
-  return {{"trajectory", to_string(judged.trajectory)}, {"reversals", judged.reversals},
-          {"inner_share", judged.inner_share},          {"dwell_s", judged.dwell_s},
-          {"fitted_dwell_s", judged.fitted_dwell_s},    {"other_dwell", judged.other_dwell}};
-}
-
 }  // namespace tactbench::analysis

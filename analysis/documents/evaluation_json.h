@@ -1,12 +1,10 @@
-// Figures and verdicts of a run as JSON, for verbs and for the data of reports. Neither contains the run: a verb adds
+// Figures of a run as JSON, for verbs and for the data of reports. They do not contain the run: a verb adds
 // its number, a report its title.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "analysis/judgement/trajectory.h"
 #include "analysis/statistics/figures/evaluation.h"
-#include "db/record.h"
 
 namespace tactbench::analysis {
 
@@ -16,11 +14,5 @@ namespace tactbench::analysis {
 //   comp_distance_of_mean_fs comp_distance_fs comp_distance_observable_fs worst_taxel_distance_fs
 //   worst_taxel_distance_observable_fs flat_share levels_made_worse_psi
 nlohmann::ordered_json evaluation_json(const Evaluation& evaluation);
-
-// criterion scope value limit unit rule verdict limits_sha256
-nlohmann::ordered_json verdict_json(const db::VerdictRecord& verdict);
-
-// trajectory reversals inner_share dwell_s fitted_dwell_s other_dwell; without the run's number.
-nlohmann::ordered_json trajectory_json(const JudgedTrajectory& judged);
 
 }  // namespace tactbench::analysis

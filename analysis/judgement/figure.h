@@ -5,6 +5,7 @@
 #include <limits>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "analysis/judgement/verdict.h"
 #include "analysis/pressure_unit.h"
 #include "analysis/statistics/figures/limits.h"
+#include "db/record.h"
 
 namespace tactbench::analysis {
 
@@ -77,6 +79,8 @@ std::optional<Direction> direction_from(std::string_view word);
 // For people: "mean absolute error"; "array", "275.8 kPa increasing", "0 to 413.7 kPa, 95 % of the taxels".
 const char* in_words(Criterion criterion);
 std::string in_words(const Scope& scope, PressureUnit unit);
+// With the other unit behind, for documents: "275.8 kPa (40 psi) increasing".
+std::string in_both_units(const Scope& scope, PressureUnit unit);
 // A value, U or limit of it: "6.23 kPa", "1.5 % FS", "1 taxel", "not measured".
 std::string figure_text(Criterion criterion, double value, PressureUnit unit);
 
@@ -85,5 +89,10 @@ std::string figure_text(Criterion criterion, double value, PressureUnit unit);
 nlohmann::ordered_json scope_json(const Scope& scope);
 // criterion scope value expanded limit unit rule verdict limits_sha256
 nlohmann::ordered_json figure_json(const JudgedFigure& figure);
+
+// As the store has it, and back; U comes back without its parts. Throws StoreError TB-STORE-SQL for an unknown word.
+db::VerdictRecord record_of(const JudgedFigure& figure, const std::string& limits_toml);
+JudgedFigure figure_of(const db::VerdictRecord& record);
+std::vector<JudgedFigure> figures_of(std::span<const db::VerdictRecord> records);
 
 }  // namespace tactbench::analysis

@@ -31,6 +31,9 @@ struct VoidRun {
   std::int64_t run = 0;
   std::string by, utc, reason;
 };
+VoidRun void_of(const db::RunRecord& run);
+// "run 7 was declared void by me on 2026-01-31T12:00:00Z: gauge closed".
+std::string in_words(const VoidRun& run);
 
 // Something to say beside the verdicts, or instead of them.
 struct Remark {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "analysis/counted.h"
 #include "analysis/loop.h"
@@ -114,6 +115,12 @@ std::string in_words(const JudgedTrajectory& judged) {
   if (std::isfinite(judged.dwell_s)) words += fmt::format("; dwell {:.1f} s", judged.dwell_s);
   if (judged.other_dwell) words += fmt::format(" (fitted: {:.1f} s)", judged.fitted_dwell_s);
   return words;
+}
+
+nlohmann::ordered_json trajectory_json(const JudgedTrajectory& judged) {
+  return {{"trajectory", to_string(judged.trajectory)}, {"reversals", judged.reversals},
+          {"inner_share", judged.inner_share},          {"dwell_s", judged.dwell_s},
+          {"fitted_dwell_s", judged.fitted_dwell_s},    {"other_dwell", judged.other_dwell}};
 }
 
 }  // namespace tactbench::analysis

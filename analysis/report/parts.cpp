@@ -74,7 +74,7 @@ bool is_simulated(const ReportInput& input) {
 bool is_certificate(const ReportInput& input) {
   if (input.laboratory.accreditation.empty() || is_simulated(input) || !states_uncertainty(input)) return false;
   const ReferenceUncertainty reference = reference_uncertainty(input.run, input.laboratory.instruments);
-  return has_reference(input.run) && reference.calibration.traceable() && reference.untraced().empty();
+  return has_reference(input.run) && reference.calibration.traceable() && !reference.untraced();
 }
 
 bool states_uncertainty(const ReportInput& input) { return input.uncertainty && !input.uncertainty->levels.empty(); }

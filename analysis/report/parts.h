@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "analysis/judgement/verdict.h"
 #include "analysis/report/page/html.h"
 #include "analysis/report/report.h"
-#include "analysis/statistics/conformity/overall_verdict.h"
 
 namespace tactbench::analysis {
 

@@ -40,13 +40,20 @@ void forget_verdicts_runs(ReportInput& content) {
   const auto move = [&](std::int64_t& run) {
     if (const auto known = places.find(run); known != places.end()) run = known->second;
   };
-  for (std::vector<db::VerdictRecord>* rows : {&content.verdicts, &content.judgement.stored_worse}) {
-    for (db::VerdictRecord& verdict : *rows) {
-      move(verdict.run);
-      move(verdict.model_run);
+  Judgement& judgement = content.judgement;
+  for (std::vector<JudgedFigure>* rows : {&judgement.figures, &judgement.stored_worse}) {
+    for (JudgedFigure& figure : *rows) {
+      move(figure.run);
+      move(figure.model_run);
     }
   }
-  for (JudgedUncertainty& uncertainty : content.judged) move(uncertainty.run);
+  for (JudgedRun& run : judgement.runs) move(run.run);
+  for (std::int64_t& run : judgement.decided_by) move(run);
+  for (VoidRun& run : judgement.void_counted) move(run.run);
+  for (Remark& remark : judgement.remarks) {
+    move(remark.run);
+    move(remark.voided.run);
+  }
 }
 
 ReportInput content_of(const ReportInput& input) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/judgement/judgement.h"
 #include "analysis/statistics/figures/usable_range.h"
 #include "analysis/statistics/scoring/model_comparison.h"
 #include "analysis/statistics/studies/contact_results.h"
@@ -33,7 +34,7 @@ struct AsFound {
   std::string model;  // as named on the command line
   Evaluation evaluation;
   int fitted_taxels = 0;
-  std::vector<db::VerdictRecord> verdicts;  // by the limits of the report; empty: not judged
+  Judgement judgement;  // by the limits of the report
   // When they fail: since when earlier measurements are in doubt, a sentence. Without numbers of runs.
   std::string doubt;
 };

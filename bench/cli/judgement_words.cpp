@@ -5,96 +5,68 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <vector>
 
-#include "analysis/documents/evaluation_json.h"
-#include "analysis/report/report.h"
-#include "analysis/statistics/conformity/overall_verdict.h"
 #include "bench/cli/session.h"
 
 namespace tactbench::bench {
 
-using analysis::Verdict;
+using analysis::Judgement;
 
 namespace {
 
-std::string numbers_text(const std::vector<std::int64_t>& runs) {
+std::string numbers_text(std::vector<std::int64_t> runs) {
+  std::ranges::sort(runs);
   return fmt::format("{} {}", runs.size() == 1 ? "run" : "runs", fmt::join(runs, ", "));
+}
+
+std::string numbers_text(const std::vector<analysis::JudgedRun>& runs) {
+  std::vector<std::int64_t> numbers;
+  for (const analysis::JudgedRun& run : runs) numbers.push_back(run.run);
+  return numbers_text(std::move(numbers));
 }
 
 }  // namespace
 
-std::string conditions_text(const analysis::JudgementNotes& notes) {
+std::string conditions_text(const Judgement& judgement) {
+  if (!states_conformity(judgement.overall)) return {};
   std::string text;
-  for (const analysis::JudgedTrajectory& judged : notes.trajectories)
-    text += fmt::format("errors of run {} hold for {}\n", judged.run, analysis::in_words(judged));
-  if (const std::string missing = analysis::not_assessed_in_words(notes); !missing.empty())
+  for (const analysis::JudgedRun& judged : judgement.runs)
+    text += fmt::format("errors of run {} hold for {}\n", judged.run, in_words(judged.trajectory));
+  if (const std::string missing = not_assessed_in_words(judgement); !missing.empty())
     text += fmt::format("not assessed: {}\n", missing);
   return text;
 }
 
-std::string judgement_text(const Judgement& judgement, const std::string& origin) {
-  const analysis::JudgementNotes& notes = judgement.notes;
-  const std::optional<Verdict> overall = analysis::overall_verdict(judgement.verdicts);
+std::string judgement_text(const Judgement& judgement, const std::string& origin, analysis::PressureUnit unit) {
   std::string text;
-  if (!notes.not_judged.empty()) {
-    text = fmt::format("all requirements together: {}, not judged: {}\n", shown_verdict(Verdict::kInconclusive, origin),
-                       notes.not_judged);
-  } else if (analysis::states_conformity(overall)) {
-    std::vector<std::int64_t> judged;
-    for (const analysis::RunVerdict& run : analysis::verdicts_by_run(judgement.verdicts)) judged.push_back(run.run);
-    std::ranges::sort(judged);
-    const std::vector<std::int64_t> deciding = analysis::deciding_runs(judgement.verdicts);
-    text = fmt::format("all requirements together: {}{}{}; judged on {}\n", shown_verdict(*overall, origin),
-                       analysis::condition_in_words(*overall, notes),
-                       deciding.size() < judged.size() ? ", decided by " + numbers_text(deciding) : "",
-                       numbers_text(judged));
+  if (judgement.not_judged) {
+    text = fmt::format("all requirements together: {}, not judged: {}\n",
+                       shown_verdict(analysis::Verdict::kInconclusive, origin), in_words(*judgement.not_judged, unit));
+  } else if (analysis::states_conformity(judgement.overall)) {
+    text = fmt::format(
+        "all requirements together: {}{}{}; judged on {}\n", shown_verdict(*judgement.overall, origin),
+        condition_in_words(judgement, unit),
+        judgement.decided_by.size() < judgement.runs.size() ? ", decided by " + numbers_text(judgement.decided_by) : "",
+        numbers_text(judgement.runs));
   }
-  text += conditions_text(notes);
-  if (!notes.stored_worse.empty()) {
-    std::vector<std::int64_t> runs;
-    for (const analysis::RunVerdict& run : analysis::verdicts_by_run(notes.stored_worse)) runs.push_back(run.run);
+  text += conditions_text(judgement);
+  if (!judgement.stored_worse.empty()) {
+    Judgement stored;
+    stored.figures = judgement.stored_worse;
+    conclude(stored);
     text +=
         fmt::format("stored verdict on these models, worse: {} on {}, by other limits or of runs not included here\n",
-                    shown_verdict(*analysis::overall_verdict(notes.stored_worse), origin), numbers_text(runs));
+                    shown_verdict(*stored.overall, origin), numbers_text(stored.runs));
   }
-  for (const std::string& remark : notes.remarks) text += fmt::format("note: {}\n", remark);
+  for (const analysis::Remark& remark : judgement.remarks) text += fmt::format("note: {}\n", in_words(remark, unit));
   return text;
 }
 
 nlohmann::ordered_json judgement_json(const Judgement& judgement, const std::string& origin) {
-  const analysis::JudgementNotes& notes = judgement.notes;
-  const std::optional<Verdict> overall =
-      notes.not_judged.empty() ? analysis::overall_verdict(judgement.verdicts) : Verdict::kInconclusive;
-  auto runs = nlohmann::ordered_json::array(), voids = nlohmann::ordered_json::array();
-  for (const analysis::RunVerdict& run : analysis::verdicts_by_run(judgement.verdicts))
-    runs.push_back({{"run", run.run}, {"verdict", to_string(run.verdict)}});
-  for (const db::RunRecord& run : judgement.void_runs)
-    voids.push_back({{"run", run.run}, {"reason", run.void_reason}, {"by", run.void_by}, {"utc", run.void_utc}});
-  auto trajectories = nlohmann::ordered_json::array(), missing = nlohmann::ordered_json::array();
-  for (const analysis::JudgedTrajectory& judged : notes.trajectories) {
-    trajectories.push_back(analysis::trajectory_json(judged));
-    trajectories.back()["run"] = judged.run;
-  }
-  for (const analysis::UnassessedSource& source : notes.not_assessed)
-    missing.push_back({{"source", source.source}, {"why", source.why}});
-  return {{"overall", analysis::verdict_word(overall)},
-          {"shown", overall ? shown_verdict(*overall, origin) : ""},
-          {"statement", overall ? analysis::statement_in_words(*overall, notes) : ""},
-          {"trajectories", trajectories},
-          {"not_assessed", missing},
-          {"untraced", notes.untraced},
-          {"not_judged", notes.not_judged},
-          {"runs", runs},
-          {"decided_by", analysis::deciding_runs(judgement.verdicts)},
-          {"void_runs", voids},
-          {"stored_worse", verdicts_json(notes.stored_worse, origin)},
-          {"remarks", notes.remarks}};
+  nlohmann::ordered_json json = {{"shown", judgement.overall ? shown_verdict(*judgement.overall, origin) : ""}};
+  json.update(analysis::judgement_json(judgement));
+  return json;
 }
-
-std::optional<Verdict> verdict_of(const Judgement& judgement) {
-  return analysis::final_verdict(judgement.verdicts, judgement.notes);
-}
-
-ExitCode exit_code_of(const Judgement& judgement) { return exit_code_of(verdict_of(judgement)); }
 
 }  // namespace tactbench::bench

@@ -10,11 +10,9 @@
 
 #include "analysis/documents/evaluation_json.h"
 #include "analysis/json_io.h"
-#include "analysis/statistics/conformity/criterion_words.h"
 #include "analysis/statistics/figures/evaluation.h"
 #include "analysis/statistics/uncertainty/instrument_calibration.h"
 #include "bench/reporting/named_evaluation.h"
-#include "db/record.h"
 #include "db/utf8.h"
 
 namespace tactbench::bench {
@@ -68,41 +66,33 @@ analysis::PressureUnit Session::page_unit() const {
   return analysis::PressureUnit::from(units).value_or(analysis::PressureUnit::kKilopascal);
 }
 
-std::string figure_text(double value, const std::string& unit, analysis::PressureUnit shown) {
-  if (!std::isfinite(value)) return "not measured";  // e.g. the run has no such level
-  if (unit == "psi") return fmt::format("{:.3g} {}", shown.of(value), shown.symbol());
-  if (unit == "taxels" && value == 1.0) return "1 taxel";
-  return unit == "FS" ? fmt::format("{:.3g} % FS", 100.0 * value) : fmt::format("{:.3g} {}", value, unit);
-}
-
-std::string verdict_table(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin,
+std::string verdict_table(const std::vector<analysis::JudgedFigure>& figures, const std::string& origin,
                           analysis::PressureUnit shown) {
-  std::vector<std::string> scopes;
+  std::vector<std::string> scopes, rules;
   std::size_t widest = 12;
-  for (const db::VerdictRecord& row : verdicts) {
-    scopes.push_back(analysis::scope_in_words(row.scope, shown));
+  for (const analysis::JudgedFigure& row : figures) {
+    scopes.push_back(in_words(row.scope, shown));
     widest = std::max(widest, scopes.back().size());
+    const std::string rule = to_string(row.rule);
+    if (std::ranges::find(rules, rule) == rules.end()) rules.push_back(rule);
   }
-  std::string text = fmt::format("{:>5}  {:<27}{}{:>14} {:>16}  {}\n", "run", "requirement", cell("scope", widest + 2),
-                                 "value", "tolerance limit", "verdict");
-  for (std::size_t i = 0; i < verdicts.size(); ++i) {
-    const db::VerdictRecord& row = verdicts[i];
-    text +=
-        fmt::format("{:>5}  {}{}{:>14} {:>16}  {}\n", row.run, cell(analysis::criterion_in_words(row.criterion), 27),
-                    cell(scopes[i], widest + 2), figure_text(row.value, row.unit, shown),
-                    figure_text(row.limit, row.unit, shown), one_line(shown_verdict(row.verdict, origin)));
+  std::string text = fmt::format("{:>5}  {:<27}{}{:>14} {:>11} {:>16}  {}\n", "run", "requirement",
+                                 cell("scope", widest + 2), "value", "U", "tolerance limit", "verdict");
+  for (std::size_t i = 0; i < figures.size(); ++i) {
+    const analysis::JudgedFigure& row = figures[i];
+    text += fmt::format("{:>5}  {}{}{:>14} {:>11} {:>16}  {}\n", row.run, cell(in_words(row.criterion), 27),
+                        cell(scopes[i], widest + 2), figure_text(row.criterion, row.value, shown),
+                        std::isnan(row.u.expanded) ? "not known" : figure_text(row.criterion, row.u.expanded, shown),
+                        figure_text(row.criterion, row.limit, shown), shown_verdict(row.verdict, origin));
   }
-  std::vector<std::string> rules;
-  for (const db::VerdictRecord& row : verdicts)
-    if (std::ranges::find(rules, row.rule) == rules.end()) rules.push_back(row.rule);
   return text + fmt::format("decision rule (ILAC-G8): {}\n", fmt::join(rules, ", "));
 }
 
-ordered_json verdicts_json(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin) {
+ordered_json verdicts_json(const std::vector<analysis::JudgedFigure>& figures, const std::string& origin) {
   ordered_json list = ordered_json::array();
-  for (const db::VerdictRecord& row : verdicts) {
+  for (const analysis::JudgedFigure& row : figures) {
     ordered_json json = {{"run", row.run}, {"model_run", row.model_run}};
-    json.update(analysis::verdict_json(row));
+    json.update(analysis::figure_json(row));
     json["shown"] = shown_verdict(row.verdict, origin);
     list.push_back(std::move(json));
   }

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "analysis/judgement/figure.h"
 #include "analysis/pressure_unit.h"
-#include "analysis/statistics/conformity/overall_verdict.h"
 #include "bench/cli/profile_options.h"
 #include "bench/common/error.h"
 #include "bench/common/for_people.h"
@@ -49,13 +49,11 @@ ExitCode exit_code_of(std::optional<analysis::Verdict> verdict);
 // The verdict in words: "simulated pass" on a simulated run.
 std::string shown_verdict(const std::string& word, const std::string& origin);
 std::string shown_verdict(analysis::Verdict verdict, const std::string& origin);
-// A figure of a verdict: "0.903 psi", "1.5 % FS", "not measured"; pressures in `shown`.
-std::string figure_text(double value, const std::string& unit, analysis::PressureUnit shown);
 // Width of a cell() for the longest of these words.
 std::size_t verdict_columns();
-std::string verdict_table(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin,
+std::string verdict_table(const std::vector<analysis::JudgedFigure>& figures, const std::string& origin,
                           analysis::PressureUnit shown);
-nlohmann::ordered_json verdicts_json(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin);
+nlohmann::ordered_json verdicts_json(const std::vector<analysis::JudgedFigure>& figures, const std::string& origin);
 
 // Table of the figures of evaluations: indication, corrected indication, with and without unobservable levels.
 std::string figures_table(const std::vector<NamedEvaluation>& evaluations, analysis::PressureUnit shown);

@@ -12,7 +12,8 @@ namespace tactbench::bench {
 using analysis::DueState;
 using analysis::InstrumentCalibration;
 
-std::string calibration_words(const InstrumentCalibration& calibration, const std::string& day) {
+std::string calibration_words(const InstrumentCalibration& calibration, const std::string& day,
+                              analysis::PressureUnit unit) {
   std::string text =
       fmt::format("certificate {}", calibration.certificate.empty() ? "not stated" : calibration.certificate);
   if (!calibration.calibrated_on.empty()) text += fmt::format(", calibrated {}", calibration.calibrated_on);
@@ -20,13 +21,14 @@ std::string calibration_words(const InstrumentCalibration& calibration, const st
   text += state == DueState::kNotStated ? std::string(", no due date stated")
           : state == DueState::kOverdue ? fmt::format(", OVERDUE since {}", calibration.due)
                                         : fmt::format(", due {}", calibration.due);
-  if (!calibration.uncertainty.empty()) text += fmt::format(", {}", calibration.uncertainty);
+  if (calibration.stated_u) text += ", " + in_words(*calibration.stated_u, unit);
   for (const std::string& remark : calibration.remarks) text += fmt::format("; {}", remark);
   return text;
 }
 
 std::vector<std::string> calibration_warnings(const BenchConfig& config, const std::vector<db::DeviceRecord>& records,
-                                              const std::string& day, const std::vector<sequences::Step>& steps) {
+                                              const std::string& day, const std::vector<sequences::Step>& steps,
+                                              analysis::PressureUnit unit) {
   std::vector<std::string> lines;
   for (const db::DeviceRecord& record : records) {
     const InstrumentCalibration calibration = analysis::calibration_of(record);
@@ -44,8 +46,8 @@ std::vector<std::string> calibration_warnings(const BenchConfig& config, const s
     planned.highest_psi = first ? level : std::max(planned.highest_psi, level);
     first = false;
   }
-  if (const std::string beyond = analysis::reference_uncertainty(planned).beyond; !beyond.empty())
-    lines.push_back(beyond + "; no U is stated there, and verdicts on errors are inconclusive");
+  if (const auto beyond = analysis::reference_uncertainty(planned).beyond)
+    lines.push_back(in_words(*beyond, unit) + "; no U is stated there, and verdicts on errors are inconclusive");
   for (const std::string& place : placeholders_of(config)) lines.push_back(fmt::format("not filled in: {}", place));
   return lines;
 }

@@ -15,6 +15,7 @@
 #include "analysis/identify/dynamic/dynamic_fit.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/json_io.h"
+#include "analysis/judgement/figure.h"
 #include "bench/reporting/judgement.h"
 #include "bench/reporting/source_runs.h"
 
@@ -28,14 +29,7 @@ Json verdicts_of(const db::RunStore& store, std::int64_t run) {
   Json list = Json::array();
   std::map<std::int64_t, std::vector<db::FitRecord>> fits;  // by run
   for (const db::VerdictRecord& v : store.verdicts(run)) {
-    list.push_back({{"criterion", v.criterion},
-                    {"scope", v.scope},
-                    {"value", v.value},
-                    {"limit", v.limit},
-                    {"unit", v.unit},
-                    {"rule", v.rule},
-                    {"verdict", v.verdict},
-                    {"limits_sha256", v.limits_sha256}});
+    list.push_back(analysis::figure_json(analysis::figure_of(v)));
     if (v.model_run == 0) continue;
     list.back()["models_of"] = store.run(v.model_run).uuid;
     const auto [known, is_new] = fits.try_emplace(v.model_run);
@@ -80,7 +74,7 @@ Json said_of(const db::RunStore& store, const db::RunRecord& run) {
                        {"replaces", report.replaces},
                        {"reason", report.reason}});
   for (const std::string& subject : store.subjects_of(run.run)) figures[subject] = store.figures_of(run.run, subject);
-  const auto worst = standing_verdict(standing_verdicts(store, run.run));
+  const auto worst = standing(store, run.run).verdict;
   return {{"tags", run.tags},
           {"notes", run.notes},
           {"void_reason", run.void_reason},

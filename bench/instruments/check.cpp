@@ -54,7 +54,7 @@ void complain(DeviceCheck& result, const std::string& note, const std::string& r
 // In words; overdue is a warning, which any fault outranks.
 void tell_calibration(const db::DeviceRecord& record, const std::string& today, DeviceCheck& result) {
   const analysis::InstrumentCalibration calibration = analysis::calibration_of(record);
-  result.notes.push_back(calibration_words(calibration, today));
+  result.notes.push_back(calibration_words(calibration, today, analysis::PressureUnit::kPsi));
   if (due_state(calibration, today) != analysis::DueState::kOverdue || result.state != State::kOk) return;
   result.state = State::kWarning;
   result.remedy = "have it calibrated: results measured with it until then are inconclusive";

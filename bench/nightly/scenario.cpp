@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/json_io.h"
-#include "analysis/statistics/conformity/overall_verdict.h"
 #include "analysis/statistics/figures/evaluation.h"
 #include "analysis/statistics/figures/figures.h"
 #include "analysis/statistics/figures/limits.h"
@@ -75,12 +74,16 @@ bool run_once(const Scenario& scenario, const std::vector<std::string>& set, std
 }
 
 // The worst word of each criterion over the runs judged.
-std::map<std::string, std::string> words_of(const std::vector<db::VerdictRecord>& verdicts) {
-  std::map<std::string, std::vector<db::VerdictRecord>> rows;
-  for (const db::VerdictRecord& verdict : verdicts)
-    rows[verdict.scope == "array" ? verdict.criterion : verdict.criterion + " " + verdict.scope].push_back(verdict);
+std::map<std::string, std::string> words_of(const analysis::Judgement& judgement) {
+  std::map<std::string, std::optional<analysis::Verdict>> worst;
+  for (const analysis::JudgedFigure& figure : judgement.figures) {
+    std::string name = to_string(figure.criterion);
+    if (figure.scope.kind != analysis::Scope::Kind::kArray)
+      name += " " + in_words(figure.scope, analysis::PressureUnit::kPsi);
+    worst[name] = std::max(worst[name], std::optional(figure.verdict));
+  }
   std::map<std::string, std::string> words;
-  for (const auto& [name, own] : rows) words[name] = analysis::verdict_word(analysis::overall_verdict(own));
+  for (const auto& [name, verdict] : worst) words[name] = analysis::verdict_word(verdict);
   return words;
 }
 
@@ -96,12 +99,14 @@ void judge(const Scenario& scenario, db::RunStore& store, ScenarioResult& result
   const std::size_t shown = scenario.held_out.empty() ? 0 : scenario.void_held_out ? evaluations.size() - 1 : 1;
   const analysis::Evaluation& e = evaluations[shown].evaluation;
   if (scenario.own_run) {
-    result.verdicts = words_of(judge_anew(runs, fit, e, read_limits(find_config(scenario.limits))));
+    const analysis::Limits limits = read_limits(find_config(scenario.limits));
+    analysis::Evidence evidence = gather_evidence(runs, fit, {evaluations[shown]}, limits, true);
+    evidence.runs.front().counts = analysis::EvidenceRun::Counts::kYes;
+    result.verdicts = words_of(analysis::judge(evidence, limits));
   } else if (!held_out.empty()) {
-    const std::vector<db::VerdictRecord> verdicts =
-        judge_and_store(store, runs, fit, evaluations, scenario.limits).verdicts;
-    result.verdicts = words_of(verdicts);
-    result.verdicts["overall"] = analysis::verdict_word(analysis::overall_verdict(verdicts));
+    const analysis::Judgement judgement = judge_and_store(store, runs, fit, evaluations, scenario.limits).judgement;
+    result.verdicts = words_of(judgement);
+    result.verdicts["overall"] = analysis::verdict_word(analysis::worst_of(judgement.figures));
   }
   for (std::size_t taxel = 0; taxel < fit.array().size(); ++taxel)
     if (fit.taxels[taxel].status != analysis::TaxelStatus::kFitted)

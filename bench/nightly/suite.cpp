@@ -6,7 +6,7 @@
 #include <array>
 #include <set>
 
-#include "analysis/statistics/conformity/overall_verdict.h"
+#include "analysis/judgement/verdict.h"
 #include "sequences/toml/key_table.h"
 
 namespace tactbench::bench {

@@ -6,7 +6,6 @@
 #include <set>
 
 #include "analysis/documents/run_json.h"
-#include "analysis/statistics/conformity/overall_verdict.h"
 #include "bench/reporting/judgement.h"
 #include "bench/run/control/locks.h"
 
@@ -15,7 +14,7 @@ namespace tactbench::bench {
 namespace {
 
 std::string verdict_of_run(const db::RunStore& store, const db::RunRecord& run) {
-  const std::optional<analysis::Verdict> verdict = standing_verdict(standing_verdicts(store, run.run));
+  const std::optional<analysis::Verdict> verdict = standing(store, run.run).verdict;
   if (!verdict) return "-";
   return (run.origin == "simulated" ? "simulated " : "") + std::string(analysis::to_string(*verdict));
 }

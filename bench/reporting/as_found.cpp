@@ -6,8 +6,6 @@
 #include <utility>
 
 #include "analysis/identify/stored/model_document.h"
-#include "analysis/statistics/conformity/overall_verdict.h"
-#include "bench/config/config.h"
 #include "bench/reporting/judged_figures.h"
 #include "bench/reporting/judgement.h"
 
@@ -15,10 +13,7 @@ namespace tactbench::bench {
 
 namespace {
 
-bool passed(const db::RunStore& store, std::int64_t run) {
-  const auto standing = standing_verdict(standing_verdicts(store, run));
-  return standing && (*standing == analysis::Verdict::kPass || *standing == analysis::Verdict::kConditionalPass);
-}
+bool passed(const db::RunStore& store, std::int64_t run) { return analysis::passes(standing(store, run).verdict); }
 
 // The newest run of the sensor before `run` on which, or on whose models, a passing verdict stands; empty: none.
 std::string last_pass_utc(const db::RunStore& store, const db::RunRecord& run) {
@@ -35,20 +30,20 @@ std::string day_of_utc(const std::string& utc) { return utc.substr(0, std::min<s
 
 }  // namespace
 
-void judge_as_found(analysis::Runs& runs, analysis::ReportInput& input, const std::string& previous) {
-  if (!input.more.previous || input.verdicts.empty()) return;
+void judge_as_found(analysis::Runs& runs, analysis::ReportInput& input, const std::string& previous,
+                    const analysis::Limits& limits) {
+  if (!input.more.previous || input.judgement.figures.empty()) return;
   analysis::AsFound& found = *input.more.previous;
-  const analysis::Limits limits = parse_limits(input.verdicts.front().limits_toml, "the limits kept with the verdicts");
-  const analysis::SensorModel models = analysis::load_model(previous, &runs.store());
-  const analysis::ReferenceUncertainty reference =
-      analysis::reference_uncertainty(input.run, input.laboratory.instruments);
   // The earlier models' own run may lie in another store: scatter and budgets are those of this run.
-  analysis::SensorModel here = models;
-  here.run = input.run.run;
-  const JudgedFigures figures = judged_figures(runs, here, found.evaluation, limits, reference);
-  found.verdicts = analysis::judge(found.evaluation, here, limits, figures.uncertainties, figures.mpe);
-  analysis::withhold_untraced(found.verdicts, found.evaluation.run, reference);
-  const auto overall = analysis::overall_verdict(found.verdicts);
+  analysis::SensorModel models = analysis::load_model(previous, &runs.store());
+  models.run = input.run.run;
+  analysis::Evidence evidence;
+  analysis::EvidenceRun& own = evidence.runs.emplace_back();
+  own.run = found.evaluation.run;
+  own.reference = analysis::reference_uncertainty(input.run, input.laboratory.instruments);
+  own.figures = judged_figures(runs, models, found.evaluation, limits, own.reference);
+  found.judgement = judge(evidence, limits);
+  const auto overall = found.judgement.overall;
   if (overall != analysis::Verdict::kFail && overall != analysis::Verdict::kConditionalFail) return;
   const std::string last = last_pass_utc(runs.store(), input.run);
   found.doubt = last.empty()

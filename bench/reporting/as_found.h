@@ -8,8 +8,10 @@
 
 namespace tactbench::bench {
 
-// Fills in `verdicts` and `doubt` of input.more.previous, where there are earlier models (`previous`, as named) and
-// limits. When it fails, measurements made since the last calibration of this sensor that passed are in doubt.
-void judge_as_found(analysis::Runs& runs, analysis::ReportInput& input, const std::string& previous);
+// Fills in `judgement` and `doubt` of input.more.previous, where there are earlier models (`previous`, as named) and
+// the report is judged by `limits`. When it fails, measurements made since the last calibration of this sensor that
+// passed are in doubt.
+void judge_as_found(analysis::Runs& runs, analysis::ReportInput& input, const std::string& previous,
+                    const analysis::Limits& limits);
 
 }  // namespace tactbench::bench

@@ -7,7 +7,6 @@
 
 #include "analysis/report/report.h"
 #include "analysis/report/runs.h"
-#include "analysis/statistics/conformity/verdict.h"
 #include "bench/reporting/judgement.h"
 #include "bench/reporting/named_evaluation.h"
 #include "bench/reporting/report_results.h"
@@ -30,13 +29,8 @@ std::vector<NamedEvaluation> evaluate_runs(analysis::Runs& runs, const analysis:
                                            const std::vector<std::int64_t>& held_out,
                                            const std::vector<std::string>& titles = {});
 
-// Verdicts that rest on a reference that was overdue at its run, by the run's record or a laboratory file's `notes`, or
-// whose certificate does not reach the run's pressures, become inconclusive. Returns a sentence for each such run.
-std::vector<std::string> withhold_untraced_runs(analysis::Runs& runs, std::vector<db::VerdictRecord>& verdicts,
-                                                const std::vector<analysis::InstrumentNote>& notes);
-
 // Prints to standard error how many criteria pass or fail only conditionally.
-void warn_of_conditional(const std::vector<db::VerdictRecord>& verdicts);
+void warn_of_conditional(const std::vector<analysis::JudgedFigure>& figures);
 
 // Stores the figures of the fit on its own run `run` under "sensor/SERIAL/RECIPES", for trend and baselines; returns
 // that subject; empty for an imported run, which has no sensor.
@@ -48,23 +42,18 @@ std::string follow_sensor(db::RunStore& store, const db::RunRecord& run, const a
 void follow_fit(db::RunStore& store, analysis::Runs& runs, const analysis::SensorModel& fit,
                 const analysis::Evaluation& own);
 
-// Fills in `uncertainty` of a reading, and `judged`: U of the figures in `input.verdicts`, which must be filled in.
-// `known`: the part already computed while judging.
-void add_uncertainty(analysis::Runs& runs, const analysis::SensorModel& fit,
-                     const std::vector<NamedEvaluation>& evaluations, analysis::ReportInput& input,
-                     const analysis::UncertaintyInputs& inputs = {},
-                     std::vector<analysis::JudgedUncertainty> known = {});
 // A report's input on `run`: models and figures where there are any, verdicts, everything else that is stored.
 // `evaluations` is empty, or its first is the run's own and the others are held out. `extras` null: without model
-// comparison, further studies and uncertainty, which take most of the time.
+// comparison, further studies and uncertainty, which take most of the time. With studies in the budgets the evidence of
+// `judged` is judged again.
 analysis::ReportInput report_input(analysis::Runs& runs, std::int64_t run, const analysis::SensorModel& fit,
-                                   const std::vector<NamedEvaluation>& evaluations, const Judgement& judgement,
+                                   const std::vector<NamedEvaluation>& evaluations, const Judged& judged,
                                    const std::vector<std::int64_t>& further = {}, const ReportExtras* extras = nullptr);
 
 // Renders the report of `evaluations` (the first is the fit's own run) into `path`, or reports/run-N.html next to the
 // store. `replace`: a file of another kind (output_file.h). Returns the path.
 std::string write_report(analysis::Runs& runs, const analysis::SensorModel& fit,
-                         const std::vector<NamedEvaluation>& evaluations, const Judgement& judgement, std::string path,
+                         const std::vector<NamedEvaluation>& evaluations, const Judged& judged, std::string path,
                          std::string* number, const ReportExtras& extras = {}, bool replace = false);
 
 // reports/NAME beside the store.

@@ -4,14 +4,11 @@
 
 #include <algorithm>
 
+#include "analysis/judgement/judgement.h"
 #include "bench/common/error.h"
 #include "bench/common/for_people.h"
 
 namespace tactbench::bench {
-
-std::string void_in_words(const db::RunRecord& run) {
-  return fmt::format("run {} was declared void by {} on {}: {}", run.run, run.void_by, run.void_utc, run.void_reason);
-}
 
 std::vector<db::RunRecord> named_runs(analysis::Runs& runs, const std::vector<std::int64_t>& numbers,
                                       const RunsNamed& named, bool void_too) {
@@ -26,11 +23,12 @@ std::vector<db::RunRecord> named_runs(analysis::Runs& runs, const std::vector<st
     records.push_back(runs.record(run));
     const db::RunRecord& record = records.back();
     if (!record.is_void()) continue;
+    const std::string why = in_words(analysis::void_of(record));
     if (!void_too || !named.void_can_be_taken)
-      throw Error("TB-RUN-VOID", void_in_words(record), named.at,
+      throw Error("TB-RUN-VOID", why, named.at,
                   named.void_can_be_taken ? "name another run, or add --void-too: the results are then marked"
                                           : "name another run: a void run cannot be accepted");
-    tty::print(stderr, "warning: {}; used because of --void-too\n", void_in_words(record));
+    tty::print(stderr, "warning: {}; used because of --void-too\n", why);
   }
   return records;
 }

@@ -20,7 +20,4 @@ struct RunsNamed {
 std::vector<db::RunRecord> named_runs(analysis::Runs& runs, const std::vector<std::int64_t>& numbers,
                                       const RunsNamed& named, bool void_too);
 
-// "run 7 was declared void by me on 2026-01-31T12:00:00Z: gauge closed"
-std::string void_in_words(const db::RunRecord& run);
-
 }  // namespace tactbench::bench

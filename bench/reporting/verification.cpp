@@ -12,11 +12,11 @@
 #include "analysis/identify/dynamic/dynamic_alone.h"
 #include "analysis/identify/stored/comparison.h"
 #include "analysis/identify/stored/model_document.h"
-#include "analysis/statistics/conformity/overall_verdict.h"
 #include "analysis/statistics/figures/evaluation.h"
 #include "analysis/statistics/figures/limits.h"
 #include "bench/config/config.h"
 #include "bench/reporting/evaluation.h"
+#include "bench/reporting/evidence.h"
 #include "bench/reporting/source_runs.h"
 
 namespace tactbench::bench {
@@ -64,18 +64,19 @@ class Verification {
       if (db::sha256_hex(toml) != verdicts.front().limits_sha256) return std::string("the limits file kept with them");
       const analysis::Limits limits = parse_limits(toml, "the limits kept with the verdicts");
       const analysis::SensorModel& models = recomputed(fit);
-      std::vector<db::VerdictRecord> anew =
-          judge_anew(runs_, models, analysis::evaluate(runs_.dataset(run_), models), limits);
-      // Figures on a run that the models were made from have no verdict.
-      if (const auto own = source_runs(store_, models); std::ranges::find(own, run_) != own.end())
-        analysis::withhold_verdicts(anew);
-      std::string difference = analysis::first_difference(verdicts, anew, tolerance);
+      analysis::Evidence evidence =
+          gather_evidence(runs_, models, {{"", analysis::evaluate(runs_.dataset(run_), models)}}, limits, true);
+      const auto differs = [&](bool with_u) {
+        std::vector<db::VerdictRecord> anew;
+        for (const analysis::JudgedFigure& figure : judge(evidence, limits).figures)
+          anew.push_back(analysis::record_of(figure, toml));
+        return analysis::first_difference(verdicts, anew, tolerance, with_u);
+      };
+      std::string difference = differs(true);
       if (difference.empty()) return difference;
-      // The laboratory file is not in the store. Its dates can only withhold a verdict.
-      analysis::ReferenceUncertainty overdue;
-      overdue.overdue = true;
-      analysis::withhold_untraced(anew, run_, overdue);
-      by_laboratory = analysis::first_difference(verdicts, anew, tolerance).empty();
+      // The laboratory file is not in the store. Its dates can only withhold a verdict, and make U larger.
+      evidence.runs.front().reference.overdue = true;
+      by_laboratory = differs(false).empty();
       return by_laboratory ? std::string() : difference;
     });
     if (by_laboratory)

@@ -153,7 +153,8 @@ class RunLifecycle {
     const std::vector<db::DeviceRecord> devices = rig_->devices();
     recorder_->write([this, devices] { bench::keep_devices(store_, result_.run, devices); });
     for (const std::string& line :
-         calibration_warnings(request_.bench, devices, utc_now().substr(0, 10), sequences::compile(request_.recipes)))
+         calibration_warnings(request_.bench, devices, utc_now().substr(0, 10), sequences::compile(request_.recipes),
+                              analysis::PressureUnit::kPsi))
       recorder_->event("warning", "TB-CALIBRATION", line);
   }
 

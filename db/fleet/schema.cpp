@@ -101,8 +101,11 @@ SELECT r.run, r.uuid, facts->>'origin' AS origin, facts->>'outcome' AS outcome, 
 FROM fleet.runs r
 WHERE NOT EXISTS (SELECT 1 FROM fleet.runs n WHERE n.uuid = r.uuid AND n.revision > r.revision);
 CREATE VIEW fleet.every_verdict AS
-SELECT r.run, r.uuid, r.origin, r.sensor_serial, r.started_utc, r.void, v->>'criterion' AS criterion, v->>'scope' AS scope,
-  fleet.number(v->'value') AS value, fleet.number(v->'limit') AS limit_value, v->>'unit' AS unit, v->>'rule' AS rule,
+SELECT r.run, r.uuid, r.origin, r.sensor_serial, r.started_utc, r.void, v->>'criterion' AS criterion,
+  v->'scope'->>'kind' AS scope_kind, fleet.number(coalesce(v->'scope'->'psi', v->'scope'->'low_psi')) AS low_psi,
+  fleet.number(coalesce(v->'scope'->'psi', v->'scope'->'high_psi')) AS high_psi, v->'scope'->>'direction' AS direction,
+  fleet.number(v->'scope'->'share') AS taxel_share, fleet.number(v->'value') AS value,
+  fleet.number(v->'expanded') AS expanded, fleet.number(v->'limit') AS limit_value, v->>'unit' AS unit, v->>'rule' AS rule,
   v->>'verdict' AS verdict, v->>'limits_sha256' AS limits_sha256, v->>'models_of' AS models_of_content
 FROM fleet.every_run r CROSS JOIN LATERAL jsonb_array_elements(fleet.list(r.facts->'verdicts')) AS v;
 CREATE VIEW fleet.every_figure AS

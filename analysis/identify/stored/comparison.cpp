@@ -71,6 +71,12 @@ std::string compare_json(const std::string& what, const nlohmann::json& stored, 
   return stored == recomputed ? std::string() : differing_words(what, json_line(stored), json_line(recomputed));
 }
 
+std::string scope_named(const db::VerdictRecord& v) {
+  if (v.scope_kind == "array") return "verdict on " + v.criterion;
+  return fmt::format("verdict on {} ({}, {:g} to {:g} psi, {}, share {:g})", v.criterion, v.scope_kind, v.low_psi,
+                     v.high_psi, v.direction, v.share);
+}
+
 }  // namespace
 
 bool same_number(double a, double b, double tolerance) {
@@ -86,18 +92,17 @@ std::string first_difference(const std::string& stored, const std::string& recom
 }
 
 std::string first_difference(const std::vector<db::VerdictRecord>& stored,
-                             const std::vector<db::VerdictRecord>& recomputed, double tolerance) {
+                             const std::vector<db::VerdictRecord>& recomputed, double tolerance, bool with_u) {
   if (stored.size() != recomputed.size()) {
     return fmt::format("{} stored, {} recomputed", counted(stored.size(), "verdict"), recomputed.size());
   }
   for (std::size_t i = 0; i < stored.size(); ++i) {
     const db::VerdictRecord &a = stored[i], &b = recomputed[i];
-    const std::string name = fmt::format("verdict on {} ({})", b.criterion, b.scope);
-    if (a.criterion != b.criterion || a.scope != b.scope) {
-      return differing_words(fmt::format("verdict {}", i + 1), fmt::format("{} ({})", a.criterion, a.scope),
-                             fmt::format("{} ({})", b.criterion, b.scope));
-    }
+    const std::string name = scope_named(b);
+    if (scope_named(a) != name) return differing_words(fmt::format("verdict {}", i + 1), scope_named(a), name);
     if (!same_number(a.value, b.value, tolerance)) return differing(fmt::format("{}, value", name), a.value, b.value);
+    if (with_u && !same_number(a.expanded, b.expanded, tolerance))
+      return differing(fmt::format("{}, U", name), a.expanded, b.expanded);
     if (!same_number(a.limit, b.limit, tolerance)) return differing(fmt::format("{}, limit", name), a.limit, b.limit);
     if (a.unit != b.unit) return differing_words(fmt::format("{}, unit", name), a.unit, b.unit);
     if (a.rule != b.rule) return differing_words(fmt::format("{}, rule", name), a.rule, b.rule);

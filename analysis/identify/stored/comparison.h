@@ -18,6 +18,6 @@ bool same_number(double a, double b, double tolerance);
 // tolerance 0, are compared by their bits.
 std::string first_difference(const std::string& stored, const std::string& recomputed, double tolerance);
 std::string first_difference(const std::vector<db::VerdictRecord>& stored,
-                             const std::vector<db::VerdictRecord>& recomputed, double tolerance);
+                             const std::vector<db::VerdictRecord>& recomputed, double tolerance, bool with_u = true);
 
 }  // namespace tactbench::analysis

@@ -146,36 +146,20 @@ Json reported_run(const db::RunRecord& run, const Laboratory& laboratory) {
   return json;
 }
 
-Json judged_json(const ReportInput& input, const db::VerdictRecord& verdict) {
+Json judged_json(const ReportInput& input, const JudgedFigure& figure) {
   Json json;
-  json["on"] = title_of_judged(input, verdict.run);
-  json.update(verdict_json(verdict));
+  json["on"] = title_of_judged(input, figure.run);
+  json.update(figure_json(figure));
   return json;
 }
 
-Json judgement_json(const ReportInput& input) {
-  const JudgementNotes& notes = input.judgement;
-  Json runs = Json::array(), stored = Json::array();
-  for (const JudgedRun& run : judged_runs(input))
-    runs.push_back({{"on", run.title}, {"verdict", to_string(run.verdict)}});
-  for (const db::VerdictRecord& verdict : notes.stored_worse) stored.push_back(judged_json(input, verdict));
-  const auto overall = notes.not_judged.empty() ? overall_verdict(input.verdicts) : Verdict::kInconclusive;
-  Json trajectories = Json::array(), missing = Json::array();
-  for (const JudgedTrajectory& judged : notes.trajectories) {
-    trajectories.push_back(trajectory_json(judged));
-    trajectories.back()["on"] = title_of_judged(input, judged.run);
-  }
-  for (const UnassessedSource& source : notes.not_assessed)
-    missing.push_back({{"source", source.source}, {"why", source.why}});
-  return {{"overall", verdict_word(overall)},
-          {"statement", overall ? statement_in_words(*overall, notes) : ""},
-          {"not_judged", notes.not_judged},
-          {"trajectories", trajectories},
-          {"not_assessed", missing},
-          {"untraced", notes.untraced},
-          {"runs", runs},
-          {"remarks", notes.remarks},
-          {"stored_worse", stored}};
+// Runs by their titles.
+Json judgement_of(const ReportInput& input) {
+  Json json = judgement_json(input.judgement), stored = Json::array();
+  for (Json& run : json["runs"]) run["on"] = title_of_judged(input, run["run"].get<std::int64_t>());
+  for (const JudgedFigure& figure : input.judgement.stored_worse) stored.push_back(judged_json(input, figure));
+  json["stored_worse"] = std::move(stored);
+  return json;
 }
 
 }  // namespace
@@ -237,13 +221,13 @@ std::string results_json(const ReportInput& input) {
                       {"model_v", number_list(trace.model_v)},
                       {"compensated_psi", number_list(trace.compensated_psi)}});
   }
-  for (const db::VerdictRecord& verdict : input.verdicts) verdicts.push_back(judged_json(input, verdict));
+  for (const JudgedFigure& figure : input.judgement.figures) verdicts.push_back(judged_json(input, figure));
   for (const HeldOut& run : input.held_out) {
     held_out.push_back(
         {{"title", run.title}, {"evaluation", whole_evaluation_json(run.evaluation, fitted_taxels(input.fit))}});
   }
   return json_text({{"verdicts", verdicts},
-                    {"judgement", judgement_json(input)},
+                    {"judgement", judgement_of(input)},
                     {"evaluation", whole_evaluation_json(e, fitted_taxels(input.fit))},
                     {"taxel_mean_error_psi", number_list(e.taxel_mean_error_psi)},
                     {"held_out", std::move(held_out)},

@@ -118,7 +118,7 @@ UncertaintyJson reading_json(const Uncertainty& uncertainty) {
                            {"calibrated", reference.calibration.calibrated_on},
                            {"due", reference.calibration.due},
                            {"overdue", reference.overdue},
-                           {"not_covered", reference.beyond},
+                           {"not_covered", reference.beyond ? in_words(*reference.beyond, PressureUnit::kPsi) : ""},
                            {"independent", reference.independent},
                            {"certificate_covers", in_words(reference.covers)},
                            {"beyond_the_certificate_psi", limits},
@@ -143,17 +143,17 @@ UncertaintyJson reading_json(const Uncertainty& uncertainty) {
 
 std::string uncertainty_json(const ReportInput& input) {
   UncertaintyJson judged = UncertaintyJson::array();
-  for (const JudgedUncertainty& figure : input.judged)
+  for (const JudgedFigure& figure : input.judgement.figures)
     judged.push_back({{"on", title_of_judged(input, figure.run)},
-                      {"criterion", figure.criterion},
-                      {"scope", figure.scope},
-                      {"unit", figure.unit},
-                      {"expanded", figure.expanded},
-                      {"combined", figure.combined},
-                      {"dof", degrees(figure.dof)},
-                      {"factor", figure.factor},
-                      {"basis", figure.basis},
-                      {"not_known", figure.missing}});
+                      {"criterion", to_string(figure.criterion)},
+                      {"scope", scope_json(figure.scope)},
+                      {"unit", to_string(quantity_of(figure.criterion))},
+                      {"expanded", figure.u.expanded},
+                      {"combined", figure.u.combined},
+                      {"dof", degrees(figure.u.dof)},
+                      {"factor", figure.u.factor},
+                      {"basis", figure.u.basis},
+                      {"not_known", figure.u.missing}});
   return json_text({{"reading", input.uncertainty ? reading_json(*input.uncertainty) : UncertaintyJson()},
                     {"judged_figures", judged}});
 }

@@ -219,9 +219,9 @@ std::string compensation_json(const ReportInput& input) {
     found["fitted_taxels"] = more.previous->fitted_taxels;
     found.update(whole_evaluation_json(more.previous->evaluation, more.previous->fitted_taxels));
     MoreJson verdicts = MoreJson::array();
-    for (const db::VerdictRecord& verdict : more.previous->verdicts) verdicts.push_back(verdict_json(verdict));
+    for (const JudgedFigure& figure : more.previous->judgement.figures) verdicts.push_back(figure_json(figure));
     found["verdicts"] = std::move(verdicts);
-    found["overall"] = verdict_word(overall_verdict(more.previous->verdicts));
+    found["overall"] = verdict_word(more.previous->judgement.overall);
     found["doubt"] = more.previous->doubt;
   }
   return json_text({{"straight_line",

@@ -31,7 +31,8 @@ std::string instrument_name(const InstrumentCalibration& calibration) {
                      calibration.serial.empty() ? "not stated" : calibration.serial);
 }
 
-Traceability traced_to(const TracedQuantity& traced, const db::RunRecord& run, std::span<const InstrumentNote> notes) {
+Traceability traced_to(const TracedQuantity& traced, const db::RunRecord& run, std::span<const InstrumentNote> notes,
+                       PressureUnit unit) {
   const auto device = std::ranges::find_if(
       run.devices, [&](const db::DeviceRecord& record) { return record.role.starts_with(traced.role); });
   const std::string no = fmt::format("{} not traceable", traced.quantity);
@@ -46,7 +47,7 @@ Traceability traced_to(const TracedQuantity& traced, const db::RunRecord& run, s
                                       instrument_name(calibration), calibration.certificate);
   if (!calibration.calibrated_by.empty()) statement += fmt::format(" of {}", calibration.calibrated_by);
   if (!calibration.calibrated_on.empty()) statement += fmt::format(", calibrated {}", calibration.calibrated_on);
-  if (!calibration.uncertainty.empty()) statement += fmt::format(", {}", calibration.uncertainty);
+  if (calibration.stated_u) statement += ", " + in_words(*calibration.stated_u, unit);
   const bool overdue = due_state(calibration, run.started_utc) == DueState::kOverdue;
   statement += calibration.due.empty() ? std::string(", due date not stated.")
                : overdue
@@ -55,12 +56,12 @@ Traceability traced_to(const TracedQuantity& traced, const db::RunRecord& run, s
   return {traced.title, statement, !overdue};
 }
 
-Traceability pressure_traceability(const db::RunRecord& run, std::span<const InstrumentNote> notes) {
+Traceability pressure_traceability(const db::RunRecord& run, std::span<const InstrumentNote> notes, PressureUnit unit) {
   if (has_reference(run)) {
-    Traceability traced = traced_to(kTracedPressure, run, notes);
-    if (const std::string beyond = reference_uncertainty(run, notes).beyond; traced.traceable && !beyond.empty()) {
+    Traceability traced = traced_to(kTracedPressure, run, notes, unit);
+    if (const auto beyond = reference_uncertainty(run, notes).beyond; traced.traceable && beyond) {
       traced.traceable = false;
-      traced.statement += fmt::format(" But {}, and no U is stated there.", beyond);
+      traced.statement += fmt::format(" But {}, and no U is stated there.", in_words(*beyond, unit));
     }
     return traced;
   }
@@ -80,24 +81,24 @@ std::vector<std::pair<std::string, const db::RunRecord*>> runs_of(const ReportIn
 }  // namespace
 
 Traceability force_traceability(const db::RunRecord& run, std::span<const InstrumentNote> notes) {
-  return traced_to(kTracedForce, run, notes);
+  return traced_to(kTracedForce, run, notes, PressureUnit::kPsi);
 }
 
-std::vector<Traceability> traceability_of(const ReportInput& input) {
+std::vector<Traceability> traceability_of(const ReportInput& input, PressureUnit unit) {
   const std::vector<InstrumentNote>& notes = input.laboratory.instruments;
   std::vector<Traceability> all;
   if (!input.history.presses || !input.evaluation.levels.empty())
-    all.push_back(pressure_traceability(input.run, notes));
+    all.push_back(pressure_traceability(input.run, notes, unit));
   if (input.history.presses) {
     all.push_back(force_traceability(input.run, notes));
-    all.push_back(traced_to(kTracedPlace, input.run, notes));
+    all.push_back(traced_to(kTracedPlace, input.run, notes, unit));
   }
   return all;
 }
 
 std::string traceability_json(const ReportInput& input) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const Traceability& one : traceability_of(input))
+  for (const Traceability& one : traceability_of(input, PressureUnit::kPsi))
     list.push_back({{"quantity", one.title.substr(one.title.rfind(' ') + 1)},
                     {"traceable", one.traceable},
                     {"statement", one.statement}});
@@ -127,10 +128,10 @@ Markup instruments_warning(const ReportInput& input) {
   }
   Markup out;
   for (const auto& [name, run] : runs_of(input)) {
-    const std::string beyond = reference_uncertainty(*run, input.laboratory.instruments).beyond;
-    if (!beyond.empty())
+    const auto beyond = reference_uncertainty(*run, input.laboratory.instruments).beyond;
+    if (beyond)
       out += markup("<p><span class=\"fail\"><span class=\"sign\">✗</span> {}: {}.</span></p>\n", Text(name),
-                    Text(input.unit.both_in_text(beyond)));
+                    Text(in_words(*beyond, input.unit)));
   }
   for (const auto& [what, runs] : overdue)
     out += markup("<p><span class=\"fail\"><span class=\"sign\">✗</span> {} when measured: {}.</span></p>\n",
@@ -141,12 +142,12 @@ Markup instruments_warning(const ReportInput& input) {
 }
 
 std::string reason_of_verdict(const ReportInput& input) {
-  if (overall_verdict(input.verdicts) != Verdict::kInconclusive) return {};
+  if (input.judgement.overall != Verdict::kInconclusive) return {};
   for (const auto& [name, run] : runs_of(input)) {
     const std::int64_t number = run->run;
-    if (std::ranges::find(input.verdicts, number, &db::VerdictRecord::run) == input.verdicts.end()) continue;
+    if (std::ranges::find(input.judgement.runs, number, &JudgedRun::run) == input.judgement.runs.end()) continue;
     const ReferenceUncertainty reference = reference_uncertainty(*run, input.laboratory.instruments);
-    if (const std::string why = reference.untraced(); !why.empty()) return fmt::format("{}: {}", name, why);
+    if (const auto why = reference.untraced()) return fmt::format("{}: {}", name, in_words(*why, input.unit));
   }
   return {};
 }

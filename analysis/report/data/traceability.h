@@ -18,7 +18,7 @@ struct Traceability {
 };
 
 // Force and position for a run that pressed objects; pressure for one that used the chamber.
-std::vector<Traceability> traceability_of(const ReportInput& input);
+std::vector<Traceability> traceability_of(const ReportInput& input, PressureUnit unit);
 Traceability force_traceability(const db::RunRecord& run, std::span<const InstrumentNote> notes);
 std::string traceability_json(const ReportInput& input);
 

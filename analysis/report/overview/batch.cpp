@@ -57,15 +57,11 @@ std::vector<std::size_t> ranked(const std::vector<ReportInput>& runs, const std:
   std::iota(order.begin(), order.end(), 0);
   const auto key = [&](std::size_t i) {
     const double e = error.values[i], h = hysteresis.values[i];
-    return std::tuple(rank_of(overall_of(runs[i])), !std::isfinite(e), std::isfinite(e) ? e : 0.0,
+    return std::tuple(rank_of(runs[i].judgement.overall), !std::isfinite(e), std::isfinite(e) ? e : 0.0,
                       std::isfinite(h) ? h : 0.0);
   };
   std::ranges::stable_sort(order, {}, key);
   return order;
-}
-
-bool may_leave(std::optional<Verdict> overall) {
-  return overall == Verdict::kPass || overall == Verdict::kConditionalPass;
 }
 
 // A sensor that was not judged, though there are limits, is counted with the judged: its evidence is missing.
@@ -73,11 +69,11 @@ Markup yield_part(const std::vector<ReportInput>& sensors, const std::vector<std
   std::map<std::string, int> words;
   int with_limits = 0, good = 0;
   for (const ReportInput& sensor : sensors) {
-    const std::optional<Verdict> overall = overall_of(sensor);
-    const bool judged = sensor.judgement.not_judged.empty();
+    const std::optional<Verdict> overall = sensor.judgement.overall;
+    const bool judged = !sensor.judgement.not_judged;
     ++words[!overall ? "no verdict" : judged ? to_string(*overall) : "not judged"];
     with_limits += states_conformity(overall) ? 1 : 0;
-    good += may_leave(overall) ? 1 : 0;
+    good += passes(overall) ? 1 : 0;
   }
   std::string list;
   for (const auto& [word, number] : words) list += fmt::format("{}{} {}", list.empty() ? "" : ", ", number, word);

@@ -93,43 +93,42 @@ double plotted_figure(const OverviewFigure& figure, double value, PressureUnit u
 }
 
 double limit_of(const OverviewFigure& figure, const ReportInput& input) {
-  for (const db::VerdictRecord& verdict : input.verdicts)
-    if (*figure.criterion != '\0' && verdict.criterion == figure.criterion) return verdict.limit;
+  for (const JudgedFigure& judged : input.judgement.figures)
+    if (figure.criterion == to_string(judged.criterion)) return judged.limit;
   return kNan;
 }
 
 std::string content_of_run(const ReportInput& input) {
   nlohmann::ordered_json figures, verdicts = nlohmann::ordered_json::array();
   for (const OverviewFigure& figure : overview_figures()) figures[figure.key] = figure.value(input);
-  for (const db::VerdictRecord& verdict : input.verdicts) verdicts.push_back(verdict_json(verdict));
+  for (const JudgedFigure& figure : input.judgement.figures) verdicts.push_back(figure_json(figure));
   nlohmann::ordered_json loops = nlohmann::ordered_json::array();
   for (const RawLoop& loop : input.behaviour.loops)
     if (loop.taxel < 0) loops.push_back({{"up_v", number_list(loop.up_v)}, {"down_v", number_list(loop.down_v)}});
-  return json_text({{"sensor", input.run.sensor_serial},
-                    {"scanner", scanner_serial_of(input.run, input.sensor)},
-                    {"origin", input.run.origin},
-                    {"content_sha256", input.run.content_sha256},
-                    {"figures", figures},
-                    {"verdicts", verdicts},
-                    {"overall", verdict_word(overall_of(input))},
-                    {"not_judged", input.judgement.not_judged},
-                    {"pressure_psi", number_list(input.behaviour.pressure_psi)},
-                    {"mean_loop", loops},
-                    {"gain", number_list(input.behaviour.gain)}});
+  return json_text(
+      {{"sensor", input.run.sensor_serial},
+       {"scanner", scanner_serial_of(input.run, input.sensor)},
+       {"origin", input.run.origin},
+       {"content_sha256", input.run.content_sha256},
+       {"figures", figures},
+       {"verdicts", verdicts},
+       {"overall", verdict_word(input.judgement.overall)},
+       {"not_judged", input.judgement.not_judged ? in_words(*input.judgement.not_judged, PressureUnit::kPsi) : ""},
+       {"pressure_psi", number_list(input.behaviour.pressure_psi)},
+       {"mean_loop", loops},
+       {"gain", number_list(input.behaviour.gain)}});
 }
 
-std::optional<Verdict> overall_of(const ReportInput& input) { return final_verdict(input.verdicts, input.judgement); }
-
 html::Markup overall_cell(const ReportInput& input, const char* without_limits) {
-  const std::optional<Verdict> overall = overall_of(input), now = overall_verdict(input.verdicts);
-  if (!overall) return html::markup("{}", html::Text(without_limits));
-  html::Markup cell = verdict_mark(*overall, is_simulated(input));
-  if (!input.judgement.not_judged.empty())
-    cell += html::markup("<br/>not judged: {}", html::Text(input.judgement.not_judged));
-  else if (overall != now)
+  const Judgement& judgement = input.judgement;
+  if (!judgement.overall) return html::markup("{}", html::Text(without_limits));
+  html::Markup cell = verdict_mark(*judgement.overall, is_simulated(input));
+  if (judgement.not_judged)
+    cell += html::markup("<br/>not judged: {}", html::Text(in_words(*judgement.not_judged, input.unit)));
+  else if (const auto now = worst_of(judgement.figures); judgement.overall != now)
     cell += html::markup("<br/>stored; now {}", html::Text(verdict_word(now)));
-  for (const std::string& remark : input.judgement.remarks)
-    cell += html::markup("<br/>{}", html::Text(input.unit.both_in_text(remark)));
+  for (const Remark& remark : judgement.remarks)
+    cell += html::markup("<br/>{}", html::Text(in_words(remark, input.unit)));
   return cell;
 }
 

@@ -28,8 +28,6 @@ double plotted_figure(const OverviewFigure& figure, double value, PressureUnit u
 double limit_of(const OverviewFigure& figure, const ReportInput& input);
 
 std::string content_of_run(const ReportInput& input);  // JSON: run, sensor, origin, content hash, figures; no times
-// The overall verdict, as final_verdict(); none without limits.
-std::optional<Verdict> overall_of(const ReportInput& input);
 html::Markup overall_cell(const ReportInput& input, const char* without_limits);
 
 html::Markup loops_overlaid(const std::vector<ReportInput>& runs);  // section "Mean loops"

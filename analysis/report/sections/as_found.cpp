@@ -82,22 +82,19 @@ Markup summary_table(const ReportInput& input) {
 
 // As found and as left, each with its verdict.
 Markup found_verdicts(const ReportInput& input) {
-  if (!input.more.previous || input.more.previous->verdicts.empty()) return {};
+  if (!input.more.previous || !states_conformity(input.more.previous->judgement.overall)) return {};
   const AsFound& found = *input.more.previous;
-  const std::optional<Verdict> as_found = overall_verdict(found.verdicts),
-                               as_left = final_verdict(input.verdicts, input.judgement);
-  if (!states_conformity(as_found)) return {};
+  const std::optional<Verdict> as_left = input.judgement.overall;
   Markup rows;
-  for (const db::VerdictRecord& verdict : found.verdicts)
-    rows +=
-        markup("<tr><th scope=\"row\">{}</th><td>{}</td>{}{}<td>{}</td></tr>\n",
-               html::stated(criterion_in_words(verdict.criterion)),
-               html::stated(scope_in_both_units(verdict.scope, input.unit)),
-               number_cell(judged_value(nullptr, verdict, input.unit)), number_cell(judged_limit(verdict, input.unit)),
-               verdict_mark(verdict_in(verdict), is_simulated(input)));
-  Markup out = markup("<p>As found: {}. As left: {}{}.</p>\n", verdict_mark(*as_found, is_simulated(input)),
-                      as_left ? verdict_mark(*as_left, is_simulated(input)) : markup("no verdict"),
-                      Text(as_left ? input.unit.both_in_text(condition_in_words(*as_left, input.judgement)) : ""));
+  for (const JudgedFigure& figure : found.judgement.figures)
+    rows += markup("<tr><th scope=\"row\">{}</th><td>{}</td>{}{}<td>{}</td></tr>\n",
+                   html::stated(in_words(figure.criterion)), html::stated(in_both_units(figure.scope, input.unit)),
+                   number_cell(judged_value(figure, input.unit)), number_cell(judged_limit(figure, input.unit)),
+                   verdict_mark(figure.verdict, is_simulated(input)));
+  Markup out =
+      markup("<p>As found: {}. As left: {}{}.</p>\n", verdict_mark(*found.judgement.overall, is_simulated(input)),
+             as_left ? verdict_mark(*as_left, is_simulated(input)) : markup("no verdict"),
+             Text(as_left ? condition_in_words(input.judgement, input.unit) : ""));
   if (!found.doubt.empty())
     out += markup("<p class=\"fail\"><span class=\"sign\">✗</span> {}</p>\n", Text(found.doubt));
   out += markup(

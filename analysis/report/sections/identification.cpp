@@ -99,9 +99,8 @@ Markup identification_section(const ReportInput& input) {
       {"order", line(stated(order_of(run, laboratory)))},
       {"accreditation", accredited ? markup("No. {}", Text(laboratory.accreditation))
                                    : line(Text("This report was not issued by an accredited laboratory."))}};
-  const std::vector<Traceability> traced = traceability_of(input);
-  for (const Traceability& one : traced)
-    laboratory_rows.push_back({one.title.c_str(), line(Text(input.unit.both_in_text(one.statement)))});
+  const std::vector<Traceability> traced = traceability_of(input, input.unit);
+  for (const Traceability& one : traced) laboratory_rows.push_back({one.title.c_str(), line(Text(one.statement))});
   laboratory_rows.push_back({"remarks", line(stated(laboratory.remarks))});
   out += pairs_table("Laboratory and customer", laboratory_rows);
   std::vector<Pair> run_rows = {
@@ -145,7 +144,7 @@ Markup identification_section(const ReportInput& input) {
        {"SHA-256 of the sensor type file", code(run.sensor_sha256)},
        {"SHA-256 of the models", code(input.fit.taxels.empty() ? "" : model_sha256(input.fit))},
        {"SHA-256 of the laboratory file", code(laboratory.sha256)},
-       {"SHA-256 of the limits file", code(input.verdicts.empty() ? "" : input.verdicts.front().limits_sha256)}});
+       {"SHA-256 of the limits file", code(input.judgement.limits_sha256)}});
   return out;
 }
 

@@ -49,7 +49,7 @@ Markup instruments_part(const ReportInput& input) {
     } else {
       words += markup("<br/>due: {}", stated(fields.due));
     }
-    if (!fields.uncertainty.empty()) words += markup("<br/>{}", Text(input.unit.both_in_text(fields.uncertainty)));
+    if (fields.stated_u) words += markup("<br/>{}", Text(in_words(*fields.stated_u, input.unit)));
     if (!fields.note.empty()) words += markup("<br/>{}", Text(fields.note));
     for (const std::string& remark : fields.remarks)
       words += markup("<br/><span class=\"doubt\"><span class=\"sign\">▲</span> {}</span>", Text(remark));

@@ -55,8 +55,8 @@ Markup measurand(const Uncertainty& uncertainty, PressureUnit unit) {
       "the height of the air line (below {} a metre at {}).</p>\n",
       html::stated(reference.calibration.certificate), html::stated(reference.calibration.due),
       Text(reference.overdue ? ", overdue when the run began" : ""), Text(in_words(reference.covers)),
-      Text(reference.beyond.empty() ? std::string()
-                                    : fmt::format(" No U is stated where {}.", unit.both_in_text(reference.beyond))),
+      Text(reference.beyond ? fmt::format(" No U is stated where {}.", in_words(*reference.beyond, unit))
+                            : std::string()),
       html::pressure(0.01, unit, 2), html::pressure(60.0, unit, 0));
   return out;
 }

@@ -17,54 +17,54 @@ namespace {
 
 // A share of full scale reads better in per cent; a pressure is shown in the page's unit and the other one.
 // Beside a known U the value has its decimal place (gum_numbers.h).
-Markup with_unit(double value, const std::string& unit, PressureUnit shown, double expanded = 0.0) {
+Markup with_unit(double value, Quantity quantity, PressureUnit shown, double expanded = 0.0) {
   if (!std::isfinite(value)) return markup("not available");
   const bool known = std::isfinite(expanded) && expanded > 0.0;
-  if (unit == "psi")
+  if (quantity == Quantity::kPressure)
     return known ? gum_pressure_value(value, expanded, shown) : markup("{}", html::pressure(value, shown, 3));
-  if (unit == "FS" || unit == "fs" || unit == "share of FS")
+  if (quantity == Quantity::kShareOfFullScale)
     return markup("{}\u00A0%\u00A0FS", html::percent(value, known ? gum_decimals(100.0 * expanded) : 2));
-  return markup("{} {}", html::significant(value, 5), Text(unit == "taxels" && value == 1.0 ? "taxel" : unit));
+  return markup("{} {}", html::significant(value, 5), Text(value == 1.0 ? "taxel" : "taxels"));
 }
 
 std::string titles_judged(const ReportInput& input) {
   std::vector<std::string> names;
-  for (const JudgedRun& run : judged_runs(input)) names.push_back(run.title);
+  for (const JudgedColumn& run : judged_runs(input)) names.push_back(run.title);
   return fmt::format("{}", fmt::join(names, "; "));
 }
 
 // Each rule used, once.
-Markup rules_in_words(const std::vector<db::VerdictRecord>& verdicts) {
-  std::vector<std::string> rules;
+Markup rules_in_words(const std::vector<JudgedFigure>& figures) {
+  std::vector<DecisionRule> rules;
   Markup out;
-  for (const db::VerdictRecord& verdict : verdicts) {
-    if (std::find(rules.begin(), rules.end(), verdict.rule) != rules.end()) continue;
-    rules.push_back(verdict.rule);
-    out += markup("<p>Decision rule {}.</p>\n", stated(rule_in_words(verdict.rule)));
+  for (const JudgedFigure& figure : figures) {
+    if (std::ranges::find(rules, figure.rule) != rules.end()) continue;
+    rules.push_back(figure.rule);
+    out += markup("<p>Decision rule {}.</p>\n", stated(rule_in_words(figure.rule)));
   }
   return out;
 }
 
-Markup uncertainty_cell(const JudgedUncertainty* known, const std::string& unit, PressureUnit shown) {
-  if (known == nullptr || std::isnan(known->expanded)) return number_cell(Text("not known"));
-  if (known->expanded == 0.0) return number_cell(Text("0"));
-  if (unit == "psi") return number_cell(gum_pressure(known->expanded, shown));
+Markup uncertainty_cell(const JudgedFigure& figure, PressureUnit shown) {
+  const double expanded = figure.u.expanded;
+  if (std::isnan(expanded)) return number_cell(Text("not known"));
+  if (expanded == 0.0) return number_cell(Text("0"));
+  if (quantity_of(figure.criterion) == Quantity::kPressure) return number_cell(gum_pressure(expanded, shown));
   // As the value beside it: shares in per cent.
-  if (unit == "FS") return number_cell(markup("{}\u00A0%\u00A0FS", gum_uncertainty(100.0 * known->expanded)));
-  return number_cell(markup("{}\u00A0{}", gum_uncertainty(known->expanded), Text(unit)));
+  return number_cell(markup("{}\u00A0%\u00A0FS", gum_uncertainty(100.0 * expanded)));
 }
 
 // How U of each criterion is formed, or why it is not known; once a criterion.
 Markup uncertainties_in_words(const ReportInput& input) {
   Markup rows;
-  std::vector<std::string> stated_already;
-  for (const db::VerdictRecord& verdict : input.verdicts) {
-    const JudgedUncertainty* const known = uncertainty_of(input, verdict);
-    if (known == nullptr || std::ranges::find(stated_already, verdict.criterion) != stated_already.end()) continue;
-    stated_already.push_back(verdict.criterion);
-    rows += markup("<tr><th scope=\"row\">{}</th><td>{}{}</td></tr>\n", Text(criterion_in_words(verdict.criterion)),
-                   Text(known->missing.empty() ? "" : "not known: "),
-                   Text(input.unit.both_in_text(known->missing.empty() ? known->basis : known->missing)));
+  std::vector<Criterion> stated_already;
+  for (const JudgedFigure& figure : input.judgement.figures) {
+    if (std::ranges::find(stated_already, figure.criterion) != stated_already.end()) continue;
+    if (figure.u.basis.empty() && figure.u.missing.empty()) continue;
+    stated_already.push_back(figure.criterion);
+    rows += markup("<tr><th scope=\"row\">{}</th><td>{}{}</td></tr>\n", Text(in_words(figure.criterion)),
+                   Text(figure.u.missing.empty() ? "" : "not known: "),
+                   Text(figure.u.missing.empty() ? figure.u.basis : figure.u.missing));
   }
   if (rows.value.empty()) return rows;
   return markup(
@@ -100,13 +100,12 @@ Markup criteria_of_one_run(const ReportInput& input) {
       "<th scope=\"col\" class=\"n\">value</th><th scope=\"col\" class=\"n\">U</th><th scope=\"col\" "
       "class=\"n\">tolerance limit</th><th scope=\"col\">decision rule</th><th "
       "scope=\"col\">conformity</th></tr></thead><tbody>\n");
-  for (const db::VerdictRecord& verdict : input.verdicts) {
-    const JudgedUncertainty* const known = uncertainty_of(input, verdict);
-    out +=
-        markup("<tr><th scope=\"row\">{}</th><td>{}</td>{}{}{}<td>{}</td><td>{}</td></tr>\n",
-               stated(criterion_in_words(verdict.criterion)), stated(scope_in_both_units(verdict.scope, input.unit)),
-               number_cell(judged_value(known, verdict, input.unit)), uncertainty_cell(known, verdict.unit, input.unit),
-               number_cell(judged_limit(verdict, input.unit)), stated(verdict.rule), judged_mark(input, verdict));
+  for (const JudgedFigure& figure : input.judgement.figures) {
+    out += markup("<tr><th scope=\"row\">{}</th><td>{}</td>{}{}{}<td>{}</td><td>{}</td></tr>\n",
+                  stated(in_words(figure.criterion)), stated(in_both_units(figure.scope, input.unit)),
+                  number_cell(judged_value(figure, input.unit)), uncertainty_cell(figure, input.unit),
+                  number_cell(judged_limit(figure, input.unit)), stated(to_string(figure.rule)),
+                  judged_mark(input, figure));
   }
   out += markup("</tbody></table>\n");
   return out;
@@ -114,35 +113,32 @@ Markup criteria_of_one_run(const ReportInput& input) {
 
 }  // namespace
 
-const JudgedUncertainty* uncertainty_of(const ReportInput& input, const db::VerdictRecord& verdict) {
-  return find_uncertainty(input.judged, verdict.criterion, verdict.scope, verdict.run);
+Markup judged_value(const JudgedFigure& figure, PressureUnit unit) {
+  return with_unit(figure.value, quantity_of(figure.criterion), unit, figure.u.expanded);
 }
 
-Markup judged_value(const JudgedUncertainty* known, const db::VerdictRecord& verdict, PressureUnit unit) {
-  return with_unit(verdict.value, verdict.unit, unit, known == nullptr ? 0.0 : known->expanded);
+Markup judged_with_uncertainty(const JudgedFigure& figure, PressureUnit unit) {
+  const double expanded = figure.u.expanded;
+  if (!(expanded > 0.0) || !std::isfinite(figure.value)) return judged_value(figure, unit);  // a NaN is not
+  const Quantity quantity = quantity_of(figure.criterion);
+  if (quantity == Quantity::kPressure) return gum_pressure_stated(figure.value, expanded, unit);
+  const double factor = quantity == Quantity::kShareOfFullScale ? 100.0 : 1.0;
+  return markup("{} ± {}", judged_value(figure, unit), gum_uncertainty(factor * expanded));
 }
 
-Markup judged_with_uncertainty(const JudgedUncertainty* known, const db::VerdictRecord& verdict, PressureUnit unit) {
-  const bool shown = known != nullptr && known->expanded > 0.0 && std::isfinite(verdict.value);  // a NaN is not
-  if (!shown) return judged_value(known, verdict, unit);
-  if (verdict.unit == "psi") return gum_pressure_stated(verdict.value, known->expanded, unit);
-  const double factor = verdict.unit == "FS" ? 100.0 : 1.0;
-  return markup("{} ± {}", judged_value(known, verdict, unit), gum_uncertainty(factor * known->expanded));
+Markup judged_limit(const JudgedFigure& figure, PressureUnit unit) {
+  return with_unit(figure.limit, quantity_of(figure.criterion), unit);
 }
 
-Markup judged_limit(const db::VerdictRecord& verdict, PressureUnit unit) {
-  return with_unit(verdict.limit, verdict.unit, unit);
-}
-
-Markup judged_mark(const ReportInput& input, const db::VerdictRecord& verdict) {
-  if (verdict_in(verdict) == Verdict::kReportOnly) return markup("– no verdict");
-  if (!input.judgement.not_judged.empty()) return markup("– not judged");
-  return verdict_mark(verdict_in(verdict), is_simulated(input));
+Markup judged_mark(const ReportInput& input, const JudgedFigure& figure) {
+  if (figure.verdict == Verdict::kReportOnly) return markup("– no verdict");
+  if (input.judgement.not_judged) return markup("– not judged");
+  return verdict_mark(figure.verdict, is_simulated(input));
 }
 
 Markup verdict_section(const ReportInput& input) {
   Markup out = section_start("verdicts", "Statement of conformity");
-  if (input.verdicts.empty() && input.judgement.not_judged.empty()) {
+  if (input.judgement.figures.empty() && !input.judgement.not_judged) {
     out +=
         markup("<p>No tolerance limits were given: the figures are reported without a statement of conformity.</p>\n");
     out += instruments_warning(input);
@@ -157,12 +153,12 @@ Markup verdict_section(const ReportInput& input) {
   out += readings_in_brief(input);
   out += conditions_in_brief(input);
   out += judged_runs_part(input);
-  if (input.verdicts.empty()) return out;
+  if (input.judgement.figures.empty()) return out;
   out += judged_runs(input).size() > 1 ? criteria_by_run(input) : criteria_of_one_run(input);
   out += markup("<p class=\"note\">{}: {}. The limits file has the SHA-256 {}.</p>\n",
-                Text(input.judgement.not_judged.empty() ? "Judged on" : "Figures of"), Text(titles_judged(input)),
-                code(input.verdicts.front().limits_sha256));
-  out += rules_in_words(input.verdicts);
+                Text(input.judgement.not_judged ? "Figures of" : "Judged on"), Text(titles_judged(input)),
+                code(input.judgement.limits_sha256));
+  out += rules_in_words(input.judgement.figures);
   out += uncertainties_in_words(input);
   return out;
 }

@@ -49,7 +49,7 @@ class StatedFields {
   std::vector<std::string>& remarks_;
 };
 
-std::string uncertainty_words(const DeviceJson& json) {
+std::optional<StatedU> stated_u(const DeviceJson& json) {
   if (json.is_object() && json.contains("correction") && json["correction"].is_object()) {
     const DeviceJson& correction = json["correction"];
     double largest = 0.0;
@@ -57,14 +57,12 @@ std::string uncertainty_words(const DeviceJson& json) {
       for (const DeviceJson& item : correction["expanded_uncertainty_psi"])
         if (item.is_number()) largest = std::max(largest, item.get<double>());
     const double k = member_number(correction, "coverage_factor");
-    if (largest > 0.0)
-      return fmt::format("U at most {:g} psi (k = {:g}), of its correction", largest, k > 0.0 ? k : 2.0);
+    if (largest > 0.0) return StatedU{largest, k > 0.0 ? k : 2.0, "psi", true};
   }
   for (const auto& [name, unit] :
        {std::pair("expanded_uncertainty_psi", "psi"), std::pair("expanded_uncertainty_n", "N"),
         std::pair("expanded_uncertainty_mm", "mm"), std::pair("expanded_uncertainty_c", "K")})
-    if (const double expanded = member_number(json, name); expanded > 0.0)
-      return fmt::format("U {:g} {} (k = 2)", expanded, unit);
+    if (const double expanded = member_number(json, name); expanded > 0.0) return StatedU{expanded, 2.0, unit, false};
   return {};
 }
 
@@ -97,6 +95,13 @@ void add_note(InstrumentCalibration& calibration, const InstrumentNote& note) {
 
 }  // namespace
 
+std::string in_words(const StatedU& stated, PressureUnit unit) {
+  const std::string value =
+      stated.unit == "psi" ? unit.short_text(stated.expanded) : fmt::format("{:g} {}", stated.expanded, stated.unit);
+  return fmt::format("U {}{} (k = {:g}){}", stated.of_correction ? "at most " : "", value, stated.factor,
+                     stated.of_correction ? ", of its correction" : "");
+}
+
 InstrumentCalibration calibration_of(const db::DeviceRecord& device, std::span<const InstrumentNote> notes) {
   const DeviceJson json = try_ordered_json(device.calibration_json);
   InstrumentCalibration calibration;
@@ -107,7 +112,7 @@ InstrumentCalibration calibration_of(const db::DeviceRecord& device, std::span<c
   calibration.certificate = stated.text("certificate", member_text(json, "certificate"));
   calibration.calibrated_on = stated.date("calibrated", member_text(json, "calibrated"));
   calibration.due = stated.date("due", member_text(json, "due"));
-  calibration.uncertainty = uncertainty_words(json);
+  calibration.stated_u = stated_u(json);
   const auto note = std::ranges::find(notes, device.serial, &InstrumentNote::serial);
   if (note != notes.end() && !calibration.serial.empty()) add_note(calibration, *note);
   return calibration;

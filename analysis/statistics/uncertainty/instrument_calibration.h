@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "analysis/pressure_unit.h"
 #include "db/record.h"
 
 namespace tactbench::analysis {
@@ -23,10 +24,19 @@ struct InstrumentNote {
 
 enum class DueState { kNotStated, kInDate, kOverdue };
 
+// U of an instrument's certificate.
+struct StatedU {
+  double expanded = 0.0, factor = 2.0;
+  std::string unit;            // psi, N, mm, K
+  bool of_correction = false;  // then it is the largest of its points
+};
+// "U 0.05 psi (k = 2)"; pressures in `unit`.
+std::string in_words(const StatedU& stated, PressureUnit unit);
+
 struct InstrumentCalibration {
   std::string role, model, serial;                             // serial: empty where it was never filled in
   std::string certificate, calibrated_by, calibrated_on, due;  // dates as 2026-01-31; empty: not stated
-  std::string uncertainty;                                     // "U 0.05 psi (k = 2)"; empty: not stated
+  std::optional<StatedU> stated_u;
   std::string note;
   std::vector<std::string> remarks;  // what was not taken and why, a sentence each
   [[nodiscard]] bool traceable() const { return !certificate.empty(); }

@@ -53,24 +53,26 @@ void read_certificate(const ReferenceJson& calibration, ReferenceUncertainty& re
 void find_range(const ReferenceJson& calibration, const db::RunRecord& run, ReferenceUncertainty& reference) {
   const std::vector<double> stated = numbers_in(calibration, "certificate_range_psi");
   if (stated.size() == 2) reference.low_psi = stated[0], reference.high_psi = stated[1];
-  std::string what = "certificate";
+  Untraced beyond;
   if (calibration.contains("correction") && calibration["correction"].is_object()) {
     const std::vector<double> readings = numbers_in(calibration["correction"], "reading_psi");
     const std::vector<double> corrections = numbers_in(calibration["correction"], "correction_psi");
     if (!readings.empty() && readings.size() == corrections.size()) {
       reference.low_psi = std::max(reference.low_psi, readings.front() + corrections.front());
       reference.high_psi = std::min(reference.high_psi, readings.back() + corrections.back());
-      what = fmt::format("correction (readings of {:g} to {:g} psi)", readings.front(), readings.back());
+      beyond.corrected = true;
+      beyond.first_reading_psi = readings.front();
+      beyond.last_reading_psi = readings.back();
     }
   }
-  const bool low = !reference.holds_at(run.lowest_psi), high = !reference.holds_at(run.highest_psi);
-  if (!(run.highest_psi > run.lowest_psi) || !(low || high)) return;
-  const std::string which =
-      fmt::format("{}{}{}", low ? fmt::format("below {:g} psi", reference.low_psi) : "", low && high ? " and " : "",
-                  high ? fmt::format("above {:g} psi", reference.high_psi) : "");
-  reference.beyond = fmt::format(
-      "levels {} are not traceable: the run goes from {:g} to {:g} psi, the reference's {} covers {:g} to {:g} psi",
-      which, run.lowest_psi, run.highest_psi, what, reference.low_psi, reference.high_psi);
+  beyond.below = !reference.holds_at(run.lowest_psi);
+  beyond.above = !reference.holds_at(run.highest_psi);
+  if (!(run.highest_psi > run.lowest_psi) || !(beyond.below || beyond.above)) return;
+  beyond.run_low_psi = run.lowest_psi;
+  beyond.run_high_psi = run.highest_psi;
+  beyond.low_psi = reference.low_psi;
+  beyond.high_psi = reference.high_psi;
+  reference.beyond = beyond;
 }
 
 // One step of the converter that reads the transducer, in psi: the module's volts a count times the span's psi a volt.
@@ -156,8 +158,8 @@ bool ReferenceUncertainty::holds_at(double pressure_psi) const {
   return pressure_psi >= low_psi - spare && pressure_psi <= high_psi + spare;
 }
 
-std::string ReferenceUncertainty::untraced() const {
-  return overdue ? fmt::format("reference overdue since {}", calibration.due) : beyond;
+std::optional<Untraced> ReferenceUncertainty::untraced() const {
+  return overdue ? Untraced{.overdue_since = calibration.due} : beyond;
 }
 
 double ReferenceUncertainty::certificate_u(double pressure_psi) const {

@@ -153,7 +153,8 @@ ConditionUncertainty under_condition(UseCondition condition, const BudgetMaker& 
     });
   }
   out.median_psi = median_of(out.expanded_psi);
-  if (out.pressure_psi.empty()) out.not_valid = reference.beyond;
+  if (out.pressure_psi.empty() && reference.beyond)
+    out.not_valid = "the reference's certificate covers no level of the run";
   return out;
 }
 

@@ -8,7 +8,6 @@
 
 #include "analysis/counted.h"
 #include "analysis/identify/stored/model_document.h"
-#include "analysis/statistics/conformity/criterion_words.h"
 #include "bench/cli/calibrate/large_word.h"
 #include "bench/cli/judgement_words.h"
 #include "bench/cli/models/fit_words.h"
@@ -20,18 +19,11 @@ using analysis::Verdict;
 
 namespace {
 
-// "mean absolute error", "non-uniformity at 40 psi increasing".
-std::string criterion_text(const db::VerdictRecord& row, analysis::PressureUnit unit) {
-  const std::string name = analysis::criterion_in_words(row.criterion);
-  return row.scope == "array" ? name : fmt::format("{} at {}", name, analysis::scope_in_words(row.scope, unit));
-}
-
-// "taxels not modelled: 1 (tolerance limit 0)".
-std::string figure_against_limit(const db::VerdictRecord& row, analysis::PressureUnit unit) {
-  const auto figure = [&](double value) {
-    return row.unit == "taxels" ? fmt::format("{:g}", value) : figure_text(value, row.unit, unit);
-  };
-  return fmt::format("{}: {} (tolerance limit {})", criterion_text(row, unit), figure(row.value), figure(row.limit));
+// "non-uniformity at 40 psi increasing: 6.1 % FS (tolerance limit 5 % FS)".
+std::string figure_against_limit(const analysis::JudgedFigure& row, analysis::PressureUnit unit) {
+  const std::string scope = row.scope.kind == analysis::Scope::Kind::kArray ? "" : " at " + in_words(row.scope, unit);
+  return fmt::format("{}{}: {} (tolerance limit {})", in_words(row.criterion), scope,
+                     figure_text(row.criterion, row.value, unit), figure_text(row.criterion, row.limit, unit));
 }
 
 std::string place(const BadTaxel& taxel) {
@@ -50,21 +42,21 @@ std::string bad_taxels_text(const std::vector<BadTaxel>& taxels) {
 // Before each line of the large word.
 std::string margin_of(const std::string& origin) { return origin == "simulated" ? "SIMULATED  " : "  "; }
 
-std::string shown_overall(const CalibrationResult& result) {
-  const std::optional<Verdict> verdict = verdict_of(result.judgement);
-  return verdict
-             ? shown_verdict(*verdict, result.origin) + analysis::condition_in_words(*verdict, result.judgement.notes)
-             : std::string("no verdict");
+std::string shown_overall(const CalibrationResult& result, analysis::PressureUnit unit) {
+  const std::optional<Verdict> verdict = result.judgement.overall;
+  return verdict ? shown_verdict(*verdict, result.origin) + condition_in_words(result.judgement, unit)
+                 : std::string("no verdict");
 }
 
 }  // namespace
 
-std::vector<BadTaxel> bad_taxels(const JudgedFit& fit, const Judgement& judgement, analysis::PressureUnit unit) {
+std::vector<BadTaxel> bad_taxels(const JudgedFit& fit, const analysis::Judgement& judgement,
+                                 analysis::PressureUnit unit) {
   std::vector<BadTaxel> bad;
   for (const LeftOut& taxel : left_out_of(fit.model)) bad.push_back({taxel.row, taxel.column, taxel.status});
-  const bool worst_is_bad = std::ranges::any_of(judgement.verdicts, [](const db::VerdictRecord& row) {
-    const Verdict verdict = analysis::verdict_in(row);
-    return row.criterion == "worst_taxel_error" && (verdict == Verdict::kFail || verdict == Verdict::kConditionalFail);
+  const bool worst_is_bad = std::ranges::any_of(judgement.figures, [](const analysis::JudgedFigure& row) {
+    return row.criterion == analysis::Criterion::kWorstTaxelError &&
+           (row.verdict == Verdict::kFail || row.verdict == Verdict::kConditionalFail);
   });
   const analysis::Evaluation& judged = fit.evaluations.back().evaluation;
   if (worst_is_bad && judged.worst_taxel >= 0)
@@ -73,19 +65,19 @@ std::vector<BadTaxel> bad_taxels(const JudgedFit& fit, const Judgement& judgemen
   return bad;
 }
 
-std::string reason_text(const Judgement& judgement, const std::string& limits, std::int64_t held_out,
+std::string reason_text(const analysis::Judgement& judgement, const std::string& limits, std::int64_t held_out,
                         analysis::PressureUnit unit) {
   constexpr std::size_t kNamed = 2;
-  if (!judgement.notes.not_judged.empty()) return "not judged: " + judgement.notes.not_judged;
-  const std::optional<Verdict> overall = verdict_of(judgement);
+  if (judgement.not_judged) return "not judged: " + in_words(*judgement.not_judged, unit);
+  const std::optional<Verdict> overall = judgement.overall;
   if (!analysis::states_conformity(overall))
     return fmt::format("limits '{}' only list figures: they state no verdict", limits);
   if (overall == Verdict::kPass)
-    return fmt::format("all {} requirements of '{}' pass on held-out run {}", judgement.verdicts.size(), limits,
+    return fmt::format("all {} requirements of '{}' pass on held-out run {}", judgement.figures.size(), limits,
                        held_out);
   std::vector<std::string> decided;
-  for (const db::VerdictRecord& row : judgement.verdicts)
-    if (analysis::verdict_in(row) == *overall) decided.push_back(figure_against_limit(row, unit));
+  for (const analysis::JudgedFigure& row : judgement.figures)
+    if (row.verdict == *overall) decided.push_back(figure_against_limit(row, unit));
   if (decided.empty()) return fmt::format("an earlier verdict on these models is {}", to_string(*overall));
   const std::size_t more = decided.size() - std::min(kNamed, decided.size());
   decided.resize(std::min(kNamed, decided.size()));
@@ -96,9 +88,9 @@ std::string reason_text(const Judgement& judgement, const std::string& limits, s
                      more > 0 ? fmt::format("; and {} more", more) : "", within, held_out);
 }
 
-std::string large_verdict(const Judgement& judgement) {
-  if (!analysis::states_conformity(verdict_of(judgement)) && judgement.notes.not_judged.empty()) return {};
-  const ExitCode code = exit_code_of(judgement);
+std::string large_verdict(const analysis::Judgement& judgement) {
+  if (!analysis::states_conformity(judgement.overall)) return {};
+  const ExitCode code = exit_code_of(judgement.overall);
   return code == ExitCode::kPass ? "PASS" : code == ExitCode::kCriterionFailed ? "FAIL" : "INCONCLUSIVE";
 }
 
@@ -115,17 +107,17 @@ std::string verdict_page(const CalibrationResult& result) {
   const std::string word = large_verdict(result.judgement);
   std::string text = word.empty() ? std::string("\n") : "\n" + large_word(word, margin_of(result.origin)) + "\n";
   text +=
-      fmt::format("sensor {}: {}: {}\n", one_line(result.sensor), result.unit.in_text(shown_overall(result)),
+      fmt::format("sensor {}: {}: {}\n", one_line(result.sensor), shown_overall(result, result.unit),
                   one_line(reason_text(result.judgement, result.limits, result.held_out, result.unit), kLongestText));
-  text += conditions_text(result.judgement.notes);
+  text += conditions_text(result.judgement);
   text += bad_taxels_text(bad_taxels(result.fit, result.judgement, result.unit));
-  for (const std::string& remark : result.judgement.notes.remarks)
-    text += fmt::format("note: {}\n", result.unit.in_text(remark));
+  for (const analysis::Remark& remark : result.judgement.remarks)
+    text += fmt::format("note: {}\n", in_words(remark, result.unit));
   return text;
 }
 
 nlohmann::ordered_json calibration_json(const CalibrationResult& result) {
-  const std::optional<Verdict> verdict = verdict_of(result.judgement);
+  const std::optional<Verdict> verdict = result.judgement.overall;
   auto bad = nlohmann::ordered_json::array(), evaluations = nlohmann::ordered_json::array();
   for (const BadTaxel& taxel : bad_taxels(result.fit, result.judgement))
     bad.push_back({{"row", taxel.row}, {"column", taxel.column}, {"why", taxel.why}});
@@ -139,11 +131,11 @@ nlohmann::ordered_json calibration_json(const CalibrationResult& result) {
           {"limits", result.limits},
           {"verdict", analysis::verdict_word(verdict)},
           {"shown", verdict ? shown_verdict(*verdict, result.origin) : std::string("no verdict")},
-          {"statement", shown_overall(result)},
+          {"statement", shown_overall(result, analysis::PressureUnit::kPsi)},
           {"reason", reason_text(result.judgement, result.limits, result.held_out)},
           {"bad_taxels", bad},
           {"evaluations", evaluations},
-          {"verdicts", verdicts_json(result.judgement.verdicts, result.origin)},
+          {"verdicts", verdicts_json(result.judgement.figures, result.origin)},
           {"judgement", judgement_json(result.judgement, result.origin)},
           {"report", {{"number", result.report_number}, {"path", result.report_path}}}};
 }

@@ -17,7 +17,7 @@ struct CalibrationResult {
   bool registered = false;             // the sensor was new
   std::int64_t run = 0, held_out = 0;  // measured for the models; judged
   JudgedFit fit;                       // its evaluations: the run's own, then the held-out run's
-  Judgement judgement;                 // as in the report
+  analysis::Judgement judgement;       // as in the report
   std::string report_number, report_path;
   analysis::PressureUnit unit = analysis::PressureUnit::kPsi;  // of the page; the document stays in psi
 };
@@ -28,16 +28,16 @@ struct BadTaxel {
 };
 // Taxels without a model, in the order of their numbers; then, where the requirement on the worst taxel does not pass,
 // that one.
-std::vector<BadTaxel> bad_taxels(const JudgedFit& fit, const Judgement& judgement,
+std::vector<BadTaxel> bad_taxels(const JudgedFit& fit, const analysis::Judgement& judgement,
                                  analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 
 // Which requirements decided, with values and limits, without a line end: "all 8 requirements of 'x' pass on held-out
 // run 2".
-std::string reason_text(const Judgement& judgement, const std::string& limits, std::int64_t held_out,
+std::string reason_text(const analysis::Judgement& judgement, const std::string& limits, std::int64_t held_out,
                         analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 
 // "PASS", "FAIL" or "INCONCLUSIVE", as the exit code says; empty where the limits state no conformity (report-only).
-std::string large_verdict(const Judgement& judgement);
+std::string large_verdict(const analysis::Judgement& judgement);
 
 // One line on the fit, without its end, and the page that ends `calibrate`.
 std::string fit_line(const CalibrationResult& result);

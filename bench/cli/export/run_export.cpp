@@ -107,7 +107,8 @@ void run_document(const db::RunStore& store, const db::RunRecord& run, std::ostr
            {"detail", analysis::ordered_json_or_null(c.detail_json)}});
     }
   });
-  stream << ",\"verdicts\":" << analysis::printable_json(verdicts_json(store.verdicts(run.run), run.origin)) << "}\n";
+  stream << ",\"verdicts\":"
+         << analysis::printable_json(verdicts_json(analysis::figures_of(store.verdicts(run.run)), run.origin)) << "}\n";
 }
 
 void export_run(const RunExportOptions& options, const Session& session) {

@@ -225,9 +225,10 @@ class Fit {
       follow_fit(*store_, *runs_, *fitted.model, fitted.evaluations.front().evaluation);
       if (options_.limits.empty()) continue;
       fitted.judgement = judge_and_store(*store_, *runs_, *fitted.model, fitted.evaluations, options_.limits,
-                                         session_.void_too, laboratory_.instruments);
-      session_.code = exit_code_of(fitted.judgement);
-      warn_of_conditional(fitted.judgement.verdicts);
+                                         session_.void_too, laboratory_.instruments)
+                             .judgement;
+      session_.code = exit_code_of(fitted.judgement.overall);
+      warn_of_conditional(fitted.judgement.figures);
     }
   }
 

@@ -36,7 +36,7 @@ void fit_models(const FitModelsOptions& options, Session& session);
 struct JudgedFit {
   analysis::SensorModel model;
   std::vector<NamedEvaluation> evaluations;  // the first is the run's own, then the held-out runs in turn
-  Judgement judgement;                       // empty without limits
+  analysis::Judgement judgement;             // empty without limits
 };
 // As fit_models(), stores the same, and prints only warnings. `options` names one model or none, and a run of the
 // bench; nothing to score. Sets session.code by the judgement.

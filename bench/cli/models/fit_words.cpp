@@ -164,10 +164,10 @@ std::string fitted_text(const FittedRun& fitted, analysis::PressureUnit unit) {
         1e3 * repeat.others_rms_v);
   }
   text += figures_table(fitted.evaluations, unit);
-  const std::vector<db::VerdictRecord>& verdicts = fitted.judgement.verdicts;
-  if (!verdicts.empty())
-    text += fmt::format("\n{}{}", verdict_table(verdicts, fit.origin, unit),
-                        unit.in_text(judgement_text(fitted.judgement, fit.origin)));
+  const std::vector<analysis::JudgedFigure>& figures = fitted.judgement.figures;
+  if (!figures.empty())
+    text += fmt::format("\n{}{}", verdict_table(figures, fit.origin, unit),
+                        judgement_text(fitted.judgement, fit.origin, unit));
   return text;
 }
 
@@ -183,8 +183,8 @@ void add_fitted_json(const FittedRun& fitted, nlohmann::ordered_json& json) {
   json["evaluations"] = nlohmann::ordered_json::array();
   for (const NamedEvaluation& named : fitted.evaluations) json["evaluations"].push_back(evaluation_json(named));
   json["repeats"] = repeats_json(fit.repeats);
-  json["verdicts"] = verdicts_json(fitted.judgement.verdicts, fit.origin);
-  if (!fitted.judgement.verdicts.empty()) json["judgement"] = judgement_json(fitted.judgement, fit.origin);
+  json["verdicts"] = verdicts_json(fitted.judgement.figures, fit.origin);
+  if (!fitted.judgement.figures.empty()) json["judgement"] = judgement_json(fitted.judgement, fit.origin);
 }
 
 }  // namespace tactbench::bench

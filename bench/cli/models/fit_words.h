@@ -14,7 +14,7 @@ namespace tactbench::bench {
 struct FittedRun {
   const analysis::SensorModel* model = nullptr;
   std::vector<NamedEvaluation> evaluations;  // the first is the run's own
-  Judgement judgement;                       // empty without limits
+  analysis::Judgement judgement;             // empty without limits
 };
 
 // How many taxels have the readout divider undone, and by which c; lag and creep of the array. A line each, without its

@@ -9,7 +9,6 @@
 
 #include "analysis/identify/dynamic/dynamic_fit.h"
 #include "analysis/identify/stored/model_document.h"
-#include "analysis/statistics/conformity/overall_verdict.h"
 #include "bench/cli/judgement_words.h"
 #include "bench/cli/models/model_table.h"
 #include "bench/cli/rig/page_beside.h"
@@ -117,10 +116,9 @@ constexpr const char* kTrajectories =
     "the models come from: their error is the one to expect in use; the other runs repeat its set-points and dwell.";
 
 // The last run is expected to fail; the demo explains it. Empty where it passes.
-std::string on_purpose(const Judgement& judgement, std::int64_t drifted) {
-  const std::vector<std::int64_t> deciding = analysis::deciding_runs(judgement.verdicts);
-  if (analysis::overall_verdict(judgement.verdicts) != analysis::Verdict::kFail ||
-      std::ranges::find(deciding, drifted) == deciding.end())
+std::string on_purpose(const analysis::Judgement& judgement, std::int64_t drifted) {
+  const std::vector<std::int64_t>& deciding = judgement.decided_by;
+  if (judgement.overall != analysis::Verdict::kFail || std::ranges::find(deciding, drifted) == deciding.end())
     return {};
   return fmt::format(
       "run {} fails on purpose: it is the same sensor a month later and 5 °C warmer, which earlier models cannot "
@@ -191,12 +189,13 @@ void demo(const DemoOptions& options, Session& session) {
   const std::vector<ModelRow> models = model_rows({names.begin(), names.end()}, fitted, {}, {}, targets);
   lap("other models, mean taxel");
   follow_fit(store, runs, fit, evaluations.front().evaluation);
-  const Judgement judgement = judge_and_store(store, runs, fit, evaluations, "limits.toml");
+  const Judged judged = judge_and_store(store, runs, fit, evaluations, "limits.toml");
+  const analysis::Judgement& judgement = judged.judgement;
   std::string number;
   ReportExtras extras;
   extras.unit = session.page_unit();
   const std::string path =
-      write_report(runs, fit, evaluations, judgement, options.output, &number, extras, session.replace);
+      write_report(runs, fit, evaluations, judged, options.output, &number, extras, session.replace);
   watch.lap("report");
   const std::string origin = runs.record(numbers.front()).origin;
   if (session.json) {
@@ -207,7 +206,7 @@ void demo(const DemoOptions& options, Session& session) {
     for (const NamedEvaluation& named : evaluations) json["evaluations"].push_back(evaluation_json(named));
     json["models"] = nlohmann::ordered_json::array();
     for (const ModelRow& row : models) json["models"].push_back(model_row_json(row, targets));
-    json["verdicts"] = verdicts_json(judgement.verdicts, origin);
+    json["verdicts"] = verdicts_json(judgement.figures, origin);
     json["judgement"] = judgement_json(judgement, origin);
     json["on_purpose"] = on_purpose(judgement, numbers.back());
     for (const auto& [stage, seconds] : watch.laps()) json["timing_s"][stage] = seconds;
@@ -222,8 +221,8 @@ void demo(const DemoOptions& options, Session& session) {
       elam ? "ELAM, the paper's" : "dynamic, ours; the paper's with --model elam",
       figures_table(evaluations, session.unit()), kTrajectories);
   tty::print("{}\n", scores_table(models, targets, "psi", session.unit()));
-  tty::print("verdicts on the held-out runs:\n{}{}\n", verdict_table(judgement.verdicts, origin, session.unit()),
-             judgement_text(judgement, origin));
+  tty::print("verdicts on the held-out runs:\n{}{}\n", verdict_table(judgement.figures, origin, session.unit()),
+             judgement_text(judgement, origin, session.unit()));
   if (options.timing) {
     double total = 0.0;
     for (const auto& [stage, seconds] : watch.laps()) {

@@ -65,13 +65,9 @@ std::vector<NamedEvaluation> evaluations_for(analysis::Runs& runs, const analysi
   return evaluations;
 }
 
-struct JudgedInput {
-  analysis::ReportInput input;
-  Judgement judgement;
-};
-
 // --limits judges without storing.
-JudgedInput input_for(analysis::Runs& runs, const ReportOptions& options, std::int64_t run, const Session& session) {
+analysis::ReportInput input_for(analysis::Runs& runs, const ReportOptions& options, std::int64_t run,
+                                const Session& session) {
   const bool several = options.compare || options.batch;
   const ModelNamed named = model_named(options.model, run);
   const std::int64_t model_run = named.run;
@@ -82,26 +78,26 @@ JudgedInput input_for(analysis::Runs& runs, const ReportOptions& options, std::i
                "note: run {} has no models: the report shows the measurements, nothing corrected; `tactbench fit {}` "
                "makes models\n",
                model_run, model_run);
-  const StoredJudgement stored = stored_judgement(runs, fit, session.void_too);
+  const StoredVerdicts stored = stored_verdicts(runs, fit, session.void_too);
   // A fit keeps the runs that it was judged on.
   const bool by_store = options.held_out.empty() && run == fit.run;
   const std::vector<NamedEvaluation> evaluations =
       evaluations_for(runs, fit, run, by_store ? stored.runs : options.held_out);
-  JudgedInput judged;
-  judged.judgement = evaluations.empty() && options.limits.empty()
-                         ? judgement_on(runs.store(), run)
-                         : judge_for_report(runs, fit, evaluations, options.limits, stored, session.void_too);
+  Judged judged;
+  if (evaluations.empty() && options.limits.empty())
+    judged.judgement = judgement_on(runs.store(), run);
+  else
+    judged = judge_for_report(runs, fit, evaluations, options.limits, session.void_too,
+                              options.extras.laboratory.instruments, stored);
   const std::vector<std::int64_t> further =
       several ? std::vector<std::int64_t>() : std::vector<std::int64_t>(options.runs.begin() + 1, options.runs.end());
-  judged.input =
-      report_input(runs, run, fit, evaluations, judged.judgement, further, several ? nullptr : &options.extras);
-  judged.judgement.verdicts = judged.input.verdicts;  // some may have been withheld
-  judged.judgement.notes = judged.input.judgement;    // studies may cover more conditions
-  if (several) judged.input.held_out.clear();         // each run's own report has their figures
-  judged.input.issued = options.issued;
-  judged.input.unit = session.page_unit();
-  judged.input.paper = options.paper == "letter" ? analysis::PaperSize::kLetter : analysis::PaperSize::kA4;
-  return judged;
+  analysis::ReportInput input =
+      report_input(runs, run, fit, evaluations, judged, further, several ? nullptr : &options.extras);
+  if (several) input.held_out.clear();  // each run's own report has their figures
+  input.issued = options.issued;
+  input.unit = session.page_unit();
+  input.paper = options.paper == "letter" ? analysis::PaperSize::kLetter : analysis::PaperSize::kA4;
+  return input;
 }
 
 // The second run's data with the first run's models: the sensor as found, before adjustment.
@@ -125,21 +121,18 @@ void place(WrittenReport& out, const db::RunStore& store, const ReportOptions& o
 WrittenReport several_runs(analysis::Runs& runs, const ReportOptions& options, const Session& session) {
   const db::RunStore& store = runs.store();
   std::vector<analysis::ReportInput> inputs;
-  std::vector<Judgement> judgements;
   for (const std::int64_t run : options.runs) {
     // Of many runs the samples of one row at a time are in memory.
     std::optional<analysis::Runs> of_row;
     begin_stage(report_stage_of(run));
-    JudgedInput judged = input_for(options.batch ? of_row.emplace(store) : runs, options, run, session);
-    inputs.push_back(std::move(judged.input));
-    judgements.push_back(std::move(judged.judgement));
+    inputs.push_back(input_for(options.batch ? of_row.emplace(store) : runs, options, run, session));
   }
   WrittenReport out;
   if (options.compare) add_as_found(runs, inputs[0], inputs[1]);
   out.report = options.compare ? analysis::render_comparison(inputs[0], inputs[1]) : analysis::render_batch(inputs);
   std::vector<std::size_t> rows = options.compare ? std::vector<std::size_t>{0, 1} : analysis::batch_rows(inputs);
   for (const std::size_t row : rows) {
-    out.judgements.push_back(judgements[row]);
+    out.judgements.push_back(inputs[row].judgement);
     out.started_utc = std::max(out.started_utc, inputs[row].run.started_utc);
   }
   place(out, store, options, inputs.front().run,
@@ -166,8 +159,7 @@ std::vector<db::ReportRecord::Evidence> evidence_of(analysis::Runs& runs, const 
 }
 
 WrittenReport one_run(db::RunStore& store, analysis::Runs& runs, const ReportOptions& options, const Session& session) {
-  JudgedInput judged = input_for(runs, options, options.runs.front(), session);
-  analysis::ReportInput& input = judged.input;
+  analysis::ReportInput input = input_for(runs, options, options.runs.front(), session);
   input.reason = options.reason;
   WrittenReport out;
   out.report = analysis::render_report(input);
@@ -180,7 +172,7 @@ WrittenReport one_run(db::RunStore& store, analysis::Runs& runs, const ReportOpt
         numbered);
   if (signing) {
     pause_progress();  // it may ask
-    check_signature(judged.judgement, input.run.run, input.run.origin, options.without_verdict, session);
+    check_signature(input.judgement, input.run.run, input.run.origin, options.without_verdict, session);
     const std::vector<db::ReportRecord> before = store.reports(input.run.run);
     store.add_report({input.run.run, out.report.number, out.report.content_sha256, options.approve_by, utc_now(),
                       before.empty() ? "" : before.back().number, options.reason,
@@ -189,7 +181,7 @@ WrittenReport one_run(db::RunStore& store, analysis::Runs& runs, const ReportOpt
     out.report = analysis::render_report(input);
   }
   out.started_utc = input.run.started_utc;
-  out.judgements.push_back(std::move(judged.judgement));
+  out.judgements.push_back(std::move(input.judgement));
   return out;
 }
 
@@ -200,9 +192,9 @@ std::string kind_written(const ReportOptions& options) {
                                                                        : "report");
 }
 
-std::optional<analysis::Verdict> worst_of(const std::vector<Judgement>& judgements) {
+std::optional<analysis::Verdict> worst_of(const std::vector<analysis::Judgement>& judgements) {
   std::optional<analysis::Verdict> worst;  // none is better than any
-  for (const Judgement& judgement : judgements) worst = std::max(worst, verdict_of(judgement));
+  for (const analysis::Judgement& judgement : judgements) worst = std::max(worst, judgement.overall);
   return worst;
 }
 
@@ -238,9 +230,9 @@ void report_runs(const ReportOptions& options, Session& session) {
   const WrittenReport written = write_reports(options, session);
   const std::string& path = written.path;
   const bool one = !options.compare && !options.batch;
-  std::vector<db::VerdictRecord> verdicts;
-  for (const Judgement& judgement : written.judgements)
-    verdicts.insert(verdicts.end(), judgement.verdicts.begin(), judgement.verdicts.end());
+  std::vector<analysis::JudgedFigure> verdicts;
+  for (const analysis::Judgement& judgement : written.judgements)
+    verdicts.insert(verdicts.end(), judgement.figures.begin(), judgement.figures.end());
   warn_of_conditional(verdicts);
   if (session.json) {
     nlohmann::ordered_json json = {{"run", options.runs.front()},
@@ -253,14 +245,14 @@ void report_runs(const ReportOptions& options, Session& session) {
     if (one) {
       json["judgement"] = judgement_json(written.judgements.front(), written.origin);
     } else {
-      for (const Judgement& judgement : written.judgements)
+      for (const analysis::Judgement& judgement : written.judgements)
         json["judgements"].push_back(judgement_json(judgement, written.origin));
     }
     print_json("report", json);
     return;
   }
   if (one && !verdicts.empty()) tty::print("{}", verdict_table(verdicts, written.origin, session.unit()));
-  if (one) tty::print("{}", session.unit().in_text(judgement_text(written.judgements.front(), written.origin)));
+  if (one) tty::print("{}", judgement_text(written.judgements.front(), written.origin, session.unit()));
   tty::print("report {}: {}{}\n", written.report.number, path,
              written.written ? "" : " (signed: the file stays as it is)");
 }

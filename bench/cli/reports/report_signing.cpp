@@ -7,15 +7,11 @@
 #include <iostream>
 #include <string>
 
-#include "analysis/statistics/conformity/overall_verdict.h"
-#include "bench/cli/judgement_words.h"
-
 namespace tactbench::bench {
 
-void check_signature(const Judgement& judgement, std::int64_t run, const std::string& origin, bool without_verdict,
-                     const Session& session) {
-  const bool not_judged = !judgement.notes.not_judged.empty();
-  if (judgement.verdicts.empty() && !not_judged) {
+void check_signature(const analysis::Judgement& judgement, std::int64_t run, const std::string& origin,
+                     bool without_verdict, const Session& session) {
+  if (!judgement.overall) {
     if (without_verdict) return;
     if (!session.json && ::isatty(STDIN_FILENO) == 1) {
       tty::print(stderr, "the report of run {} has no verdict. Sign it anyway? y/n: ", run);
@@ -29,10 +25,9 @@ void check_signature(const Judgement& judgement, std::int64_t run, const std::st
             "judge first: tactbench fit {} --held-out RUN --limits limits.toml; or sign anyway with --without-verdict",
             run));
   }
-  const std::optional<analysis::Verdict> verdict = verdict_of(judgement);
-  if (exit_code_of(verdict) == ExitCode::kPass) return;
-  std::string word = analysis::verdict_word(verdict);
-  if (not_judged) word += ", not judged: " + judgement.notes.not_judged;
+  if (exit_code_of(judgement.overall) == ExitCode::kPass) return;
+  std::string word = analysis::verdict_word(judgement.overall);
+  if (judgement.not_judged) word += ", not judged: " + in_words(*judgement.not_judged, session.unit());
   tty::print(stderr, "warning: signed with the verdict {}\n", shown_verdict(word, origin));
 }
 

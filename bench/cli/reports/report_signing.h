@@ -12,8 +12,8 @@ namespace tactbench::bench {
 
 // To be called before `by` signs the report of run `run`: without a verdict asks on a terminal, and without a terminal
 // requires `without_verdict` (TB-REPORT-NO-VERDICT); a verdict other than pass is reported on standard error.
-void check_signature(const Judgement& judgement, std::int64_t run, const std::string& origin, bool without_verdict,
-                     const Session& session);
+void check_signature(const analysis::Judgement& judgement, std::int64_t run, const std::string& origin,
+                     bool without_verdict, const Session& session);
 
 // `before`: signed reports of the run, oldest first; `number`: the one to be written, `signing` whether to be signed.
 // Throws TB-REPORT-REASON where it would be signed in place of another without a `reason`, and where there is a reason

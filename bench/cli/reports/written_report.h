@@ -12,7 +12,7 @@ namespace tactbench::bench {
 
 struct WrittenReport {
   analysis::Report report;
-  std::vector<Judgement> judgements;                // of one run, or of each run on the page
+  std::vector<analysis::Judgement> judgements;      // of one run, or of each run on the page
   std::string origin, started_utc, path, run_uuid;  // run_uuid: of the first
   bool written = true;                              // false: the file held this report already, signed
 };

@@ -149,7 +149,7 @@ void print_calibrations(const Plan& plan, const std::string& today, analysis::Pr
   for (const db::DeviceRecord& record : instruments_of(plan)) {
     const analysis::InstrumentCalibration calibration = analysis::calibration_of(record);
     tty::print("  - {}, serial {}: {}\n", record.role, calibration.serial.empty() ? "not stated" : calibration.serial,
-               unit.in_text(calibration_words(calibration, today)));
+               calibration_words(calibration, today, unit));
   }
 }
 
@@ -263,8 +263,8 @@ void plan(const PlanOptions& options, Session& session) {
   for (const std::string& line : recipe_warnings(plan.recipes, plan.bench))
     tty::print(stderr, "warning: {}\n", session.unit().in_text(line));
   for (const std::string& line :
-       calibration_warnings(plan.bench, instruments_of(plan), utc_now().substr(0, 10), plan.steps))
-    tty::print(stderr, "warning: {}\n", session.unit().in_text(line));
+       calibration_warnings(plan.bench, instruments_of(plan), utc_now().substr(0, 10), plan.steps, session.unit()))
+    tty::print(stderr, "warning: {}\n", line);
   if (session.json) {
     print_plan_json(plan, time, options.steps);
   } else {

@@ -96,9 +96,9 @@ void warn_of_instruments(const RunRequest& request, analysis::PressureUnit unit)
   const auto instruments = stated_instruments(request.bench, needs_press(request.recipes));
   for (const std::string& line : recipe_warnings(request.recipes, request.bench))
     tty::print(stderr, "warning: {}\n", unit.in_text(line));
-  for (const std::string& line :
-       calibration_warnings(request.bench, instruments, utc_now().substr(0, 10), sequences::compile(request.recipes)))
-    tty::print(stderr, "warning: {}\n", unit.in_text(line));
+  for (const std::string& line : calibration_warnings(request.bench, instruments, utc_now().substr(0, 10),
+                                                      sequences::compile(request.recipes), unit))
+    tty::print(stderr, "warning: {}\n", line);
 }
 
 CarriedOut begin_and_carry_out(const RunOptions& options, const Session& session) {

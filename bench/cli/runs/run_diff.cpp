@@ -65,9 +65,11 @@ nlohmann::ordered_json comparable(const db::RunStore& store, const db::RunRecord
   for (const db::CheckRecord& check : store.checks(run.run)) {
     json["checks"].push_back(fmt::format("{} {}", check.kind, check.verdict));
   }
-  for (const db::VerdictRecord& verdict : store.verdicts(run.run)) {
-    json["verdicts"][fmt::format("{} ({})", verdict.criterion, verdict.scope)] =
-        fmt::format("{}: {:.9g} {}, limit {:g}", verdict.verdict, verdict.value, verdict.unit, verdict.limit);
+  for (const analysis::JudgedFigure& figure : analysis::figures_of(store.verdicts(run.run))) {
+    json["verdicts"]
+        [fmt::format("{} ({})", to_string(figure.criterion), in_words(figure.scope, analysis::PressureUnit::kPsi))] =
+            fmt::format("{}: {:.9g} {}, limit {:g}", to_string(figure.verdict), figure.value,
+                        to_string(quantity_of(figure.criterion)), figure.limit);
   }
   return json;
 }

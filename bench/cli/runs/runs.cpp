@@ -130,7 +130,7 @@ void list_runs(const RunsListOptions& options, const Session& session) {
   const db::RunStore store = db::RunStore::open_read_only(session.db);
   RunsList list(options, session);
   for (const db::RunRecord& run : store.runs({.sensor_serial = options.sensor, .since_utc = options.since})) {
-    const std::optional<analysis::Verdict> worst = standing_verdict(standing_verdicts(store, run.run));
+    const std::optional<analysis::Verdict> worst = standing(store, run.run).verdict;
     if (!list.takes(run, worst)) continue;
     // Frames are numbered from 1.
     ListedRun listed{store.run(run.run), worst, store.last_position(run.run), store.pruned(run.run)};
@@ -143,16 +143,16 @@ void list_runs(const RunsListOptions& options, const Session& session) {
 namespace {
 
 // One table for each pair of models and limits.
-void print_judgements(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin,
+void print_judgements(const std::vector<analysis::JudgedFigure>& verdicts, const std::string& origin,
                       analysis::PressureUnit unit) {
-  std::vector<std::vector<db::VerdictRecord>> tables;
-  for (const db::VerdictRecord& verdict : verdicts) {
-    const auto same = std::ranges::find_if(tables, [&](const std::vector<db::VerdictRecord>& rows) {
+  std::vector<std::vector<analysis::JudgedFigure>> tables;
+  for (const analysis::JudgedFigure& verdict : verdicts) {
+    const auto same = std::ranges::find_if(tables, [&](const std::vector<analysis::JudgedFigure>& rows) {
       return rows.front().model_run == verdict.model_run && rows.front().limits_sha256 == verdict.limits_sha256;
     });
     (same == tables.end() ? tables.emplace_back() : *same).push_back(verdict);
   }
-  for (const std::vector<db::VerdictRecord>& rows : tables)
+  for (const std::vector<analysis::JudgedFigure>& rows : tables)
     tty::print("\nmodels of {}, limits sha256 {}\n{}",
                rows.front().model_run == 0 ? "no stored run" : fmt::format("run {}", rows.front().model_run),
                rows.front().limits_sha256.substr(0, 12), verdict_table(rows, origin, unit));
@@ -171,8 +171,8 @@ std::string specimen_text(const db::RunRecord& run) {
 void show_run(std::int64_t number, const Session& session, bool all_events) {
   const db::RunStore store = db::RunStore::open_read_only(session.db);
   const db::RunRecord run = store.run(number);
-  const std::vector<db::VerdictRecord> verdicts = standing_verdicts(store, number);
-  const std::string word = verdict_cell(standing_verdict(verdicts), run.origin);
+  const auto [verdicts, verdict] = standing(store, number);
+  const std::string word = verdict_cell(verdict, run.origin);
   const std::vector<db::EventRecord> events = store.events(number);
   const std::vector<db::CheckRecord> checks = store.checks(number);
   const std::optional<db::PrunedRecord> pruned = store.pruned(number);
@@ -233,7 +233,7 @@ void show_run(std::int64_t number, const Session& session, bool all_events) {
                                device.serial.empty() ? "not stated" : device.serial, device.origin));
     // Devices with a certificate; the bench file states none for a scanner or a module.
     if (device.calibration_json.find("\"certificate\"") != std::string::npos)
-      line("", session.unit().in_text(calibration_words(analysis::calibration_of(device), run.started_utc)));
+      line("", calibration_words(analysis::calibration_of(device), run.started_utc, session.unit()));
   }
   line("frames", pruned ? fmt::format("none: {} were removed on {}, by the rule: {}", pruned->frames,
                                       pruned->pruned_utc, pruned->rule)

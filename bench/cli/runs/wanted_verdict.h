@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "analysis/statistics/conformity/overall_verdict.h"
+#include "analysis/judgement/verdict.h"
 #include "bench/common/error.h"
 #include "sequences/toml/strict_toml.h"
 

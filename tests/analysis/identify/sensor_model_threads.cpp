@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "analysis/statistics/conformity/verdict.h"
+#include "analysis/judgement/judgement.h"
 #include "tests/analysis/support/synthetic.h"
 
 using namespace synthetic;

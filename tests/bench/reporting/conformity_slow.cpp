@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/identify/stored/model_document.h"
-#include "analysis/statistics/conformity/verdict.h"
+#include "analysis/judgement/judgement.h"
 #include "analysis/statistics/uncertainty/uncertainty.h"
 #include "tests/support/process.h"
 

@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "analysis/statistics/conformity/mpe.h"
-#include "analysis/statistics/conformity/verdict.h"
+#include "analysis/judgement/judgement.h"
+#include "analysis/judgement/mpe.h"
 #include "analysis/statistics/numbers/moments.h"
 #include "tests/analysis/support/straight_array.h"
 

@@ -1,5 +1,5 @@
 // The maximum permissible error of a reading: judged to either side of the limit.
-#include "analysis/statistics/conformity/mpe.h"
+#include "analysis/judgement/mpe.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "analysis/statistics/conformity/mpe.h"
+#include "analysis/judgement/mpe.h"
 #include "analysis/statistics/numbers/moments.h"
 #include "tests/analysis/support/straight_array.h"
 

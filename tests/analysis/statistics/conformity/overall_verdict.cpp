@@ -1,5 +1,5 @@
 // The ladder of verdicts, and verdicts of several runs together: the worst one, whatever the order.
-#include "analysis/statistics/conformity/overall_verdict.h"
+#include "analysis/judgement/verdict.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

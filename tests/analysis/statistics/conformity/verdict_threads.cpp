@@ -1,5 +1,5 @@
 // Decision rules at the edges, and the uncertainty of judged figures against the same by hand.
-#include "analysis/statistics/conformity/verdict.h"
+#include "analysis/judgement/judgement.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

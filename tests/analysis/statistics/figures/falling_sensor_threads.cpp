@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "analysis/judgement/mpe.h"
 #include "analysis/report/results.h"
-#include "analysis/statistics/conformity/mpe.h"
 #include "analysis/statistics/studies/studies.h"
 #include "tests/analysis/support/alike.h"
 #include "tests/analysis/support/effect_runs.h"

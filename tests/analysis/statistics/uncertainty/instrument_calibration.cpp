@@ -4,7 +4,7 @@
 #include <array>
 #include <catch2/catch.hpp>
 
-#include "analysis/statistics/conformity/verdict.h"
+#include "analysis/judgement/judgement.h"
 #include "analysis/statistics/uncertainty/reference_uncertainty.h"
 #include "tests/analysis/support/uncertainty_example.h"
 

@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "analysis/statistics/conformity/verdict.h"
+#include "analysis/judgement/judgement.h"
 #include "analysis/statistics/uncertainty/budget_maker.h"
 #include "tests/analysis/support/straight_array.h"
 

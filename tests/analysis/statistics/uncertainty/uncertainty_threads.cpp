@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "analysis/statistics/conformity/verdict.h"
+#include "analysis/judgement/judgement.h"
 #include "tests/analysis/support/uncertainty_example.h"
 
 using namespace tactbench;

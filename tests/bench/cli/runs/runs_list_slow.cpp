@@ -3,7 +3,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "analysis/statistics/conformity/overall_verdict.h"
+#include "analysis/judgement/verdict.h"
 #include "tests/bench/cli/check_refusal.h"
 #include "tests/db/store_example.h"
 

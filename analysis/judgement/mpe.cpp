@@ -1,6 +1,4 @@
-#include "analysis/statistics/conformity/mpe.h"
-
-#include <fmt/format.h>
+#include "analysis/judgement/mpe.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +8,7 @@
 #include "analysis/loop.h"
 #include "analysis/statistics/figures/same_sensor.h"
 #include "analysis/statistics/figures/streams.h"
+#include "analysis/statistics/numbers/coverage.h"
 #include "analysis/statistics/numbers/moments.h"
 
 namespace tactbench::analysis {
@@ -95,11 +94,7 @@ double quantile_over_taxels(std::vector<double> values, double share) {
 
 }  // namespace
 
-std::string scope_of(const Limits::Mpe& mpe) {
-  const std::string levels = mpe.low_psi == mpe.high_psi ? fmt::format("{:g} psi", mpe.low_psi)
-                                                         : fmt::format("{:g}-{:g} psi", mpe.low_psi, mpe.high_psi);
-  return fmt::format("{} {:g} %", levels, 100.0 * mpe.share);
-}
+Scope scope_of(const Limits::Mpe& mpe) { return Scope::span(mpe.low_psi, mpe.high_psi, mpe.share); }
 
 std::vector<MpeFigure> mpe_figures(const Dataset& judged, const SensorModel& fit, const Uncertainty* readings,
                                    std::span<const Limits::Mpe> limits, int threads) {
@@ -135,18 +130,17 @@ std::vector<MpeFigure> mpe_figures(const Dataset& judged, const SensorModel& fit
   return figures;
 }
 
-std::vector<JudgedUncertainty> mpe_uncertainties(std::span<const MpeFigure> figures, std::int64_t run) {
-  std::vector<JudgedUncertainty> all;
+std::vector<Figure> judged_mpe(std::span<const MpeFigure> figures, const std::string& missing) {
+  std::vector<Figure> all;
   for (const MpeFigure& figure : figures) {
-    JudgedUncertainty& out = all.emplace_back(JudgedUncertainty{
-        "mpe", figure.scope, "psi", figure.expanded_psi, 0.5 * figure.expanded_psi, kInfiniteDof, 2.0, {}, {}, run});
-    if (std::isnan(figure.expanded_psi))
-      out.missing = "no budget of a reading at the levels judged";
-    else
-      out.basis =
+    Figure& out = all.emplace_back(Figure{Criterion::kMpe, figure.scope, figure.value_psi, {}});
+    out.u = {figure.expanded_psi, 0.5 * figure.expanded_psi, kInfiniteDof, 2.0, {}, {}};
+    if (!std::isnan(figure.expanded_psi))
+      out.u.basis =
           "U of one taxel's reading at its level and branch (section Uncertainty), added to |error| before the share "
-          "of "
-          "taxels is taken; the value is the |error| that this share of the taxels does not exceed";
+          "of taxels is taken; the value is the |error| that this share of the taxels does not exceed";
+    else
+      out.u.missing = missing.empty() ? "no budget of a reading at the levels judged" : missing;
   }
   return all;
 }

@@ -1,4 +1,4 @@
-// What a judged figure scatters by from full sweep to full sweep: of verdict_uncertainty.cpp alone.
+// What a judged figure scatters by from full sweep to full sweep: of measured_figures.cpp alone.
 #pragma once
 
 #include <fmt/format.h>

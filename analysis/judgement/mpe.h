@@ -8,7 +8,7 @@
 
 #include "analysis/dataset.h"
 #include "analysis/identify/sensor_model.h"
-#include "analysis/statistics/conformity/verdict.h"
+#include "analysis/judgement/figure.h"
 #include "analysis/statistics/figures/limits.h"
 #include "analysis/statistics/uncertainty/uncertainty.h"
 
@@ -18,20 +18,20 @@ namespace tactbench::analysis {
 // likewise for |error| + U and value_psi + expanded_psi: both are quantiles over the fitted taxels of the largest over
 // the levels.
 struct MpeFigure {
-  std::string scope;          // "0-60 psi 95 %", of the taxels
+  Scope scope;
   double value_psi = 0.0;     // NaN: no level of the span was measured
   double expanded_psi = 0.0;  // NaN: without budgets
   int levels = 0;             // measured within the span
 };
 
-std::string scope_of(const Limits::Mpe& mpe);
+Scope scope_of(const Limits::Mpe& mpe);
 
 // `readings`: the budgets of the models' run, of the same taxels; null: U is not known. At a level without budgets the
 // nearest ones of its branch count, the larger of two. Throws as evaluate().
 std::vector<MpeFigure> mpe_figures(const Dataset& judged, const SensorModel& fit, const Uncertainty* readings,
                                    std::span<const Limits::Mpe> limits, int threads = 0);
 
-// As judge() asks for them. `run`: the one judged.
-std::vector<JudgedUncertainty> mpe_uncertainties(std::span<const MpeFigure> figures, std::int64_t run);
+// As judge() asks for them. `missing`: why no U is known; empty: it may be.
+std::vector<Figure> judged_mpe(std::span<const MpeFigure> figures, const std::string& missing = {});
 
 }  // namespace tactbench::analysis

@@ -1,0 +1,302 @@
+#include "analysis/judgement/judgement.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "analysis/loop.h"
+#include "analysis/statistics/figures/levels.h"
+
+namespace tactbench::analysis {
+namespace {
+
+struct SourceWords {
+  const char* source;
+  const char* why;
+};
+constexpr std::array<SourceWords, kSources.size()> kSourceWords = {{
+    // by Source
+    {"history", "every judged run repeats the fitted set-points: nothing is known of other inner branches"},
+    {"re-mounting", "no judged run and no study is of the sensor mounted anew"},
+    {"temperature", "no judged run and no study is at another temperature"},
+    {"time", "no judged run is a day or more apart from that of the models"},
+    {"creep", "no study holds the load for longer than the runs do"},
+    {"age of the reference's calibration",
+     "neither its date nor its due date is stated: its drift cannot be scaled with time"},
+}};
+
+bool counts(const EvidenceRun& run) {
+  return run.counts == EvidenceRun::Counts::kYes || run.counts == EvidenceRun::Counts::kVoidOnRequest;
+}
+
+// Errors against the reference rest on it; differences and counts do not.
+bool is_traceable(const Figure& figure, const ReferenceUncertainty& reference) {
+  if (!reference.untraced() || quantity_of(figure.criterion) != Quantity::kPressure) return true;
+  return of_readings(figure.criterion) && !reference.overdue && reference.holds_at(figure.scope.low_psi) &&
+         reference.holds_at(figure.scope.high_psi);
+}
+
+class Judging {
+ public:
+  Judging(const Evidence& evidence, const Limits& limits) : evidence_(evidence), limits_(limits) {}
+
+  std::vector<JudgedFigure> judged(const EvidenceRun& run) const {
+    std::vector<JudgedFigure> figures;
+    const auto add = [&](Criterion criterion, const Scope& scope, double limit) {
+      figures.push_back(judged(run, criterion, scope, limit));
+    };
+    add(Criterion::kMeanError, {}, limits_.mean_compensation_error_psi);
+    add(Criterion::kWorstTaxelError, {}, limits_.worst_taxel_error_psi);
+    add(Criterion::kDistanceOfMean, {}, limits_.distance_of_mean_fs);
+    add(Criterion::kUnfitTaxels, {}, limits_.unfit_taxels);
+    for (const Limits::Mismatch& mismatch : limits_.mismatch)
+      for (const Direction direction : {Direction::kUp, Direction::kDown})
+        add(Criterion::kMismatch, Scope::level(level_near(run, mismatch.pressure_psi), direction), mismatch.std_fs);
+    for (const Limits::Mpe& mpe : limits_.mpe)
+      add(Criterion::kMpe, Scope::span(mpe.low_psi, mpe.high_psi, mpe.share), mpe.mpe_psi);
+    return figures;
+  }
+
+ private:
+  JudgedFigure judged(const EvidenceRun& run, Criterion criterion, const Scope& scope, double limit) const {
+    JudgedFigure out;
+    out.criterion = criterion;
+    out.scope = scope;
+    out.value = std::numeric_limits<double>::quiet_NaN();
+    for (const Figure& figure : run.figures)
+      if (figure.criterion == criterion && figure.scope == scope) static_cast<Figure&>(out) = figure;
+    out.run = run.run;
+    out.fit = evidence_.fit;
+    out.model_run = evidence_.model_run;
+    out.limit = limit;
+    out.limits_sha256 = limits_.sha256;
+    out.rule = rule_applied(limits_.rule, out.u.expanded);
+    out.verdict = verdict_of(out.rule, out.value, limit, out.u.expanded);
+    if (out.verdict == Verdict::kReportOnly) return out;
+    if (!counts(run) || !is_traceable(out, run.reference)) out.verdict = Verdict::kInconclusive;
+    // What was stored by the same limits stands where it is worse: a laboratory file may not be there any more. Of two
+    // fits with the same models the newer one counts.
+    const JudgedFigure* stands = nullptr;
+    for (const JudgedFigure& stored : evidence_.stored)
+      if (stored.run == out.run && stored.criterion == criterion && stored.scope == scope &&
+          stored.limits_sha256 == limits_.sha256 && (stands == nullptr || stored.fit >= stands->fit))
+        stands = &stored;
+    if (stands != nullptr) out.verdict = std::max(out.verdict, stands->verdict);
+    return out;
+  }
+
+  // The measured level that the limits mean; theirs where there is none.
+  static double level_near(const EvidenceRun& run, double pressure_psi) {
+    double nearest = pressure_psi, off = kTypedLevelPsi;
+    for (const Figure& figure : run.figures) {
+      const double own = std::abs(figure.scope.low_psi - pressure_psi);
+      if (figure.criterion != Criterion::kMismatch || !(own <= off)) continue;
+      off = own;
+      nearest = figure.scope.low_psi;
+    }
+    return nearest;
+  }
+
+  const Evidence& evidence_;
+  const Limits& limits_;
+};
+
+// Void runs that counted, and those that did not.
+void remark_on_runs(const Evidence& evidence, Judgement& judgement) {
+  using Kind = Remark::Kind;
+  for (const VoidRun& run : evidence.models_void)
+    if (evidence.void_too) judgement.void_counted.push_back(run);
+  for (const EvidenceRun& run : evidence.runs)
+    if (run.counts == EvidenceRun::Counts::kVoidOnRequest) judgement.void_counted.push_back(run.voided);
+  for (const VoidRun& run : judgement.void_counted) judgement.remarks.push_back({Kind::kVoidCounted, run});
+  judgement.remarks.insert(judgement.remarks.end(), evidence.lost.begin(), evidence.lost.end());
+  for (const EvidenceRun& run : evidence.runs)
+    if (run.counts == EvidenceRun::Counts::kVoid)
+      judgement.remarks.push_back({Kind::kVoidLeftOut, run.voided, run.run});
+}
+
+void note_conditions(const Evidence& evidence, Judgement& judgement) {
+  std::set<Source> assessed = evidence.studied;
+  bool dated = true;
+  for (JudgedRun& judged : judgement.runs) {
+    const auto run = std::ranges::find(evidence.runs, judged.run, &EvidenceRun::run);
+    judged.trajectory = run->trajectory;
+    assessed.insert(run->shows.begin(), run->shows.end());
+    dated = dated && run->shows.contains(Source::kReferenceAge);
+    const std::optional<Untraced> untraced = run->reference.untraced();
+    if (!untraced) continue;
+    if (!judgement.untraced) judgement.untraced = untraced;
+    judgement.remarks.push_back({Remark::Kind::kUntraced, {}, run->run, 0, untraced});
+  }
+  if (!dated) assessed.erase(Source::kReferenceAge);
+  for (const Source source : kSources)
+    if (!assessed.contains(source)) judgement.not_assessed.push_back(source);
+}
+
+}  // namespace
+
+VoidRun void_of(const db::RunRecord& run) { return {run.run, run.void_by, run.void_utc, run.void_reason}; }
+
+std::string in_words(const VoidRun& run) {
+  return fmt::format("run {} was declared void by {} on {}: {}", run.run, run.by, run.utc, run.reason);
+}
+
+const char* to_string(Source source) { return kSourceWords.at(static_cast<std::size_t>(source)).source; }
+const char* why_not_assessed(Source source) { return kSourceWords.at(static_cast<std::size_t>(source)).why; }
+
+std::string in_words(const Remark& remark, PressureUnit unit) {
+  switch (remark.kind) {
+    case Remark::Kind::kNoIndependentData:
+      return "no independent data: the figures are of the run that the models were made from";
+    case Remark::Kind::kModelsVoid:
+      return in_words(remark.voided) + ", and the models were made from it";
+    case Remark::Kind::kOnVoid:
+      return "the run, or the one that the models were made from, was declared void";
+    case Remark::Kind::kVoidCounted:
+      return in_words(remark.voided) + "; --void-too includes it";
+    case Remark::Kind::kVoidLeftOut:
+      return fmt::format("run {} is not judged: {}", remark.run, in_words(remark.voided));
+    case Remark::Kind::kStoredOnVoid:
+      return fmt::format("the models were judged on run {}, but {}", remark.run, in_words(remark.voided));
+    case Remark::Kind::kOtherModels:
+      return fmt::format("fit {} of run {} was judged, which has other models", remark.fit, remark.run);
+    case Remark::Kind::kUntraced:
+      break;
+  }
+  return fmt::format("run {}: {}; verdicts on errors against the reference are inconclusive", remark.run,
+                     in_words(remark.untraced.value(), unit));
+}
+
+std::optional<Verdict> worst_of(std::span<const JudgedFigure> figures) {
+  std::optional<Verdict> worst;  // none is better than any
+  for (const JudgedFigure& figure : figures) worst = std::max(worst, std::optional(figure.verdict));
+  return worst;
+}
+
+void conclude(Judgement& judgement) {
+  const std::vector<JudgedFigure>& figures = judgement.figures;
+  judgement.runs.clear();
+  judgement.decided_by.clear();
+  judgement.deciding.reset();
+  judgement.closest_pass.reset();
+  const std::optional<Verdict> worst = worst_of(figures);
+  judgement.overall = worst;
+  if (judgement.not_judged)
+    judgement.overall = Verdict::kInconclusive;
+  else if (worst_of(judgement.stored_worse) == Verdict::kFail)
+    judgement.overall = Verdict::kFail;
+  judgement.rests_on_means_alone =
+      passes(judgement.overall) &&
+      std::ranges::none_of(figures, [](const JudgedFigure& figure) { return of_readings(figure.criterion); });
+  if (judgement.not_judged) return;
+  for (std::size_t i = 0; i < figures.size(); ++i) {
+    const JudgedFigure& own = figures[i];
+    const auto closer = [&](const std::optional<std::size_t>& than) {
+      return !than || own.use_of_limit() > figures[*than].use_of_limit();
+    };
+    if (own.verdict == worst && closer(judgement.deciding)) judgement.deciding = i;
+    if (own.verdict == Verdict::kPass && closer(judgement.closest_pass)) judgement.closest_pass = i;
+    const auto known = std::ranges::find(judgement.runs, own.run, &JudgedRun::run);
+    if (known == judgement.runs.end())
+      judgement.runs.push_back({own.run, own.verdict, {}});
+    else
+      known->verdict = std::max(known->verdict, own.verdict);
+  }
+  for (const JudgedRun& run : judgement.runs)
+    if (run.verdict == worst) judgement.decided_by.push_back(run.run);
+  std::ranges::sort(judgement.decided_by);
+}
+
+Judgement judge(const Evidence& evidence, const Limits& limits) {
+  Judgement out;
+  out.limits_name = limits.name;
+  out.limits_toml = limits.toml;
+  out.limits_sha256 = limits.sha256;
+  if (evidence.runs.empty()) return out;
+  remark_on_runs(evidence, out);
+  const bool models_count = evidence.models_void.empty() || evidence.void_too;
+  const Judging judging(evidence, limits);
+  const auto take = [&](const EvidenceRun& run) {
+    const std::vector<JudgedFigure> own = judging.judged(run);
+    out.figures.insert(out.figures.end(), own.begin(), own.end());
+  };
+  for (const EvidenceRun& run : evidence.runs)
+    if (models_count && counts(run)) take(run);
+  if (out.figures.empty()) {
+    take(evidence.runs.front());
+    if (!models_count) {
+      out.not_judged = {Remark::Kind::kModelsVoid, evidence.models_void.front()};
+      for (JudgedFigure& figure : out.figures)
+        if (figure.verdict != Verdict::kReportOnly) figure.verdict = Verdict::kInconclusive;
+    } else if (limits.rule != DecisionRule::kReportOnly) {
+      out.not_judged = {Remark::Kind::kNoIndependentData};
+    }
+  }
+  const Verdict found = std::max(worst_of(out.figures).value_or(Verdict::kPass), Verdict::kPass);
+  for (const JudgedFigure& stored : evidence.stored)
+    if (!out.not_judged && stored.run != stored.model_run && stored.verdict > found) out.stored_worse.push_back(stored);
+  conclude(out);
+  if (states_conformity(out.overall) && !out.not_judged) note_conditions(evidence, out);
+  return out;
+}
+
+std::string condition_in_words(const Judgement& judgement, PressureUnit unit) {
+  if (judgement.overall == Verdict::kInconclusive && judgement.untraced)
+    return ": " + in_words(*judgement.untraced, unit);
+  std::string words;
+  if (judgement.rests_on_means_alone) words += ", of means alone: no limit on single readings";
+  if (passes(judgement.overall) && !judgement.not_assessed.empty()) words += ", under repeatability conditions only";
+  return words;
+}
+
+std::string statement_in_words(const Judgement& judgement, PressureUnit unit) {
+  return judgement.overall ? to_string(*judgement.overall) + condition_in_words(judgement, unit) : "";
+}
+
+std::string not_assessed_in_words(const Judgement& judgement) {
+  std::vector<const char*> sources;
+  for (const Source source : judgement.not_assessed) sources.push_back(to_string(source));
+  return fmt::format("{}", fmt::join(sources, "; "));
+}
+
+nlohmann::ordered_json judgement_json(const Judgement& judgement) {
+  using Json = nlohmann::ordered_json;
+  const PressureUnit psi = PressureUnit::kPsi;
+  Json runs = Json::array(), missing = Json::array(), voids = Json::array(), stored = Json::array(),
+       remarks = Json::array();
+  for (const JudgedRun& run : judgement.runs)
+    runs.push_back(
+        {{"run", run.run}, {"verdict", to_string(run.verdict)}, {"trajectory", trajectory_json(run.trajectory)}});
+  for (const Source source : judgement.not_assessed)
+    missing.push_back({{"source", to_string(source)}, {"why", why_not_assessed(source)}});
+  for (const VoidRun& run : judgement.void_counted)
+    voids.push_back({{"run", run.run}, {"reason", run.reason}, {"by", run.by}, {"utc", run.utc}});
+  const auto figure = [](const JudgedFigure& own) {
+    Json json = {{"run", own.run}, {"model_run", own.model_run}};
+    json.update(figure_json(own));
+    return json;
+  };
+  for (const JudgedFigure& own : judgement.stored_worse) stored.push_back(figure(own));
+  for (const Remark& remark : judgement.remarks) remarks.push_back(in_words(remark, psi));
+  const auto of = [&](const std::optional<std::size_t>& at) { return at ? figure(judgement.figures[*at]) : Json(); };
+  return {{"overall", verdict_word(judgement.overall)},
+          {"statement", statement_in_words(judgement, psi)},
+          {"rests_on_means_alone", judgement.rests_on_means_alone},
+          {"deciding", of(judgement.deciding)},
+          {"closest_pass", of(judgement.closest_pass)},
+          {"not_judged", judgement.not_judged ? in_words(*judgement.not_judged, psi) : ""},
+          {"runs", runs},
+          {"decided_by", judgement.decided_by},
+          {"not_assessed", missing},
+          {"untraced", judgement.untraced ? in_words(*judgement.untraced, psi) : ""},
+          {"void_runs", voids},
+          {"stored_worse", stored},
+          {"remarks", remarks}};
+}
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,153 @@
+#include "bench/reporting/evidence.h"
+
+#include <algorithm>
+#include <iterator>
+#include <map>
+#include <optional>
+
+#include "analysis/identify/stored/model_document.h"
+#include "analysis/report/parts.h"
+#include "analysis/statistics/numbers/moments.h"
+#include "bench/common/overrides.h"
+#include "bench/reporting/judged_figures.h"
+#include "bench/reporting/report_budget.h"
+#include "bench/reporting/source_runs.h"
+#include "bench/run/run_record.h"
+#include "sequences/recipe.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+using analysis::EvidenceRun;
+using analysis::Source;
+
+bool is_among(const std::vector<std::int64_t>& runs, std::int64_t run) {
+  return std::ranges::find(runs, run) != runs.end();
+}
+
+// Mean dwell of a run's recipes, as they were carried out; none where they cannot be read.
+std::optional<double> dwell_of(const db::RunRecord& run) {
+  std::optional<std::vector<sequences::Override>> overrides = stored_overrides(run.overrides_json);
+  if (!overrides) return std::nullopt;
+  std::vector<std::string> set;
+  for (const sequences::Override& item : *overrides) set.push_back(item.key + "=" + item.value);
+  std::vector<double> dwells;
+  try {
+    for (const db::SequenceRecord& sequence : run.sequences)
+      std::ranges::copy(sequences::parse_recipe(sequences::TomlDocument::from_text(sequence.recipe_toml, sequence.name),
+                                                split_overrides(set).recipe)
+                            .dwell_s,
+                        std::back_inserter(dwells));
+  } catch (const std::exception&) {
+    return std::nullopt;  // a recipe of another version
+  }
+  return dwells.empty() ? std::nullopt : std::optional(analysis::mean_of(dwells));
+}
+
+// What a run shows beside that of the models.
+void look_at_conditions(analysis::Runs& runs, const analysis::SensorModel& fit, EvidenceRun& judged) {
+  const db::RunRecord &models = runs.record(fit.run), &run = runs.record(judged.run);
+  const analysis::Dataset &fitted = runs.dataset(fit.run), &dataset = runs.dataset(judged.run);
+  judged.trajectory = analysis::judged_trajectory(dataset, fitted);
+  const std::optional<double> dwell = dwell_of(run), fitted_dwell = dwell_of(models);
+  if (dwell && fitted_dwell) analysis::set_dwell(judged.trajectory, *dwell, *fitted_dwell);
+  const StateChange change = state_change(models, run);
+  const analysis::InstrumentCalibration& calibration = judged.reference.calibration;
+  const auto shows = [&](bool shown, Source source) {
+    if (shown) judged.shows.insert(source);
+  };
+  shows(judged.trajectory.trajectory != analysis::Trajectory::kAsFitted, Source::kHistory);
+  shows(change.mounted, Source::kRemounting);
+  shows(change.later, Source::kTime);
+  shows(temperature_differs(models, run, fitted, dataset), Source::kTemperature);
+  shows(!calibration.calibrated_on.empty() || !calibration.due.empty(), Source::kReferenceAge);
+}
+
+}  // namespace
+
+StoredVerdicts stored_verdicts(analysis::Runs& runs, const analysis::SensorModel& fit, bool void_too) {
+  StoredVerdicts stored;
+  if (fit.taxels.empty()) return stored;
+  const db::RunStore& store = runs.store();
+  std::map<std::int64_t, bool> same_models;  // by fit
+  const std::string models = analysis::model_sha256(fit);
+  const std::vector<std::int64_t> sources = source_runs(store, fit);
+  std::vector<std::int64_t> gone;
+  std::string other_limits;
+  std::int64_t other_fit = 0;
+  for (const db::VerdictRecord& verdict : store.verdicts_of_models(fit.run)) {
+    const auto [same, added] = same_models.try_emplace(verdict.fit, false);
+    if (added)
+      same->second =
+          verdict.fit == fit.fit || analysis::model_sha256(analysis::load_fit(store.fit(verdict.fit))) == models;
+    if (!same->second) {
+      other_limits = verdict.limits_toml;
+      other_fit = verdict.fit;
+      continue;
+    }
+    stored.limits_toml = verdict.limits_toml;
+    if (verdict.run == fit.run) {
+      stored.figures.push_back(analysis::figure_of(verdict));
+      continue;
+    }
+    if (is_among(sources, verdict.run)) continue;  // no independent data
+    const db::RunRecord& run = runs.record(verdict.run);
+    if (void_too || !run.is_void()) {
+      stored.figures.push_back(analysis::figure_of(verdict));
+      if (!is_among(stored.runs, run.run)) stored.runs.push_back(run.run);
+    } else if (!is_among(gone, run.run)) {
+      gone.push_back(run.run);
+      stored.lost.push_back({analysis::Remark::Kind::kStoredOnVoid, analysis::void_of(run), run.run});
+    }
+  }
+  if (stored.limits_toml.empty() && other_fit != 0) {
+    stored.limits_toml = other_limits;
+    stored.lost.push_back({analysis::Remark::Kind::kOtherModels, {}, fit.run, other_fit});
+  }
+  std::ranges::sort(stored.runs);
+  return stored;
+}
+
+analysis::Evidence gather_evidence(analysis::Runs& runs, const analysis::SensorModel& fit,
+                                   const std::vector<NamedEvaluation>& evaluations, const analysis::Limits& limits,
+                                   bool void_too, const std::vector<analysis::InstrumentNote>& notes,
+                                   const StoredVerdicts& stored) {
+  analysis::Evidence evidence;
+  evidence.fit = fit.fit;
+  evidence.model_run = fit.run;
+  evidence.void_too = void_too;
+  evidence.stored = stored.figures;
+  evidence.lost = stored.lost;
+  // What one dwell tells of creep is no evidence of longer holds.
+  if (fit.dynamics && fit.dynamics->creep.run != 0) evidence.studied.insert(Source::kCreep);
+  if (evaluations.empty()) return evidence;
+  const std::vector<std::int64_t> sources = source_runs(runs.store(), fit);
+  for (const std::int64_t source : sources)
+    if (const db::RunRecord& run = runs.record(source); run.is_void())
+      evidence.models_void.push_back(analysis::void_of(run));
+  const auto measure = [&](EvidenceRun& own, const NamedEvaluation& named) {
+    own.figures = judged_figures(runs, fit, named.evaluation, limits, own.reference);
+  };
+  bool any = false;
+  for (const NamedEvaluation& named : evaluations) {
+    EvidenceRun& own = evidence.runs.emplace_back();
+    own.run = named.evaluation.run;
+    const db::RunRecord& run = runs.record(own.run);
+    own.reference = analysis::reference_uncertainty(run, notes);
+    if (run.is_void()) own.voided = analysis::void_of(run);
+    own.counts = is_among(sources, own.run) ? EvidenceRun::Counts::kModelsOwn
+                 : !run.is_void()           ? EvidenceRun::Counts::kYes
+                 : void_too                 ? EvidenceRun::Counts::kVoidOnRequest
+                                            : EvidenceRun::Counts::kVoid;
+    if (own.counts == EvidenceRun::Counts::kModelsOwn || own.counts == EvidenceRun::Counts::kVoid) continue;
+    if (!evidence.models_void.empty() && !void_too) continue;
+    measure(own, named);
+    look_at_conditions(runs, fit, own);
+    any = true;
+  }
+  if (!any) measure(evidence.runs.front(), evaluations.front());
+  return evidence;
+}
+
+}  // namespace tactbench::bench
