@@ -186,18 +186,18 @@ struct FitRecord {
 struct VerdictRecord {
   std::int64_t run = 0;
   std::int64_t fit = 0;
-  std::string criterion;             // mean_compensation_error
+  std::string criterion = "mean_compensation_error";
   std::string scope_kind = "array";  // array | level | span
-  double low_psi = 0.0, high_psi = 0.0;
-  std::string direction = "both";  // both | up | down
-  double share = 1.0;              // of the taxels, that the figure is to hold for
   double value = 0.0, limit = 0.0;
-  double expanded = std::numeric_limits<double>::quiet_NaN();  // U of the value; NaN: not known
-  std::string unit;                                            // psi | FS | taxels
-  std::string rule;                                            // simple
-  std::string verdict;  // pass | conditional pass | conditional fail | fail | inconclusive
+  std::string unit = "psi";     // psi | FS | taxels
+  std::string rule = "simple";  // as applied
+  std::string verdict;          // pass | conditional pass | conditional fail | fail | inconclusive
   std::string limits_toml, limits_sha256;
   std::int64_t model_run = 0;  // run that the fit's models were made from; 0: without a stored fit; not written
+  double low_psi = 0.0, high_psi = 0.0;                        // of the scope; of a level equal, of the array 0
+  std::string direction = "both";                              // both | up | down
+  double share = 1.0;                                          // of the taxels, that the figure is to hold for
+  double expanded = std::numeric_limits<double>::quiet_NaN();  // U of the value; NaN: not known
 };
 
 // A figure of a subject, followed over time; from a run's analysis.

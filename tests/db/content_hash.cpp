@@ -252,7 +252,7 @@ TEST_CASE("sealed data hash to what another program finds") {
   second.model = "gpi";
   CHECK(db::hex(chain.fits({first, second})) == "b00d2686459ea5dafe70a98dd8be33f0ea423e27f0ef000d8621bfa626f2ed82");
   const db::VerdictRecord verdict{0, 2, "error", "array", 1.5, 2.5, "psi", "simple", "pass", "limits", "sha"};
-  CHECK(db::hex(chain.verdicts({verdict, {}})) == "b64a834aef20507ab100cb962d338dcce2a877dc228136d24b99c09e90a3c8c0");
+  CHECK(db::hex(chain.verdicts({verdict, {}})) == "a43974356ee4ac9669ea24f28d1734557edb99cdfa59c8000741078264a7a455");
   CHECK(db::hex(chain.approvals(
             {{1, "1-a", "ca", "K. Lee", "2024", "", ""}, {1, "1-b", "cb", "M. Ito", "2025", "1-a", ""}})) ==
         "abe096aeb543994bd3cf721612465f65d3f1896f216dba8c82e4c28a7ea14fea");

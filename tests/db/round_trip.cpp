@@ -125,15 +125,21 @@ TEST_CASE("models and verdicts read back exactly") {
   CHECK((got.document == fit.document && got.made_by == "a build" && got.program_version == "0.1.0"));
   CHECK(got.created_utc == fit.created_utc);
 
-  const db::VerdictRecord verdict{
-      0, 0, "mean_compensation_error", "40 psi", 0.1 + 0.2, 1.5, "%", "simple", "pass", "limits", "sha"};
+  db::VerdictRecord verdict{0, 0, "mpe", "span", 0.1 + 0.2, 1.5, "psi", "guarded", "pass", "limits", "sha"};
+  verdict.low_psi = 4.0;
+  verdict.high_psi = 40.5;
+  verdict.direction = "down";
+  verdict.share = 0.95;
+  verdict.expanded = 0.1;
   store.replace_verdicts(run, first, {verdict, verdict});
   store.replace_verdicts(run, second, {verdict});
   const std::vector<db::VerdictRecord> verdicts = store.verdicts(run);
   REQUIRE(verdicts.size() == 1);
   CHECK((verdicts[0].run == run && verdicts[0].fit == second && verdicts[0].criterion == verdict.criterion));
-  CHECK((verdicts[0].scope == "40 psi" && verdicts[0].value == 0.1 + 0.2 && verdicts[0].limit == 1.5));
-  CHECK((verdicts[0].unit == "%" && verdicts[0].rule == "simple" && verdicts[0].limits_sha256 == "sha"));
+  CHECK((verdicts[0].scope_kind == "span" && verdicts[0].value == 0.1 + 0.2 && verdicts[0].limit == 1.5));
+  CHECK((verdicts[0].low_psi == 4.0 && verdicts[0].high_psi == 40.5 && verdicts[0].direction == "down"));
+  CHECK((verdicts[0].share == 0.95 && verdicts[0].expanded == 0.1));
+  CHECK((verdicts[0].unit == "psi" && verdicts[0].rule == "guarded" && verdicts[0].limits_sha256 == "sha"));
   CHECK(store_error([&] { store.replace_verdicts(run, 99, {}); }) == "TB-STORE-NOT-FOUND");
   CHECK(store.verdicts(run).size() == 1);
   CHECK(verdicts[0].model_run == run);

@@ -70,7 +70,7 @@ TEST_CASE("the views show runs, frames and verdicts with their units") {
   const std::int64_t run = store_example(store);
   db::VerdictRecord verdict;
   verdict.verdict = "fail";
-  verdict.unit = std::string("%");  // GCC 12 warns wrongly at a plain literal
+  verdict.unit = std::string("FS");  // GCC 12 warns wrongly at a plain literal
   verdict.value = 1.75;
   verdict.limit = 1.5;
   store.replace_verdicts(run, 0, {verdict});
@@ -82,7 +82,7 @@ TEST_CASE("the views show runs, frames and verdicts with their units") {
   CHECK(raw.text("SELECT recipe || ' ' || position || ' ' || step || ' ' || setpoint_psi FROM v_frames "
                  "WHERE run = 2 AND position = 3") == "down 3 1 2.0");
   CHECK(raw.text("SELECT value || ' ' || unit || ' > ' || limit_value FROM v_verdicts WHERE run = 2") ==
-        "1.75 % > 1.5");
+        "1.75 FS > 1.5");
   CHECK(raw.integer("SELECT count(*) FROM v_frames WHERE run = 3") == 0);
   // The frames of a run are found by key, not by reading all frames.
   db::sqlite::Statement plan(raw, "EXPLAIN QUERY PLAN SELECT * FROM v_frames WHERE run = 2");

@@ -1,4 +1,6 @@
 // Rows beside a run's content lie under hashes of their own: no change or deletion goes unnoticed.
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <filesystem>
 
@@ -17,7 +19,6 @@ namespace {
 db::VerdictRecord verdict_on(const std::string& criterion) {
   db::VerdictRecord verdict;
   verdict.criterion = criterion;
-  verdict.scope = "array";
   verdict.verdict = "pass";
   verdict.value = 0.1;
   verdict.limit = 1.0 / 3.0;
@@ -54,7 +55,9 @@ TEST_CASE("changes and deletions of verdicts, fits, approvals and voids are noti
   CHECK(sealed_rows_after("DELETE FROM verdicts") == "verdicts");
   CHECK(sealed_rows_after("DELETE FROM verdicts WHERE criterion = 'unfit_taxels'") == "verdicts");
   CHECK(sealed_rows_after("UPDATE verdicts SET verdict = 'fail' WHERE criterion = 'unfit_taxels'") == "verdicts");
-  CHECK(sealed_rows_after("UPDATE verdicts SET value = value + 1e-15") == "verdicts");
+  for (const char* column : {"value", "expanded", "low_psi", "high_psi", "taxel_share"})
+    CHECK(sealed_rows_after(fmt::format("UPDATE verdicts SET {0} = coalesce({0}, 0) + 1e-15", column)) == "verdicts");
+  CHECK(sealed_rows_after("UPDATE verdicts SET direction = 'up'") == "verdicts");
   for (const char* change : {"document = '[]'", "model = 'gpi'", "stands = 0", "fitted = 2", "made_by = ''"})
     CHECK(sealed_rows_after(std::string("UPDATE fits SET ") + change) == "fits");
   CHECK(sealed_rows_after("UPDATE seals SET sha256 = '' WHERE kind = 'fits'") == "fits");
@@ -75,8 +78,9 @@ TEST_CASE("a run that was never judged is sealed from its start") {
   CHECK(store.check_seals(run).empty());
   Connection(store.path(), Access::kReadWrite)
       .execute(
-          "INSERT INTO verdicts (run, criterion, scope, unit, rule, verdict, limits_toml, limits_sha256) "
-          "VALUES (1, 'a', 'b', '', 'simple', 'pass', '', '')");
+          "INSERT INTO verdicts (run, criterion, scope_kind, low_psi, high_psi, direction, taxel_share, unit, rule, "
+          "verdict, limits_toml, limits_sha256) "
+          "VALUES (1, 'a', 'array', 0, 0, 'both', 1, 'psi', 'simple', 'pass', '', '')");
   REQUIRE(store.check_seals(run).size() == 1);
   CHECK_THAT(store.check_seals(run).front(), Catch::StartsWith("verdicts"));
 }

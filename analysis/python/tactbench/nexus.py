@@ -32,8 +32,9 @@ _BRANCHES = [*((name, "", "i", f'"{name}"') for name in ("sequence", "repeat", "
 _EVENTS = [("time_ns", "ns", "i", "time_ns"), ("kind", "", "s", "kind"), ("id", "", "s", "id"), ("detail", "", "s", "detail")]
 _CHECKS = [("time_ns", "ns", "i", "time_ns"), ("kind", "", "s", "kind"), ("verdict", "", "s", "verdict"),
            ("detail_json", "", "s", "detail_json")]
-_VERDICTS = [("criterion", "", "s", "criterion"), ("scope", "", "s", "scope"), ("value", "", "d", "value"),
-             ("limit", "", "d", "limit_value"), ("unit", "", "s", "unit"), ("rule", "", "s", "rule"),
+_VERDICTS = [("criterion", "", "s", "criterion"), ("scope_kind", "", "s", "scope_kind"), ("low_psi", "psi", "d", "low_psi"),
+             ("high_psi", "psi", "d", "high_psi"), ("direction", "", "s", "direction"), ("taxel_share", "", "d", "taxel_share"),
+             ("value", "", "d", "value"), ("expanded", "", "d", "expanded"), ("limit", "", "d", "limit_value"), ("unit", "", "s", "unit"), ("rule", "", "s", "rule"),
              ("verdict", "", "s", "verdict"), ("limits_sha256", "", "s", "limits_sha256")]
 
 # Role of a device: the quantity that it measures, and where its values lie.

@@ -4,7 +4,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "analysis/judgement/judgement.h"
 #include "tests/analysis/support/synthetic.h"
 
 using namespace synthetic;
@@ -29,11 +28,8 @@ FitOptions by(const std::string& model) {
 
 }  // namespace
 
-TEST_CASE("every model has figures on a held-out run and is judged by limits") {
+TEST_CASE("every model has figures on a held-out run") {
   const Dataset fitted = array_run(1), held_out = array_run(2);
-  Limits limits;
-  limits.rule = DecisionRule::kSimple;
-  limits.mean_compensation_error_psi = 10.0;
   double monotone = 0.0;
   for (const std::string model : {"monotone", "elam", "gpi", "mpi", "preisach", "poly"}) {
     INFO(model);
@@ -45,10 +41,5 @@ TEST_CASE("every model has figures on a held-out run and is judged by limits") {
     CHECK(e.traces.size() == held_out.sequences.size());
     if (model == "monotone") monotone = e.mean_error_psi;
     if (model == "elam" || model == "gpi") CHECK(e.mean_error_psi < monotone);
-    const auto verdicts = judge(e, fit, limits);
-    REQUIRE(verdicts.size() == 4);
-    CHECK(verdicts[0].criterion == "mean_compensation_error");
-    CHECK(verdicts[0].value == e.mean_error_psi);
-    CHECK(verdicts[0].verdict == "pass");
   }
 }

@@ -19,7 +19,8 @@ TEST_CASE("a report's content tells on which of its runs a verdict is: the own o
   std::vector<std::int64_t> runs{input.run.run, 1, 2, 3};
   for (const HeldOut& held_out : input.held_out) runs.push_back(held_out.evaluation.run);
   for (const std::int64_t run : runs) {
-    for (db::VerdictRecord& verdict : input.verdicts) verdict.run = run;
+    for (JudgedFigure& figure : input.judgement.figures) figure.run = run;
+    conclude(input.judgement);
     contents.push_back(content_of_report(input));
   }
   for (std::size_t a = 0; a < contents.size(); ++a)
@@ -34,24 +35,19 @@ TEST_CASE("a report's content is the same whatever numbers its runs have, in ver
     ReportInput input = example::full_input();
     input.run.run = first;
     input.evaluation.run = first;
-    db::VerdictRecord verdict = input.verdicts.front();
-    input.verdicts.clear();
-    input.judgement.stored_worse.clear();
-    input.judged.clear();
+    JudgedFigure figure = input.judgement.figures.front();
+    Judgement& judgement = input.judgement = {};
     for (std::size_t i = 0; i < 4; ++i) {
       const std::int64_t run = first + static_cast<std::int64_t>(i);
       if (i > 0) input.held_out[i - 1].run.run = input.held_out[i - 1].evaluation.run = run;
-      verdict.run = run;
-      verdict.model_run = first;
-      input.verdicts.push_back(verdict);
-      input.judgement.stored_worse.push_back(verdict);
-      JudgedUncertainty judged;
-      judged.criterion = verdict.criterion;
-      judged.scope = verdict.scope;
-      judged.expanded = 0.1 * static_cast<double>(i + 1);
-      judged.run = run;
-      input.judged.push_back(judged);
+      figure.run = run;
+      figure.model_run = first;
+      figure.u.expanded = 0.1 * static_cast<double>(i + 1);
+      judgement.figures.push_back(figure);
+      judgement.stored_worse.push_back(figure);
+      judgement.remarks.push_back({Remark::Kind::kUntraced, {}, run, 0, Untraced{.overdue_since = "2024-01-31"}});
     }
+    conclude(judgement);
     input.more.studies.crosstalk.run = first + 30;
     input.more.contacts.front().run = first + 31;
     input.more.contacts.front().mount_run = first + 32;
@@ -65,7 +61,7 @@ TEST_CASE("a report's content is the same whatever numbers its runs have, in ver
   const std::string content = content_of_report(numbered(12));
   CHECK(content_of_report(numbered(70)) == content);
   ReportInput other = numbered(12);
-  std::swap(other.judged[1].run, other.judged[2].run);
+  std::swap(other.judgement.figures[1].u, other.judgement.figures[2].u);
   CHECK(content_of_report(other) != content);
   other = numbered(12);
   other.judgement.stored_worse.pop_back();

@@ -41,7 +41,7 @@ TEST_CASE("the report number is run number and eight hex digits of the content")
   };
   CHECK(other([](ReportInput& i) { i.evaluation.mean_error_psi += 1e-9; }));
   CHECK(other([](ReportInput& i) { i.run.operator_name = "B. Operator"; }));
-  CHECK(other([](ReportInput& i) { i.verdicts[0].verdict = "fail"; }));
+  CHECK(other([](ReportInput& i) { i.judgement.figures[0].verdict = Verdict::kFail; }));
   CHECK(other([](ReportInput& i) {
     ElamModel elam = *elam_of(i.fit.taxels[99]);
     elam.parameters.alpha_d += 1e-6;
@@ -50,7 +50,8 @@ TEST_CASE("the report number is run number and eight hex digits of the content")
 
   // Wall-clock times, UUID, host and notes are not content; neither is the run's number.
   input.run.run = 99;
-  for (db::VerdictRecord& verdict : input.verdicts) verdict.run = 99;
+  for (JudgedFigure& figure : input.judgement.figures) figure.run = 99;
+  conclude(input.judgement);
   input.run.uuid = "another";
   input.run.host = "another";
   input.run.started_utc = "2031-01-01T00:00:00Z";
@@ -84,7 +85,7 @@ TEST_CASE("a run without models and an empty input have well-formed reports") {
   input.fit = {};
   input.evaluation = {};
   input.held_out.clear();
-  input.verdicts.clear();
+  input.judgement = {};
   empty.run.origin = "imported";
   for (const ReportInput* bare : {&input, &empty}) {
     const std::string page = render_report(*bare).html;
@@ -127,12 +128,13 @@ TEST_CASE("markup in any text field stays text") {
   }
   *input.sensor = {hostile, hostile, hostile, hostile, hostile, hostile, hostile};
   for (Trace& trace : input.evaluation.traces) trace.sequence = hostile;
-  for (db::VerdictRecord& verdict : input.verdicts) {
-    for (std::string* field : {&verdict.criterion, &verdict.scope, &verdict.unit, &verdict.rule, &verdict.verdict,
-                               &verdict.limits_toml, &verdict.limits_sha256}) {
-      *field = hostile;
-    }
-  }
+  for (JudgedFigure& figure : input.judgement.figures)
+    figure.limits_sha256 = figure.u.basis = figure.u.missing = hostile;
+  Judgement& judgement = input.judgement;
+  judgement.limits_sha256 = judgement.limits_name = judgement.limits_toml = hostile;
+  judgement.void_counted = {{3, hostile, hostile, hostile}};
+  judgement.remarks = {{Remark::Kind::kVoidCounted, judgement.void_counted.front()}};
+  judgement.untraced = Untraced{.overdue_since = hostile};
   input.program_version = input.issued = input.reason = hostile;
   input.method.assign(input.run.sequences.size(), hostile);
   Laboratory& lab = input.laboratory;
@@ -201,7 +203,7 @@ TEST_CASE("values that are not numbers are null in the JSON, and none is printed
   e.max_error_psi = std::numeric_limits<double>::infinity();
   e.traces[0].model_v[5] = e.traces[0].pressure_psi[9] = no_number;
   e.levels[2].raw_up_v[8] = no_number;
-  input.verdicts[0].value = no_number;
+  input.judgement.figures[0].value = no_number;
   input.fit.taxels.back().fit.j = no_number;
   e.levels[27].flat_taxels = 254;  // every fitted one: nothing observable is left
   e.levels[27].comp_distance_observable = 0.0;

@@ -8,6 +8,7 @@
 
 #include "analysis/report/report.h"
 #include "tests/analysis/report/report_example_raw.h"
+#include "tests/analysis/support/judged_figures.h"
 #include "tests/analysis/support/sensor_models.h"
 
 namespace tactbench::analysis::example {
@@ -218,15 +219,17 @@ inline ReportInput example_input() {
     held_out.evaluation.comp_distance *= 1.0 + 0.1 * static_cast<double>(number - 12);
     input.held_out.push_back(std::move(held_out));
   }
-  const auto verdict = [&](const char* criterion, const char* scope, double value, double limit, const char* unit) {
-    input.verdicts.push_back({12, 1, criterion, scope, value, limit, unit, "simple", value <= limit ? "pass" : "fail",
-                              "", std::string(64, 'e')});
+  std::vector<JudgedFigure> figures;
+  const auto judged = [&](Criterion criterion, double value, double limit, const Scope& scope = {}) {
+    figures.push_back(
+        by_hand::judged_figure(12, criterion, value, limit, value <= limit ? Verdict::kPass : Verdict::kFail, scope));
   };
-  verdict("mean_compensation_error", "array", input.evaluation.mean_error_psi, 1.0, "psi");
-  verdict("worst_taxel_error", "array", input.evaluation.worst_taxel_mean_error_psi, 2.0, "psi");
-  verdict("distance_of_mean", "array", input.evaluation.comp_distance_of_mean, 0.015, "FS");
-  verdict("unfit_taxels", "array", 2, 1, "taxels");
-  verdict("mismatch", "40 psi", 0.021, 0.06, "FS");
+  judged(Criterion::kMeanError, input.evaluation.mean_error_psi, 1.0);
+  judged(Criterion::kWorstTaxelError, input.evaluation.worst_taxel_mean_error_psi, 2.0);
+  judged(Criterion::kDistanceOfMean, input.evaluation.comp_distance_of_mean, 0.015);
+  judged(Criterion::kUnfitTaxels, 2, 1);
+  judged(Criterion::kMismatch, 0.021, 0.06, Scope::level(40, Direction::kUp));
+  input.judgement = by_hand::judgement_of(std::move(figures));
   return input;
 }
 

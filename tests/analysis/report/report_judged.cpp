@@ -13,16 +13,16 @@ namespace {
 // Verdicts on the held-out runs, in the order given; run 15 fails one criterion.
 ReportInput judged_on(const std::vector<std::int64_t>& runs) {
   ReportInput input = example::example_input();
-  const std::vector<db::VerdictRecord> own = input.verdicts;
-  input.verdicts.clear();
+  std::vector<JudgedFigure> figures;
   for (const std::int64_t run : runs) {
-    for (db::VerdictRecord verdict : own) {
-      verdict.run = run;
-      verdict.model_run = 12;
-      verdict.verdict = run == 15 && verdict.criterion == "worst_taxel_error" ? "fail" : "pass";
-      input.verdicts.push_back(verdict);
+    for (JudgedFigure figure : input.judgement.figures) {
+      figure.run = run;
+      figure.model_run = 12;
+      figure.verdict = run == 15 && figure.criterion == Criterion::kWorstTaxelError ? Verdict::kFail : Verdict::kPass;
+      figures.push_back(figure);
     }
   }
+  input.judgement = by_hand::judgement_of(std::move(figures));
   return input;
 }
 
@@ -43,20 +43,22 @@ TEST_CASE("the overall verdict is the worst of all runs judged, in any order") {
 
 TEST_CASE("what was not judged, worse stored verdicts and a void run are part of the report") {
   ReportInput input = judged_on({13});
-  input.judgement.stored_worse = {judged_on({15}).verdicts[1]};
-  input.judgement.remarks = {"remarked on run 14"};
+  JudgedFigure worse = judged_on({15}).judgement.figures[1];
+  worse.verdict = Verdict::kConditionalFail;
+  input.judgement.stored_worse = {worse};
+  input.judgement.remarks = {{Remark::Kind::kVoidLeftOut, {14, "me", "2024", "a leak"}, 14}};
   const auto judgement = [&] { return report_json(input)["results"]["judgement"]; };
   CHECK(judgement()["overall"] == "pass");
-  CHECK(judgement()["stored_worse"][0]["verdict"] == "fail");
+  CHECK(judgement()["stored_worse"][0]["verdict"] == "conditional fail");
   CHECK(judgement()["remarks"].size() == 1);
-  CHECK(count(render_report(input).html, input.judgement.remarks[0]) == 2);  // on the page and in its data
+  CHECK(count(render_report(input).html, "a leak") == 2);  // on the page and in its data
   input.run.void_utc = "2024-06-01T00:00:00Z";
   input.run.void_by = "me";
   CHECK(contains(render_report(input).html, "<p class=\"void\">"));
-  for (db::VerdictRecord& verdict : input.verdicts) verdict.verdict = "inconclusive";
-  input.judgement.not_judged = "no independent data";
+  input.judgement.not_judged = {Remark::Kind::kModelsVoid, {12, "me", "2024", "no seal"}};
+  conclude(input.judgement);
   CHECK(judgement()["overall"] == "inconclusive");
-  CHECK(count(render_report(input).html, input.judgement.not_judged) > 1);
+  CHECK(count(render_report(input).html, "no seal") > 1);
 }
 
 TEST_CASE("a signed report says so in its title, a draft with the same number does not") {

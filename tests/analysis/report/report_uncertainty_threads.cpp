@@ -1,6 +1,7 @@
 // The sections on uncertainty and conformity: what they print is what the assessment says, and the page stays whole.
 #include <catch2/catch.hpp>
 
+#include "analysis/judgement/measured_figures.h"
 #include "analysis/report/page/gum_numbers.h"
 #include "analysis/report/report.h"
 #include "tests/analysis/report/report_example.h"
@@ -30,13 +31,16 @@ ReportInput assessed_input() {
   UncertaintyInputs inputs;
   inputs.mounting = GivenUncertainty{0.0, 0.002, 3.0, "runs 3 to 6"};
   input.uncertainty = assess_uncertainty(dataset, input.fit, input.run, inputs);
-  input.judged = judged_uncertainties(dataset, dataset, input.fit, input.evaluation, reference_uncertainty(input.run));
+  Evidence evidence;
+  EvidenceRun& own = evidence.runs.emplace_back();
+  own.run = 12;
+  own.figures = measured_figures(dataset, dataset, input.fit, input.evaluation, reference_uncertainty(input.run));
   Limits limits;
   limits.mean_compensation_error_psi = input.evaluation.mean_error_psi;  // within U of the limit
   limits.worst_taxel_error_psi = 60.0;
   limits.distance_of_mean_fs = 1e-6;
   limits.mismatch = {{40.0, 0.5}};
-  input.verdicts = judge(input.evaluation, input.fit, limits, input.judged);
+  input.judgement = judge(evidence, limits);
   return input;
 }
 
@@ -65,17 +69,18 @@ TEST_CASE("a report with an assessment is well-formed, prints its U, and has the
 TEST_CASE("the report's verdicts rest on U of the judged figures, and report-only limits give none") {
   ReportInput input = assessed_input();
   const auto data = uncertainty_of(input)["judged_figures"];
-  const JudgedUncertainty* mean = find_uncertainty(input.judged, "mean_compensation_error", "array");
-  REQUIRE(data.size() == input.judged.size());
-  CHECK(data[0]["expanded"] == mean->expanded);
-  CHECK(contains(render_report(input).html, gum_pressure(mean->expanded, kSectionUnit).value));
+  const JudgedFigure& mean = input.judgement.figures.front();
+  REQUIRE(data.size() == input.judgement.figures.size());
+  CHECK(data[0]["expanded"] == mean.u.expanded);
+  CHECK(contains(render_report(input).html, gum_pressure(mean.u.expanded, kSectionUnit).value));
   const auto results = report_json(input)["results"];
   CHECK(results["verdicts"][0]["verdict"] == "conditional pass");  // within U of the limit
   CHECK(results["judgement"]["overall"] == "fail");
-  for (db::VerdictRecord& verdict : input.verdicts) {
-    verdict.rule = "report-only";
-    verdict.verdict = "report only";
+  for (JudgedFigure& figure : input.judgement.figures) {
+    figure.rule = DecisionRule::kReportOnly;
+    figure.verdict = Verdict::kReportOnly;
   }
+  conclude(input.judgement);
   require_well_formed(render_report(input).html);
   CHECK(report_json(input)["results"]["judgement"]["overall"] == "report only");
 }

@@ -247,7 +247,8 @@ TEST_CASE("a reference's correction as a file: its readings up and down, and the
 
 TEST_CASE("calibration words: what is stated is told, overdue from the day after") {
   const auto words = [](const std::string& json, const std::string& day) {
-    return bench::calibration_words(analysis::calibration_of({"force sensor", "M", "1", "", "hardware", json}), day);
+    return bench::calibration_words(analysis::calibration_of({"force sensor", "M", "1", "", "hardware", json}), day,
+                                    analysis::PressureUnit::kPsi);
   };
   const char* stated =
       R"({"certificate":"C-1","calibrated":"2025-06-01","due":"2026-06-01","expanded_uncertainty_n":0.1})";

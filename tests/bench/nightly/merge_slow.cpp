@@ -43,7 +43,7 @@ std::string facts_of(const std::string& path) {
     for (const db::FitRecord& fit : store.fits(run.run))
       own["fits"].push_back({fit.fit, fit.model, fit.stands, fit.fitted, fit.document});
     for (const db::VerdictRecord& v : store.verdicts(run.run))
-      own["verdicts"].push_back({v.fit, v.criterion, v.scope, v.value, v.verdict});
+      own["verdicts"].push_back({v.fit, v.criterion, v.scope_kind, v.low_psi, v.direction, v.value, v.verdict});
     facts["runs"].push_back(own);
   }
   for (const db::FigureRecord& figure : store.figures(""))

@@ -47,12 +47,11 @@ class AsFoundStore : public JudgedStore {
   analysis::ReportInput found(double error_psi, const std::string& limits = film_limits_text(1.0)) {
     analysis::ReportInput input;
     input.run = store.run(1);
-    input.verdicts.resize(1);
-    input.verdicts[0].limits_toml = limits;
+    input.judgement.figures.resize(1);
     input.more.previous.emplace();
     input.more.previous->evaluation = film_evaluation(1, error_psi).evaluation;
     analysis::Runs runs(store);
-    bench::judge_as_found(runs, input, path("before.json"));
+    bench::judge_as_found(runs, input, path("before.json"), bench::parse_limits(limits, "a.toml"));
     return input;
   }
   std::string doubt(double error_psi = 2.0) { return in_doubt(found(error_psi)); }
@@ -71,24 +70,25 @@ class AsFoundStore : public JudgedStore {
 TEST_CASE("as found: judged by the limits of the report with the earlier models, and in doubt where they fail") {
   AsFoundStore made;
   const analysis::ReportInput passed = made.found(0.5);
-  CHECK(film_row_words(passed.more.previous->verdicts) ==
+  CHECK(film_row_words(passed.more.previous->judgement.figures) ==
         "1 mean_compensation_error 0.5 of 1: pass; 1 worst_taxel_error 1.5 of 60: pass; 1 distance_of_mean 0.25 of 1: "
         "pass; 1 unfit_taxels 0 of 1: pass; ");
   CHECK(passed.more.previous->doubt.empty());
   const analysis::ReportInput failed = made.found(2.0);
-  CHECK(film_mean_words(failed.more.previous->verdicts) == "1 mean_compensation_error 2 of 1: fail; ");
+  CHECK(film_mean_words(failed.more.previous->judgement.figures) == "1 mean_compensation_error 2 of 1: fail; ");
   CHECK(in_doubt(failed) == "all");
   CHECK(made.found(2.0, film_limits_text(1.0, "report-only")).more.previous->doubt.empty());
   analysis::Runs runs(made.store);
   analysis::ReportInput without;
   without.run = made.store.run(1);
-  without.verdicts.resize(1);
-  bench::judge_as_found(runs, without, made.path("none.json"));  // without earlier models nothing is read
+  without.judgement.figures.resize(1);
+  bench::judge_as_found(runs, without, made.path("none.json"),
+                        film_limits(1.0));  // without earlier models nothing is read
   CHECK_FALSE(without.more.previous);
-  without.verdicts.clear();
+  without.judgement = {};
   without.more.previous.emplace();
-  bench::judge_as_found(runs, without, made.path("none.json"));
-  CHECK(without.more.previous->verdicts.empty());
+  bench::judge_as_found(runs, without, made.path("none.json"), film_limits(1.0));
+  CHECK(without.more.previous->judgement.figures.empty());
 }
 
 TEST_CASE("as found: an overdue reference withholds, and then nothing is in doubt") {
@@ -98,14 +98,13 @@ TEST_CASE("as found: an overdue reference withholds, and then nothing is in doub
   const std::int64_t run = made.add(overdue);
   analysis::ReportInput input;
   input.run = made.store.run(run);
-  input.verdicts.resize(1);
-  input.verdicts[0].limits_toml = film_limits_text(1.0);
+  input.judgement.figures.resize(1);
   input.more.previous.emplace();
   input.more.previous->evaluation = film_evaluation(run, 2.0).evaluation;
   // Recorded with it, the evaluation is of that run.
   analysis::Runs runs(made.store);
-  bench::judge_as_found(runs, input, made.path("before.json"));
-  CHECK(film_mean_words(input.more.previous->verdicts) ==
+  bench::judge_as_found(runs, input, made.path("before.json"), film_limits(1.0));
+  CHECK(film_mean_words(input.more.previous->judgement.figures) ==
         fmt::format("{} mean_compensation_error 2 of 1: inconclusive; ", run));
   CHECK(input.more.previous->doubt.empty());
 }

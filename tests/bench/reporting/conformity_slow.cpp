@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/identify/stored/model_document.h"
-#include "analysis/judgement/judgement.h"
+#include "analysis/judgement/measured_figures.h"
 #include "analysis/statistics/uncertainty/uncertainty.h"
 #include "tests/support/process.h"
 
@@ -54,13 +54,11 @@ TEST_CASE("decision rules end with their exit codes, warn, are stored and verifi
   const TemporaryFolder folder;
   carry_out_run(folder);
   const FromStore stored(folder);
-  const auto uncertainties =
-      analysis::judged_uncertainties(stored.judged, stored.dataset, stored.fit, stored.evaluation,
-                                     analysis::reference_uncertainty(stored.store.run(2)));
-  const analysis::JudgedUncertainty* mean =
-      analysis::find_uncertainty(uncertainties, "mean_compensation_error", "array");
-  REQUIRE(mean->expanded > 0.05);  // the certificate's U, and more
-  const double value = stored.evaluation.mean_error_psi, half = 0.5 * mean->expanded;
+  const analysis::Figure mean = analysis::measured_figures(stored.judged, stored.dataset, stored.fit, stored.evaluation,
+                                                           analysis::reference_uncertainty(stored.store.run(2)))
+                                    .front();
+  REQUIRE(mean.u.expanded > 0.05);  // the certificate's U, and more
+  const double value = stored.evaluation.mean_error_psi, half = 0.5 * mean.u.expanded;
 
   const auto judged_by = [&](const std::string& rule, double limit, int code, const std::string& word) {
     write_limits(folder, rule, limit);
@@ -123,8 +121,8 @@ TEST_CASE("the report's uncertainty is the one recomputed from the store") {
       CHECK(printed["taxel_expanded_psi"][taxel].get<double>() == Approx(level.expanded_psi[taxel]).epsilon(6e-3));
   }
   CHECK(data["reading"]["reference"]["largest_u_psi"] == 0.025);
-  const auto judged = analysis::judged_uncertainties(stored.judged, stored.dataset, stored.fit, stored.evaluation,
-                                                     analysis::reference_uncertainty(stored.store.run(2)));
-  REQUIRE(data["judged_figures"].size() == judged.size());
-  for (std::size_t i = 0; i < judged.size(); ++i) CHECK(data["judged_figures"][i]["expanded"] == judged[i].expanded);
+  const auto measured = analysis::measured_figures(stored.judged, stored.dataset, stored.fit, stored.evaluation,
+                                                   analysis::reference_uncertainty(stored.store.run(2)));
+  REQUIRE(data["judged_figures"].size() == 4);
+  for (std::size_t i = 0; i < 4; ++i) CHECK(data["judged_figures"][i]["expanded"] == measured[i].u.expanded);
 }

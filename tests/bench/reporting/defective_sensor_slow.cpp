@@ -64,7 +64,7 @@ Judged judged_report(db::RunStore& store, std::int64_t run, const std::string& p
   analysis::Runs runs(store);
   out.fit = bench::fit_run(store, runs.dataset(run));
   const std::vector<bench::NamedEvaluation> evaluations = bench::evaluate_runs(runs, out.fit, held_out);
-  const bench::Judgement judgement = bench::judge_and_store(store, runs, out.fit, evaluations, "limits.toml");
+  const bench::Judged judgement = bench::judge_and_store(store, runs, out.fit, evaluations, "limits.toml");
   bench::ReportExtras extras;
   extras.previous = previous;
   out.input = bench::report_input(runs, run, out.fit, evaluations, judgement, {}, &extras);
@@ -159,9 +159,10 @@ TEST_CASE("a report of a defective sensor names the planted defects and no other
   CHECK(found.mean_error_psi > 3.0 * judged.input.evaluation.mean_error_psi);
 
   check_page(judged.report.html);
-  const auto overall = std::ranges::find(judged.input.verdicts, "unfit_taxels", &db::VerdictRecord::criterion);
-  REQUIRE(overall != judged.input.verdicts.end());
-  CHECK(overall->verdict == "fail");
+  const auto overall = std::ranges::find(judged.input.judgement.figures, analysis::Criterion::kUnfitTaxels,
+                                         &analysis::JudgedFigure::criterion);
+  REQUIRE(overall != judged.input.judgement.figures.end());
+  CHECK(overall->verdict == analysis::Verdict::kFail);
   CHECK(overall->value == 3.0);
 
   // The run before it has none of all that, and nothing to compare its lines with.

@@ -1,6 +1,7 @@
-// Which runs a verdict rests on and what is said of the others, on evaluations and models that are known by hand.
+// Which runs are gathered as evidence and what is measured on them, on evaluations and models that are known by hand.
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -9,107 +10,76 @@
 using namespace tactbench;
 using namespace tactbench::tests;
 
-TEST_CASE("judged runs: every row of one evaluation by limits, with the models' run") {
-  JudgedStore made(2);
-  analysis::Runs runs(made.store);
-  std::vector<analysis::JudgedUncertainty> uncertainties(1);
-  const std::vector<db::VerdictRecord> rows =
-      bench::judge_anew(runs, film_line_model(), film_evaluation(2, 0.5).evaluation, film_limits(0.5), &uncertainties);
-  CHECK(film_row_words(rows) ==
-        "2 mean_compensation_error 0.5 of 0.5: pass; 2 worst_taxel_error 1.5 of 60: pass; 2 distance_of_mean 0.25 of "
-        "1: pass; 2 unfit_taxels 0 of 1: pass; ");
-  for (const db::VerdictRecord& row : rows) {
-    CHECK(row.model_run == 1);
-    CHECK(row.rule == "simple");
-    CHECK(row.limits_sha256 == db::sha256_hex(film_limits_text(0.5)));
+namespace {
+
+// Of each run: "own", "void", "asked" or "yes", and whether its figures were gathered.
+std::string counted_runs(const analysis::Evidence& evidence) {
+  std::string text;
+  for (const analysis::EvidenceRun& run : evidence.runs) {
+    const char* const words[] = {"yes", "asked", "void", "own"};
+    text += fmt::format("{} {}{}; ", run.run, words[static_cast<int>(run.counts)], run.figures.empty() ? "" : " +");
   }
-  CHECK(uncertainties.size() == 1);  // a simple rule asks for none
-  CHECK(film_mean_words(bench::judge_anew(runs, film_line_model(), film_evaluation(2, 0.75).evaluation,
-                                          film_limits(0.5))) == "2 mean_compensation_error 0.75 of 0.5: fail; ");
+  return text;
 }
 
-TEST_CASE("judged runs: a rule that needs U has it worked out for the figures judged, and without a certificate not") {
-  JudgedStore made(2);
-  analysis::Runs runs(made.store);
-  std::vector<analysis::JudgedUncertainty> known(1);
-  const std::vector<db::VerdictRecord> rows = bench::judge_anew(
-      runs, film_line_model(), film_evaluation(2, 0.5).evaluation, film_limits(10.0, "guarded"), &known);
-  CHECK(film_row_words(rows) ==
-        "2 mean_compensation_error 0.5 of 10: inconclusive; 2 worst_taxel_error 1.5 of 60: inconclusive; 2 "
-        "distance_of_mean 0.25 of 1: pass; 2 unfit_taxels 0 of 1: pass; ");
-  REQUIRE(known.size() > 4);
-  CHECK(known[0].criterion.empty());  // what was there stays
-  CHECK(known[1].criterion == "mean_compensation_error");
-  CHECK(known[1].run == 2);
-  CHECK_FALSE(known[1].missing.empty());
-}
-
-TEST_CASE("judged runs: what rests on an overdue reference is inconclusive") {
-  JudgedStore made(1);
-  FilmRun overdue;
-  overdue.calibration = R"({"calibrated":"2019-01-01","due":"2020-01-01"})";
-  REQUIRE(made.add(overdue) == 2);
-  analysis::Runs runs(made.store);
-  const analysis::Evaluation evaluation = film_evaluation(2, 0.5).evaluation;
-  CHECK(film_row_words(bench::judge_anew(runs, film_line_model(), evaluation, film_limits(0.5))) ==
-        "2 mean_compensation_error 0.5 of 0.5: inconclusive; 2 worst_taxel_error 1.5 of 60: inconclusive; 2 "
-        "distance_of_mean 0.25 of 1: pass; 2 unfit_taxels 0 of 1: pass; ");
-}
+}  // namespace
 
 TEST_CASE(
-    "judged runs: each but the models' own, in the order given, and the own figures only where there are no "
-    "others") {
-  JudgedStore made(3);
-  CHECK(made.judged({}, film_limits(1.0)).verdicts.empty());
-  const bench::Judgement both =
-      made.judged({film_evaluation(1, 0.25), film_evaluation(3, 2.0), film_evaluation(2, 0.5)}, film_limits(1.0));
-  CHECK(film_mean_words(both.verdicts) ==
-        "3 mean_compensation_error 2 of 1: fail; 2 mean_compensation_error 0.5 of 1: pass; ");
-  CHECK(both.verdicts.size() == 8);
-  CHECK(film_notes(both).empty());
-  CHECK(both.void_runs.empty());
-  CHECK(both.notes.trajectories.size() == 2);
-  const bench::Judgement own = made.judged({film_evaluation(1, 0.25)}, film_limits(1.0));
-  CHECK(film_mean_words(own.verdicts) == "1 mean_compensation_error 0.25 of 1: inconclusive; ");
-  CHECK(own.verdicts.size() == 4);
-  CHECK(film_notes(own) == "not judged");
-  CHECK(own.notes.trajectories.empty());
-  const bench::Judgement listed = made.judged({film_evaluation(1, 0.25)}, film_limits(1.0, "report-only"));
-  CHECK(film_mean_words(listed.verdicts) == "1 mean_compensation_error 0.25 of 1: report only; ");
-  CHECK(film_notes(listed).empty());
+    "evidence: each run but the models' own counts, the own figures are gathered only where there are no others") {
+  const JudgedStore made(3);
+  const auto own = film_evaluation(1, 0.25), second = film_evaluation(2, 0.5), third = film_evaluation(3, 2.0);
+  CHECK(made.evidence({}).runs.empty());
+  const analysis::Evidence both = made.evidence({own, third, second});
+  CHECK(counted_runs(both) == "1 own; 3 yes +; 2 yes +; ");
+  CHECK((both.model_run == 1 && both.models_void.empty()));
+  CHECK(both.runs[1].figures[0].value == 2.0);
+  CHECK(both.runs[1].figures[1].value == 3.0);
+  CHECK(counted_runs(made.evidence({own})) == "1 own +; ");
+  analysis::SensorModel with_creep = film_line_model();
+  with_creep.dynamics.emplace();
+  with_creep.dynamics->creep.run = 2;
+  CHECK(counted_runs(made.evidence({own, third, second}, false, {}, with_creep)) == "1 own; 3 yes +; 2 own; ");
 }
 
-TEST_CASE("judged runs: a void run is left out with its reason, or counted on request and named") {
+TEST_CASE("evidence: without a certificate U of an error is not known, that of a difference is") {
+  const JudgedStore made(2);
+  const std::vector<analysis::Figure> figures = made.evidence({film_evaluation(2, 0.5)}).runs[0].figures;
+  REQUIRE(figures.size() > 4);
+  CHECK(std::isnan(figures[0].u.expanded));
+  CHECK_FALSE(figures[0].u.missing.empty());
+  CHECK(std::isfinite(figures[2].u.expanded));
+  CHECK(figures[3].u.expanded == 0.0);
+}
+
+TEST_CASE("evidence: a void run is known with its reason, and gathered on request") {
   JudgedStore made(3);
   made.declare_void(3);
   const std::vector<bench::NamedEvaluation> all = {film_evaluation(1, 0.25), film_evaluation(3, 2.0),
                                                    film_evaluation(2, 0.5)};
-  const bench::Judgement without = made.judged(all, film_limits(1.0));
-  CHECK(film_mean_words(without.verdicts) == "2 mean_compensation_error 0.5 of 1: pass; ");
-  CHECK(film_notes(without) == " 3");
-  CHECK(without.void_runs.empty());
-  const bench::Judgement with = made.judged(all, film_limits(1.0), true);
-  CHECK(film_mean_words(with.verdicts) ==
-        "3 mean_compensation_error 2 of 1: fail; 2 mean_compensation_error 0.5 of 1: pass; ");
-  CHECK(film_notes(with) == " 3");
-  CHECK_THAT(with.notes.remarks[0], Catch::Contains("gauge closed") && Catch::Contains("--void-too"));
-  REQUIRE(with.void_runs.size() == 1);
-  CHECK(with.void_runs[0].run == 3);
-  bench::StoredJudgement stored;
-  stored.lost = {"lost before, of 7"};
-  CHECK(film_notes(made.judged(all, film_limits(1.0), false, stored)) == " 7 3");
+  const analysis::Evidence without = made.evidence(all);
+  CHECK(counted_runs(without) == "1 own; 3 void; 2 yes +; ");
+  CHECK(without.runs[1].voided.reason == "gauge closed");
+  CHECK(counted_runs(made.evidence(all, true)) == "1 own; 3 asked +; 2 yes +; ");
+  made.declare_void(1);
+  const analysis::Evidence by_void = made.evidence(all);
+  REQUIRE(by_void.models_void.size() == 1);
+  CHECK(counted_runs(by_void) == "1 own +; 3 void; 2 yes; ");
+  CHECK(counted_runs(made.evidence(all, true)) == "1 own; 3 asked +; 2 yes +; ");
 }
 
-TEST_CASE("judged runs: nothing is judged by models of a void run, unless it is asked for") {
-  JudgedStore made(2);
-  made.declare_void(1);
-  const std::vector<bench::NamedEvaluation> both = {film_evaluation(1, 0.25), film_evaluation(2, 0.5)};
-  const bench::Judgement none = made.judged(both, film_limits(1.0));
-  CHECK(film_mean_words(none.verdicts) == "1 mean_compensation_error 0.25 of 1: inconclusive; ");
-  CHECK(film_notes(none) == "not judged");
-  CHECK(none.notes.stored_worse.empty());
-  const bench::Judgement with = made.judged(both, film_limits(1.0), true);
-  CHECK(film_mean_words(with.verdicts) == "2 mean_compensation_error 0.5 of 1: pass; ");
-  CHECK(film_notes(with) == " 1");
-  CHECK(with.void_runs.size() == 1);
+TEST_CASE("evidence: the reference is that of the run's day, with what a laboratory's file says of it") {
+  JudgedStore made(1);
+  FilmRun dated;
+  dated.calibration = R"({"calibrated":"2019-01-01","due":"2020-01-01"})";
+  REQUIRE(made.add(dated) == 2);
+  REQUIRE(made.add() == 3);
+  const auto of = [&](std::int64_t run, const std::vector<analysis::InstrumentNote>& notes = {}) {
+    return made.evidence({film_evaluation(run, 0.5)}, false, notes).runs[0];
+  };
+  CHECK(of(2).reference.overdue);
+  CHECK_FALSE(of(3).reference.overdue);
+  CHECK(of(3, {{"R-1", "", "", "", "2026-02-01", ""}}).reference.untraced()->overdue_since == "2026-02-01");
+  CHECK(of(2).shows.contains(analysis::Source::kReferenceAge));
+  CHECK_FALSE(of(3).shows.contains(analysis::Source::kReferenceAge));
+  CHECK(of(3, {{"R-1", "", "", "", "2027-02-01", ""}}).shows.contains(analysis::Source::kReferenceAge));
 }

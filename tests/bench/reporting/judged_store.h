@@ -66,27 +66,23 @@ inline bench::NamedEvaluation film_evaluation(std::int64_t run, double mean_psi)
 }
 
 // "run criterion value limit: verdict; "
-inline std::string film_row_words(const std::vector<db::VerdictRecord>& rows) {
+inline std::string film_row_words(const std::vector<analysis::JudgedFigure>& rows) {
   std::string text;
-  for (const db::VerdictRecord& row : rows)
-    text += fmt::format("{} {} {:g} of {:g}: {}; ", row.run, row.criterion, row.value, row.limit, row.verdict);
+  for (const analysis::JudgedFigure& row : rows)
+    text += fmt::format("{} {} {:g} of {:g}: {}; ", row.run, to_string(row.criterion), row.value, row.limit,
+                        to_string(row.verdict));
   return text;
 }
 
 // Of the mean error's rows.
-inline std::string film_mean_words(const std::vector<db::VerdictRecord>& rows) {
-  std::vector<db::VerdictRecord> mean;
-  for (const db::VerdictRecord& row : rows)
-    if (row.criterion == "mean_compensation_error") mean.push_back(row);
+inline std::string film_mean_words(const std::vector<analysis::JudgedFigure>& rows) {
+  std::vector<analysis::JudgedFigure> mean;
+  for (const analysis::JudgedFigure& row : rows)
+    if (row.criterion == analysis::Criterion::kMeanError) mean.push_back(row);
   return film_row_words(mean);
 }
-
-// Of a judgement: "not judged" where it is none, and the run that each remark names.
-inline std::string film_notes(const bench::Judgement& judgement) {
-  std::string text = judgement.notes.not_judged.empty() ? "" : "not judged";
-  for (const std::string& remark : judgement.notes.remarks)
-    text += fmt::format(" {}", std::stoi(remark.substr(remark.find_first_of("0123456789"))));
-  return text;
+inline std::string film_mean_words(const std::vector<db::VerdictRecord>& rows) {
+  return film_mean_words(analysis::figures_of(rows));
 }
 
 class JudgedStore : public FilmStore {
@@ -102,28 +98,25 @@ class JudgedStore : public FilmStore {
   void judge(std::int64_t run, std::int64_t fit, double value, const std::string& verdict,
              const std::string& limits = film_limits_text(1.0)) {
     db::VerdictRecord row;
-    row.criterion = "mean_compensation_error";
-    row.scope = "array";
     row.value = value;
     row.limit = 1.0;
-    row.unit = "psi";
-    row.rule = "simple";
     row.verdict = verdict;
     row.limits_toml = limits;
     row.limits_sha256 = db::sha256_hex(limits);
     store.replace_verdicts(run, fit, {row});
   }
-  [[nodiscard]] bench::Judgement judged(const std::vector<bench::NamedEvaluation>& evaluations,
-                                        const analysis::Limits& limits, bool void_too = false,
-                                        const bench::StoredJudgement& stored = {}) const {
+  [[nodiscard]] analysis::Evidence evidence(const std::vector<bench::NamedEvaluation>& evaluations,
+                                            bool void_too = false,
+                                            const std::vector<analysis::InstrumentNote>& notes = {},
+                                            const analysis::SensorModel& models = film_line_model()) const {
     analysis::Runs runs(store);
-    return bench::judge_runs(runs, film_line_model(), evaluations, limits, void_too, stored);
+    return bench::gather_evidence(runs, models, evaluations, film_limits(1.0), void_too, notes);
   }
   // Rows, numbers, limits, and each of those that were lost.
   [[nodiscard]] std::string kept(const analysis::SensorModel& model, bool void_too = false) const {
     analysis::Runs runs(store);
-    const bench::StoredJudgement stored = bench::stored_judgement(runs, model, void_too);
-    std::string text = film_row_words(stored.verdicts) + "|";
+    const bench::StoredVerdicts stored = bench::stored_verdicts(runs, model, void_too);
+    std::string text = film_row_words(stored.figures) + "|";
     for (const std::int64_t run : stored.runs) text += fmt::format(" {}", run);
     text += "|" + (stored.limits_toml.empty() ? "" : bench::parse_limits(stored.limits_toml, "x").name);
     for (std::size_t i = 0; i < stored.lost.size(); ++i) text += "|lost";

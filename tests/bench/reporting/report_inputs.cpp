@@ -17,12 +17,13 @@ using namespace tactbench::tests;
 
 namespace {
 
-std::string judged_words(const std::vector<analysis::JudgedUncertainty>& judged) {
-  std::string text;
-  for (const analysis::JudgedUncertainty& one : judged)
-    if (one.criterion == "mean_compensation_error" || one.criterion == "mpe" || one.criterion == "known")
-      text += fmt::format("{} of {}; ", one.criterion, one.run);
-  return text;
+bench::Judged judged_by(analysis::Runs& runs, const analysis::SensorModel& models,
+                        const std::vector<bench::NamedEvaluation>& evaluations,
+                        const std::vector<analysis::InstrumentNote>& notes = {}) {
+  bench::Judged judged{{}, film_limits(100.0), {}};
+  judged.evidence = bench::gather_evidence(runs, models, evaluations, judged.limits, false, notes);
+  judged.judgement = judge(judged.evidence, judged.limits);
+  return judged;
 }
 
 }  // namespace
@@ -32,8 +33,8 @@ TEST_CASE("report input: the run, its evaluation, held-out runs with their title
   analysis::Runs runs(made.store);
   const analysis::SensorModel models = film_line_model();
   const auto evaluations = bench::evaluate_runs(runs, models, {3, 2}, {"warmer"});
-  const bench::Judgement judgement = bench::judge_runs(runs, models, evaluations, film_limits(100.0), false);
-  const analysis::ReportInput input = bench::report_input(runs, 1, models, evaluations, judgement, {4});
+  const analysis::ReportInput input =
+      bench::report_input(runs, 1, models, evaluations, judged_by(runs, models, evaluations), {4});
   CHECK(input.run.run == 1);
   CHECK(input.evaluation.run == 1);
   CHECK(input.evaluation.mean_error_psi == evaluations[0].evaluation.mean_error_psi);
@@ -42,64 +43,41 @@ TEST_CASE("report input: the run, its evaluation, held-out runs with their title
   CHECK(input.held_out[0].run.run == 3);
   CHECK(input.held_out[0].evaluation.run == 3);
   CHECK(input.held_out[1].run.run == 2);
-  CHECK(input.verdicts.size() == 8);
-  CHECK(input.judgement.trajectories.size() == 2);
-  CHECK(input.judgement.not_assessed.size() == 5);
+  CHECK(input.judgement.figures.size() == 8);
+  CHECK(input.judgement.runs.size() == 2);
+  CHECK(input.judgement.not_assessed.size() == 6);
   REQUIRE(input.further.size() == 1);
   CHECK(input.further[0].run == 4);
   CHECK(input.program_version == bench::build_info().version);
   CHECK(input.method.size() == 1);
   CHECK(input.frame_count == 26);
   CHECK_FALSE(input.uncertainty);
-  CHECK(input.judged.empty());
   const analysis::ReportInput bare = bench::report_input(runs, 2, {}, {}, {});
   CHECK(bare.run.run == 2);
   CHECK(bare.held_out.empty());
   CHECK(bare.evaluation.levels.empty());
 }
 
-TEST_CASE("report input: verdicts of before an overdue reference are withheld, and a laboratory is as given") {
+TEST_CASE("report input: a laboratory is as given, and of its dates verdicts are withheld") {
   JudgedStore made(2);
   analysis::Runs runs(made.store);
   const analysis::SensorModel models = film_line_model();
-  const auto evaluations = bench::evaluate_runs(runs, models, {2});
-  const bench::Judgement judgement = bench::judge_runs(runs, models, evaluations, film_limits(100.0), false);
   bench::ReportExtras extras;
   extras.unit = analysis::PressureUnit::kKilopascal;
   extras.laboratory.place = "hall 2";
   extras.laboratory.instruments = {{"R-1", "", "", "", "2026-02-01", ""}};
+  const bench::Judged judged =
+      judged_by(runs, models, bench::evaluate_runs(runs, models, {2}), extras.laboratory.instruments);
   // Of a run without evaluations, so that no other models are made.
-  const analysis::ReportInput input = bench::report_input(runs, 1, models, {}, judgement, {}, &extras);
+  const analysis::ReportInput input = bench::report_input(runs, 1, models, {}, judged, {}, &extras);
   CHECK(input.unit == analysis::PressureUnit::kKilopascal);
   CHECK(input.laboratory.place == "hall 2");
-  REQUIRE(input.verdicts.size() == 4);
-  CHECK(input.verdicts[0].verdict == "inconclusive");
-  CHECK(input.verdicts[3].verdict == "pass");
-  CHECK_THAT(input.judgement.untraced, Catch::EndsWith("2026-02-01"));
+  REQUIRE(input.judgement.figures.size() == 4);
+  CHECK(input.judgement.figures[0].verdict == analysis::Verdict::kInconclusive);
+  CHECK(input.judgement.figures[3].verdict == analysis::Verdict::kPass);
+  CHECK(input.judgement.untraced->overdue_since == "2026-02-01");
   CHECK_FALSE(input.uncertainty);
   CHECK(input.evaluation.levels.empty());
-}
-
-TEST_CASE("report input: U of each judged run that is not known yet, with that of permissible errors") {
-  JudgedStore made(3);
-  analysis::Runs runs(made.store);
-  const analysis::SensorModel models = film_line_model();
-  const auto evaluations = bench::evaluate_runs(runs, models, {2, 3});
-  const auto judged = [&](const std::string& limits, std::vector<analysis::JudgedUncertainty> known = {}) {
-    analysis::ReportInput input;
-    input.verdicts = bench::judge_runs(runs, models, evaluations, bench::parse_limits(limits, "x"), false).verdicts;
-    bench::add_uncertainty(runs, models, evaluations, input, {}, std::move(known));
-    CHECK(input.uncertainty);
-    return judged_words(input.judged);
-  };
-  const std::string simple = film_limits_text(100.0);
-  CHECK(judged(simple) == "mean_compensation_error of 2; mean_compensation_error of 3; ");
-  analysis::JudgedUncertainty known;
-  known.criterion = "known";
-  known.run = 2;
-  CHECK(judged(simple, {known}) == "known of 2; mean_compensation_error of 3; ");
-  CHECK(judged(simple + "[[mpe]]\nspan_psi = [10, 50]\nmpe_psi = 60\n") ==
-        "mean_compensation_error of 2; mpe of 2; mean_compensation_error of 3; mpe of 3; ");
 }
 
 TEST_CASE("charted of a sensor: figures of the models that stand for a run, under its recipes") {

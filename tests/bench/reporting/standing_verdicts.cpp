@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bench/reporting/judgement.h"
-#include "tests/bench/reporting/film_runs.h"
+#include "tests/bench/reporting/judged_store.h"
 
 using namespace tactbench;
 
@@ -27,10 +27,9 @@ class StandingByHand : public tests::FilmStore {
     std::vector<db::VerdictRecord> rows;
     for (const std::string& word : words) {
       db::VerdictRecord row;
-      row.criterion = fmt::format("criterion_{}", rows.size());
-      row.scope = "array";
+      row.criterion = to_string(static_cast<analysis::Criterion>(rows.size()));
       row.verdict = word;
-      row.limits_toml = limits;
+      row.limits_toml = tests::film_limits_text(1.0, "simple", limits);
       row.limits_sha256 = db::sha256_hex(limits);
       rows.push_back(row);
     }
@@ -38,21 +37,21 @@ class StandingByHand : public tests::FilmStore {
   }
   void declare_void(std::int64_t run) { store.void_run(run, "gauge closed", "me", "2026-03-02T00:00:00Z"); }
   // "run on models' run: verdict; "
-  [[nodiscard]] std::string standing(std::int64_t run) const { return in_words(bench::standing_verdicts(store, run)); }
+  [[nodiscard]] std::string standing(std::int64_t run) const { return in_words(bench::standing(store, run).figures); }
   [[nodiscard]] std::string decided(std::int64_t run) const {
-    return analysis::verdict_word(bench::standing_verdict(bench::standing_verdicts(store, run)));
+    return analysis::verdict_word(bench::standing(store, run).verdict);
   }
-  static std::string in_words(const std::vector<db::VerdictRecord>& rows) {
+  static std::string in_words(const std::vector<analysis::JudgedFigure>& rows) {
     std::string text;
-    for (const db::VerdictRecord& row : rows)
-      text += fmt::format("{} on {}: {}; ", row.run, row.model_run, row.verdict);
+    for (const analysis::JudgedFigure& row : rows)
+      text += fmt::format("{} on {}: {}; ", row.run, row.model_run, to_string(row.verdict));
     return text;
   }
   // The judgement on that run: its rows, worse ones, and whether it is none.
   [[nodiscard]] std::string judgement(std::int64_t run) const {
-    const bench::Judgement found = bench::judgement_on(store, run);
-    return fmt::format("{}| {}| {}", in_words(found.verdicts), in_words(found.notes.stored_worse),
-                       found.notes.not_judged.empty() ? "" : "not judged");
+    const analysis::Judgement found = bench::judgement_on(store, run);
+    return fmt::format("{}| {}| {}", in_words(found.figures), in_words(found.stored_worse),
+                       found.not_judged ? "not judged" : "");
   }
 };
 

@@ -1,6 +1,7 @@
 // A whole report on runs of one taxel that are stored by hand: its input with uncertainties and earlier models, its
 // file, and where that goes when a signed report stands in its place. Not a unit test: models are compared by several
 // threads.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -18,8 +19,10 @@ namespace {
 // Run 1 with models, judged on run 2.
 struct WrittenStore : JudgedStore {
   WrittenStore() : JudgedStore(2) { write_file(path("before.json"), analysis::to_text(film_line_model(0.125))); }
-  [[nodiscard]] bench::Judgement judged(const analysis::Limits& limits) {
-    return bench::judge_runs(runs, models, evaluations, limits, false);
+  [[nodiscard]] bench::Judged judged(const analysis::Limits& limits) {
+    bench::Judged out{bench::gather_evidence(runs, models, evaluations, limits, false), limits, {}};
+    out.judgement = judge(out.evidence, limits);
+    return out;
   }
   analysis::Runs runs{store};
   analysis::SensorModel models = film_line_model();
@@ -40,15 +43,16 @@ TEST_CASE(
   const analysis::ReportInput input =
       bench::report_input(made.runs, 1, made.models, made.evaluations, made.judged(film_limits(10.0)), {}, &extras);
   REQUIRE(input.uncertainty);
-  REQUIRE_FALSE(input.judged.empty());
-  for (const analysis::JudgedUncertainty& one : input.judged) CHECK(one.run == 2);
-  std::string open;
-  for (const auto& source : input.judgement.not_assessed) open += source.source + "; ";
-  CHECK(open == "history; temperature; time; creep; ");  // the study of mounts is in the budget
+  REQUIRE_FALSE(input.judgement.figures.empty());
+  for (const analysis::JudgedFigure& one : input.judgement.figures) CHECK(one.run == 2);
+  // The study of mounts is in the budget.
+  const auto& open = input.judgement.not_assessed;
+  CHECK(std::ranges::find(open, analysis::Source::kRemounting) == open.end());
+  CHECK(std::ranges::find(open, analysis::Source::kTemperature) != open.end());
   CHECK(input.more.studies.remount.runs == std::vector<std::int64_t>{1, 3});
   REQUIRE(input.more.previous);
   CHECK(input.more.previous->model == extras.previous);
-  CHECK(film_mean_words(input.more.previous->verdicts).ends_with(": fail; "));
+  CHECK(film_mean_words(input.more.previous->judgement.figures).ends_with(": fail; "));
   CHECK_FALSE(input.more.previous->doubt.empty());
   // Of a run that the models were not made from, no uncertainty is stated.
   const analysis::ReportInput other =
@@ -58,7 +62,7 @@ TEST_CASE(
 
 TEST_CASE("written report: beside the store under the run's number, or the report's where a signed one stands there") {
   WrittenStore made;
-  const bench::Judgement judgement = made.judged(film_limits(10.0));
+  const bench::Judged judgement = made.judged(film_limits(10.0));
   std::string number;
   const std::string usual = made.path("reports/run-1.html");
   CHECK(bench::write_report(made.runs, made.models, made.evaluations, judgement, "", &number) == usual);

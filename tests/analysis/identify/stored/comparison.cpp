@@ -87,7 +87,6 @@ TEST_CASE("documents are compared by the bits of their numbers, or within a tole
 TEST_CASE("verdicts are compared member by member") {
   db::VerdictRecord own;
   own.criterion = "mpe";
-  own.scope = "array";
   own.value = 1.0;
   own.limit = 2.0;
   own.verdict = "pass";
@@ -99,7 +98,16 @@ TEST_CASE("verdicts are compared member by member") {
   using V = db::VerdictRecord;
   CHECK(named([](V&) {}).empty());
   CHECK_THAT(named([](V& v) { v.criterion = "d"; }), Catch::StartsWith("verdict 2"));
-  CHECK_THAT(named([](V& v) { v.scope = "t"; }), Catch::StartsWith("verdict 2"));
+  for (const auto member : {&V::scope_kind, &V::direction})
+    CHECK_THAT(named([&](V& v) {
+                 v.scope_kind = "level";
+                 v.*member = "t";
+               }),
+               Catch::StartsWith("verdict 2"));
+  CHECK_FALSE(named([](V& v) { v.expanded = 0.5; }).empty());
+  V with_u = own;
+  with_u.expanded = 0.5;
+  CHECK(first_difference({with_u}, {own}, 0.0, false).empty());
   CHECK_THAT(named([](V& v) { v.value = 3; }), Catch::Contains("value"));
   CHECK_THAT(named([](V& v) { v.limit = 3; }), Catch::Contains("limit"));
   CHECK_THAT(named([](V& v) { v.unit = "V"; }), Catch::Contains("unit"));

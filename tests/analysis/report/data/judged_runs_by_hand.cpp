@@ -6,24 +6,15 @@
 #include <string>
 
 #include "analysis/report/data/traceability.h"
+#include "tests/analysis/support/judged_figures.h"
 
 using namespace tactbench;
 using namespace tactbench::analysis;
 
 namespace {
 
-db::VerdictRecord verdict_on(std::int64_t run, const char* criterion, double value, const char* verdict) {
-  db::VerdictRecord row;
-  row.run = run;
-  row.criterion = criterion;
-  row.scope = "array";
-  row.value = value;
-  row.limit = 0.015;
-  row.unit = "FS";
-  row.rule = "simple";
-  row.verdict = verdict;
-  row.limits_sha256 = "aa";
-  return row;
+JudgedFigure verdict_on(std::int64_t run, Criterion criterion, Verdict verdict, std::int64_t model_run = 0) {
+  return by_hand::judged_figure(run, criterion, 0.01, 0.015, verdict, {}, model_run);
 }
 
 // Run 12 of the report and held-out runs 13 to 13 + others - 1.
@@ -51,19 +42,20 @@ TEST_CASE("judged runs by hand: the title of each, and whether the own run is th
   ReportInput input = judged_by_runs(1);
   const std::string own = title_of_judged(input, 12);
   CHECK(title_of_judged(input, 13) == "run A");
-  input.verdicts = {verdict_on(12, "mismatch", 0.01, "pass"), verdict_on(13, "mismatch", 0.01, "pass")};
-  input.verdicts[1].model_run = 9;  // of another run's row
-  CHECK(title_of_judged(input, 12) == own);
-  input.verdicts[0].model_run = 12;
-  CHECK(title_of_judged(input, 12) == own);
-  input.verdicts[0].model_run = 9;
-  CHECK(title_of_judged(input, 12) != own);
-  input.verdicts.push_back(verdict_on(99, "mismatch", 0.01, "fail"));
-  const std::vector<JudgedRun> runs = judged_runs(input);
+  const auto judged = [&](std::int64_t own_models, std::int64_t other_models) {
+    input.judgement = by_hand::judgement_of({verdict_on(12, Criterion::kMismatch, Verdict::kPass, own_models),
+                                             verdict_on(13, Criterion::kMismatch, Verdict::kPass, other_models),
+                                             verdict_on(99, Criterion::kMismatch, Verdict::kFail)});
+    return title_of_judged(input, 12);
+  };
+  CHECK(judged(0, 9) == own);  // of another run's row
+  CHECK(judged(12, 9) == own);
+  CHECK(judged(9, 9) != own);
+  const std::vector<JudgedColumn> runs = judged_runs(input);
   REQUIRE(runs.size() == 3);
-  CHECK((runs[0].run == &input.run && runs[0].number == 12 && runs[0].verdict == Verdict::kPass));
+  CHECK((runs[0].run == &input.run && runs[0].number == 12 && runs[0].judged->verdict == Verdict::kPass));
   CHECK((runs[1].run == &input.held_out[0].run && runs[1].title == "run A"));
-  CHECK((runs[2].run == nullptr && runs[2].verdict == Verdict::kFail));
+  CHECK((runs[2].run == nullptr && runs[2].judged->verdict == Verdict::kFail));
   // A held-out run with the report's own number is the report's own.
   input.held_out[0].evaluation.run = 12;
   CHECK(judged_runs(input)[0].run == &input.run);
@@ -75,7 +67,7 @@ TEST_CASE("traceability by hand: a pressure is traceable by an instrument with a
   const auto traceable = [&](const char* calibration) {
     input.run.devices = {instrument("regulator", "VPPM", "R-1", "{}"),
                          instrument("pressure reference", "PT", "P-1", calibration)};
-    const std::vector<Traceability> all = traceability_of(input);
+    const std::vector<Traceability> all = traceability_of(input, PressureUnit::kPsi);
     REQUIRE(all.size() == 1);
     return all[0].traceable;
   };
@@ -86,9 +78,9 @@ TEST_CASE("traceability by hand: a pressure is traceable by an instrument with a
   // Neither is it by the regulator entered twice, or alone.
   REQUIRE(traceable(R"({"certificate":"C-1"})"));
   input.run.devices[0] = instrument("regulator", "PT", "P-1", "{}");
-  CHECK_FALSE(traceability_of(input)[0].traceable);
+  CHECK_FALSE(traceability_of(input, PressureUnit::kPsi)[0].traceable);
   input.run.devices.pop_back();
-  CHECK_FALSE(traceability_of(input)[0].traceable);
+  CHECK_FALSE(traceability_of(input, PressureUnit::kPsi)[0].traceable);
 }
 
 TEST_CASE("traceability by hand: a run that presses states force and place, and pressure where it was evaluated too") {
@@ -123,12 +115,15 @@ TEST_CASE("an inconclusive verdict has a reason where a run that was judged had 
   input.held_out[1].run.devices = {late};
   CHECK(instruments_warning(input).value.find("2024-05-05") != std::string::npos);
   CHECK(reason_of_verdict(input).empty());
-  input.verdicts = {verdict_on(13, "mpe", 0.01, "inconclusive")};
-  CHECK(reason_of_verdict(input).empty());  // run A was in date
-  input.verdicts.push_back(verdict_on(14, "mpe", 0.01, "pass"));
-  CHECK(reason_of_verdict(input).find("2024-05-05") != std::string::npos);
-  input.verdicts[1].run = 12;
-  CHECK(reason_of_verdict(input).find("2024-05-05") != std::string::npos);
-  input.verdicts[0].verdict = "fail";
-  CHECK(reason_of_verdict(input).empty());
+  const auto reason = [&](std::int64_t second, Verdict first = Verdict::kInconclusive) {
+    input.judgement = by_hand::judgement_of({verdict_on(13, Criterion::kMpe, first)});
+    if (second != 0) {
+      input.judgement.figures.push_back(verdict_on(second, Criterion::kMpe, Verdict::kPass));
+      conclude(input.judgement);
+    }
+    return reason_of_verdict(input);
+  };
+  CHECK(reason(0).empty());  // run A was in date
+  for (const std::int64_t late_run : {14, 12}) CHECK(reason(late_run).find("2024-05-05") != std::string::npos);
+  CHECK(reason(12, Verdict::kFail).empty());
 }

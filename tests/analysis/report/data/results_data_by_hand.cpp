@@ -10,6 +10,7 @@
 #include "analysis/report/data/judged_runs.h"
 #include "analysis/report/data/section_data.h"
 #include "analysis/report/parts.h"
+#include "tests/analysis/support/judged_figures.h"
 #include "tests/analysis/support/sensor_models.h"
 
 using namespace tactbench;
@@ -128,31 +129,26 @@ TEST_CASE("data of the judgement by hand: runs, trajectories, what is not assess
   input.run.run = 12;
   auto judgement = results_of_input(input)["judgement"];
   CHECK((judgement["overall"] == "" && judgement["statement"] == "" && judgement["runs"].empty()));
-  db::VerdictRecord row;
-  row.run = 12;
-  row.criterion = "mismatch";
-  row.verdict = "pass";
-  input.verdicts = {row, row};
-  input.verdicts[1].run = 13;
-  input.judgement.stored_worse = {row};
-  input.judgement.stored_worse[0].verdict = "conditional fail";
-  JudgedTrajectory trajectory;
-  trajectory.run = 13;
-  trajectory.reversals = 32;
-  input.judgement.trajectories = {trajectory};
-  input.judgement.not_assessed = {{"creep", "no hold"}};
-  input.judgement.remarks = {"run 14 is void"};
+  const JudgedFigure own = by_hand::judged_figure(12, Criterion::kMismatch, 0.01, 0.05, Verdict::kPass);
+  JudgedFigure other = own, worse = own;
+  other.run = 13;
+  worse.verdict = Verdict::kConditionalFail;
+  input.judgement = by_hand::judgement_of({own, other});
+  input.judgement.stored_worse = {worse};
+  input.judgement.runs[1].trajectory.reversals = 32;
+  input.judgement.not_assessed = {Source::kCreep};
+  input.judgement.remarks = {{Remark::Kind::kVoidLeftOut, {14, "me", "2024", "a leak"}, 14}};
   judgement = results_of_input(input)["judgement"];
   CHECK((judgement["overall"] == "pass" && judgement["statement"] != "pass"));  // a condition follows
   REQUIRE(judgement["runs"].size() == 2);
   CHECK((judgement["runs"][1]["on"] == title_of_judged(input, 13) && judgement["runs"][1]["verdict"] == "pass"));
   CHECK((judgement["stored_worse"].size() == 1 && judgement["stored_worse"][0]["verdict"] == "conditional fail"));
-  CHECK(judgement["trajectories"][0]["reversals"] == 32);
-  CHECK(judgement["trajectories"][0]["on"] == judgement["runs"][1]["on"]);
-  CHECK(judgement["not_assessed"] == nlohmann::json::parse(R"([{"source":"creep","why":"no hold"}])"));
+  CHECK(judgement["runs"][1]["trajectory"]["reversals"] == 32);
+  CHECK((judgement["not_assessed"].size() == 1 && judgement["not_assessed"][0]["source"] == "creep"));
   CHECK(judgement["remarks"].size() == 1);
   CHECK(results_of_input(input)["verdicts"].size() == 2);
-  input.judgement.not_judged = "no independent data";
+  input.judgement.not_judged = {Remark::Kind::kNoIndependentData};
+  conclude(input.judgement);
   CHECK(results_of_input(input)["judgement"]["overall"] == "inconclusive");
 }
 

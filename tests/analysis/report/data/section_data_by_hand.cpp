@@ -6,6 +6,7 @@
 
 #include "analysis/report/data/section_data.h"
 #include "analysis/report/parts.h"
+#include "tests/analysis/support/judged_figures.h"
 
 using namespace tactbench;
 using namespace tactbench::analysis;
@@ -215,8 +216,9 @@ TEST_CASE("data of single taxels by hand: the straight line, usable ranges, trac
                                  "model_v":[0.2],"estimate_psi":[0.3]}])");
   more.previous = AsFound{"before.json", {}, 253, {}, "in doubt"};
   more.previous->evaluation.mean_error_psi = 0.7;
-  more.previous->verdicts = {{12, 1, "mismatch", "array", 0.1, 0.2, "FS", "simple", "pass", "", "aa", 0},
-                             {12, 1, "mpe", "array", 0.3, 0.2, "FS", "simple", "fail", "", "aa", 0}};
+  more.previous->judgement =
+      by_hand::judgement_of({by_hand::judged_figure(12, Criterion::kMismatch, 0.1, 0.2, Verdict::kPass),
+                             by_hand::judged_figure(12, Criterion::kMpe, 0.1, 0.2, Verdict::kFail)});
   data = ReadJson::parse(compensation_json(input))["as_found"];
   CHECK((data["fitted_taxels"] == 253 && data["mean_error_psi"] == 0.7 && data["levels"].empty()));
   CHECK((data["overall"] == "fail" && data["doubt"] == "in doubt" && data["verdicts"].size() == 2));

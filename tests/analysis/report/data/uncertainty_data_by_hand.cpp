@@ -7,6 +7,7 @@
 #include "analysis/report/data/data.h"
 #include "analysis/report/data/section_data.h"
 #include "analysis/report/parts.h"
+#include "tests/analysis/support/judged_figures.h"
 
 using namespace tactbench;
 using namespace tactbench::analysis;
@@ -168,19 +169,20 @@ TEST_CASE(
 TEST_CASE("data of judged figures by hand: on which run, U with k and its degrees of freedom") {
   ReportInput input;
   input.run.run = 12;
-  JudgedUncertainty own{"mismatch", "40 psi", "FS", 0.25, 0.125, 9.5, 2.25, "12 sweeps", "", 12}, other = own;
-  other.dof = std::numeric_limits<double>::infinity();
-  other.expanded = kNoFigure;
-  other.missing = "no certificate";
+  JudgedFigure own = by_hand::judged_figure(12, Criterion::kMismatch, 0.5, 1.0, Verdict::kPass,
+                                            Scope::level(40, Direction::kUp)),
+               other = own;
+  own.u = {0.25, 0.125, 9.5, 2.25, "12 sweeps", ""};
+  other.u = {kNoFigure, 0.125, std::numeric_limits<double>::infinity(), 2.25, "", "no certificate"};
   other.run = 77;
-  input.judged = {own, other};
+  input.judgement.figures = {own, other};
   const auto data = nlohmann::json::parse(uncertainty_json(input))["judged_figures"];
   REQUIRE(data.size() == 2);
   auto first = data[0];
   CHECK(first["on"] != data[1]["on"]);
   first.erase("on");
-  CHECK(first == nlohmann::json::parse(R"({"criterion":"mismatch","scope":"40 psi","unit":"FS","expanded":0.25,
-    "combined":0.125,"dof":9.5,"factor":2.25,"basis":"12 sweeps","not_known":""})"));
+  CHECK(first == nlohmann::json::parse(R"({"criterion":"mismatch","scope":{"kind":"level","psi":40.0,"direction":"up"},
+    "unit":"FS","expanded":0.25,"combined":0.125,"dof":9.5,"factor":2.25,"basis":"12 sweeps","not_known":""})"));
   CHECK(data[1]["expanded"].is_null());
   CHECK((data[1]["dof"] == "infinite" && data[1]["not_known"] == "no certificate"));
 }

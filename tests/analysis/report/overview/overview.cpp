@@ -10,6 +10,7 @@
 #include "analysis/report/overview/overview_figures.h"
 #include "tests/analysis/report/report_example.h"
 #include "tests/analysis/report/report_page.h"
+#include "tests/analysis/support/judged_figures.h"
 
 using namespace tactbench;
 using namespace tactbench::analysis;
@@ -23,8 +24,9 @@ ReportInput numbered(std::int64_t run, const std::string& sensor, double error, 
   input.run.started_utc = fmt::format("2024-05-{:02}T00:00:00Z", run);
   input.held_out.clear();
   input.evaluation.mean_error_psi = error;
-  input.verdicts.resize(verdict.empty() ? 0 : 1);
-  if (!verdict.empty()) input.verdicts[0].verdict = verdict;
+  input.judgement.figures.resize(verdict.empty() ? 0 : 1);
+  if (!verdict.empty()) input.judgement.figures[0].verdict = verdict_from(verdict).value();
+  conclude(input.judgement);
   return input;
 }
 
@@ -106,9 +108,11 @@ TEST_CASE("figures of a run by hand, and none where the run has no such figure")
 
 TEST_CASE("a figure's limit is that of the first verdict on its criterion, and none for a figure without one") {
   ReportInput input = seen_run(3, "S");
-  input.verdicts = {{3, 1, "", "array", 0, 7.0, "", "", "pass", "", "", 0},
-                    {3, 1, "distance_of_mean", "array", 0, 0.015, "FS", "", "pass", "", "", 0},
-                    {3, 1, "distance_of_mean", "array", 0, 0.025, "FS", "", "pass", "", "", 0}};
+  const auto judged = [](Criterion criterion, double limit) {
+    return by_hand::judged_figure(3, criterion, 0.0, limit, Verdict::kPass);
+  };
+  input.judgement.figures = {judged(Criterion::kMpe, 7.0), judged(Criterion::kDistanceOfMean, 0.015),
+                             judged(Criterion::kDistanceOfMean, 0.025)};
   CHECK(limit_of(overview_figure("comp_distance_of_mean_fs"), input) == 0.015);
   CHECK(std::isnan(limit_of(overview_figure("mean_error_psi"), input)));
   CHECK(std::isnan(limit_of(overview_figure("gain_std"), input)));

@@ -7,6 +7,7 @@
 #include "analysis/report/parts.h"
 #include "analysis/report/sections/sections.h"
 #include "tests/analysis/report/report_page.h"
+#include "tests/analysis/support/judged_figures.h"
 #include "tests/analysis/support/sensor_models.h"
 
 using namespace tactbench;
@@ -76,14 +77,9 @@ TEST_CASE("sections of a run and its models show what they are given") {
   input.more.previous = AsFound{"earlier.json", input.evaluation, 253, {}, ""};
   input.more.previous->evaluation.mean_error_psi = 0.1124;
   CHECK(contains(as_found_section(input).value, in_psi(0.1124, 3)));
-  input.verdicts = {
-      {12, 1, "mean_compensation_error", "array", 0.5213, 1.0, "psi", "simple", "pass", "", std::string(64, 'e'), 0}};
-  JudgedUncertainty u;
-  u.criterion = "mean_compensation_error";
-  u.scope = "array";
-  u.expanded = 0.0344;
-  u.run = 12;
-  input.judged = {u};
+  input.judgement =
+      by_hand::judgement_of({by_hand::judged_figure(12, Criterion::kMeanError, 0.5213, 1.0, Verdict::kPass)});
+  input.judgement.figures[0].u.expanded = 0.0344;
   CHECK(contains(verdict_section(input).value, "0.521\u00A0psi (3.59\u00A0kPa)"));
 }
 
@@ -204,7 +200,8 @@ TEST_CASE("page 1 shows error and U at four levels and at the worst one, and the
   }
   for (const bool judged : {false, true}) {
     CAPTURE(judged);
-    if (judged) input.verdicts = {{12, 1, "mpe", "array", 0.5, 1.0, "psi", "simple", "pass", "", "aa", 0}};
+    if (judged)
+      input.judgement = by_hand::judgement_of({by_hand::judged_figure(12, Criterion::kMpe, 0.5, 1.0, Verdict::kPass)});
     const html::Markup page = verdict_section(input);
     for (const auto& [error, is_shown] : {std::pair{"0.00", true},
                                           {"0.10", false},

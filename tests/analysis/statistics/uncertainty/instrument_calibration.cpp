@@ -4,7 +4,6 @@
 #include <array>
 #include <catch2/catch.hpp>
 
-#include "analysis/judgement/judgement.h"
 #include "analysis/statistics/uncertainty/reference_uncertainty.h"
 #include "tests/analysis/support/uncertainty_example.h"
 
@@ -146,42 +145,6 @@ TEST_CASE("the reference's drift follows the same dates") {
       record_with_reference(kWithCertificate, ""), std::vector<InstrumentNote>{{"2", "", "", "", "2020-01-31", ""}});
   CHECK(noted.overdue);
   CHECK(noted.drift_psi > 0.3);
-}
-
-TEST_CASE("what rests on pressures that are not traceable is inconclusive, what does not is judged") {
-  using Words = std::vector<std::string>;
-  const auto withheld = [](const std::string& judged, std::int64_t run, const ReferenceUncertainty& reference) {
-    const std::array<std::pair<const char*, const char*>, 6> rows = {{{"mean_compensation_error", "array"},
-                                                                      {"worst_taxel_error", "array"},
-                                                                      {"distance_of_mean", "array"},
-                                                                      {"unfit_taxels", "array"},
-                                                                      {"mpe", "4-40 psi 95 %"},
-                                                                      {"mpe", "60 psi 95 %"}}};
-    std::vector<db::VerdictRecord> verdicts(rows.size());
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      verdicts[i].run = 2;
-      verdicts[i].criterion = rows[i].first;
-      verdicts[i].scope = rows[i].second;
-      verdicts[i].verdict = judged;
-    }
-    withhold_untraced(verdicts, run, reference);
-    Words words;
-    for (const db::VerdictRecord& verdict : verdicts) words.push_back(verdict.verdict);
-    return words;
-  };
-  ReferenceUncertainty good, overdue, short_range;
-  overdue.overdue = true;
-  short_range.low_psi = 0.0;
-  short_range.high_psi = 40.0;
-  short_range.beyond = "a part";
-  const std::string no = "inconclusive";
-  for (const char* judged : {"pass", "fail"}) {
-    CHECK(withheld(judged, 2, overdue) == Words{no, no, judged, judged, no, no});
-    CHECK(withheld(judged, 2, short_range) == Words{no, no, judged, judged, judged, no});
-    CHECK(withheld(judged, 2, good) == Words(6, judged));
-    CHECK(withheld(judged, 1, overdue) == Words(6, judged));  // of another run
-  }
-  CHECK(withheld("report only", 2, overdue) == Words(6, "report only"));
 }
 
 TEST_CASE("the scanner is the one that answered, else the one registered then, else now") {

@@ -80,7 +80,7 @@ TEST_CASE("reference: a certificate holds between its ends, and a run beyond the
     run.lowest_psi = row.low_psi;
     run.highest_psi = row.high_psi;
     const ReferenceUncertainty found = reference_uncertainty(run);
-    CHECK(found.beyond.empty() != row.beyond);
+    CHECK(found.beyond.has_value() == row.beyond);
     CHECK(found.untraced() == found.beyond);
     CHECK(found.holds_at(row.held_psi));
     if (!std::isnan(row.not_held_psi)) CHECK_FALSE(found.holds_at(row.not_held_psi));

@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "analysis/judgement/judgement.h"
+#include "analysis/judgement/measured_figures.h"
 #include "analysis/statistics/uncertainty/budget_maker.h"
 #include "tests/analysis/support/straight_array.h"
 
@@ -43,10 +43,9 @@ double of_reference(const ReferenceUncertainty& reference) {
 double of_verdict(const ReferenceUncertainty& reference) {
   const auto combined = [](const ReferenceUncertainty& of) {
     const Dataset dataset = known_loop();
-    const auto all = judged_uncertainties(dataset, dataset, straight_fit(), evaluate(dataset, straight_fit()), of);
-    const JudgedUncertainty* const found = find_uncertainty(all, "mean_compensation_error", "array");
-    REQUIRE(found != nullptr);
-    return found->combined;
+    const auto all = measured_figures(dataset, dataset, straight_fit(), evaluate(dataset, straight_fit()), of);
+    REQUIRE(all.front().criterion == Criterion::kMeanError);
+    return all.front().u.combined;
   };
   ReferenceUncertainty none;
   none.drift_missing = none.resolution_missing = "none";

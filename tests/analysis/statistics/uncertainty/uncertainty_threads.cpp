@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "analysis/judgement/judgement.h"
+#include "analysis/judgement/measured_figures.h"
 #include "tests/analysis/support/uncertainty_example.h"
 
 using namespace tactbench;
@@ -131,7 +131,7 @@ TEST_CASE("beyond the certificate no level has a U, and within it each has the s
     return assess_uncertainty(example.dataset, example.fit, run);
   };
   const Uncertainty found = with_range("[0,40]");
-  CHECK_FALSE(found.reference.beyond.empty());
+  CHECK(found.reference.beyond);
   CHECK(found.level(44.0, true) == nullptr);
   CHECK(found.level(60.0, true) == nullptr);
   for (const LevelUncertainty& level : found.levels)
@@ -174,9 +174,9 @@ TEST_CASE("U of readings and judged figures never falls when a due date passes")
       median.push_back(level.median.expanded_psi);
       CHECK(row_of(level.median, UncertaintySource::kDrift) != nullptr);
     }
-    for (const JudgedUncertainty& figure :
-         judged_uncertainties(example.dataset, example.dataset, example.fit, evaluation, reference_uncertainty(run)))
-      judged.push_back(figure.expanded);
+    for (const Figure& figure :
+         measured_figures(example.dataset, example.dataset, example.fit, evaluation, reference_uncertainty(run)))
+      judged.push_back(figure.u.expanded);
     const double drift = row_of(uncertainty.levels.front().median, UncertaintySource::kDrift)->u_psi;
     CHECK(drift >= 0.05 / std::sqrt(3.0) * (1.0 - 1e-12));
     CHECK(drift >= drift_before);

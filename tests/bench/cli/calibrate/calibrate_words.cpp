@@ -7,6 +7,7 @@
 
 #include "bench/cli/calibrate/calibration.h"
 #include "bench/cli/judgement_words.h"
+#include "tests/analysis/support/judged_figures.h"
 #include "tests/support/process.h"
 
 using namespace tactbench;
@@ -14,30 +15,17 @@ using namespace tactbench::bench;
 
 namespace {
 
-db::VerdictRecord row(const char* criterion, const char* scope, double value, double limit, const char* unit,
-                      const char* verdict) {
-  db::VerdictRecord record;
-  record.run = 2;
-  record.model_run = 1;
-  record.criterion = criterion;
-  record.scope = scope;
-  record.value = value;
-  record.limit = limit;
-  record.unit = unit;
-  record.verdict = verdict;
-  return record;
-}
+using analysis::Criterion;
+using analysis::JudgedFigure;
+using analysis::Verdict;
+using analysis::by_hand::judged_figure;
+using analysis::by_hand::judgement_of;
 
-Judgement judgement_of(std::vector<db::VerdictRecord> rows) {
-  Judgement judgement;
-  judgement.verdicts = std::move(rows);
-  return judgement;
-}
+const JudgedFigure kGood = judged_figure(2, Criterion::kDistanceOfMean, 0.001, 0.015, Verdict::kPass);
+const JudgedFigure kDead = judged_figure(2, Criterion::kUnfitTaxels, 1, 0, Verdict::kFail);
+const JudgedFigure kWorst = judged_figure(2, Criterion::kWorstTaxelError, 3.4, 3, Verdict::kFail);
 
-const db::VerdictRecord kGood = row("distance_of_mean", "array", 0.001, 0.015, "FS", "pass");
-const db::VerdictRecord kDead = row("unfit_taxels", "array", 1, 0, "taxels", "fail");
-const db::VerdictRecord kWorst = row("worst_taxel_error", "array", 3.4, 3, "psi", "fail");
-const db::VerdictRecord kAbsent = row("mismatch", "10 psi up", std::nan(""), 0.05, "FS", "inconclusive");
+JudgedFigure with(Verdict verdict) { return judged_figure(2, Criterion::kMismatch, 1, 1, verdict); }
 
 // 2 x 3 taxels, of which numbers 1 and 5 have no model; the worst one on the held-out run is number 3.
 JudgedFit small_fit() {
@@ -59,20 +47,36 @@ JudgedFit small_fit() {
   return fit;
 }
 
-std::string large_of(std::vector<db::VerdictRecord> rows) { return large_verdict(judgement_of(std::move(rows))); }
+std::string large_of(std::vector<JudgedFigure> rows) { return large_verdict(judgement_of(std::move(rows))); }
 
 }  // namespace
 
 TEST_CASE("calibrate words: the large word is as the exit code, and there is none without a statement") {
   CHECK(large_of({kGood}) == "PASS");
-  CHECK(large_of({kGood, row("mismatch", "8 psi up", 1, 1, "FS", "conditional pass")}) == "PASS");
-  CHECK(large_of({kGood, row("mismatch", "8 psi up", 1, 1, "FS", "conditional fail")}) == "INCONCLUSIVE");
-  CHECK(large_of({kGood, kAbsent}) == "INCONCLUSIVE");
-  CHECK(large_of({kGood, kAbsent, kDead}) == "FAIL");
-  CHECK(large_of({row("mismatch", "8 psi up", 1, 1, "FS", "report only")}).empty());
-  Judgement own = judgement_of({kGood});
-  own.notes.not_judged = "no independent data";
+  CHECK(large_of({kGood, with(Verdict::kConditionalPass)}) == "PASS");
+  CHECK(large_of({kGood, with(Verdict::kConditionalFail)}) == "INCONCLUSIVE");
+  CHECK(large_of({kGood, with(Verdict::kInconclusive)}) == "INCONCLUSIVE");
+  CHECK(large_of({kGood, with(Verdict::kInconclusive), kDead}) == "FAIL");
+  CHECK(large_of({with(Verdict::kReportOnly)}).empty());
+  analysis::Judgement own;
+  own.figures = {kGood};
+  own.not_judged = {analysis::Remark::Kind::kNoIndependentData};
+  conclude(own);
   CHECK(large_verdict(own) == "INCONCLUSIVE");
+}
+
+TEST_CASE("calibrate words: a pass of means alone says so in the line of the verdict") {
+  CalibrationResult result;
+  result.fit = small_fit();
+  const auto line = [&](std::vector<JudgedFigure> figures) {
+    result.judgement = judgement_of(std::move(figures));
+    const std::string page = verdict_page(result);
+    const std::size_t at = page.find("sensor ");
+    return page.substr(at, page.find('\n', at) - at);
+  };
+  CHECK_THAT(line({kGood}), Catch::Contains("pass, of means alone"));
+  CHECK_THAT(line({kGood, judged_figure(2, Criterion::kMpe, 1, 3, Verdict::kPass)}),
+             Catch::Contains("pass") && !Catch::Contains("means"));
 }
 
 TEST_CASE("calibrate words: bad taxels by row and column, the worst one only where its criterion fails") {

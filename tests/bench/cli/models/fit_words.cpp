@@ -10,6 +10,7 @@
 
 #include "analysis/models/linearised.h"
 #include "analysis/models/mpi.h"
+#include "tests/analysis/support/judged_figures.h"
 
 using namespace tactbench;
 using namespace tactbench::bench;
@@ -83,9 +84,8 @@ TEST_CASE("fit words: the JSON of a fit") {
   nlohmann::ordered_json without;
   add_fitted_json(unscaled, without);
   CHECK(without.at("mean_taxel").at("mean_error_fs") == 0.0);
-  db::VerdictRecord row;
-  row.verdict = "pass";
-  fitted.judgement.verdicts = {row};
+  fitted.judgement = analysis::by_hand::judgement_of(
+      {analysis::by_hand::judged_figure(2, analysis::Criterion::kMeanError, 1.0, 2.0, analysis::Verdict::kPass)});
   nlohmann::ordered_json judged;
   add_fitted_json(fitted, judged);
   CHECK(judged.at("verdicts").at(0).at("shown") == "simulated pass");

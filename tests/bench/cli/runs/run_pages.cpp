@@ -131,7 +131,10 @@ TEST_CASE("runs diff: verdicts stand beside each other, and a run with fewer fra
   store.add();
   store.add();
   const auto row = [](double value) {
-    return db::VerdictRecord{0, 0, "mismatch", "40 psi up", value, 0.05, "FS", "simple", "pass", "limits", "sha"};
+    db::VerdictRecord one{0, 0, "mismatch", "level", value, 0.05, "FS", "simple", "pass", "limits", "sha"};
+    one.low_psi = one.high_psi = 40.0;
+    one.direction = "up";
+    return one;
   };
   const auto differences = [&](const std::string& second) {
     return nlohmann::json::parse(store.runs({"diff", "1", second, "--json"}).out).at("differences");

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "analysis/judgement/judgement.h"
 #include "analysis/statistics/numbers/moments.h"
 #include "tests/analysis/support/straight_array.h"
 
@@ -30,18 +31,15 @@ Uncertainty readings() {
 
 TEST_CASE("mpe: conforms when |error| + U of the share of taxels lies inside, with words to either side of the limit") {
   using namespace straight_array;
-  const Evaluation evaluation = evaluate(known_loop(), straight_fit(), 1);
   const Uncertainty known = readings();
   const auto judged_at = [&](double mpe_psi, DecisionRule rule, const Uncertainty* budgets) {
     Limits limits;
     limits.rule = rule;
     limits.mpe = {{0.0, 60.0, mpe_psi, 0.95}};
-    const auto figures = mpe_figures(known_loop(), straight_fit(), budgets, limits.mpe, 1);
-    const auto uncertainties = mpe_uncertainties(figures, evaluation.run);
-    const auto rows = judge(evaluation, straight_fit(), limits, uncertainties, figures);
-    CHECK(rows.back().criterion == "mpe");
-    CHECK(rows.back().limit == mpe_psi);
-    return rows.back().verdict;
+    Evidence evidence;
+    evidence.runs.resize(1);
+    evidence.runs[0].figures = judged_mpe(mpe_figures(known_loop(), straight_fit(), budgets, limits.mpe, 1));
+    return std::string(to_string(judge(evidence, limits).figures.back().verdict));
   };
   const DecisionRule four = DecisionRule::kFourWay;
   CHECK(judged_at(8.001, four, &known) == "pass");

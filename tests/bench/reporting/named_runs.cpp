@@ -1,5 +1,4 @@
-// Runs that verbs name, signed reports that are not written over, and verdicts that an overdue
-// reference withholds: on runs stored by hand.
+// Runs that verbs name, and signed reports that are not written over: on runs stored by hand.
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
@@ -25,11 +24,6 @@ using RunNumbers = std::vector<std::int64_t>;
 
 class NamedByHand : public tests::FilmStore {
  public:
-  std::int64_t add_due(const std::string& due) {
-    tests::FilmRun run;
-    run.calibration = fmt::format(R"({{"calibrated":"2019-01-01","due":"{}"}})", due);
-    return add(run);
-  }
   // The numbers of those taken, and what is warned of; or the error.
   [[nodiscard]] std::string named(const RunNumbers& numbers, const bench::RunsNamed& named, bool void_too) const {
     analysis::Runs runs(store);
@@ -44,14 +38,6 @@ class NamedByHand : public tests::FilmStore {
     return text + warned.text();
   }
 };
-
-db::VerdictRecord verdict_of(std::int64_t run, const std::string& criterion, const std::string& verdict) {
-  db::VerdictRecord record;
-  record.run = run;
-  record.criterion = criterion;
-  record.verdict = verdict;
-  return record;
-}
 
 }  // namespace
 
@@ -148,18 +134,4 @@ TEST_CASE("a report is not written over that of another store's run, nor over a 
     CHECK(path("u-1", ending) == usual);
     CHECK(path("u-2", ending) == made.path(std::string("reports/run-1-abc.") + ending));
   }
-}
-
-TEST_CASE("an overdue reference withholds the verdicts that rest on it, run by run") {
-  NamedByHand made;
-  made.add_due("2027-01-01");
-  made.add_due("2026-01-01");  // two months before the run
-  analysis::Runs runs(made.store);
-  std::vector<db::VerdictRecord> verdicts = {verdict_of(2, "mpe", "pass"), verdict_of(1, "mpe", "pass"),
-                                             verdict_of(2, "unfit_taxels", "pass"),
-                                             verdict_of(2, "mean_compensation_error", "fail")};
-  CHECK(bench::withhold_untraced_runs(runs, verdicts, {}).size() == 1);
-  std::vector<std::string> words;
-  for (const db::VerdictRecord& verdict : verdicts) words.push_back(verdict.verdict);
-  CHECK(words == std::vector<std::string>{"inconclusive", "pass", "pass", "inconclusive"});
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "analysis/judgement/mpe.h"
+#include "analysis/statistics/numbers/coverage.h"
 #include "analysis/statistics/numbers/moments.h"
 #include "tests/analysis/support/straight_array.h"
 
@@ -114,11 +115,11 @@ TEST_CASE("mpe: levels of a span are counted by branch, with both ends and 0.01 
   CHECK(figure_at(20.009, 20.009, 0.95, unequal(), data).value_psi == Approx(6.0));
 }
 
-TEST_CASE("mpe: the smallest share is that of one taxel, and the scope says levels and share") {
+TEST_CASE("mpe: the smallest share is that of one taxel, and without budgets there is no U") {
   CHECK(figure_at(20, 20, 0.0, unequal(), straight_array::known_loop()).value_psi == Approx(1.0));
   CHECK(figure_at(20, 20, 1.0, unequal(), straight_array::known_loop()).value_psi == Approx(6.0));
-  CHECK(scope_of({2.5, 2.5, 1.0, 0.995}) == "2.5 psi 99.5 %");
-  CHECK(scope_of({2.5, 7.25, 1.0, 1.0}) == "2.5-7.25 psi 100 %");
+  CHECK(scope_of({2.5, 2.5, 1.0, 0.995}) == Scope::span(2.5, 2.5, 0.995));
+  CHECK(scope_of({2.5, 7.25, 1.0, 1.0}).kind == Scope::Kind::kSpan);
   CHECK(mpe_figures(straight_array::known_loop(), straight_array::straight_fit(), nullptr, {}).empty());
   const Limits::Mpe whole[] = {{0.0, 60.0, 8.0, 0.95}};
   const auto without = mpe_figures(straight_array::known_loop(), straight_array::straight_fit(), nullptr, whole, 1);
@@ -127,15 +128,15 @@ TEST_CASE("mpe: the smallest share is that of one taxel, and the scope says leve
   CHECK(std::isnan(without[0].expanded_psi));
 }
 
-TEST_CASE("mpe: U of a judged figure states half of itself as combined, k = 2, and its run") {
-  const MpeFigure figures[] = {{"a", 3.0, 1.5, 2}, {"b", 4.0, kNan, 0}};
-  const std::vector<JudgedUncertainty> all = mpe_uncertainties(figures, 31);
+TEST_CASE("mpe: U of a judged figure states half of itself as combined, k = 2, or why it is not known") {
+  const Scope first = Scope::span(0, 40, 0.95), second = Scope::span(0, 60, 0.95);
+  const MpeFigure figures[] = {{first, 3.0, 1.5, 2}, {second, 4.0, kNan, 0}};
+  const std::vector<Figure> all = judged_mpe(figures, "no certificate");
   REQUIRE(all.size() == 2);
-  CHECK((all[0].criterion == "mpe" && all[0].scope == "a" && all[0].unit == "psi" && all[0].run == 31));
-  CHECK((all[0].expanded == 1.5 && all[0].combined == 0.75 && all[0].factor == 2.0 && all[0].missing.empty()));
-  CHECK(all[0].dof == kInfiniteDof);
-  CHECK((all[1].scope == "b" && std::isnan(all[1].expanded) && all[1].basis.empty() && all[1].run == 31));
-  CHECK_FALSE(all[1].missing.empty());
+  CHECK((all[0].criterion == Criterion::kMpe && all[0].scope == first && all[0].value == 3.0));
+  CHECK((all[0].u.expanded == 1.5 && all[0].u.combined == 0.75 && all[0].u.factor == 2.0));
+  CHECK((all[0].u.missing.empty() && all[0].u.dof == kInfiniteDof));
+  CHECK((all[1].scope == second && std::isnan(all[1].u.expanded) && all[1].u.missing == "no certificate"));
 }
 
 }  // namespace mpe_levels

@@ -1,0 +1,312 @@
+// From evidence to judgement: the verdict of each figure, which runs count, and what follows from the figures.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "analysis/judgement/judgement.h"
+
+using namespace tactbench;
+using namespace tactbench::analysis;
+
+namespace judging {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using Counts = EvidenceRun::Counts;
+
+Figure figure(Criterion criterion, const Scope& scope, double value, double expanded = kNan) {
+  Figure out{criterion, scope, value, {}};
+  out.u.expanded = expanded;
+  return out;
+}
+
+EvidenceRun run_of(std::int64_t number, double mean_psi = 0.25, Counts counts = Counts::kYes) {
+  EvidenceRun run;
+  run.run = number;
+  run.counts = counts;
+  if (counts == Counts::kVoid || counts == Counts::kVoidOnRequest) run.voided = {number, "me", "2026", "gauge closed"};
+  run.figures = {figure(Criterion::kMeanError, {}, mean_psi), figure(Criterion::kWorstTaxelError, {}, 0.5),
+                 figure(Criterion::kDistanceOfMean, {}, 0.0125), figure(Criterion::kUnfitTaxels, {}, 1.0, 0.0)};
+  return run;
+}
+
+Evidence evidence_of(std::vector<EvidenceRun> runs) {
+  Evidence evidence;
+  evidence.fit = 4;
+  evidence.model_run = 1;
+  evidence.runs = std::move(runs);
+  return evidence;
+}
+
+Limits limits_of(DecisionRule rule = DecisionRule::kSimple) {
+  Limits limits;
+  limits.rule = rule;
+  limits.mean_compensation_error_psi = limits.worst_taxel_error_psi = 0.5;
+  limits.distance_of_mean_fs = 0.0125;
+  limits.unfit_taxels = 1;
+  limits.sha256 = "abc";
+  return limits;
+}
+
+JudgedFigure stored_row(std::int64_t run, double value, Verdict verdict, const char* sha256, std::int64_t fit = 4) {
+  JudgedFigure row;
+  static_cast<Figure&>(row) = figure(Criterion::kMeanError, {}, value);
+  row.run = run;
+  row.fit = fit;
+  row.model_run = 1;
+  row.limit = 9.0;
+  row.verdict = verdict;
+  row.limits_sha256 = sha256;
+  return row;
+}
+
+std::vector<std::int64_t> runs_in(const Judgement& judgement) {
+  std::vector<std::int64_t> runs;
+  for (const JudgedRun& run : judgement.runs) runs.push_back(run.run);
+  return runs;
+}
+
+}  // namespace
+
+TEST_CASE("judge: each requirement has its figure, limit, unit and verdict, in the order of the limits") {
+  EvidenceRun run = run_of(7);
+  for (const double psi : {20.0, 40.0})
+    for (const Direction direction : {Direction::kUp, Direction::kDown})
+      run.figures.push_back(figure(Criterion::kMismatch, Scope::level(psi, direction),
+                                   psi / (direction == Direction::kUp ? 1000.0 : 500.0)));
+  run.figures.push_back(figure(Criterion::kMpe, Scope::span(0, 60, 0.95), 2.0));
+  Limits limits = limits_of();
+  limits.worst_taxel_error_psi = 0.25;
+  limits.mismatch = {{40.0, 0.05}, {30.0, 0.05}};
+  limits.mpe = {{0.0, 60.0, 3.0, 0.95}, {20.0, 20.0, 1.0, 0.5}};
+  const Judgement judgement = judge(evidence_of({run}), limits);
+  struct Row {
+    Criterion criterion;
+    Scope scope;
+    double value, limit;
+    Verdict verdict;
+  };
+  const Scope up40 = Scope::level(40, Direction::kUp), down40 = Scope::level(40, Direction::kDown);
+  const std::vector<Row> expected = {
+      {Criterion::kMeanError, {}, 0.25, 0.5, Verdict::kPass},
+      {Criterion::kWorstTaxelError, {}, 0.5, 0.25, Verdict::kFail},
+      {Criterion::kDistanceOfMean, {}, 0.0125, 0.0125, Verdict::kPass},
+      {Criterion::kUnfitTaxels, {}, 1.0, 1.0, Verdict::kPass},
+      {Criterion::kMismatch, up40, 0.04, 0.05, Verdict::kPass},
+      {Criterion::kMismatch, down40, 0.08, 0.05, Verdict::kFail},
+      {Criterion::kMismatch, Scope::level(30, Direction::kUp), kNan, 0.05, Verdict::kInconclusive},
+      {Criterion::kMismatch, Scope::level(30, Direction::kDown), kNan, 0.05, Verdict::kInconclusive},
+      {Criterion::kMpe, Scope::span(0, 60, 0.95), 2.0, 3.0, Verdict::kPass},
+      {Criterion::kMpe, Scope::span(20, 20, 0.5), kNan, 1.0, Verdict::kInconclusive}};
+  REQUIRE(judgement.figures.size() == expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const JudgedFigure& own = judgement.figures[i];
+    INFO(to_string(own.criterion) << ", " << i);
+    CHECK((own.criterion == expected[i].criterion && own.scope == expected[i].scope));
+    CHECK((own.value == expected[i].value || (std::isnan(own.value) && std::isnan(expected[i].value))));
+    CHECK((own.limit == expected[i].limit && own.verdict == expected[i].verdict));
+    CHECK((own.run == 7 && own.fit == 4 && own.model_run == 1 && own.rule == DecisionRule::kSimple));
+    CHECK(own.limits_sha256 == "abc");
+  }
+}
+
+TEST_CASE("judge: a level is met by the nearest one measured within 0.01 psi, and is called as that one") {
+  const auto judged_at = [](double typed, std::vector<double> measured) {
+    EvidenceRun run = run_of(7);
+    for (const double psi : measured)
+      run.figures.push_back(figure(Criterion::kMismatch, Scope::level(psi, Direction::kUp), psi / 1000.0));
+    Limits limits = limits_of();
+    limits.mismatch = {{typed, 0.05}};
+    return judge(evidence_of({run}), limits).figures[4];
+  };
+  constexpr double kKilopascals = 6.894757293168361;
+  const double level = 100.0 / kKilopascals;  // 14.503774 psi
+  for (const double typed : {14.5038, 14.5, 14.51, 14.50377}) {
+    CAPTURE(typed);
+    CHECK(
+        (judged_at(typed, {level, 40}).verdict == Verdict::kPass && judged_at(typed, {level}).scope.low_psi == level));
+  }
+  for (const double other : {14.49, 14.515, 15.0})
+    CHECK(judged_at(other, {level, 40}).verdict == Verdict::kInconclusive);
+  for (const auto& [level_kpa, typed] :
+       {std::pair(40.0, 5.8015), std::pair(40.0, 5.80), std::pair(120.0, 17.4045), std::pair(20.0, 2.9008)})
+    CHECK(judged_at(typed, {level_kpa / kKilopascals}).verdict == Verdict::kPass);
+  CHECK(judged_at(14.497, {level, 14.498}).value == Approx(0.014498));  // steps finer than that: the nearest
+}
+
+TEST_CASE("judge: the default rule is four-way where U of the figure is known, simple where it is not") {
+  EvidenceRun run = run_of(7);
+  run.figures[0].u.expanded = 0.3;
+  const std::vector<JudgedFigure> rows = judge(evidence_of({run}), limits_of(DecisionRule::kDefault)).figures;
+  CHECK((rows[0].rule == DecisionRule::kFourWay && rows[0].verdict == Verdict::kConditionalPass));
+  CHECK((rows[1].rule == DecisionRule::kSimple && rows[1].verdict == Verdict::kPass));
+  CHECK(rows[3].rule == DecisionRule::kFourWay);  // U of a count is 0
+  const std::vector<JudgedFigure> guarded = judge(evidence_of({run}), limits_of(DecisionRule::kGuarded)).figures;
+  CHECK((guarded[0].verdict == Verdict::kFail && guarded[1].verdict == Verdict::kInconclusive));
+}
+
+TEST_CASE("judge: every run that counts is judged in turn, the worst decides, and the closest figures are named") {
+  const Judgement judgement = judge(
+      evidence_of({run_of(1, 0.1, Counts::kModelsOwn), run_of(7, 1.0), run_of(3, 0.75), run_of(4, 0.25)}), limits_of());
+  CHECK(runs_in(judgement) == std::vector<std::int64_t>{7, 3, 4});
+  CHECK(judgement.figures.size() == 12);
+  CHECK((judgement.overall == Verdict::kFail && !judgement.not_judged));
+  CHECK(judgement.decided_by == std::vector<std::int64_t>{3, 7});
+  CHECK(judgement.runs[2].verdict == Verdict::kPass);
+  REQUIRE((judgement.deciding && judgement.closest_pass));
+  CHECK(judgement.figures[*judgement.deciding].run == 7);  // 1 of 0.5 psi, further beyond than 0.75
+  CHECK(judgement.figures[*judgement.closest_pass].use_of_limit() == 1.0);
+  CHECK_FALSE(judgement.rests_on_means_alone);  // it does not pass
+  const Judgement nothing = judge(evidence_of({}), limits_of());
+  CHECK((nothing.figures.empty() && !nothing.overall && nothing.decided_by.empty() && !nothing.deciding));
+}
+
+TEST_CASE("judge: without a run that counts the first one's figures are listed, inconclusive, and the reason is told") {
+  const Judgement own = judge(evidence_of({run_of(1, 0.1, Counts::kModelsOwn)}), limits_of());
+  CHECK((own.overall == Verdict::kInconclusive && own.not_judged->kind == Remark::Kind::kNoIndependentData));
+  CHECK((own.figures.size() == 4 && own.runs.empty() && own.not_assessed.empty()));
+  CHECK(worst_of(own.figures) == Verdict::kInconclusive);
+  CHECK(std::ranges::all_of(own.figures, [](const auto& row) { return row.verdict == Verdict::kInconclusive; }));
+  Evidence by_void = evidence_of({run_of(2), run_of(3)});
+  by_void.models_void = {{1, "me", "2026", "leak"}};
+  const Judgement none = judge(by_void, limits_of());
+  CHECK((none.not_judged->kind == Remark::Kind::kModelsVoid && none.figures.size() == 4));
+  CHECK(worst_of(none.figures) == Verdict::kInconclusive);
+  by_void.void_too = true;
+  const Judgement asked = judge(by_void, limits_of());
+  CHECK((!asked.not_judged && asked.overall == Verdict::kPass && asked.void_counted.size() == 1));
+  const Judgement listed =
+      judge(evidence_of({run_of(1, 0.1, Counts::kModelsOwn)}), limits_of(DecisionRule::kReportOnly));
+  CHECK((!listed.not_judged && listed.overall == Verdict::kReportOnly));
+}
+
+TEST_CASE("judge: a void run is left out with its reason, or counted on request and named") {
+  Evidence evidence = evidence_of({run_of(3, 2.0, Counts::kVoid), run_of(2)});
+  evidence.lost = {{Remark::Kind::kOtherModels, {}, 1, 2}};
+  const Judgement without = judge(evidence, limits_of());
+  CHECK(runs_in(without) == std::vector<std::int64_t>{2});
+  REQUIRE(without.remarks.size() == 2);
+  CHECK(without.remarks[0].kind == Remark::Kind::kOtherModels);
+  CHECK((without.remarks[1].kind == Remark::Kind::kVoidLeftOut && without.remarks[1].voided.run == 3));
+  evidence.runs[0].counts = Counts::kVoidOnRequest;
+  const Judgement with = judge(evidence, limits_of());
+  CHECK((runs_in(with) == std::vector<std::int64_t>{3, 2} && with.overall == Verdict::kFail));
+  CHECK((with.remarks[0].kind == Remark::Kind::kVoidCounted && with.void_counted.at(0).run == 3));
+}
+
+TEST_CASE("judge: errors against a reference that is overdue, or does not reach, are inconclusive, the rest is not") {
+  EvidenceRun run = run_of(2);
+  run.figures.push_back(figure(Criterion::kMpe, Scope::span(0, 40, 0.95), 1.0));
+  run.figures.push_back(figure(Criterion::kMpe, Scope::span(0, 60, 0.95), 1.0));
+  Limits limits = limits_of();
+  limits.mpe = {{0, 40, 3.0, 0.95}, {0, 60, 3.0, 0.95}};
+  const auto words = [&](const EvidenceRun& judged) {
+    std::string out;
+    for (const JudgedFigure& row : judge(evidence_of({judged}), limits).figures)
+      out += row.verdict == Verdict::kInconclusive ? '?' : '+';
+    return out;
+  };
+  CHECK(words(run) == "++++++");
+  EvidenceRun beyond = run;
+  beyond.reference.high_psi = 50.0;
+  beyond.reference.beyond = Untraced{.run_high_psi = 60, .high_psi = 50, .above = true};
+  CHECK(words(beyond) == "??+++?");
+  EvidenceRun overdue = run;
+  overdue.reference.overdue = true;
+  overdue.reference.calibration.due = "2020-01-31";
+  CHECK(words(overdue) == "??++??");
+  const Judgement judgement = judge(evidence_of({run_of(5), overdue, beyond}), limits);
+  CHECK(judgement.untraced->overdue_since == "2020-01-31");  // of the first such run
+  CHECK(std::ranges::count(judgement.remarks, Remark::Kind::kUntraced, &Remark::kind) == 2);
+  CHECK_THAT(statement_in_words(judgement, PressureUnit::kPsi), Catch::EndsWith("2020-01-31"));
+  CHECK(words(run_of(5)) == "++++??");  // nothing measured for [[mpe]]
+}
+
+TEST_CASE(
+    "judge: stored verdicts by these limits stand where they are worse, of the newest fit, and worse ones are named") {
+  Evidence evidence = evidence_of({run_of(1, 0.1, Counts::kModelsOwn), run_of(2), run_of(3)});
+  evidence.stored = {stored_row(2, 5.0, Verdict::kFail, "abc", 3), stored_row(2, 6.0, Verdict::kPass, "abc", 4),
+                     stored_row(3, 8.0, Verdict::kConditionalFail, "other"),
+                     stored_row(4, 9.0, Verdict::kPass, "other"), stored_row(1, 9.0, Verdict::kFail, "other")};
+  const Judgement both = judge(evidence, limits_of());
+  CHECK(worst_of(both.figures) == Verdict::kPass);
+  REQUIRE(both.stored_worse.size() == 2);  // the older fit's, too, and none on the models' own run
+  CHECK((both.stored_worse[0].value == 5.0 && both.stored_worse[1].value == 8.0));
+  CHECK(both.overall == Verdict::kFail);  // a stored fail outlives what was found now
+  CHECK_FALSE(both.rests_on_means_alone);
+  evidence.stored.erase(evidence.stored.begin());
+  CHECK(judge(evidence, limits_of()).overall == Verdict::kPass);
+  evidence.stored.push_back(stored_row(3, 0.25, Verdict::kInconclusive, "abc"));  // by a laboratory file
+  const Judgement withheld = judge(evidence, limits_of());
+  CHECK((withheld.overall == Verdict::kInconclusive && withheld.figures[4].verdict == Verdict::kInconclusive));
+  // One that is as bad is no worse.
+  evidence.runs[1] = run_of(2, 2.0);
+  CHECK(judge(evidence, limits_of()).stored_worse.empty());
+}
+
+TEST_CASE("judge: a pass without a limit on single readings says so in its statement") {
+  EvidenceRun run = run_of(2);
+  run.shows = {kSources.begin(), kSources.end()};
+  Evidence evidence = evidence_of({run});
+  evidence.studied = {Source::kCreep};
+  const auto statement = [&](const Limits& limits) {
+    const Judgement judgement = judge(evidence, limits);
+    CHECK(judgement_json(judgement)["rests_on_means_alone"] == judgement.rests_on_means_alone);
+    return std::pair(judgement.rests_on_means_alone, statement_in_words(judgement, PressureUnit::kPsi));
+  };
+  const auto [alone, words] = statement(limits_of());
+  CHECK(alone);
+  CHECK_THAT(words, Catch::StartsWith("pass, ") && Catch::Contains("means alone"));
+  Limits with_mpe = limits_of();
+  with_mpe.mpe = {{0, 40, 3.0, 0.95}};
+  evidence.runs[0].figures.push_back(figure(Criterion::kMpe, Scope::span(0, 40, 0.95), 1.0));
+  CHECK(statement(with_mpe) == std::pair(false, std::string("pass")));
+  evidence.runs[0].figures[0].value = 9.0;
+  CHECK_FALSE(statement(limits_of()).first);  // a fail
+}
+
+TEST_CASE(
+    "judge: what neither a judged run nor a study shows is not assessed, an undated reference of any run neither") {
+  EvidenceRun mounted = run_of(2), dated = run_of(3);
+  mounted.shows = {Source::kRemounting, Source::kReferenceAge};
+  dated.shows = {Source::kTime, Source::kReferenceAge};
+  Evidence evidence = evidence_of({mounted, dated});
+  const auto missing = [&] { return judge(evidence, limits_of()).not_assessed; };
+  CHECK(missing() == std::vector{Source::kHistory, Source::kTemperature, Source::kCreep});
+  evidence.studied = {Source::kTemperature};
+  evidence.runs[1].shows.erase(Source::kReferenceAge);
+  CHECK(missing() == std::vector{Source::kHistory, Source::kCreep, Source::kReferenceAge});
+  evidence.runs[0].counts = Counts::kModelsOwn;  // shows nothing
+  CHECK(missing().size() == 4);
+  CHECK(judge(evidence, limits_of(DecisionRule::kReportOnly)).not_assessed.empty());
+}
+
+TEST_CASE("a judged figure is in a store and in JSON what it was, and a word of another program is refused") {
+  JudgedFigure own = stored_row(2, 1.5, Verdict::kConditionalPass, "abc");
+  own.criterion = Criterion::kMpe;
+  own.scope = Scope::span(4, 40, 0.95);
+  own.u.expanded = 0.25;
+  own.rule = DecisionRule::kFourWay;
+  const db::VerdictRecord record = record_of(own, "toml");
+  const JudgedFigure back = figure_of(record);
+  CHECK(figure_json(back) == figure_json(own));
+  CHECK((back.run == 2 && back.fit == 4 && back.model_run == 1 && record.limits_toml == "toml"));
+  for (const auto member : {&db::VerdictRecord::criterion, &db::VerdictRecord::scope_kind,
+                            &db::VerdictRecord::direction, &db::VerdictRecord::rule, &db::VerdictRecord::verdict}) {
+    db::VerdictRecord other = record;
+    other.*member = "of another program";
+    CHECK_THROWS(figure_of(other));
+  }
+  CHECK(scope_json({}) == nlohmann::ordered_json::parse(R"({"kind": "array"})"));
+  CHECK(scope_json(Scope::level(40, Direction::kUp)) ==
+        nlohmann::ordered_json::parse(R"({"kind": "level", "psi": 40.0, "direction": "up"})"));
+  CHECK(scope_json(own.scope) == nlohmann::ordered_json::parse(
+                                     R"({"kind": "span", "low_psi": 4.0, "high_psi": 40.0, "direction": "both",
+                                         "share": 0.95})"));
+  CHECK(in_words(Scope::level(40, Direction::kDown), PressureUnit::kKilopascal) == "275.8 kPa decreasing");
+  CHECK(in_both_units(Scope::level(40, Direction::kUp), PressureUnit::kPsi) == "40 psi (275.8 kPa) increasing");
+}
+
+}  // namespace judging
