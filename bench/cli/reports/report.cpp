@@ -148,7 +148,7 @@ std::vector<db::ReportRecord::Evidence> evidence_of(analysis::Runs& runs, const 
   std::vector<std::int64_t> numbers = {input.run.run};
   std::ranges::copy(source_runs(runs.store(), input.fit), std::back_inserter(numbers));
   for (const analysis::HeldOut& held_out : input.held_out) numbers.push_back(held_out.run.run);
-  for (const db::VerdictRecord& verdict : input.verdicts) numbers.push_back(verdict.run);
+  for (const analysis::JudgedFigure& figure : input.judgement.figures) numbers.push_back(figure.run);
   for (const db::RunRecord& run : input.further) numbers.push_back(run.run);
   for (const StudyRun& study : study_runs_of(studies)) numbers.push_back(study.run);
   std::vector<db::ReportRecord::Evidence> evidence;
