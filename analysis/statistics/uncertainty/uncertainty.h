@@ -1,12 +1,13 @@
 // Uncertainty budgets of compensated pressures, by JCGM 100 (GUM). Dataset + models + the reference's calibration in;
 // u_c, effective degrees of freedom, k and U for every taxel, level and branch out. Measurand: the pressure on a taxel
-// from one compensated frame, corrected for what is known of its error, at any point of the histories that the
-// condition of use names. Model (4.1.1): p = f(v + d_noise + d_step + d_creep + d_temperature + d_zero) - e
+// from one compensated frame, corrected for what is known of its error, at any point of its history.
+// Model (4.1.1): p = f(v + d_noise + d_step + d_creep + d_temperature + d_zero) - e
 //   + d_repeat + d_conditioning + d_fit + d_history + d_dwell + d_mount + d_own
 //   + d_certificate + d_drift + d_digit + d_input + d_hysteresis + d_reference's zero and temperature
 //   + d_uniformity,   f: the inverse of the branch [Eqs (29)-(39)]
 // Every d has the expectation 0 and is taken as independent; c = 1 but for voltages, whose c is the inverse's slope.
 // e, the mean error of the full sweeps at the level and half of creep's effect, is known and taken off (3.2.3, 6.3.1).
+// The budgets say where U comes from. What U of a reading is by kind of history was counted: use_condition.h.
 #pragma once
 
 #include <array>
@@ -19,6 +20,7 @@
 #include "analysis/statistics/numbers/coverage.h"
 #include "analysis/statistics/uncertainty/reference_uncertainty.h"
 #include "analysis/statistics/uncertainty/temperature_effect.h"
+#include "analysis/statistics/uncertainty/use_condition.h"
 
 namespace tactbench::analysis {
 
@@ -47,21 +49,6 @@ enum class UncertaintySource {
 inline constexpr std::size_t kUncertaintySources = 20;
 bool is_of_reference(UncertaintySource source);  // its own error, the same in all runs against it
 
-// Conditions under which a sensor is used. Each has a U of its own, or the reason why U does not cover it.
-enum class UseCondition {
-  kStated,            // all that was assessed, together: the budgets that are printed
-  kFullSweeps,        // as calibrated: same mount, same dwell, over the whole range
-  kFittedBranches,    // the inner branches of the calibration's own sequences
-  kAnyHistory,        // any reversals, same mount, same dwell
-  kOtherDwell,        // any reversals, dwell times between those of the run of recipe rate
-  kHeld,              // any reversals, read up to the end of the holds that tell of creep
-  kOtherTemperature,  // any reversals, at the temperatures of the runs that tell of temperature
-  kRemounted,         // any reversals, mounted anew
-  kLater,             // any reversals, on another day
-};
-inline constexpr std::size_t kUseConditions = 9;
-const char* name_of(UseCondition condition);  // "any history, re-mounted"
-
 struct SourceText {
   const char* name;
   char type;                 // 'A' by statistics of this run (4.2), 'B' by other knowledge (4.3)
@@ -80,9 +67,8 @@ struct GivenUncertainty {
 };
 // Further runs of the sensor, not those that models were made from. The datasets outlive the inputs.
 struct HistoryRuns {
-  std::vector<const Dataset*> same;     // held out: same mount, same day, dwell like that of the calibration
+  std::vector<const Dataset*> same;     // held out: same mount, same day, same temperature
   std::vector<const Dataset*> later;    // held out: another day, or for a simulated sensor another age
-  std::vector<const Dataset*> dwelt;    // held out: same mount, same day, another dwell
   std::vector<const Dataset*> warm;     // held out: same mount, same day, another temperature
   std::vector<const Dataset*> mounted;  // held out, or of a study of mounts: mounted anew
   std::vector<const Dataset*> paced;    // candidates for the effect of dwell
@@ -142,28 +128,6 @@ struct LevelUncertainty {
   int not_linear = 0;    // taxels
 };
 
-// U under one condition of use. Valid: `not_valid` is empty.
-struct ConditionUncertainty {
-  UseCondition condition = UseCondition::kFullSweeps;
-  std::string not_valid;    // why U does not cover it
-  std::string basis;        // runs and ranges that it rests on
-  double median_psi = 0.0;  // of U over all levels and taxels
-  double scale = 1.0;       // of U without the reference's part, from runs that it was not found from; 1: none
-  // Levels up, then down (those with readings), x taxels; NaN where not fitted. Empty where not valid.
-  std::vector<double> pressure_psi;
-  std::vector<bool> up;
-  std::vector<double> expanded_psi, error_psi;
-  [[nodiscard]] bool valid() const { return not_valid.empty(); }
-};
-
-// What is taken off a compensated reading, and U of what is left; linear between levels, constant beyond them.
-struct ReadingUncertainty {
-  double error_psi = 0.0, expanded_psi = 0.0;
-};
-// Of a valid condition. NaN where the taxel is not fitted.
-ReadingUncertainty reading_uncertainty(const ConditionUncertainty& condition, std::size_t taxel, double reading_psi,
-                                       bool up);
-
 struct Uncertainty {
   ReferenceUncertainty reference;
   std::vector<LevelUncertainty> levels;  // up by rising pressure, then down; with readings, in the certificate's range
@@ -172,8 +136,10 @@ struct Uncertainty {
   CreepEffect creep;
   TemperatureEffect temperature;
   DwellEffect dwell;
-  std::vector<ConditionUncertainty> conditions;  // each of UseCondition but kStated
-  [[nodiscard]] const ConditionUncertainty& condition(UseCondition which) const;
+  std::vector<ConditionUncertainty> conditions;                                   // each UseCondition, in order
+  [[nodiscard]] const ConditionUncertainty& condition(UseCondition which) const;  // of `conditions`, which has it
+  // What is quoted where one U is: worst_of(conditions).
+  [[nodiscard]] std::optional<UseCondition> worst() const { return worst_of(conditions); }
   std::size_t chosen = 0;  // the level whose budgets are printed: mid range, down
   [[nodiscard]] const LevelUncertainty* level(double pressure_psi, bool up) const;
 };
