@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "sequences/compile_press.h"
-#include "sequences/recipe.h"
+#include "sequences/recipe_parts.h"
 
 namespace tactbench::sequences {
 
@@ -34,7 +34,9 @@ void add_cycles(std::vector<Step>& steps, const Recipe& recipe, int sequence, in
 // The frames of one level: the first on arrival, the others held.
 void add_level(std::vector<Step>& steps, const Recipe& recipe, Step& step, bool turn) {
   const double dwell_s = step.dwell_s;
-  const int frames = turn || !recipe.held_at_turns ? recipe.frames_per_level : 1;
+  const bool one = (recipe.frames_at == FramesAt::kTurns && !turn) ||
+                   (recipe.frames_at == FramesAt::kHolds && step.setpoint == lowest_of(recipe));
+  const int frames = one ? 1 : recipe.frames_per_level;
   for (int frame = 0; frame < frames; ++frame) {
     step.hold = frame > 0;
     if (step.hold) step.dwell_s = recipe.frame_interval_s;
@@ -64,7 +66,7 @@ void add_repeat(std::vector<Step>& steps, const Recipe& recipe, int sequence, in
   for (std::size_t turn = 1; turn < recipe.turning_points.size(); ++turn) {
     const Psi from = recipe.turning_points[turn - 1];
     const Psi to = recipe.turning_points[turn];
-    const int count = static_cast<int>(std::lround(std::abs((to - from) / recipe.step)));
+    const int count = static_cast<int>(levels_on_the_way(recipe, from, to));
     step.branch = static_cast<int>(turn) - 1;
     step.branch_from = from;
     step.branch_to = to;

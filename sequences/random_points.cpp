@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <random>
+#include <utility>
 
 namespace tactbench::sequences {
 
@@ -33,6 +34,19 @@ void wander(const RandomPoints& of, Draws& draws, std::vector<long>& points) {
   }
 }
 
+// Few presses tell of the whole range where no part of it is left to chance.
+void presses(const RandomPoints& of, Draws& draws, std::vector<long>& points) {
+  const long low = std::max(1L, of.low), levels = of.high - low + 1;
+  std::vector<long> heights;
+  for (long part = 0; part < of.count; ++part) {
+    const long first = part * levels / of.count, end = std::max(first + 1, (part + 1) * levels / of.count);
+    heights.push_back(low + draws.between(first, std::min(end, levels) - 1));
+  }
+  for (std::size_t left = heights.size(); left > 1; --left)
+    std::swap(heights[left - 1], heights[static_cast<std::size_t>(draws.between(0, static_cast<long>(left) - 1))]);
+  for (const long height : heights) points.insert(points.end(), {height, 0});
+}
+
 }  // namespace
 
 std::vector<std::string> random_kind_words() { return {"reversals", "wander", "press"}; }
@@ -46,8 +60,7 @@ std::vector<long> draw_points(const RandomPoints& of) {
     const long last = points.back();
     points.push_back(i % 2 == 0 ? draws.between(std::max(last, of.low) + 1, of.high) : draws.between(of.low, last - 1));
   }
-  for (int i = 0; i < of.count && of.kind == RandomKind::kPress; ++i)
-    points.insert(points.end(), {draws.between(std::max(1L, of.low), of.high), 0});
+  if (of.kind == RandomKind::kPress) presses(of, draws, points);
   if (points.back() != 0) points.push_back(0);
   return points;
 }

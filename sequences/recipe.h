@@ -16,6 +16,10 @@ namespace tactbench::sequences {
 
 enum class RecipeKind { kLevels, kPress };
 
+// Where frames are taken and `frames_per_level` of them are: kLevels: at each level, all; kTurns: all at the turning
+// points, one at the levels between; kHolds: at the turning points alone, all but for one at the lowest.
+enum class FramesAt { kLevels, kTurns, kHolds };
+
 // Cycles 0 -> peak -> 0 without frames: for levels before the first repeat, for press in the first repeat before the
 // first branch at each position.
 struct Conditioning {
@@ -88,7 +92,7 @@ struct Recipe {
   bool settle = true;                       // false: frames as the ramp passes the levels
   int frames_per_level = 1;
   double frame_interval_s = 0.0;
-  bool held_at_turns = false;  // frames_per_level only at the turning points, one at the levels between
+  FramesAt frames_at = FramesAt::kLevels;
   int repeats = 1;
   double dwell_tolerance_s = 0.25;  // frames whose dwell deviates by more are flagged
   double rest_restart_s = 3600.0;   // after a longer rest, a resumed run redoes the whole repeat

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <sstream>
 
 #include "sequences/recipe_parts.h"
 #include "sequences/toml/pressure_text.h"
@@ -222,9 +223,13 @@ KeyTable kind_keys(Recipe& recipe) {
 }
 
 KeyTable set_keys(RecipeFile& file, std::vector<std::string>& names) {
-  return {key::schema(), key::name("name", file.name, "Short name, by which reports and lists call it"),
-          key::described(key::text("title", file.title, "Title in reports and lists"), "the name"),
-          key::texts("recipes", names, "In place of all other keys: recipes that are carried out one after the other")};
+  return {
+      key::schema(), key::name("name", file.name, "Short name, by which reports and lists call it"),
+      key::described(key::text("title", file.title, "Title in reports and lists"), "the name"),
+      key::texts(
+          "recipes", names,
+          "In place of all other keys: recipes that are carried out one after the other; of each what else than its "
+          "default its parameters have, as \"reversals seed=3\"")};
 }
 
 KeyTable repeat_keys(Recipe& recipe) {
@@ -314,10 +319,24 @@ RecipeFile read_recipe_file(const std::string& path, const std::vector<Override>
   read_whole(root, set_keys(file, names));
   if (file.title.empty()) file.title = file.name;
   if (names.empty()) root.fail("recipes", "no recipe is named", "name one or more, for instance [\"loops\", \"hold\"]");
-  for (const std::string& name : names) {
+  for (const std::string& entry : names) {
+    std::istringstream words(entry);
+    std::string name, setting;
+    words >> name;
     TomlDocument named = TomlDocument::from_file(find(name));
     if (named.root().has("recipes"))
       root.fail("recipes", fmt::format("'{}' names recipes itself", name), "name those instead");
+    bool any = false;
+    while (words >> setting) {
+      const std::size_t equals = setting.find('=');
+      const std::string parameter = setting.substr(0, equals);
+      if (equals == std::string::npos || !named.root().table("parameters").has(parameter))
+        root.fail("recipes", fmt::format("'{}' sets no parameter of '{}'", setting, name), "write PARAMETER=VALUE");
+      named.set({fmt::format("parameters.{}.default", parameter), setting.substr(equals + 1)});
+      any = true;
+    }
+    // The text that is stored has them.
+    if (any) named = TomlDocument::from_text(named.to_text(), named.name());
     file.recipes.push_back(parse_recipe(std::move(named), overrides));
   }
   return file;

@@ -45,10 +45,11 @@ KeyTable point_keys(InFile& in) {
 
 KeyTable random_keys(InFile& in) {
   return {
-      key::word(
-          "kind", in.kind, random_kind_words(),
-          "reversals: a loop to `high`, then points anywhere from `low` to `high`; wander: small reversals of "
-          "one to three of its steps, through the whole range; press: presses to heights drawn, each released to 0"),
+      key::word("kind", in.kind, random_kind_words(),
+                "reversals: a loop to `high`, then points anywhere from `low` to `high`; wander: small reversals of "
+                "one to three of its steps, through the whole range; press: presses to heights drawn, one in each of "
+                "as many equal parts of the range, in an order that is drawn, "
+                "each released to 0"),
       key::required(key::number("seed", in.seed, kOne, {0, 2e9},
                                 "Turning points are drawn instead of listed; the same seed gives the same ones")),
       key::required(
@@ -136,9 +137,9 @@ KeyTable level_frame_keys(Recipe& recipe) {
                       "Frames at each level; more than one is a hold"),
           key::number("frame_interval_s", recipe.frame_interval_s, {"s"}, {0.0, 86400.0},
                       "Time between two frames of one level"),
-          key::word("frames_at", recipe.held_at_turns, {"levels", "turns"}, "turns",
+          key::word("frames_at", recipe.frames_at, {"levels", "turns", "holds"},
                     "levels: frames_per_level are taken at each level; turns: at the turning points alone, and one at "
-                    "each level between them")};
+                    "each level between them; holds: at the turning points alone, one at the lowest, none between")};
 }
 
 void read_pace(const TomlTable& root, Recipe& recipe) {

@@ -1,6 +1,7 @@
 // The size of a recipe by arithmetic alone, before a list of its steps is made.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "sequences/recipe_parts.h"
@@ -13,16 +14,20 @@ constexpr double kMostSeconds = 366.0 * 86400.0;  // a clock of nanoseconds in 6
 
 double levels_of(const Recipe& recipe) {
   double levels = 1.0;
-  for (std::size_t turn = 1; turn < recipe.turning_points.size(); ++turn) {
-    levels += std::round(std::abs((recipe.turning_points[turn] - recipe.turning_points[turn - 1]) / recipe.step));
-  }
+  for (std::size_t turn = 1; turn < recipe.turning_points.size(); ++turn)
+    levels += levels_on_the_way(recipe, recipe.turning_points[turn - 1], recipe.turning_points[turn]);
   return levels;
 }
 
+double held_levels_of(const Recipe& recipe) {
+  const auto turns = static_cast<double>(recipe.turning_points.size());
+  if (recipe.frames_at == FramesAt::kLevels) return levels_of(recipe);
+  if (recipe.frames_at == FramesAt::kTurns) return turns;
+  return turns - static_cast<double>(std::ranges::count(recipe.turning_points, lowest_of(recipe)));
+}
+
 double level_frames_of(const Recipe& recipe) {
-  const double more = recipe.frames_per_level - 1.0;
-  return levels_of(recipe) +
-         more * (recipe.held_at_turns ? static_cast<double>(recipe.turning_points.size()) : levels_of(recipe));
+  return levels_of(recipe) + (recipe.frames_per_level - 1.0) * held_levels_of(recipe);
 }
 
 double forces_of(const Recipe& recipe) { return 2.0 * static_cast<double>(recipe.press.forces_n.size()) - 1.0; }
@@ -64,6 +69,12 @@ void refuse_steps(const TomlTable& root, const Recipe& recipe, double steps) {
 }
 
 }  // namespace
+
+double levels_on_the_way(const Recipe& recipe, devices::Psi from, devices::Psi to) {
+  return recipe.frames_at == FramesAt::kHolds ? 1.0 : std::round(std::abs((to - from) / recipe.step));
+}
+
+devices::Psi lowest_of(const Recipe& recipe) { return std::ranges::min(recipe.turning_points); }
 
 double step_count(const Recipe& recipe) {
   const double prompt = recipe.prompt_before.empty() ? 0.0 : 1.0;

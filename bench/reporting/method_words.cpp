@@ -77,7 +77,10 @@ std::string sequence_words(const sequences::Recipe& recipe) {
                          : fmt::format("; on a ramp of {}{}, frames as it passes the levels", ramps_of(recipe), each);
   if (recipe.frames_per_level > 1)
     words += fmt::format("; {} frames {}, {:g} s apart", recipe.frames_per_level,
-                         recipe.held_at_turns ? "at each turning point" : "a level", recipe.frame_interval_s);
+                         recipe.frames_at == sequences::FramesAt::kLevels  ? "a level"
+                         : recipe.frames_at == sequences::FramesAt::kTurns ? "at each turning point"
+                                                                           : "at each held level",
+                         recipe.frame_interval_s);
   return fmt::format("{}; {}{}", words, conditioning_of(recipe), warm_up_of(recipe));
 }
 

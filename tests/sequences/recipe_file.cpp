@@ -165,3 +165,31 @@ TEST_CASE("a file that names recipes gives these in their order, each with what 
   write("more", "recipes = [\"a\"]\nstep = 2\n");
   for (const char* name : {"none", "nested", "more"}) CHECK_THROWS_AS(read(name), FileError);
 }
+
+TEST_CASE("a file that names a recipe several times sets its parameters, and the text that is kept has them") {
+  const tactbench::tests::TemporaryFolder folder;
+  const auto find = [&](const std::string& name) { return folder.path(name); };
+  const auto write = [&](const std::string& name, const std::string& rest) {
+    tactbench::tests::write_file(folder.path(name), "schema = 1\nname = \"" + name + "\"\n" + rest);
+  };
+  write("a",
+        "unit = \"psi\"\nturning_points = [0, 4, 0]\nstep = \"$step\"\nrepeats = \"$repeats\"\n"
+        "[parameters.step]\ndefault = 2\nlow = 1\nhigh = 4\n[parameters.repeats]\ndefault = 1\nlow = 1\nhigh = 9\n");
+  write("set", "recipes = [\"a\", \"a step=4 repeats=3\", \"a repeats=2\"]\n");
+  const RecipeFile set = read_recipe_file(folder.path("set"), {}, find);
+  REQUIRE(set.recipes.size() == 3);
+  const double steps[] = {2, 4, 2};
+  const int repeats[] = {1, 3, 2};
+  for (std::size_t i = 0; i < 3; ++i) {
+    CHECK((set.recipes[i].step.value() == steps[i] && set.recipes[i].repeats == repeats[i]));
+    // What a run stores is enough to go on from.
+    const Recipe again = parse_recipe(TomlDocument::from_text(set.recipes[i].text, "stored"));
+    CHECK((again.step.value() == steps[i] && again.repeats == repeats[i]));
+  }
+  CHECK(read_recipe_file(folder.path("set"), {{"repeats", "7"}}, find).recipes[1].repeats == 7);
+  for (const char* entry : {"a step", "a size=2", "a step=9", "a step=x"}) {
+    write("wrong", std::string("recipes = [\"") + entry + "\"]\n");
+    INFO(entry);
+    CHECK_THROWS_AS(read_recipe_file(folder.path("wrong"), {}, find), FileError);
+  }
+}

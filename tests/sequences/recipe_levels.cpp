@@ -198,6 +198,34 @@ TEST_CASE("the way back conditions and travels to where the branch starts, witho
   }
 }
 
+TEST_CASE("drawn presses: one height in each of as many equal parts of the range, in an order that is drawn") {
+  std::string orders;
+  for (int seed = 1; seed <= 20; ++seed) {
+    const std::vector<Psi> points =
+        recipe_of(
+            fmt::format("step = 2\n[random]\nkind = \"press\"\nseed = {}\nreversals = 3\nlow = 2\nhigh = 60\n", seed))
+            .turning_points;
+    std::vector<double> heights;
+    for (const std::size_t at : {1U, 3U, 5U}) heights.push_back(points[at].value());
+    orders += heights[0] < heights[1] ? "<" : ">";
+    std::ranges::sort(heights);
+    CHECK((heights[0] >= 2 && heights[0] <= 20 && heights[1] > 20 && heights[1] <= 40 && heights[2] > 40));
+  }
+  CHECK((orders.find('<') != std::string::npos && orders.find('>') != std::string::npos));
+}
+
+TEST_CASE("frames at holds: none between the turning points, all of a level above the lowest, one at the lowest") {
+  const Recipe recipe = recipe_of(
+      "turning_points = [0, 30, 0, 10, 4, 0]\nstep = 2\nframes_per_level = 3\nframe_interval_s = 2\nframes_at = "
+      "\"holds\"\n");
+  const auto steps = compile(recipe, 0);
+  std::vector<double> levels;
+  for (const Step& step : steps) levels.push_back(step.setpoint.value());
+  CHECK(levels == std::vector<double>{0, 30, 30, 30, 0, 10, 10, 10, 4, 4, 4, 0});
+  CHECK(static_cast<double>(steps.size()) == step_count(recipe));
+  CHECK((steps[3].hold && steps[3].dwell_s == 2.0 && !steps[1].hold && !steps[4].hold));
+}
+
 TEST_CASE("the way back settles at every level, also in a recipe whose ramps do not stop") {
   const Recipe ramps = recipe_of("turning_points = [0, 4, 2, 4]\nstep = 2\nsettle = \"none\"\nramp_psi_per_s = 0.5\n");
   const auto back = way_back(ramps, 0, 0, 2);
