@@ -67,21 +67,31 @@ bool counts_for(const Limits::Mpe& mpe, const LevelErrors& level) {
   return level.pressure_psi >= mpe.low_psi - kTypedLevelPsi && level.pressure_psi <= mpe.high_psi + kTypedLevelPsi;
 }
 
-// U of a reading; NaN where no budget of the branch knows the taxel.
-double expanded_at(const Uncertainty& readings, double pressure_psi, bool up, std::size_t taxel) {
-  double below = kNan, above = kNan, low = -std::numeric_limits<double>::infinity(), high = -low;
-  for (const LevelUncertainty& level : readings.levels) {
-    if (level.up != up || std::isnan(level.expanded_psi[taxel])) continue;
-    if (level.pressure_psi <= pressure_psi + kSameLevelPsi && level.pressure_psi > low) {
-      low = level.pressure_psi;
-      below = level.expanded_psi[taxel];
-    }
-    if (level.pressure_psi >= pressure_psi - kSameLevelPsi && level.pressure_psi < high) {
-      high = level.pressure_psi;
-      above = level.expanded_psi[taxel];
-    }
+// Of the conditions that rest on the judged run those that U is valid for.
+std::vector<const ConditionUncertainty*> valid_for(std::int64_t run, const Uncertainty* readings) {
+  std::vector<const ConditionUncertainty*> valid;
+  if (readings == nullptr) return valid;
+  for (const ConditionUncertainty& each : readings->conditions)
+    if (each.valid() && std::ranges::find(each.runs, run) != each.runs.end()) valid.push_back(&each);
+  return valid;
+}
+
+std::string why_not_known(std::int64_t run, const Uncertainty* readings) {
+  if (readings != nullptr)
+    for (const ConditionUncertainty& each : readings->conditions)
+      if (std::ranges::find(each.runs, run) != each.runs.end())
+        return fmt::format("U of a reading is not valid for {}: {}", each.name, each.not_valid);
+  return fmt::format("run {} has no history that tells U of a reading", run);
+}
+
+// The largest |known error| + U over the kinds; NaN where none says anything.
+double most_at(std::span<const ConditionUncertainty* const> kinds, const LevelErrors& level, std::size_t taxel) {
+  double most = kNan;
+  for (const ConditionUncertainty* kind : kinds) {
+    const auto [known, expanded] = reading_uncertainty(*kind, taxel, level.pressure_psi, level.up);
+    most = std::fmax(most, std::abs(known) + expanded);
   }
-  return std::fmax(below, above);
+  return most;
 }
 
 // Smallest value that at least `share` of the values are at most.
@@ -102,20 +112,19 @@ std::vector<MpeFigure> mpe_figures(const Dataset& judged, const SensorModel& fit
   if (limits.empty()) return figures;
   check_same_sensor(judged, fit);
   const std::vector<LevelErrors> levels = level_errors(judged, fit, threads);
+  const std::vector<const ConditionUncertainty*> kinds = valid_for(judged.run, readings);
   for (const Limits::Mpe& mpe : limits) {
-    MpeFigure figure{scope_of(mpe), kNan, kNan, 0};
+    MpeFigure figure{scope_of(mpe), kNan, kNan, 0, {}, {}};
     std::vector<double> errors, with_u;
     for (const std::size_t taxel : fit.fitted()) {
       double error = kNan, most = kNan;
-      bool known = readings != nullptr;
+      bool known = !kinds.empty();
       for (const LevelErrors& level : levels) {
         if (!counts_for(mpe, level)) continue;
-        const double own = std::abs(level.sum_psi[taxel] / level.frames);
+        const double own = std::abs(level.sum_psi[taxel] / level.frames), limit = most_at(kinds, level, taxel);
         error = std::fmax(error, own);
-        if (!known) continue;
-        const double expanded = expanded_at(*readings, level.pressure_psi, level.up, taxel);
-        known = !std::isnan(expanded) && readings->reference.holds_at(level.pressure_psi);
-        most = std::fmax(most, own + expanded);
+        known = known && !std::isnan(limit);
+        most = std::fmax(most, std::fmax(own, limit));
       }
       if (!std::isnan(error)) errors.push_back(error);
       with_u.push_back(known ? most : std::numeric_limits<double>::infinity());
@@ -124,23 +133,27 @@ std::vector<MpeFigure> mpe_figures(const Dataset& judged, const SensorModel& fit
         std::ranges::count_if(levels, [&](const LevelErrors& level) { return counts_for(mpe, level); }));
     figure.value_psi = quantile_over_taxels(std::move(errors), mpe.share);
     const double guarded = quantile_over_taxels(std::move(with_u), mpe.share);
-    if (std::isfinite(guarded)) figure.expanded_psi = guarded - figure.value_psi;
+    for (const ConditionUncertainty* kind : kinds) figure.kinds += (figure.kinds.empty() ? "" : "; ") + kind->name;
+    if (std::isfinite(guarded))
+      figure.expanded_psi = guarded - figure.value_psi;
+    else
+      figure.not_known = kinds.empty() ? why_not_known(judged.run, readings)
+                                       : "no valid kind of history says anything of a level of the span";
     figures.push_back(std::move(figure));
   }
   return figures;
 }
 
-std::vector<Figure> judged_mpe(std::span<const MpeFigure> figures, const std::string& missing) {
+std::vector<Figure> judged_mpe(std::span<const MpeFigure> figures) {
   std::vector<Figure> all;
   for (const MpeFigure& figure : figures) {
     Figure& out = all.emplace_back(Figure{Criterion::kMpe, figure.scope, figure.value_psi, {}});
-    out.u = {figure.expanded_psi, 0.5 * figure.expanded_psi, kInfiniteDof, 2.0, {}, {}};
+    out.u = {figure.expanded_psi, 0.5 * figure.expanded_psi, kInfiniteDof, 2.0, {}, figure.not_known};
     if (!std::isnan(figure.expanded_psi))
-      out.u.basis =
-          "U of one taxel's reading at its level and branch (section Uncertainty), added to |error| before the share "
-          "of taxels is taken; the value is the |error| that this share of the taxels does not exceed";
-    else
-      out.u.missing = missing.empty() ? "no budget of a reading at the levels judged" : missing;
+      out.u.basis = fmt::format(
+          "known |error| + U of one taxel's reading at its level and direction, the largest over {}, before the share "
+          "of taxels is taken; the value is the mean |error| that this share of the taxels does not exceed",
+          figure.kinds);
   }
   return all;
 }

@@ -1,5 +1,6 @@
 // The reading of a taxel against a maximum permissible error (MPE): at each level of a span, going up and going down,
-// the mean error of the judged run's frames there, and U of one reading from the uncertainty budgets.
+// the mean error of the judged run's frames there, and |known error| + U of one reading, the largest over the kinds of
+// history that the run went through and U is valid for.
 #pragma once
 
 #include <span>
@@ -20,18 +21,20 @@ namespace tactbench::analysis {
 struct MpeFigure {
   Scope scope;
   double value_psi = 0.0;     // NaN: no level of the span was measured
-  double expanded_psi = 0.0;  // NaN: without budgets
+  double expanded_psi = 0.0;  // NaN: not known
   int levels = 0;             // measured within the span
+  std::string kinds;          // of history whose U counts, in words: "full sweeps; held pressures (up to 20 s)"
+  std::string not_known;      // why expanded_psi is not
 };
 
 Scope scope_of(const Limits::Mpe& mpe);
 
-// `readings`: the budgets of the models' run, of the same taxels; null: U is not known. At a level without budgets the
-// nearest ones of its branch count, the larger of two. Throws as evaluate().
+// `readings`: U of the sensor's readings, those of its conditions that rest on the judged run count; null: not known. U
+// is not known where none is valid, or none says anything of a level of the span. Throws as evaluate().
 std::vector<MpeFigure> mpe_figures(const Dataset& judged, const SensorModel& fit, const Uncertainty* readings,
                                    std::span<const Limits::Mpe> limits, int threads = 0);
 
-// As judge() asks for them. `missing`: why no U is known; empty: it may be.
-std::vector<Figure> judged_mpe(std::span<const MpeFigure> figures, const std::string& missing = {});
+// As judge() asks for them.
+std::vector<Figure> judged_mpe(std::span<const MpeFigure> figures);
 
 }  // namespace tactbench::analysis

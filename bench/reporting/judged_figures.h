@@ -11,7 +11,7 @@
 namespace tactbench::bench {
 
 // Of `evaluation`, with the models of `fit`; `reference` is that of its run. One of each [[mpe]] of the limits. U of a
-// reading is that of the models' run without further runs (studies).
+// reading is counted on the judged run alone, so that stored verdicts do not depend on a report's further runs.
 std::vector<analysis::Figure> judged_figures(analysis::Runs& runs, const analysis::SensorModel& fit,
                                              const analysis::Evaluation& evaluation, const analysis::Limits& limits,
                                              const analysis::ReferenceUncertainty& reference);

@@ -68,31 +68,23 @@ analysis::TemperatureEffect temperature_of(analysis::Runs& runs, const analysis:
   return effect;
 }
 
-constexpr double kLikeDwell = 3.0;  // dwell times within this factor are like that of the calibration
+// A held-out run is evidence for the one state that sets it apart from the calibration. A run of another day may be
+// warmer, too: that is what another day brings. One that was mounted anew in another state is evidence for neither.
+void add_history_run(const db::RunRecord& calibration_record, const db::RunRecord& record,
+                     const analysis::Dataset& calibration, const analysis::Dataset& run, analysis::HistoryRuns& out) {
+  const bool warm = temperature_differs(calibration_record, record, calibration, run);
+  const StateChange change = state_change(calibration_record, record);
+  if (change.unknown) return;
+  if (change.later && !change.mounted) out.later.push_back(&run);
+  if (change.mounted && !change.later && !warm) out.mounted.push_back(&run);
+  if (!change.any()) (warm ? out.warm : out.same).push_back(&run);
+}
 
-// A held-out run is evidence for the one condition that sets it apart from the calibration. A run of another day may be
-// warmer, too: that is what another day brings. One that was mounted anew or went at another dwell in another state is
-// evidence for neither.
 analysis::HistoryRuns history_runs_of(analysis::Runs& runs, const analysis::ReportInput& input,
                                       const std::vector<std::int64_t>& plain, const std::vector<std::string>& studies) {
-  analysis::HistoryRuns out;
-  const analysis::Dataset& calibration = runs.dataset(input.run.run);
-  const double usual = analysis::median_dwell_s(calibration);
-  for (const analysis::HeldOut& held_out : input.held_out) {
-    const std::int64_t number = held_out.run.run;
-    if (number == input.run.run || !runs.press_runs(number).empty()) continue;
-    const analysis::Dataset& run = runs.dataset(number);
-    const double dwell = analysis::median_dwell_s(run);
-    const bool like = !(dwell > 0.0 && usual > 0.0) || std::abs(std::log(dwell / usual)) <= std::log(kLikeDwell);
-    const bool warm = temperature_differs(input.run, held_out.run, calibration, run);
-    const StateChange change = state_change(input.run, held_out.run);
-    if (change.unknown) continue;
-    if (change.later && !change.mounted && like) out.later.push_back(&run);
-    if (change.mounted && !change.later && like && !warm) out.mounted.push_back(&run);
-    if (change.any()) continue;
-    if (!like && !warm) out.dwelt.push_back(&run);
-    if (like) (warm ? out.warm : out.same).push_back(&run);
-  }
+  std::vector<std::int64_t> held_out;
+  for (const analysis::HeldOut& each : input.held_out) held_out.push_back(each.run.run);
+  analysis::HistoryRuns out = held_out_histories(runs, input.run.run, held_out);
   for (const StudyRun& study : study_runs_of(studies))
     if (study.role == "mount") out.mounted.push_back(&runs.dataset(study.run));
   for (const std::int64_t run : plain)
@@ -102,6 +94,15 @@ analysis::HistoryRuns history_runs_of(analysis::Runs& runs, const analysis::Repo
 }
 
 }  // namespace
+
+analysis::HistoryRuns held_out_histories(analysis::Runs& runs, std::int64_t calibration,
+                                         const std::vector<std::int64_t>& held_out) {
+  analysis::HistoryRuns out;
+  for (const std::int64_t run : held_out)
+    if (run != calibration && runs.press_runs(run).empty())
+      add_history_run(runs.record(calibration), runs.record(run), runs.dataset(calibration), runs.dataset(run), out);
+  return out;
+}
 
 void add_mounts(const analysis::Remount& found, analysis::UncertaintyInputs& inputs) {
   if (!found.assessed()) return;

@@ -17,6 +17,10 @@ analysis::UncertaintyInputs budget_inputs(analysis::Runs& runs, const analysis::
                                           const std::vector<std::int64_t>& further,
                                           const std::vector<std::string>& studies);
 
+// Held-out runs by the state that sets them apart from the calibration; runs under an indenter left out.
+analysis::HistoryRuns held_out_histories(analysis::Runs& runs, std::int64_t calibration,
+                                         const std::vector<std::int64_t>& held_out);
+
 // Rows of re-mounting, common and own: the sensor is calibrated in one mount and used in another, so that a reading
 // errs by the difference of two mounts, sqrt(2) times what one mount varies by. Nothing where mounts were not assessed.
 void add_mounts(const analysis::Remount& found, analysis::UncertaintyInputs& inputs);

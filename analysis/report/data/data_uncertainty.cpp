@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "analysis/report/data/data.h"
 #include "analysis/report/data/judged_runs.h"
@@ -67,26 +68,23 @@ UncertaintyJson level_uncertainty_json(const LevelUncertainty& level, bool whole
                                             : UncertaintyJson()}}}};
 }
 
+// Lists of levels x taxels: the levels in the order of `pressure_psi`.
 UncertaintyJson condition_json(const ConditionUncertainty& condition) {
-  UncertaintyJson out = {{"condition", name_of(condition.condition)}, {"valid", condition.valid()}};
+  UncertaintyJson out = {{"name", condition.name},           {"valid", condition.valid()},
+                         {"rests_on", condition.basis},      {"runs", condition.runs},
+                         {"histories", condition.histories}, {"readings", condition.readings}};
   if (!condition.valid()) {
     out["not_valid_because"] = condition.not_valid;
     return out;
   }
-  out["rests_on"] = condition.basis;
+  UncertaintyJson branches = UncertaintyJson::array();
+  for (const bool up : condition.up) branches.push_back(up ? "up" : "down");
+  out["factor"] = condition.factor;
   out["median_expanded_psi"] = condition.median_psi;
-  out["scale"] = condition.scale;
-  UncertaintyJson levels = UncertaintyJson::array();
-  const std::size_t width = condition.expanded_psi.size() / std::max<std::size_t>(1, condition.pressure_psi.size());
-  for (std::size_t i = 0; i < condition.pressure_psi.size(); ++i) {
-    const auto from = static_cast<std::ptrdiff_t>(i * width), end = static_cast<std::ptrdiff_t>((i + 1) * width);
-    const std::vector<double> expanded(condition.expanded_psi.begin() + from, condition.expanded_psi.begin() + end);
-    levels.push_back({{"pressure_psi", condition.pressure_psi[i]},
-                      {"branch", condition.up[i] ? "up" : "down"},
-                      {"median_expanded_psi", median_of(expanded)},
-                      {"worst_expanded_psi", spread_of(expanded).high}});
-  }
-  out["levels"] = std::move(levels);
+  out["pressure_psi"] = number_list(condition.pressure_psi, 4);
+  out["branch"] = std::move(branches);
+  out["taxel_expanded_psi"] = number_list(condition.expanded_psi, 3);
+  out["taxel_error_psi"] = number_list(condition.error_psi, 3);
   return out;
 }
 
@@ -132,6 +130,8 @@ UncertaintyJson reading_json(const Uncertainty& uncertainty) {
                          {"chosen", uncertainty.chosen}};
   if (uncertainty.creep.assessed()) out["creep"] = creep_effect_json(uncertainty.creep);
   if (uncertainty.temperature.assessed()) out["temperature"] = temperature_effect_json(uncertainty.temperature);
+  if (const std::optional<UseCondition> worst = uncertainty.worst())
+    out["worst_kind"] = uncertainty.condition(*worst).name;
   out["conditions"] = UncertaintyJson::array();
   for (const ConditionUncertainty& condition : uncertainty.conditions)
     out["conditions"].push_back(condition_json(condition));

@@ -17,7 +17,7 @@ namespace {
 bool has_conditions(const ReportInput& input) { return input.uncertainty && !input.uncertainty->conditions.empty(); }
 
 Markup condition_row(const ConditionUncertainty& condition, PressureUnit unit) {
-  Markup out = markup("<tr><th scope=\"row\">{}</th>", Text(name_of(condition.condition)));
+  Markup out = markup("<tr><th scope=\"row\">{}</th>", Text(condition.name));
   if (!condition.valid()) {
     out += markup("<td colspan=\"3\">not valid for this: {}</td></tr>\n", Text(unit.both_in_text(condition.not_valid)));
     return out;
@@ -35,7 +35,7 @@ std::string names_of(const Uncertainty& uncertainty, bool valid) {
   for (const ConditionUncertainty& condition : uncertainty.conditions) {
     if (condition.valid() != valid) continue;
     names += names.empty() ? "" : "; ";
-    names += name_of(condition.condition);
+    names += condition.name;
   }
   return names;
 }

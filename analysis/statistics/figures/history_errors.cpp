@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "analysis/statistics/figures/levels.h"
@@ -11,10 +12,6 @@
 
 namespace tactbench::analysis {
 namespace {
-
-bool is_asked(BranchesOf which, const StepKind& kind) {
-  return which == BranchesOf::kAll || kind.full == (which == BranchesOf::kFullSweeps);
-}
 
 // First and last but one of the levels within the window of a set-point.
 std::pair<std::size_t, std::size_t> levels_about(const std::vector<double>& grid, double setpoint_psi) {
@@ -28,45 +25,37 @@ class WindowSums {
   WindowSums(const SensorModel& fit, const LevelCorrections& corrections)
       : fit_(fit), corrections_(corrections), width_(fit.array().size()) {
     for (const bool up : {true, false})
-      for (const double pressure : fit.pressure_psi) {
-        windows_.push_back({pressure, up, 0.0, 0.0, {}, {}, 0.0});
-        windows_.back().mean_psi.assign(width_, 0.0);
-        windows_.back().square_psi.assign(width_, 0.0);
-      }
+      for (const double pressure : fit.pressure_psi)
+        windows_.push_back({pressure, up, 0.0, 0.0, std::vector<double>(width_, 0.0), 0.0});
   }
 
-  void add(const FrameErrors& run) {
-    std::set<std::pair<std::size_t, std::pair<std::size_t, int>>> ways;  // window, sequence, branch
+  void add(const FrameHistory& history) {
+    std::set<std::tuple<std::size_t, std::size_t, int>> ways;  // window, sequence, branch
     std::vector<double> errors(width_);
-    for (std::size_t i = 0; i < run.frames.size(); ++i) {
-      const FrameErrors::Frame& frame = run.frames[i];
+    for (const std::size_t i : history.frames) {
+      const FrameErrors::Frame& frame = history.run->frames[i];
       const auto [first, end] = levels_about(fit_.pressure_psi, frame.setpoint_psi);
       for (std::size_t taxel = 0; taxel < width_; ++taxel)
-        errors[taxel] =
-            run.error_psi[i * width_ + taxel] - correction_at(corrections_, fit_, taxel, frame.setpoint_psi, frame.up);
+        errors[taxel] = history.run->error_psi[i * width_ + taxel] -
+                        correction_at(corrections_, fit_, taxel, frame.setpoint_psi, frame.up);
       const double common = mean_of(finite_of(errors));
       for (std::size_t level = first; level < end; ++level) {
         const std::size_t at = level + (frame.up ? 0 : fit_.pressure_psi.size());
         WindowErrors& window = windows_[at];
-        ways.insert({at, {frame.sequence, frame.branch}});
+        ways.insert({at, frame.sequence, frame.branch});
         window.frames += 1.0;
         window.common_square_psi += common * common;
-        for (std::size_t taxel = 0; taxel < width_; ++taxel) {
-          window.mean_psi[taxel] += errors[taxel];
-          window.square_psi[taxel] += errors[taxel] * errors[taxel];
-        }
+        for (std::size_t taxel = 0; taxel < width_; ++taxel) window.square_psi[taxel] += errors[taxel] * errors[taxel];
       }
     }
-    for (const auto& way : ways) windows_[way.first].branches += 1.0;
+    for (const auto& way : ways) windows_[std::get<0>(way)].branches += 1.0;
   }
 
   std::vector<WindowErrors> take() {
     for (WindowErrors& window : windows_) {
-      for (std::size_t taxel = 0; taxel < width_; ++taxel) {
-        const bool any = window.frames > 0.0 && fit_.taxels[taxel].fitted();
-        window.mean_psi[taxel] = any ? window.mean_psi[taxel] / window.frames : kNan;
-        window.square_psi[taxel] = any ? window.square_psi[taxel] / window.frames : kNan;
-      }
+      for (std::size_t taxel = 0; taxel < width_; ++taxel)
+        window.square_psi[taxel] =
+            window.frames > 0.0 && fit_.taxels[taxel].fitted() ? window.square_psi[taxel] / window.frames : kNan;
       window.common_square_psi = window.frames > 0.0 ? window.common_square_psi / window.frames : kNan;
     }
     return std::move(windows_);
@@ -81,7 +70,7 @@ class WindowSums {
 
 }  // namespace
 
-bool HistoryErrors::any_way() const {
+bool any_way(std::span<const WindowErrors> windows) {
   return std::ranges::any_of(windows, [](const WindowErrors& window) { return window.branches > 0.0; });
 }
 
@@ -100,56 +89,39 @@ double correction_at(const LevelCorrections& corrections, const SensorModel& fit
   return std::lerp(value(above - 1), value(above), share);
 }
 
-FrameErrors frame_errors(const Dataset& run, const SensorModel& fit, BranchesOf which, int threads,
-                         std::span<const std::string> left_out) {
+FrameErrors frame_errors(const Dataset& run, const SensorModel& fit, int threads) {
   const std::size_t width = fit.array().size();
   FrameErrors out;
   out.run = run.run;
-  std::vector<std::vector<std::vector<int>>> counted;  // sequence, repeat, step: index of `frames`, or -1
+  std::vector<std::vector<std::size_t>> first;  // sequence, repeat: place of its first frame
   for (std::size_t s = 0; s < run.sequences.size(); ++s) {
     const SequenceData& sequence = run.sequences[s];
     const std::vector<StepKind> kinds = step_kinds(sequence, fit.pressure_psi.front(), fit.pressure_psi.back());
-    const bool counts = std::ranges::find(left_out, sequence.name) == left_out.end();
-    counted.emplace_back();
-    for (const Repeat& repeat : sequence.repeats) {
-      counted.back().emplace_back(repeat.steps.size(), -1);
-      for (std::size_t i = 0; i < repeat.steps.size(); ++i) {
-        const Sample& sample = repeat.steps[i];
-        out.held_s.push_back(sample.held_s);
-        const auto [first, end] = levels_about(fit.pressure_psi, sample.setpoint_psi);
-        if (!counts || !is_asked(which, kinds[i]) || first == end) continue;
-        counted.back().back()[i] = static_cast<int>(out.frames.size());
-        out.frames.push_back({sample.setpoint_psi, sample.reference_psi, kinds[i].up, s, kinds[i].branch});
-      }
+    first.emplace_back();
+    for (std::size_t r = 0; r < sequence.repeats.size(); ++r) {
+      first.back().push_back(out.frames.size());
+      const std::vector<Sample>& steps = sequence.repeats[r].steps;
+      for (std::size_t i = 0; i < steps.size(); ++i)
+        out.frames.push_back(
+            {steps[i].setpoint_psi, steps[i].reference_psi, kinds[i].full, kinds[i].up, s, r, i, kinds[i].branch});
     }
   }
   out.error_psi.assign(out.frames.size() * width, kNan);
   compensate_in_order(run, fit, threads, [&](std::size_t taxel) {
     return [&, taxel](std::size_t s, std::size_t r, std::size_t i, const Compensated& now) {
-      if (counted[s][r][i] < 0) return;
-      const auto at = static_cast<std::size_t>(counted[s][r][i]);
+      const std::size_t at = first[s][r] + i;
       out.error_psi[at * width + taxel] = now.pressure_psi - out.frames[at].reference_psi;
     };
   });
   return out;
 }
 
-HistoryErrors pooled_errors(std::span<const FrameErrors> runs, const SensorModel& fit,
-                            const LevelCorrections& corrections, std::optional<std::size_t> all_but) {
-  HistoryErrors errors;
+std::vector<WindowErrors> pooled_errors(std::span<const FrameHistory> histories, const SensorModel& fit,
+                                        const LevelCorrections& corrections, std::optional<std::size_t> all_but) {
   WindowSums sums(fit, corrections);
-  std::vector<double> held;
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    if (i == all_but) continue;
-    errors.runs.push_back(runs[i].run);
-    sums.add(runs[i]);
-    held.insert(held.end(), runs[i].held_s.begin(), runs[i].held_s.end());
-  }
-  errors.windows = sums.take();
-  if (held.empty()) return errors;
-  errors.dwell_low_s = quantile_of(held, 0.05);
-  errors.dwell_high_s = quantile_of(held, 0.95);
-  return errors;
+  for (std::size_t i = 0; i < histories.size(); ++i)
+    if (i != all_but) sums.add(histories[i]);
+  return sums.take();
 }
 
 }  // namespace tactbench::analysis

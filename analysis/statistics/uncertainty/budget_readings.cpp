@@ -1,6 +1,7 @@
 // The part of a budget that readings tell: of full sweeps, of inner branches, of other dwell times, of further runs.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "analysis/statistics/figures/levels.h"
 #include "analysis/statistics/uncertainty/budget_maker.h"
@@ -61,13 +62,6 @@ double known_square(const Budget& budget) {
   return known;
 }
 
-// All sequences of the run are the calibration's: it goes the same ways again.
-bool repeats_sequences(const Dataset& run, const Dataset& calibration) {
-  return std::ranges::all_of(run.sequences, [&](const SequenceData& sequence) {
-    return std::ranges::find(calibration.sequences, sequence.name, &SequenceData::name) != calibration.sequences.end();
-  });
-}
-
 }  // namespace
 
 double BudgetMaker::mean_error(std::size_t level, std::size_t taxel) const {
@@ -78,62 +72,19 @@ void BudgetMaker::find_histories(const Dataset& dataset, int threads) {
   const std::size_t width = fit_.array().size();
   for (std::size_t level = 0; level < errors_.levels.size(); ++level)
     for (std::size_t taxel = 0; taxel < width; ++taxel)
-      histories_.corrections.push_back(mean_error(level, taxel));  // NaN without readings
-  std::vector<std::string> fitted_names;
-  for (const SequenceData& sequence : dataset.sequences) fitted_names.push_back(sequence.name);
-  std::vector<const Dataset*> repeated, other;
-  for (const Dataset* run : inputs_.history.same) (repeats_sequences(*run, dataset) ? repeated : other).push_back(run);
-  const FrameErrors own = frame_errors(dataset, fit_, BranchesOf::kInnerBranches, threads);
-  histories_.fitted = pooled_errors({&own, 1}, fit_, histories_.corrections);
-  const auto keep = [&](UseCondition condition, const std::vector<const Dataset*>& runs, BranchesOf which,
-                        std::span<const std::string> left_out = {}) {
-    Evidence& evidence = histories_.made_in[static_cast<std::size_t>(condition)];
-    for (const Dataset* run : runs) {
-      FrameErrors errors = frame_errors(*run, fit_, which, threads, left_out);
-      if (!errors.frames.empty()) evidence.runs.push_back(std::move(errors));
-    }
-    evidence.pooled = pooled_errors(evidence.runs, fit_, histories_.corrections);
-  };
-  keep(UseCondition::kFullSweeps, repeated, BranchesOf::kFullSweeps);
-  keep(UseCondition::kFittedBranches, repeated, BranchesOf::kInnerBranches);
-  keep(UseCondition::kAnyHistory, other, BranchesOf::kInnerBranches, fitted_names);
-  std::vector<const Dataset*> held, dwelt;
-  for (const Dataset* run : inputs_.history.dwelt) (median_dwell_s(*run) >= kHeldS ? held : dwelt).push_back(run);
-  keep(UseCondition::kOtherDwell, dwelt, BranchesOf::kInnerBranches, fitted_names);
-  keep(UseCondition::kHeld, held, BranchesOf::kInnerBranches, fitted_names);
-  keep(UseCondition::kOtherTemperature, inputs_.history.warm, BranchesOf::kInnerBranches, fitted_names);
-  keep(UseCondition::kRemounted, inputs_.history.mounted, BranchesOf::kInnerBranches, fitted_names);
-  keep(UseCondition::kLater, inputs_.history.later, BranchesOf::kInnerBranches, fitted_names);
-  histories_.dwell = dwell_effect_of(dataset, inputs_.history.paced, fit_, threads);
-}
-
-// What one run shows between its own sweeps is not all that another run differs by. Few sweeps of held-out runs tell
-// little of one taxel, and much of all together: a ratio is pooled over the taxels (H.3.6).
-void BudgetMaker::find_excess() {
-  const HistoryErrors& repeated = made_in(UseCondition::kFullSweeps).pooled;
-  if (!repeated.known()) return;
-  const std::vector<std::size_t> fitted = fit_.fitted();
-  std::vector<Excess> found(errors_.levels.size());
-  for (std::size_t level = 0; level < found.size(); ++level) {
-    const WindowErrors& window = repeated.windows[level];
-    if (!(window.branches > 0.0) || errors_.levels[level].readings == 0) continue;
-    std::vector<double> ratios, squares;
-    for (const std::size_t taxel : fitted) {
-      ratios.push_back(window.square_psi[taxel] / known_square(budget(taxel, level, UseCondition::kFullSweeps)));
-      squares.push_back(window.square_psi[taxel]);
-    }
-    const auto taxels = static_cast<double>(fitted.size());
-    const double common = std::min(1.0, window.common_square_psi / mean_of(squares));
-    const double own = (1.0 - common) / std::max(1.0, taxels - 1.0);
-    // The median: a few taxels with a flat curve would have the mean to themselves.
-    found[level] = {std::max(0.0, median_of(std::move(ratios)) - 1.0),
-                    window.branches / (common * common + (1.0 - common) * own), common};
+      corrections_.push_back(mean_error(level, taxel));  // NaN without readings
+  counted_ = counted_errors(dataset, inputs_.history, fit_, threads);
+  std::vector<FrameHistory> reversals = counted_.in(UseCondition::kReversals).histories;
+  std::ranges::copy(counted_.in(UseCondition::kSmallReversals).histories, std::back_inserter(reversals));
+  reversals_ = pooled_errors(reversals, fit_, corrections_);
+  if (!any_way(reversals_)) {
+    const FrameErrors own = frame_errors(dataset, fit_, threads);
+    FrameHistory inner{&own, {}};
+    for (std::size_t i = 0; i < own.frames.size(); ++i)
+      if (!own.frames[i].full) inner.frames.push_back(i);
+    reversals_ = pooled_errors({&inner, 1}, fit_, corrections_);
   }
-  excess_ = std::move(found);
-}
-
-double BudgetMaker::excess_psi2(const Budget& budget, std::size_t level) const {
-  return excess_.empty() ? 0.0 : excess_[level].ratio * known_square(budget);
+  dwell_ = dwell_effect_of(dataset, inputs_.history.paced, fit_, threads);
 }
 
 // The scatter of the array's mean against the taxels' own: of a reading's variance what all taxels have in common.
@@ -168,38 +119,11 @@ void BudgetMaker::add_readings(Budget& budget, std::size_t taxel, std::size_t le
   add(budget, UncertaintySource::kModel, combined_uncertainty(mean), 1.0, 1.0, effective_dof(mean), common);
 }
 
-const Evidence& BudgetMaker::made_in(UseCondition condition) const {
-  return histories_.made_in[static_cast<std::size_t>(condition)];
-}
-
-// One run tells what it erred by, and not whether the next one does: two are needed, from which each checks the other.
-bool BudgetMaker::told_by_runs(UseCondition condition) const {
-  const Evidence& evidence = made_in(condition);
-  return evidence.pooled.any_way() && evidence.runs.size() >= 2;
-}
-
-const HistoryErrors* BudgetMaker::history_of(UseCondition condition) const {
-  const auto any = [](const HistoryErrors& history) { return history.any_way() ? &history : nullptr; };
-  if (condition == UseCondition::kFullSweeps) return nullptr;
-  if (condition == UseCondition::kFittedBranches) return any(histories_.fitted);
-  if (condition != UseCondition::kStated && told_by_runs(condition)) return &made_in(condition).pooled;
-  if (condition != UseCondition::kStated && condition != UseCondition::kRemounted) return nullptr;
-  const HistoryErrors* history = any(made_in(UseCondition::kAnyHistory).pooled);
-  return history == nullptr && condition == UseCondition::kStated ? any(histories_.fitted) : history;
-}
-
 // What the readings of the history err by beyond what the rows above say of them (4.3.10). A window without a way
 // through it takes that of the nearest level of its direction.
-void BudgetMaker::add_history(Budget& budget, std::size_t taxel, std::size_t level, UseCondition condition,
-                              const HistoryErrors* history) const {
-  const double excess = excess_psi2(budget, level);
-  if (history == nullptr) {
-    if (condition == UseCondition::kFullSweeps && !excess_.empty())
-      add(budget, UncertaintySource::kHistory, std::sqrt(excess), 1.0, 1.0, excess_[level].dof, excess_[level].common);
-    return;
-  }
+void BudgetMaker::add_history(Budget& budget, std::size_t taxel) const {
   const WindowErrors* own = nullptr;
-  for (const WindowErrors& window : history->windows) {
+  for (const WindowErrors& window : reversals_) {
     if (window.up != budget.up || !(window.branches > 0.0)) continue;
     const double off = std::abs(window.pressure_psi - budget.pressure_psi);
     if (own == nullptr || off < std::abs(own->pressure_psi - budget.pressure_psi)) own = &window;
@@ -207,35 +131,31 @@ void BudgetMaker::add_history(Budget& budget, std::size_t taxel, std::size_t lev
   if (own == nullptr) return;
   const double square = own->square_psi[taxel];
   const double common = square > 0.0 ? std::min(1.0, own->common_square_psi / square) : 0.0;
-  // The fitted branches are gone again and again, so that each frame repeats one of these; another run adds to their
-  // errors what it adds to those of sweeps.
-  const bool fitted = condition == UseCondition::kFittedBranches;
-  add(budget, UncertaintySource::kHistory,
-      std::sqrt(std::max(0.0, square - known_square(budget)) + (fitted ? excess : 0.0)), 1.0, 1.0,
-      fitted ? own->frames : own->branches, common);
+  add(budget, UncertaintySource::kHistory, std::sqrt(std::max(0.0, square - known_square(budget))), 1.0, 1.0,
+      own->branches, common);
 }
 
 void BudgetMaker::add_dwell(Budget& budget, std::size_t taxel, std::size_t level) const {
   if (!assessed(UncertaintySource::kDwell)) return;
-  const double square = histories_.dwell.square_psi[level * fit_.array().size() + taxel];
+  const double square = dwell_.square_psi[level * fit_.array().size() + taxel];
   const double noise = 2.0 * squared_u(budget, UncertaintySource::kNoise);
   add(budget, UncertaintySource::kDwell, std::sqrt(std::max(0.0, square - noise)), std::sqrt(3.0), 1.0, kInfiniteDof,
       1.0);
 }
 
-void BudgetMaker::add_given(Budget& budget, std::size_t level, UseCondition condition) const {
-  const auto add_it = [&](UncertaintySource source, const std::optional<GivenUncertainty>& given, double common,
-                          double counted_psi2 = 0.0) {
-    if (!given) return;
-    const double s = std::hypot(given->psi, given->share * budget.pressure_psi);
-    add(budget, source, std::sqrt(std::max(0.0, s * s - counted_psi2)), 1.0, 1.0, given->dof, common);
+void BudgetMaker::add_given(Budget& budget) const {
+  const auto add_it = [&](UncertaintySource source, const std::optional<GivenUncertainty>& given, double common) {
+    if (given) add(budget, source, given->u(budget.pressure_psi), 1.0, 1.0, given->dof, common);
   };
   add_it(UncertaintySource::kUniformity, inputs_.uniformity, 0.0);
-  if (condition != UseCondition::kStated && (condition != UseCondition::kRemounted || told_by_runs(condition))) return;
   add_it(UncertaintySource::kMounting, inputs_.mounting, 1.0);
-  // Mounts are runs, too: what held-out runs of one mount differ by is counted already (4.3.10).
-  add_it(UncertaintySource::kMountingOwn, inputs_.mounting_own, 0.0,
-         history_of(condition) == &made_in(UseCondition::kAnyHistory).pooled ? excess_psi2(budget, level) : 0.0);
+  add_it(UncertaintySource::kMountingOwn, inputs_.mounting_own, 0.0);
+}
+
+double BudgetMaker::hidden_psi(double pressure_psi) const {
+  if (!reference_.certificate_missing.empty() || !reference_.holds_at(pressure_psi)) return kNan;
+  return std::hypot(reference_.combined_u(pressure_psi),
+                    inputs_.uniformity ? inputs_.uniformity->u(pressure_psi) : 0.0);
 }
 
 }  // namespace tactbench::analysis

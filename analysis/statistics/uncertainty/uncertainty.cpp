@@ -63,10 +63,6 @@ const SourceText& text_of(UncertaintySource source) {
   return kTexts[static_cast<std::size_t>(source)];
 }
 
-bool is_of_reference(UncertaintySource source) {
-  return source <= UncertaintySource::kReferenceTemperature;  // they come first
-}
-
 namespace {
 
 void keep_median_and_worst(LevelUncertainty& level, const BudgetMaker& maker, std::size_t index,
@@ -129,35 +125,6 @@ ArrayUncertainty array_uncertainty(const std::vector<Budget>& budgets, int colum
   return out;
 }
 
-ConditionUncertainty under_condition(UseCondition condition, const BudgetMaker& maker, const SweepErrors& errors,
-                                     const SensorModel& fit, const ReferenceUncertainty& reference,
-                                     const std::vector<std::size_t>& fitted, int threads) {
-  ConditionUncertainty out;
-  out.condition = condition;
-  out.not_valid = maker.not_valid(condition);
-  if (!out.valid()) return out;
-  out.basis = maker.basis(condition);
-  out.scale = maker.scale_of(condition);
-  const std::size_t width = fit.array().size();
-  for (std::size_t i = 0; i < errors.levels.size(); ++i) {
-    if (errors.levels[i].readings == 0 || !reference.holds_at(errors.levels[i].pressure_psi)) continue;
-    out.pressure_psi.push_back(errors.levels[i].pressure_psi);
-    out.up.push_back(errors.levels[i].up);
-    const std::size_t row = out.expanded_psi.size();
-    out.expanded_psi.resize(row + width, kNan);
-    out.error_psi.resize(row + width, kNan);
-    for_each_index(fitted.size(), threads, [&](std::size_t at) {
-      const Budget budget = maker.budget(fitted[at], i, condition);
-      out.expanded_psi[row + fitted[at]] = budget.expanded_psi;
-      out.error_psi[row + fitted[at]] = budget.error_psi;
-    });
-  }
-  out.median_psi = median_of(out.expanded_psi);
-  if (out.pressure_psi.empty() && reference.beyond)
-    out.not_valid = "the reference's certificate covers no level of the run";
-  return out;
-}
-
 // The further runs of a falling sensor with outputs that rise.
 struct RisingRuns {
   UncertaintyInputs inputs;
@@ -165,7 +132,7 @@ struct RisingRuns {
   RisingRuns(const UncertaintyInputs& given, const SensorModel& fit) : inputs(given) {
     HistoryRuns& history = inputs.history;
     for (std::vector<const Dataset*>* runs :
-         {&history.same, &history.later, &history.dwelt, &history.warm, &history.mounted, &history.paced})
+         {&history.same, &history.later, &history.warm, &history.mounted, &history.paced})
       for (const Dataset*& run : *runs) {
         check_same_sensor(*run, fit);
         if (fit.falling) run = &turned.emplace_back(as_modelled(*run, fit));
@@ -192,6 +159,10 @@ void keep_given(const UncertaintyInputs& inputs, Uncertainty& out) {
 }
 
 }  // namespace
+
+const ConditionUncertainty& Uncertainty::condition(UseCondition which) const {
+  return *std::ranges::find(conditions, which, &ConditionUncertainty::condition);
+}
 
 const LevelUncertainty* Uncertainty::level(double pressure_psi, bool up) const {
   const auto found = std::ranges::find_if(levels, [&](const LevelUncertainty& level) {
@@ -237,10 +208,9 @@ Uncertainty assess_uncertainty(const Dataset& measured, const SensorModel& measu
     out.levels.push_back(std::move(level));
   }
   out.chosen = chosen_level(out.levels);
-  out.dwell = maker.histories().dwell;
-  for (std::size_t which = 1; which < kUseConditions; ++which)
-    out.conditions.push_back(
-        under_condition(static_cast<UseCondition>(which), maker, errors, fit, out.reference, fitted, threads));
+  out.dwell = maker.dwell();
+  out.conditions = counted_uncertainty(maker.counted(), fit, maker.corrections(), errors.levels,
+                                       [&](double psi) { return maker.hidden_psi(psi); });
   return out;
 }
 

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,9 +19,9 @@
 #include "analysis/statistics/figures/creep_effect.h"
 #include "analysis/statistics/figures/dwell_effect.h"
 #include "analysis/statistics/numbers/coverage.h"
+#include "analysis/statistics/uncertainty/counted_errors.h"
 #include "analysis/statistics/uncertainty/reference_uncertainty.h"
 #include "analysis/statistics/uncertainty/temperature_effect.h"
-#include "analysis/statistics/uncertainty/use_condition.h"
 
 namespace tactbench::analysis {
 
@@ -47,7 +48,6 @@ enum class UncertaintySource {
   kHistory,
 };
 inline constexpr std::size_t kUncertaintySources = 20;
-bool is_of_reference(UncertaintySource source);  // its own error, the same in all runs against it
 
 struct SourceText {
   const char* name;
@@ -64,14 +64,7 @@ struct GivenUncertainty {
   double psi = 0.0, share = 0.0;
   double dof = kInfiniteDof;
   std::string from;  // "runs 4 to 7, the sensor turned by 90 degrees"
-};
-// Further runs of the sensor, not those that models were made from. The datasets outlive the inputs.
-struct HistoryRuns {
-  std::vector<const Dataset*> same;     // held out: same mount, same day, same temperature
-  std::vector<const Dataset*> later;    // held out: another day, or for a simulated sensor another age
-  std::vector<const Dataset*> warm;     // held out: same mount, same day, another temperature
-  std::vector<const Dataset*> mounted;  // held out, or of a study of mounts: mounted anew
-  std::vector<const Dataset*> paced;    // candidates for the effect of dwell
+  [[nodiscard]] double u(double pressure_psi) const { return std::hypot(psi, share * pressure_psi); }
 };
 struct UncertaintyInputs {
   std::optional<GivenUncertainty> uniformity;    // the chamber's pressure over the array

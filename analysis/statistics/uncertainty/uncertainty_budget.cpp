@@ -68,8 +68,6 @@ BudgetMaker::BudgetMaker(const Dataset& dataset, const SensorModel& fit, const S
   find_common();
   find_histories(dataset, threads);
   find_missing(dataset);
-  find_excess();
-  find_scales(threads);
 }
 
 void BudgetMaker::find_missing(const Dataset& dataset) {
@@ -98,8 +96,8 @@ void BudgetMaker::find_missing(const Dataset& dataset) {
   if (!inputs_.mounting_own) missing(UncertaintySource::kMountingOwn) = "no runs of this sensor mounted anew";
   if (errors_.groups < 2)
     missing(UncertaintySource::kConditioning) = "all full sweeps have the same way behind them: one group";
-  missing(UncertaintySource::kDwell) = histories_.dwell.not_assessed;
-  if (history_of(UseCondition::kStated) == nullptr)
+  missing(UncertaintySource::kDwell) = dwell_.not_assessed;
+  if (!any_way(reversals_))
     missing(UncertaintySource::kHistory) = "neither this run nor a held-out one has inner branches";
 }
 
@@ -130,16 +128,14 @@ double BudgetMaker::zero_return_u(std::size_t taxel) const {
   return std::sqrt(std::max(0.0, mean * mean - noise / m) / 3.0 + std::max(0.0, s * s - noise) / m);
 }
 
-void BudgetMaker::add_voltages(Budget& budget, std::size_t taxel, UseCondition condition) const {
-  // Runs made under a condition of use tell its creep and its temperature.
-  const bool stated = condition == UseCondition::kStated;
+void BudgetMaker::add_voltages(Budget& budget, std::size_t taxel) const {
   const double noise = assessed(UncertaintySource::kNoise) ? noise_v_[taxel] : 0.0;
   const double step = assessed(UncertaintySource::kConverterStep) ? 0.5 * step_v_ : 0.0;
   const double zero = zero_return_u(taxel);
   const ModelTaxel& model = fit_.taxels[taxel];
   const double over_zero = ExternalBranch(model, budget.up).output(budget.pressure_psi) - model.y0();
   // The output goes on rising after a rise and falling after a fall: an error between 0 and the whole of it.
-  const double creep = stated && assessed(UncertaintySource::kCreep)
+  const double creep = assessed(UncertaintySource::kCreep)
                            ? 0.5 * inputs_.creep.share(taxel, budget.pressure_psi, budget.up) * over_zero
                            : 0.0;
   const double u_v = std::hypot(std::hypot(noise, step / rectangular, zero), creep / rectangular);
@@ -149,42 +145,36 @@ void BudgetMaker::add_voltages(Budget& budget, std::size_t taxel, UseCondition c
   add(budget, UncertaintySource::kConverterStep, step, rectangular, inverse.sensitivity);
   add(budget, UncertaintySource::kZeroReturn, zero, 1.0, inverse.sensitivity,
       std::max(1.0, static_cast<double>(errors_.repeats_with_zero) - 1.0));
-  if (stated) {
-    add(budget, UncertaintySource::kCreep, creep, rectangular, inverse.sensitivity, kInfiniteDof, 1.0);
-    budget.error_psi += (budget.up ? 1.0 : -1.0) * creep * inverse.sensitivity;
-  }
-  if (!stated || !assessed(UncertaintySource::kTemperature)) return;
+  add(budget, UncertaintySource::kCreep, creep, rectangular, inverse.sensitivity, kInfiniteDof, 1.0);
+  budget.error_psi += (budget.up ? 1.0 : -1.0) * creep * inverse.sensitivity;
+  if (!assessed(UncertaintySource::kTemperature)) return;
   const double warmth = inputs_.temperature.width_v(over_zero);
   const double top = inputs_.temperature.width_v(model.yu() - model.y0());
   add(budget, UncertaintySource::kTemperature, warmth, rectangular,
       sensitivity_along(model, budget.up, budget.pressure_psi, warmth, top), kInfiniteDof, 1.0);
 }
 
-// `scale` counts for what held-out runs show: all but the reference's own error, which runs against the same reference
-// share.
-void BudgetMaker::finish(Budget& budget, double scale) const {
+void BudgetMaker::finish(Budget& budget) const {
   std::ranges::stable_sort(budget.contributions, {}, &Contribution::source);
   // A drift beyond its stated limit is more doubt and no knowledge: it raises u, and lowers no k.
   const bool grown = reference_.drift_psi > reference_.drift_stated_psi;
   std::vector<VarianceShare> shares, firm;
-  double voltage = 0.0, scaled = 0.0;
+  double voltage = 0.0;
   for (const Contribution& contribution : budget.contributions) {
     shares.push_back({contribution.u_psi, contribution.dof});
     firm.push_back(shares.back());
     if (grown && contribution.source == UncertaintySource::kDrift)
       firm.back().u *= reference_.drift_stated_psi / reference_.drift_psi;
     if (of_voltage(contribution.source)) voltage += contribution.u_psi * contribution.u_psi;
-    scaled += std::pow((is_of_reference(contribution.source) ? 1.0 : scale) * contribution.u_psi, 2);
   }
   budget.combined_psi = combined_uncertainty(shares);
   budget.dof = effective_dof(firm);
   budget.factor = coverage_factor(std::max(1.0, budget.dof));
-  if (scale != 1.0 && budget.combined_psi > 0.0) budget.factor *= std::sqrt(scaled) / budget.combined_psi;
   budget.expanded_psi = budget.factor * budget.combined_psi;
   if (voltage <= kVoltageVariance * budget.combined_psi * budget.combined_psi) budget.linear = true;
 }
 
-Budget BudgetMaker::without_history(std::size_t taxel, std::size_t level, UseCondition condition) const {
+Budget BudgetMaker::budget(std::size_t taxel, std::size_t level) const {
   Budget budget;
   budget.taxel = static_cast<int>(taxel);
   budget.pressure_psi = errors_.levels[level].pressure_psi;
@@ -193,17 +183,12 @@ Budget BudgetMaker::without_history(std::size_t taxel, std::size_t level, UseCon
   budget.error_psi = mean_error(level, taxel);
   budget.contributions.reserve(kUncertaintySources);
   add_reference(budget);
-  add_voltages(budget, taxel, condition);
+  add_voltages(budget, taxel);
   add_readings(budget, taxel, level);
-  if (condition == UseCondition::kStated) add_dwell(budget, taxel, level);
-  add_given(budget, level, condition);
-  return budget;
-}
-
-Budget BudgetMaker::budget(std::size_t taxel, std::size_t level, UseCondition condition) const {
-  Budget budget = without_history(taxel, level, condition);
-  add_history(budget, taxel, level, condition, history_of(condition));
-  finish(budget, scale_of(condition));
+  add_dwell(budget, taxel, level);
+  add_given(budget);
+  add_history(budget, taxel);
+  finish(budget);
   return budget;
 }
 

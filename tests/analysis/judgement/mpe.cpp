@@ -13,17 +13,16 @@ using namespace tactbench::analysis;
 
 namespace {
 
-// U of a reading: 0.5 psi of the first taxel and 1 psi of the second, going down at 20 psi 2 psi of the first.
+// U of a reading: 0.5 psi of the first taxel and 1 psi of the second, going down at 20 psi 8 psi of the first.
 Uncertainty readings() {
+  ConditionUncertainty kind;
+  kind.runs = {2};
+  kind.pressure_psi = {20.0, 40.0, 20.0, 40.0};
+  kind.up = {true, true, false, false};
+  kind.expanded_psi = {0.5, 1.0, kNan, 0.5, 1.0, kNan, 8.0, 1.0, kNan, 1.0, 3.0, kNan};
+  kind.error_psi.assign(12, 0.0);
   Uncertainty out;
-  for (const bool up : {true, false})
-    for (const double pressure : {20.0, 40.0}) {
-      LevelUncertainty level;
-      level.pressure_psi = pressure;
-      level.up = up;
-      level.expanded_psi = {!up && pressure == 20.0 ? 2.0 : 0.5, 1.0, kNan};
-      out.levels.push_back(level);
-    }
+  out.conditions = {kind};
   return out;
 }
 
@@ -32,13 +31,13 @@ Uncertainty readings() {
 TEST_CASE("mpe: conforms when |error| + U of the share of taxels lies inside, with words to either side of the limit") {
   using namespace straight_array;
   const Uncertainty known = readings();
-  const auto judged_at = [&](double mpe_psi, DecisionRule rule, const Uncertainty* budgets) {
+  const auto judged_at = [&](double mpe_psi, DecisionRule rule, const Uncertainty* of_readings) {
     Limits limits;
     limits.rule = rule;
     limits.mpe = {{0.0, 60.0, mpe_psi, 0.95}};
     Evidence evidence;
     evidence.runs.resize(1);
-    evidence.runs[0].figures = judged_mpe(mpe_figures(known_loop(), straight_fit(), budgets, limits.mpe, 1));
+    evidence.runs[0].figures = judged_mpe(mpe_figures(known_loop(), straight_fit(), of_readings, limits.mpe, 1));
     return std::string(to_string(judge(evidence, limits).figures.back().verdict));
   };
   const DecisionRule four = DecisionRule::kFourWay;

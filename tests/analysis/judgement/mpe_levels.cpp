@@ -1,6 +1,7 @@
-// U of a reading at levels beside and between those of the budgets, each with a U of its own, and shares of taxels.
+// U of a reading at levels beside and between those it is stated for, the worst of several kinds, and shares of taxels.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <utility>
 
 #include "analysis/judgement/mpe.h"
 #include "analysis/statistics/numbers/coverage.h"
@@ -13,19 +14,22 @@ using namespace tactbench::analysis;
 namespace mpe_levels {
 namespace {
 
-LevelUncertainty budget_at(double pressure_psi, bool up, double first, double second) {
-  LevelUncertainty level;
-  level.pressure_psi = pressure_psi;
-  level.up = up;
-  level.expanded_psi = {first, second, kNan};
-  return level;
+// Of each branch and level another U of the two taxels.
+ConditionUncertainty kind_of(std::vector<double> expanded_psi, std::vector<std::int64_t> runs = {2}) {
+  ConditionUncertainty out;
+  out.name = "full sweeps";
+  out.runs = std::move(runs);
+  out.pressure_psi = {20, 40, 20, 40};
+  out.up = {true, true, false, false};
+  for (std::size_t level = 0; level < 4; ++level)
+    out.expanded_psi.insert(out.expanded_psi.end(), {expanded_psi[2 * level], expanded_psi[2 * level + 1], kNan});
+  out.error_psi.assign(12, 0.0);
+  return out;
 }
 
-// In no order. Of each branch and level another U.
 Uncertainty unequal() {
   Uncertainty out;
-  out.levels = {budget_at(40, true, 3, 5), budget_at(20, true, 1, 2), budget_at(40, false, 13, 17),
-                budget_at(20, false, 7, 11)};
+  out.conditions = {kind_of({1, 2, 3, 5, 7, 11, 13, 17})};
   return out;
 }
 
@@ -49,20 +53,46 @@ void check_shares(double psi, const std::vector<double>& value_psi, const std::v
 
 }  // namespace
 
-TEST_CASE("mpe: at a level with budgets its own U counts, beyond them the nearest") {
-  // Errors on the way down: 1 and 3 psi at 40 psi, 6 and 1 at 20 psi. Of |error| + U the larger of both branches
-  // counts.
-  check_shares(20, {1, 6}, {12 - 1, 13 - 6});
-  check_shares(40, {1, 3}, {14 - 1, 20 - 3});
+TEST_CASE("mpe: U at its own level, beyond them the nearest, between two linear, the larger of both branches") {
+  // Mean errors on the way down: 1 and 3 psi at 40 psi, 6 and 1 at 20 psi; U was counted with them in it.
+  check_shares(20, {1, 6}, {7 - 1, 11 - 6});
+  check_shares(40, {1, 3}, {13 - 1, 17 - 3});
   check_shares(0, {0, 0}, {7, 11});  // U at 20 psi, unloading
   check_shares(60, {0, 0}, {3, 5});  // the turn belongs to loading: U at 40 psi
-}
-
-TEST_CASE("mpe: between two levels with budgets the larger of both counts") {
   using namespace straight_array;
   const std::vector<Sample> steps{{0, 0}, {30, 30}, {60, 60}, {30, 30}, {0, 0}};
-  check_shares(30, {1, 2}, {15 - 1, 18 - 2},
+  check_shares(30, {1, 2}, {10 - 1, 14 - 2},
                dataset_of({{"loop", {repeat_of(steps, {{0, 30, 60, 32, 0}, {0, 30, 60, 31, 0}})}}}));
+}
+
+TEST_CASE("mpe: the worst of the kinds that are valid and rest on the judged run, with their known errors") {
+  const Dataset data = straight_array::known_loop();  // run 2
+  const auto with = [&](ConditionUncertainty other) {
+    Uncertainty known = unequal();
+    known.conditions.push_back(std::move(other));
+    return figure_at(20, 20, 0.95, known, data).expanded_psi;
+  };
+  const ConditionUncertainty wide = kind_of({30, 30, 30, 30, 30, 30, 30, 30});
+  CHECK(with(wide) == Approx(30 - 6));
+  ConditionUncertainty shifted = wide;
+  shifted.error_psi.assign(12, -2.0);
+  CHECK(with(shifted) == Approx(32 - 6));
+  ConditionUncertainty not_valid = wide, of_another_run = kind_of({30, 30, 30, 30, 30, 30, 30, 30}, {7});
+  not_valid.not_valid = "two histories leave it open";
+  CHECK(with(not_valid) == Approx(11 - 6));
+  CHECK(with(of_another_run) == Approx(11 - 6));
+  // Held pressures that were reached upward alone say nothing of the way down.
+  CHECK(with(kind_of({30, 30, 30, 30, kNan, kNan, kNan, kNan})) == Approx(30 - 6));
+  Uncertainty none;
+  CHECK(std::isnan(figure_at(20, 20, 0.95, none, data).expanded_psi));
+  none.conditions = {not_valid, of_another_run};
+  const MpeFigure figure = figure_at(20, 20, 0.95, none, data);
+  CHECK((std::isnan(figure.expanded_psi) && figure.value_psi == Approx(6.0)));
+  CHECK(figure.not_known.find(not_valid.not_valid) != std::string::npos);
+  // U that is less than what the judged frames err by in the mean counts as that.
+  Uncertainty narrow;
+  narrow.conditions = {kind_of({0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1})};
+  CHECK(figure_at(20, 20, 0.95, narrow, data).expanded_psi == Approx(0.0).margin(1e-12));
 }
 
 TEST_CASE("mpe: errors are means of the frames at a level and branch, not of their absolutes") {
@@ -78,26 +108,14 @@ TEST_CASE("mpe: errors are means of the frames at a level and branch, not of the
 
 TEST_CASE("mpe: a taxel without U at a level has none, and a share that needs it has none either") {
   Uncertainty known = unequal();
-  known.levels[3].expanded_psi[1] = kNan;  // 20 psi down of the second: U at 40 psi is the nearest
+  known.conditions[0].expanded_psi[3 * 2 + 1] = kNan;  // 20 psi down of the second
   const Dataset data = straight_array::known_loop();
-  CHECK(figure_at(20, 20, 0.5, known, data).expanded_psi == Approx(13 - 1));
-  known.levels[2].expanded_psi[1] = kNan;  // no level of its branch is left
   const MpeFigure first = figure_at(20, 20, 0.5, known, data);
   CHECK(first.value_psi == Approx(1.0));
-  CHECK(first.expanded_psi == Approx(13 - 1));
+  CHECK(first.expanded_psi == Approx(7 - 1));
   CHECK(std::isnan(figure_at(20, 20, 0.95, known, data).expanded_psi));
   CHECK(figure_at(20, 20, 0.95, known, data).value_psi == Approx(6.0));
   CHECK(std::isnan(figure_at(0, 60, 0.95, known, data).expanded_psi));
-}
-
-TEST_CASE("mpe: beyond the certificate of the models' run there is no U, whatever budgets lie near") {
-  const Dataset data = straight_array::known_loop();
-  Uncertainty known = unequal();
-  known.reference.low_psi = 0.0;
-  known.reference.high_psi = 30.0;
-  CHECK(figure_at(0, 20, 0.95, known, data).expanded_psi == Approx(13 - 6));
-  CHECK(figure_at(0, 40, 0.95, known, data).value_psi == Approx(6.0));
-  CHECK(std::isnan(figure_at(0, 40, 0.95, known, data).expanded_psi));
 }
 
 TEST_CASE("mpe: levels of a span are counted by branch, with both ends and 0.01 psi beyond, as people type them") {
@@ -130,13 +148,13 @@ TEST_CASE("mpe: the smallest share is that of one taxel, and without budgets the
 
 TEST_CASE("mpe: U of a judged figure states half of itself as combined, k = 2, or why it is not known") {
   const Scope first = Scope::span(0, 40, 0.95), second = Scope::span(0, 60, 0.95);
-  const MpeFigure figures[] = {{first, 3.0, 1.5, 2}, {second, 4.0, kNan, 0}};
-  const std::vector<Figure> all = judged_mpe(figures, "no certificate");
+  const MpeFigure figures[] = {{first, 3.0, 1.5, 2, "full sweeps", ""}, {second, 4.0, kNan, 0, "", "none valid"}};
+  const std::vector<Figure> all = judged_mpe(figures);
   REQUIRE(all.size() == 2);
   CHECK((all[0].criterion == Criterion::kMpe && all[0].scope == first && all[0].value == 3.0));
   CHECK((all[0].u.expanded == 1.5 && all[0].u.combined == 0.75 && all[0].u.factor == 2.0));
   CHECK((all[0].u.missing.empty() && all[0].u.dof == kInfiniteDof));
-  CHECK((all[1].scope == second && std::isnan(all[1].u.expanded) && all[1].u.missing == "no certificate"));
+  CHECK((all[1].scope == second && std::isnan(all[1].u.expanded) && all[1].u.missing == "none valid"));
 }
 
 }  // namespace mpe_levels

@@ -121,7 +121,7 @@ Coverage coverage_of(const db::RunStore& store, std::int64_t run, const std::vec
     const Budget budget = with.budget(taxel, level);  // all that was assessed
     const auto row = std::ranges::find(budget.contributions, UncertaintySource::kCreep, &Contribution::source);
     REQUIRE(row != budget.contributions.end());
-    const Budget plain = without.budget(taxel, level, UseCondition::kFullSweeps);
+    const Budget plain = without.budget(taxel, level);
     const double centre = row->width * row->sensitivity;  // half of what creep moves a reading by
     for (std::size_t i = 0; i < held_s.size(); ++i) {
       if (held_s[i] < begin_s) continue;

@@ -136,34 +136,33 @@ TEST_CASE("data of the reference by hand: what is missing, and limits that are s
   CHECK(data["conditions"].empty());
 }
 
-TEST_CASE(
-    "data of conditions of use by hand: median and largest U of each level of a valid one, the reason otherwise") {
+TEST_CASE("data of kinds by hand: U and known error of each level and taxel of a valid one, the reason otherwise") {
   ReportInput input;
   input.uncertainty.emplace();
   ConditionUncertainty valid, other;
-  valid.condition = UseCondition::kAnyHistory;
-  valid.basis = "runs 3 and 4";
+  valid.condition = UseCondition::kReversals;
+  valid.name = "reversals";
+  valid.basis = "two histories";
+  valid.runs = {3, 4};
+  valid.histories = 2;
+  valid.readings = 90;
   valid.median_psi = 0.5;
-  valid.scale = 1.25;
+  valid.factor = 2.25;
   valid.pressure_psi = {20.0, 40.0};
   valid.up = {true, false};
   valid.expanded_psi = {0.1, 0.3, 0.2, 0.4, 0.8, kNoFigure};  // three taxels a level
+  valid.error_psi = {0.0, 0.1, 0.0, 0.0, -0.1, kNoFigure};
   other.condition = UseCondition::kLater;
   other.not_valid = "no later run";
-  input.uncertainty->conditions = {valid, other, valid};
-  input.uncertainty->conditions[2].pressure_psi.clear();
-  input.uncertainty->conditions[2].expanded_psi.clear();
-  const auto data = reading_of(input)["conditions"];
-  REQUIRE(data.size() == 3);
-  CHECK(data[0]["condition"] == name_of(UseCondition::kAnyHistory));
-  CHECK((data[0]["valid"] == true && data[0]["rests_on"] == "runs 3 and 4" && data[0]["scale"] == 1.25));
-  CHECK(data[0]["median_expanded_psi"] == 0.5);
-  REQUIRE(data[0]["levels"].size() == 2);
-  CHECK(data[0]["levels"][0] == nlohmann::json::parse(R"({"pressure_psi":20.0,"branch":"up",
-                                                         "median_expanded_psi":0.2,"worst_expanded_psi":0.3})"));
-  CHECK((data[0]["levels"][1]["branch"] == "down" && data[0]["levels"][1]["worst_expanded_psi"] == 0.8));
-  CHECK((data[1]["valid"] == false && data[1]["not_valid_because"] == "no later run" && !data[1].contains("levels")));
-  CHECK(data[2]["levels"].empty());
+  input.uncertainty->conditions = {valid, other};
+  const auto data = reading_of(input);
+  CHECK(data["worst_kind"] == "reversals");
+  CHECK(data["conditions"][0] == nlohmann::json::parse(R"({"name":"reversals","valid":true,"rests_on":"two histories",
+    "runs":[3,4],"histories":2,"readings":90,"factor":2.25,"median_expanded_psi":0.5,"pressure_psi":[20.0,40.0],
+    "branch":["up","down"],"taxel_expanded_psi":[0.1,0.3,0.2,0.4,0.8,null],
+    "taxel_error_psi":[0.0,0.1,0.0,0.0,-0.1,null]})"));
+  CHECK((data["conditions"][1]["valid"] == false && data["conditions"][1]["not_valid_because"] == "no later run"));
+  CHECK_FALSE(data["conditions"][1].contains("taxel_expanded_psi"));
 }
 
 TEST_CASE("data of judged figures by hand: on which run, U with k and its degrees of freedom") {

@@ -8,6 +8,7 @@
 #include "tests/analysis/support/alike.h"
 #include "tests/analysis/support/effect_runs.h"
 #include "tests/analysis/support/straight_array.h"
+#include "tests/analysis/support/uncertainty_example.h"
 
 using namespace tactbench::analysis;
 
@@ -106,27 +107,34 @@ TEST_CASE("a falling sensor: an array under an object as with outputs that rise,
 
 TEST_CASE("a falling sensor: U of each condition of use as with outputs that rise, whichever runs tell it") {
   using namespace straight_array;
-  const std::vector<double> loop{0, 20, 40, 60, 40, 20, 0}, inner{0, 20, 40, 20};
+  const std::vector<double> loop{0, 20, 40, 60, 40, 20, 0};
   const auto run_of = [](std::int64_t number, SequenceData sequence) {
     Dataset run = dataset_of({std::move(sequence)});
     run.run = number;
     return run;
   };
   const Dataset calibration = run_of(2, {"loop", {offset_way(loop, 0.1, 0.1, 1), offset_way(loop, -0.1, -0.1, 1)}});
-  const Dataset again = run_of(5, {"loop", {offset_way(loop, 0.3, 0.3, 1)}});
-  const Dataset one = run_of(6, {"other", {offset_way(inner, 0.5, 0.5, 1)}}),
-                two = run_of(7, {"other", {offset_way(inner, 0.52, 0.52, 1)}});
+  // After full pressure, over the range.
+  const std::vector<double> reversals{0, 60, 20, 40, 0, 40, 55, 5, 40, 0};
+  const Dataset again = run_of(5, {"loop", {offset_way(loop, 0.3, 0.3, 1), offset_way(loop, 0.31, 0.31, 1)}});
+  const Dataset one = run_of(6, {"other", {offset_way(reversals, 0.5, 0.5, 1)}}),
+                two = run_of(7, {"other", {offset_way(reversals, 0.52, 0.52, 1)}}),
+                slow = run_of(9, {"other", {offset_way(reversals, 0.5, 0.5, 10)}}),
+                slow_again = run_of(10, {"other", {offset_way(reversals, 0.52, 0.52, 10)}});
   const Dataset paced = run_of(8, {"rate", {offset_way(loop, 0.0, 0.0, 1), offset_way(loop, 0.6, 0.6, 4)}});
   const auto assessed = [&](bool falls) {
     const auto as_measured = [&](const Dataset& data) { return falls ? negated(data) : data; };
-    const std::vector<Dataset> runs{as_measured(again), as_measured(one), as_measured(two), as_measured(paced)};
+    const std::vector<Dataset> runs{as_measured(again), as_measured(one),  as_measured(two),
+                                    as_measured(paced), as_measured(slow), as_measured(slow_again)};
     UncertaintyInputs inputs;
-    inputs.history.same = {&runs[0], &runs[1], &runs[2]};
-    inputs.history.later = inputs.history.dwelt = inputs.history.warm = inputs.history.mounted = {&runs[1], &runs[2]};
+    inputs.history.same = {&runs[0], &runs[1], &runs[2], &runs[4], &runs[5]};
+    inputs.history.later = inputs.history.warm = inputs.history.mounted = {&runs[1], &runs[2]};
     inputs.history.paced = {&runs[3]};
     SensorModel fit = straight_fit();
     fit.falling = falls;
-    return assess_uncertainty(as_measured(calibration), fit, {}, inputs, 1);
+    return assess_uncertainty(as_measured(calibration), fit,
+                              uncertainty_example::record_with_reference(uncertainty_example::kWithCertificate), inputs,
+                              1);
   };
   const Uncertainty rising = assessed(false), found = assessed(true);
   CHECK(rising.dwell.run == 8);
@@ -142,8 +150,8 @@ TEST_CASE("a falling sensor: U of each condition of use as with outputs that ris
     CHECK(found.conditions[i].not_valid == rising.conditions[i].not_valid);
     check_alike(found.conditions[i].expanded_psi, rising.conditions[i].expanded_psi);
   }
-  // Those of which two runs tell are valid.
-  for (const UseCondition told : {UseCondition::kAnyHistory, UseCondition::kOtherDwell, UseCondition::kOtherTemperature,
-                                  UseCondition::kRemounted, UseCondition::kLater})
+  // Those of which two histories tell are valid.
+  for (const UseCondition told : {UseCondition::kFullSweeps, UseCondition::kReversals, UseCondition::kOtherDwell,
+                                  UseCondition::kOtherTemperature, UseCondition::kRemounted, UseCondition::kLater})
     CHECK(found.condition(told).valid());
 }

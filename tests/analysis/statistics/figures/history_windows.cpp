@@ -11,14 +11,21 @@ using namespace straight_array;
 
 namespace {
 
-const WindowErrors& window_of(const HistoryErrors& errors, double pressure, bool up) {
-  for (const WindowErrors& window : errors.windows)
+const WindowErrors& window_of(const std::vector<WindowErrors>& windows, double pressure, bool up) {
+  for (const WindowErrors& window : windows)
     if (window.pressure_psi == pressure && window.up == up) return window;
   throw std::runtime_error("no such window");
 }
 
-HistoryErrors pooled_of(const FrameErrors& one, const LevelCorrections& corrections = {}) {
-  return pooled_errors({&one, 1}, straight_fit(), corrections);
+FrameHistory whole(const FrameErrors& run) {
+  FrameHistory history{&run, {}};
+  for (std::size_t i = 0; i < run.frames.size(); ++i) history.frames.push_back(i);
+  return history;
+}
+
+std::vector<WindowErrors> pooled_of(const FrameErrors& one, const LevelCorrections& corrections = {}) {
+  const FrameHistory history = whole(one);
+  return pooled_errors({&history, 1}, straight_fit(), corrections);
 }
 
 // Full up, to 36 psi down, to 44 up and back to 0 down. The last frame but one at 30 psi is in no window.
@@ -26,97 +33,65 @@ const std::vector<double> kWandering{0, 20, 40, 60, 36, 44, 30, 0};
 
 }  // namespace
 
-TEST_CASE("frame errors by hand: which branches count, and sequences that are left out") {
+TEST_CASE("frame errors by hand: every frame with its branch, in time order, whether its branch is full, up or down") {
   const Dataset data =
       dataset_of({erring_way("a", kWandering, {{0, 1, 2, -3, 4, 5, 6, 1}}), erring_way("b", {0, 20, 0}, {{0, 7, 0}})});
-  const SensorModel fit = straight_fit();
-  const auto set_points = [&](BranchesOf which, std::vector<std::string> left_out = {}) {
-    std::vector<double> out;
-    const FrameErrors errors = frame_errors(data, fit, which, 1, left_out);
-    for (const FrameErrors::Frame& frame : errors.frames) out.push_back(frame.setpoint_psi);
-    CHECK(errors.run == 2);
-    CHECK(errors.held_s.size() == 11);
-    return out;
-  };
-  CHECK(set_points(BranchesOf::kAll) == std::vector<double>{0, 20, 40, 60, 36, 44, 0, 0, 20, 0});
-  CHECK(set_points(BranchesOf::kFullSweeps) == std::vector<double>{0, 20, 40, 60});
-  CHECK(set_points(BranchesOf::kInnerBranches) == std::vector<double>{36, 44, 0, 0, 20, 0});
-  CHECK(set_points(BranchesOf::kAll, {"a"}) == std::vector<double>{0, 20, 0});
-  CHECK(set_points(BranchesOf::kAll, {"b", "c"}) == std::vector<double>{0, 20, 40, 60, 36, 44, 0});
-  const FrameErrors inner = frame_errors(data, fit, BranchesOf::kInnerBranches, 1);
-  REQUIRE(inner.frames.size() == 6);
-  CHECK((inner.frames[0].sequence == 0 && inner.frames[0].branch == 1 && !inner.frames[0].up));
-  CHECK((inner.frames[1].branch == 2 && inner.frames[1].up));
-  CHECK((inner.frames[4].sequence == 1 && inner.frames[4].branch == 0));
-  CHECK(inner.error_psi[0] == Approx(4.0));
-  CHECK(inner.error_psi[4] == Approx(2.5));
-  CHECK(inner.error_psi[12] == Approx(7.0));
-  CHECK(std::isnan(inner.error_psi[2]));
+  const FrameErrors errors = frame_errors(data, straight_fit(), 1);
+  CHECK(errors.run == 2);
+  REQUIRE(errors.frames.size() == 11);
+  std::string shape;
+  for (const FrameErrors::Frame& frame : errors.frames)
+    shape += std::to_string(frame.branch) + (frame.up ? (frame.full ? "U " : "u ") : (frame.full ? "D " : "d "));
+  CHECK(shape == "0U 0U 0U 0U 1d 2u 3d 3d 0u 0u 1d ");
+  CHECK((errors.frames[9].sequence == 1 && errors.frames[9].step == 1 && errors.frames[9].setpoint_psi == 20.0));
+  CHECK(errors.error_psi[3 * 4] == Approx(4.0));
+  CHECK(errors.error_psi[3 * 5 + 1] == Approx(2.5));
+  CHECK(errors.error_psi[3 * 9] == Approx(7.0));
+  CHECK(std::isnan(errors.error_psi[2]));
 }
 
 TEST_CASE("windows by hand: 4 psi to each side, the very edge included, frames and ways, means and mean squares") {
   const FrameErrors all =
       frame_errors(dataset_of({erring_way("a", {0, 15.9, 16, 24, 24.1, 60}, {{0, 9, 1, 3, 9, 0}, {0, 9, 5, 3, 9, 0}})}),
-                   straight_fit(), BranchesOf::kAll, 1);
-  CHECK(all.frames.size() == 2 * 4);  // 15.9 and 24.1 are in no window
-  const HistoryErrors errors = pooled_of(all);
-  REQUIRE(errors.windows.size() == 8);
-  CHECK((errors.known() && errors.any_way()));
-  CHECK(errors.runs == std::vector<std::int64_t>{2});
+                   straight_fit(), 1);
+  CHECK(all.frames.size() == 2 * 6);
+  const std::vector<WindowErrors> errors = pooled_of(all);
+  REQUIRE(errors.size() == 8);
+  CHECK(any_way(errors));
   const WindowErrors& twenty = window_of(errors, 20, true);
-  CHECK(twenty.frames == 4.0);
+  CHECK(twenty.frames == 4.0);    // 15.9 and 24.1 are in no window
   CHECK(twenty.branches == 1.0);  // the repeats go the same way
-  CHECK(twenty.mean_psi[0] == Approx((1.0 + 3.0 + 5.0 + 3.0) / 4));
   CHECK(twenty.square_psi[0] == Approx((1.0 + 9.0 + 25.0 + 9.0) / 4));
-  CHECK(twenty.mean_psi[1] == Approx(1.5));
   CHECK(twenty.square_psi[1] == Approx(11.0 / 4));
-  CHECK(std::isnan(twenty.mean_psi[2]));
+  CHECK(std::isnan(twenty.square_psi[2]));
   // The two taxels' mean errs by 3/4 of the first.
   CHECK(twenty.common_square_psi == Approx(11.0 * 0.5625));
   const WindowErrors& down = window_of(errors, 20, false);
   CHECK((down.frames == 0.0 && down.branches == 0.0));
-  CHECK((std::isnan(down.mean_psi[0]) && std::isnan(down.common_square_psi)));
-  const HistoryErrors nothing = pooled_errors({}, straight_fit());
-  CHECK_FALSE(nothing.known());
-  CHECK_FALSE(nothing.any_way());
-  CHECK((nothing.dwell_low_s == 0.0 && nothing.dwell_high_s == 0.0));
+  CHECK((std::isnan(down.square_psi[0]) && std::isnan(down.common_square_psi)));
+  CHECK_FALSE(any_way(pooled_errors({}, straight_fit())));
 }
 
 TEST_CASE(
     "windows by hand: ways of several branches, sequences and runs add up, a run is left out, errors are corrected") {
   const Dataset data = dataset_of(
       {erring_way("a", {0, 20, 40, 20, 40, 0}, {{0, 1, 2, 1, 3, 0}}), erring_way("b", {0, 20, 0}, {{0, 5, 0}})});
-  std::vector<FrameErrors> runs{frame_errors(data, straight_fit(), BranchesOf::kAll, 1)};
-  const WindowErrors once = window_of(pooled_of(runs[0]), 20, true);
+  const FrameErrors run = frame_errors(data, straight_fit(), 1);
+  const WindowErrors once = window_of(pooled_of(run), 20, true);
   CHECK((once.frames == 2.0 && once.branches == 2.0));  // the ways of a and of b
-  const WindowErrors twice = window_of(pooled_of(runs[0]), 40, true);
+  const WindowErrors twice = window_of(pooled_of(run), 40, true);
   CHECK((twice.frames == 2.0 && twice.branches == 2.0));  // both of a
-  runs.push_back(runs[0]);
-  runs[1].run = 3;
-  const HistoryErrors both = pooled_errors(runs, straight_fit());
-  CHECK(both.runs == std::vector<std::int64_t>{2, 3});
+  const FrameErrors second = run;
+  const std::vector<FrameHistory> histories{whole(run), whole(second)};
+  const std::vector<WindowErrors> both = pooled_errors(histories, straight_fit());
   CHECK((window_of(both, 20, true).frames == 4.0 && window_of(both, 20, true).branches == 4.0));
-  const HistoryErrors other = pooled_errors(runs, straight_fit(), {}, 0);
-  CHECK(other.runs == std::vector<std::int64_t>{3});
-  CHECK(window_of(other, 20, true).frames == 2.0);
+  CHECK(window_of(pooled_errors(histories, straight_fit(), {}, 0), 20, true).frames == 2.0);
   // 0.5 psi less at 20 psi up of the first taxel: errors of 0.5 and 4.5.
   LevelCorrections corrections(2 * 4 * 3, 0.0);
   corrections[1 * 3] = 0.5;
-  const WindowErrors less = window_of(pooled_of(runs[0], corrections), 20, true);
-  CHECK(less.mean_psi[0] == Approx(2.5));
+  const WindowErrors less = window_of(pooled_of(run, corrections), 20, true);
   CHECK(less.square_psi[0] == Approx((0.25 + 20.25) / 2));
-  CHECK(less.mean_psi[1] == Approx(1.5));
-}
-
-TEST_CASE("dwell times of a history are its 5 and 95 % quantiles") {
-  std::vector<double> setpoints(100, 20.0), none(100, 0.0);
-  setpoints.front() = 0.0;
-  Dataset data = dataset_of({erring_way("a", setpoints, {none})});
-  for (std::size_t i = 0; i < 100; ++i) data.sequences[0].repeats[0].steps[i].held_s = 1.0 + static_cast<double>(i);
-  const FrameErrors errors = frame_errors(data, straight_fit(), BranchesOf::kAll, 1);
-  const HistoryErrors pooled = pooled_of(errors);  // held for 1, 2, ... 100 s: 5 and 95 of them are shorter
-  CHECK(pooled.dwell_low_s == 6.0);
-  CHECK(pooled.dwell_high_s == 96.0);
+  CHECK(less.square_psi[1] == Approx((0.25 + 6.25) / 2));
 }
 
 TEST_CASE("corrections by hand: linear between levels, constant beyond them, of the direction asked for, none is 0") {

@@ -86,7 +86,7 @@ TEST_CASE(
         Approx(0.001 * std::sqrt(7.0 / 3.0 + 2.0)));
 }
 
-TEST_CASE("creep row by hand: half of it known, up and down, and none of it under conditions that runs tell") {
+TEST_CASE("creep row by hand: half of it known, up and down") {
   StraightBudget made = exact_budget();
   HeldLevel held;
   held.pressure_psi = 40.0;
@@ -103,13 +103,9 @@ TEST_CASE("creep row by hand: half of it known, up and down, and none of it unde
   CHECK(up.error_psi == Approx(2.0));
   CHECK(down.error_psi == Approx(-2.0));
   CHECK(maker.budget(1, kFortyUp).error_psi == Approx(4.0));  // 0.2 of 4 V: 0.4 V of 10 psi a volt, half of it
-  const Budget sweeps = maker.budget(0, kFortyUp, UseCondition::kFullSweeps);
-  CHECK(row_of(sweeps, UncertaintySource::kCreep) == nullptr);
-  CHECK(sweeps.error_psi == Approx(0.0).margin(1e-12));
 }
 
-TEST_CASE(
-    "temperature row by hand: the coefficient over half the range, in volts, a rectangle, of the stated use alone") {
+TEST_CASE("temperature row by hand: the coefficient over half the range, in volts, a rectangle") {
   StraightBudget made = exact_budget();
   made.inputs.temperature.not_assessed.clear();
   made.inputs.temperature.per_kelvin = {0.001, 0.002};
@@ -124,12 +120,10 @@ TEST_CASE(
   CHECK(row.sensitivity == Approx(20.0));
   CHECK(row.u_psi == Approx(0.2 / std::sqrt(3.0)));
   CHECK(row.common == 1.0);
-  CHECK(row_of(maker.budget(0, kFortyUp, UseCondition::kFullSweeps), UncertaintySource::kTemperature) == nullptr);
   CHECK(row_of(made.maker().budget(0, kLowestUp), UncertaintySource::kTemperature)->width == Approx(0.002));
 }
 
-TEST_CASE(
-    "rows of studies by hand: psi and share together, in common or a taxel's own, re-mounting where it is meant") {
+TEST_CASE("rows of studies by hand: psi and share together, in common or a taxel's own") {
   StraightBudget made = exact_budget();
   made.inputs.uniformity = GivenUncertainty{0.3, 0.01, 27.0, "turned"};
   made.inputs.mounting = GivenUncertainty{0.0, 0.02, 3.0, "mounts"};
@@ -151,13 +145,6 @@ TEST_CASE(
   CHECK(stated.factor == Approx(2.23).margin(0.07));  // ten degrees of freedom: 2.28 (GUM, Table G.2)
   CHECK(stated.expanded_psi == Approx(stated.factor * stated.combined_psi));
   CHECK((stated.taxel == 0 && stated.pressure_psi == 40.0 && stated.up && stated.readings == 2));
-  for (const UseCondition condition :
-       {UseCondition::kFullSweeps, UseCondition::kAnyHistory, UseCondition::kRemounted}) {
-    const Budget budget = maker.budget(0, kFortyUp, condition);
-    CHECK(u_of(budget, UncertaintySource::kUniformity) == Approx(0.5));
-    CHECK((row_of(budget, UncertaintySource::kMounting) != nullptr) == (condition == UseCondition::kRemounted));
-    CHECK((row_of(budget, UncertaintySource::kMountingOwn) != nullptr) == (condition == UseCondition::kRemounted));
-  }
 }
 
 TEST_CASE("a budget is not linear at an end of the curve, or where the slope changes by a quarter, if voltage counts") {
@@ -209,7 +196,6 @@ TEST_CASE("what is missing of a bare run is named, source by source") {
   }
   made.calibration.temperatures_c = {23.0};
   CHECK_FALSE(made.maker().missing()[static_cast<std::size_t>(UncertaintySource::kTemperature)].empty());
-  CHECK(maker.not_valid(UseCondition::kFullSweeps) == missing(UncertaintySource::kRepeatability));
   made.errors.groups = 2;
   CHECK(made.maker().missing()[static_cast<std::size_t>(UncertaintySource::kConditioning)].empty());
 }

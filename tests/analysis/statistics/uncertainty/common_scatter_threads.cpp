@@ -123,43 +123,6 @@ TEST_CASE("readings in groups of two and of four by hand: scatter within, betwee
         Approx(std::sqrt(of_mean_of(within, between))));
 }
 
-TEST_CASE("held-out errors at a level that no way meets are those of the nearest one, of two as near the lower one's") {
-  StraightBudget made = two_sides(0.0, 0.0);
-  // Up to 20 psi and back: 0.3 psi too much there; down from 60 psi to 20 and up again: 0.5 at 60.
-  const auto run_of = [](std::int64_t number) {
-    Dataset run = dataset_of(
-        {erring_way("low", {0, 20, 0}, {{0, 0.3, 0}}), erring_way("high", {0, 60, 20, 60}, {{0, 0, 0, -0.5}})});
-    run.run = number;
-    return run;
-  };
-  const Dataset one = run_of(5), two = run_of(6);
-  made.inputs.history.same = {&one, &two};
-  const BudgetMaker maker = made.maker();
-  const auto history_at = [&](std::size_t level) {
-    const Budget budget = maker.budget(0, level, UseCondition::kAnyHistory);
-    const Contribution* const row = row_of(budget, UncertaintySource::kHistory);
-    return row == nullptr ? kNan : row->u_psi;
-  };
-  CHECK(history_at(1) == Approx(0.3));
-  CHECK(history_at(3) == Approx(0.5));
-  CHECK(history_at(kAtFortyUp) == Approx(0.3));  // 20 and 60 psi are as near
-}
-
-TEST_CASE("the excess of one fitted taxel is its own, known from as many ways as the runs have") {
-  StraightBudget made({{"loop", {offset_way(kUpAndDown, 0.1, 0.1), offset_way(kUpAndDown, -0.1, -0.1)}},
-                       {"inner", {offset_way({0, 20, 40, 20}, 0.0, 0.0)}}});
-  made.fit.taxels[1].status = TaxelStatus::kDead;
-  made.errors = sweep_errors(made.calibration, made.fit, 1);
-  Dataset again = dataset_of({{"loop", {offset_way(kUpAndDown, 0.4, 0.0)}}});
-  again.run = 7;
-  made.inputs.history.same = {&again};
-  const Budget budget = made.maker().budget(0, kAtFortyUp, UseCondition::kFullSweeps);
-  const Contribution& row = known_row(budget, UncertaintySource::kHistory);
-  CHECK(row.u_psi == Approx(std::sqrt(0.16 - 0.03)));
-  CHECK(row.dof == Approx(1.0));
-  CHECK(row.common == Approx(1.0));
-}
-
 TEST_CASE("a budget is linear as long as twice u of the voltage meets the curve's end and does not pass it") {
   StraightBudget made = two_sides(0.0, 0.0);
   made.calibration.scans = 2;
@@ -172,20 +135,6 @@ TEST_CASE("a budget is linear as long as twice u of the voltage meets the curve'
   CHECK_FALSE(linear(0.50001, kAtTwentyUp));
   CHECK(linear(0.5, kAtFortyUp));
   CHECK_FALSE(linear(0.50001, kAtFortyUp));
-}
-
-TEST_CASE("held-out runs that err by nothing: a row of nothing, of which nothing is common") {
-  StraightBudget made = two_sides(0.0, 0.0);
-  const std::vector<double> inner{0, 20, 40, 20};
-  Dataset one = dataset_of({{"other", {offset_way(inner, 0.0, 0.0)}}}), two = one;
-  one.run = 5;
-  two.run = 6;
-  made.inputs.history.same = {&one, &two};
-  const Budget budget = made.maker().budget(0, kAtFortyUp, UseCondition::kAnyHistory);
-  const Contribution& row = known_row(budget, UncertaintySource::kHistory);
-  CHECK(row.u_psi == Approx(0.0).margin(1e-9));
-  CHECK(row.common == 0.0);
-  CHECK(budget.expanded_psi == Approx(0.0).margin(1e-9));
 }
 
 TEST_CASE("a run without a full sweep has no level with U, and the first is the one whose budget would be printed") {

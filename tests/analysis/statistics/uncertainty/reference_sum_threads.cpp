@@ -36,7 +36,8 @@ double of_reference(const ReferenceUncertainty& reference) {
   REQUIRE(budget.pressure_psi == 40.0);
   double squares = 0.0;
   for (const Contribution& row : budget.contributions)
-    if (is_of_reference(row.source)) squares += row.u_psi * row.u_psi;
+    if (row.source <= UncertaintySource::kReferenceTemperature)  // they come first
+      squares += row.u_psi * row.u_psi;
   return std::sqrt(squares);
 }
 

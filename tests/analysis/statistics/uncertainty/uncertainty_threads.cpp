@@ -190,48 +190,39 @@ TEST_CASE("U of readings and judged figures never falls when a due date passes")
   CHECK(drift_before > 10.0 * 0.05 / std::sqrt(3.0));  // 26 years past a limit for one
 }
 
-TEST_CASE("a condition that was not assessed states why, and U is not valid for it") {
+TEST_CASE("a kind that was not measured states why, and U is not valid for it") {
   const Example example;
   const Uncertainty alone = assess_uncertainty(example.dataset, example.fit, record_with_reference(kWithCertificate));
-  REQUIRE(alone.conditions.size() == kUseConditions - 1);
-  for (const UseCondition condition : {UseCondition::kFullSweeps, UseCondition::kFittedBranches})
-    CHECK_FALSE(alone.condition(condition).not_valid.empty());
-  CHECK_FALSE(alone.condition(UseCondition::kOtherDwell).not_valid.empty());
-  for (const UseCondition condition : {UseCondition::kAnyHistory, UseCondition::kHeld, UseCondition::kOtherTemperature,
-                                       UseCondition::kRemounted, UseCondition::kLater}) {
-    CHECK_THAT(alone.condition(condition).not_valid, Catch::Contains("random-reversal"));
-    CHECK(alone.condition(condition).expanded_psi.empty());
+  REQUIRE(alone.conditions.size() == kUseConditions);
+  for (std::size_t which = 0; which < kUseConditions; ++which) {
+    const ConditionUncertainty& own = alone.condition(static_cast<UseCondition>(which));
+    CHECK((!own.valid() && own.histories == 0 && own.expanded_psi.empty() && !own.name.empty()));
   }
+  CHECK_FALSE(alone.worst().has_value());
 
-  // A held-out run of the array with reversals of its own, whose errors are those of the fitted branches.
+  // The calibration's sequences again: its full sweeps tell, its inner branches are the fitted ones.
   const synthetic::Array array({.rows = 1, .columns = 3, .sensor_seed = 4});
-  Dataset other = synthetic::run(array, {.seed = 10, .noise_v = 0.0015, .repeats = 1});
-  for (SequenceData& data : other.sequences) data.name += "-other";  // else it repeats the calibration
-  UncertaintyInputs inputs;
   const Dataset again = synthetic::run(array, {.seed = 11, .noise_v = 0.0015, .repeats = 2});
-  Dataset second = synthetic::run(array, {.seed = 12, .noise_v = 0.0015, .repeats = 1});
-  for (SequenceData& data : second.sequences) data.name += "-second";
-  inputs.history.same = {&other, &again};
-  CHECK_FALSE(assess_uncertainty(example.dataset, example.fit, record_with_reference(kWithCertificate), inputs)
-                  .condition(UseCondition::kAnyHistory)
-                  .not_valid.empty());
-  inputs.history.same.push_back(&second);
-  inputs.history.later = {&other};
+  UncertaintyInputs inputs;
+  inputs.history.same = {&again};
   const Uncertainty with =
       assess_uncertainty(example.dataset, example.fit, record_with_reference(kWithCertificate), inputs);
-  CHECK(with.condition(UseCondition::kAnyHistory).valid());
-  CHECK_FALSE(with.condition(UseCondition::kRemounted).valid());
-  for (const UseCondition condition : {UseCondition::kFullSweeps, UseCondition::kFittedBranches})
-    CHECK(with.condition(condition).valid());
-  CHECK_FALSE(with.condition(UseCondition::kLater).not_valid.empty());
-  // Runs that differ in noise alone need about the U that each of them finds for the other.
-  CHECK(with.condition(UseCondition::kAnyHistory).scale == Approx(1.0).margin(0.35));
-  const ReadingUncertainty at = reading_uncertainty(with.condition(UseCondition::kAnyHistory), 1, 31.0, true);
-  const ReadingUncertainty low = reading_uncertainty(with.condition(UseCondition::kAnyHistory), 1, 30.0, true);
-  const ReadingUncertainty high = reading_uncertainty(with.condition(UseCondition::kAnyHistory), 1, 32.0, true);
+  const ConditionUncertainty& sweeps = with.condition(UseCondition::kFullSweeps);
+  REQUIRE(sweeps.valid());
+  CHECK(with.worst() == UseCondition::kFullSweeps);
+  CHECK_FALSE(with.condition(UseCondition::kReversals).valid());
+  CHECK_FALSE(with.condition(UseCondition::kLater).valid());
+  const ReadingUncertainty at = reading_uncertainty(sweeps, 1, 31.0, true);
+  const ReadingUncertainty low = reading_uncertainty(sweeps, 1, 30.0, true);
+  const ReadingUncertainty high = reading_uncertainty(sweeps, 1, 32.0, true);
   CHECK(at.expanded_psi == Approx(0.5 * (low.expanded_psi + high.expanded_psi)));
   CHECK(at.error_psi == Approx(0.5 * (low.error_psi + high.error_psi)));
   const std::string in_part = std::string(kWithCertificate) + R"(,"certificate_range_psi":[0,40])";
   const Uncertainty part = assess_uncertainty(example.dataset, example.fit, record_with_reference(in_part), inputs);
-  CHECK(std::ranges::max(part.condition(UseCondition::kAnyHistory).pressure_psi) == 40.0);
+  const ConditionUncertainty& cut = part.condition(UseCondition::kFullSweeps);
+  CHECK(std::isfinite(reading_uncertainty(cut, 1, 38.0, true).expanded_psi));
+  CHECK(std::isnan(reading_uncertainty(cut, 1, 50.0, true).expanded_psi));
+  // Without a certificate U of the reference is not known, and so none.
+  CHECK_FALSE(
+      assess_uncertainty(example.dataset, example.fit, {}, inputs).condition(UseCondition::kFullSweeps).valid());
 }
