@@ -85,6 +85,8 @@ inline constexpr ErrorRow kErrorTable[] = {
      "[guard] table has tolerance_psi, redo and on_broken"},
     {"TB-CALIBRATE-LEVELS", kUsage, "the limits judge at levels that the recipe does not measure",
      "name a recipe that measures it (tactbench plan RECIPE --limits FILE), or other limits"},
+    {"TB-CALIBRATE-MINUTES", kUsage, "no shipped form of the calibration takes so few minutes",
+     "allow more, or name recipes of your own: --recipe, --held-out-recipe"},
     {"TB-CALIBRATION", kPass, "an instrument's calibration is overdue, or its date is unknown",
      "have the instrument calibrated, and write the new date into the bench file"},
     {"TB-CALIBRATION-STOPPED", kStopped, "somebody ended the calibration of the reference",

@@ -17,21 +17,29 @@ void add_calibrate(CLI::App& app, Session& session) {
   CLI::App* verb = app.add_subcommand(
       "calibrate",
       "from a serial number to a verdict: registers the sensor if it is new, measures it twice, the second "
-      "time to judge by, fits, judges, writes the report, and prints PASS, FAIL or INCONCLUSIVE");
+      "time to judge by and to count its uncertainty, fits, judges, writes the report, and prints PASS, FAIL or "
+      "INCONCLUSIVE");
   verb->footer(
       "Exit code: 0 pass or conditional pass, 1 fail, 6 inconclusive or conditional fail; otherwise as of the stage "
       "that failed, which names the commands that continue.");
   verb->add_option("serial", options->serial, "the sensor's serial number")->required();
   profile.add_bench(*verb, options->bench);
   profile.add_operator(*verb, options->operator_name);
-  profile
-      .add(*verb, "--recipe", ProfileKey::kRecipe, options->recipes,
-           "recipes of the run that the models are made from: files or names of shipped ones")
-      ->take_all()
-      ->default_str("production");
-  verb->add_option("--held-out-recipe", options->held_out_recipes, "recipes of the run that the models are judged on")
-      ->take_all()
-      ->default_str("random-reversal");
+  CLI::Option* recipe = profile
+                            .add(*verb, "--recipe", ProfileKey::kRecipe, options->recipes,
+                                 "recipes of the run that the models are made from: files or names of shipped ones")
+                            ->take_all()
+                            ->default_str("production");
+  CLI::Option* held_out =
+      verb->add_option("--held-out-recipe", options->held_out_recipes,
+                       "recipes of the run that readings are judged on and their U is counted on, by kind of history")
+          ->take_all()
+          ->default_str("verification");
+  verb->add_option("--minutes", options->minutes,
+                   "of process time for both runs: the longest shipped form that fits, in place of recipes of your own")
+      ->check(CLI::PositiveNumber)
+      ->excludes(recipe)
+      ->excludes(held_out);
   profile.add(*verb, "--limits", ProfileKey::kLimits, options->limits, "limits file that judges")
       ->capture_default_str();
   profile.add(*verb, "--lab", ProfileKey::kLab, options->lab,

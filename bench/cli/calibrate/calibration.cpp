@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -18,6 +19,7 @@
 #include "bench/common/overrides.h"
 #include "bench/config/config_laboratory.h"
 #include "bench/run/recipe_check.h"
+#include "bench/run/time_estimate.h"
 #include "db/run_store.h"
 
 namespace tactbench::bench {
@@ -43,7 +45,8 @@ bool of_recipe(const std::string& setting) { return setting.starts_with("recipe.
 
 class Calibration {
  public:
-  Calibration(const CalibrateOptions& options, Session& session) : options_(options), session_(session) {}
+  Calibration(const CalibrateOptions& options, Session& session)
+      : options_(options), session_(session), form_{options.recipes, options.held_out_recipes} {}
 
   void carry_out() {
     check();
@@ -71,8 +74,9 @@ class Calibration {
     (void)metadata_tags(options_.metadata);
     const SplitOverrides overrides = split_overrides(options_.set);
     bench_ = read_bench(find_config(options_.bench), overrides.bench, options_.seeds);
-    const std::vector<Recipe> recipes = checked_recipes(options_.recipes, overrides.recipe),
-                              judging = checked_recipes(options_.held_out_recipes, {});
+    if (options_.minutes > 0.0) choose_form(overrides.recipe);
+    const std::vector<Recipe> recipes = checked_recipes(form_.recipes, overrides.recipe),
+                              judging = checked_recipes(form_.held_out_recipes, {});
     const analysis::Limits limits = read_limits(find_config(options_.limits));
     if (!options_.lab.empty()) (void)read_laboratory(find_config(options_.lab));
     result_.limits = limits.name;
@@ -95,6 +99,49 @@ class Calibration {
                   "--type " + options_.type, "name its sensor type file: --type FILE; or correct the serial number");
     if (bench_.origin == devices::Origin::kSimulated && !session_.json)
       tty::print("SIMULATED DATA: bench '{}' measures no real sensor\n", one_line(bench_.id));
+    print_total(recipes, judging, overrides.recipe);
+  }
+
+  [[nodiscard]] TimeBand time_of(const std::vector<Recipe>& recipes,
+                                 const std::vector<sequences::Override>& overrides) const {
+    TimeEstimate time(recipes, sequences::compile(recipes), time_model(bench_));
+    if (std::filesystem::exists(session_.db))
+      time.learn(db::RunStore::open_read_only(session_.db), bench_.id, overrides, false);
+    return time.total();
+  }
+
+  // The longest shipped form that fits.
+  void choose_form(const std::vector<sequences::Override>& overrides) {
+    double least = 0.0;
+    for (const CalibrationForm& form : calibration_forms()) {
+      least = (time_of(checked_recipes(form.recipes, overrides), overrides).p50_s +
+               time_of(checked_recipes(form.held_out_recipes, {}), {}).p50_s) /
+              60.0;
+      form_ = form;
+      if (least <= options_.minutes) return;
+    }
+    throw Error("TB-CALIBRATE-MINUTES",
+                fmt::format("no shipped form of the calibration takes {:g} minutes or less: the shortest, {} and {}, "
+                            "takes about {:.0f}",
+                            options_.minutes, fmt::join(form_.recipes, ", "), fmt::join(form_.held_out_recipes, ", "),
+                            std::ceil(least)),
+                "--minutes",
+                fmt::format("--minutes {:.0f}; or recipes of your own: --recipe, --held-out-recipe", std::ceil(least)));
+  }
+
+  void print_total(const std::vector<Recipe>& recipes, const std::vector<Recipe>& judging,
+                   const std::vector<sequences::Override>& overrides) const {
+    if (session_.json || options_.held_out != 0) return;
+    TimeBand total = time_of(judging, {});
+    std::string what = fmt::format("{}", fmt::join(form_.held_out_recipes, ", "));
+    if (options_.run == 0) {
+      const TimeBand first = time_of(recipes, overrides);
+      total = {total.p10_s + first.p10_s, total.p50_s + first.p50_s, total.p90_s + first.p90_s, 0, 0};
+      what = fmt::format("{}; {}", fmt::join(form_.recipes, ", "), what);
+    }
+    tty::print("in all about {:.0f} min of {}process time ({:.0f} to {:.0f}): {}\n", total.p50_s / 60.0,
+               bench_.origin == devices::Origin::kSimulated ? "simulated " : "", total.p10_s / 60.0, total.p90_s / 60.0,
+               what);
   }
 
   [[nodiscard]] std::vector<Recipe> checked_recipes(const std::vector<std::string>& names,
@@ -115,7 +162,7 @@ class Calibration {
     for (const LackingLevel& level : lacking) levels.push_back(level.pressure_psi);
     throw Error("TB-CALIBRATE-LEVELS",
                 fmt::format("limits '{}' judge at {} psi, which {} does not measure: no sensor could pass", limits.name,
-                            fmt::join(levels, ", "), fmt::join(options_.held_out_recipes, ", ")),
+                            fmt::join(levels, ", "), fmt::join(form_.held_out_recipes, ", ")),
                 "--held-out-recipe");
   }
 
@@ -142,7 +189,7 @@ class Calibration {
       return fmt::format("run {} is taken as it is", options_.run);
     }
     RunOptions run = run_options("measure", "calibrate: measured for the models");
-    run.recipes = options_.recipes;
+    run.recipes = form_.recipes;
     run.set = options_.set;
     return carried_out(run, result_.run);
   }
@@ -154,7 +201,7 @@ class Calibration {
     }
     RunOptions run =
         run_options("held out", fmt::format("calibrate: held out, to judge the models of run {}", result_.run));
-    run.recipes = options_.held_out_recipes;
+    run.recipes = form_.held_out_recipes;
     std::ranges::copy_if(options_.set, std::back_inserter(run.set), [](const std::string& s) { return !of_recipe(s); });
     if (bench_.simulation) run.seeds.seed = bench_.simulation->plant.seed + 1;  // other noise
     return carried_out(run, result_.held_out);
@@ -247,6 +294,7 @@ class Calibration {
 
   const CalibrateOptions& options_;
   Session& session_;
+  CalibrationForm form_;
   BenchConfig bench_;
   std::optional<db::SensorRecord> sensor_;
   bool report_only_ = false;
@@ -255,6 +303,12 @@ class Calibration {
 };
 
 }  // namespace
+
+const std::vector<CalibrationForm>& calibration_forms() {
+  static const std::vector<CalibrationForm> forms = {{{"production"}, {"verification"}},
+                                                     {{"production-short"}, {"verification-short"}}};
+  return forms;
+}
 
 std::string calibrate_again(const CalibrateOptions& options, Session& session, std::int64_t run,
                             std::int64_t held_out) {
@@ -275,6 +329,7 @@ std::string calibrate_again(const CalibrateOptions& options, Session& session, s
   add("--operator", {options.operator_name}, otherwise(ProfileKey::kOperator, {}));
   add("--recipe", options.recipes, otherwise(ProfileKey::kRecipe, standard.recipes));
   add("--held-out-recipe", options.held_out_recipes, standard.held_out_recipes);
+  if (options.minutes > 0.0) words += fmt::format(" --minutes {:g}", options.minutes);
   add("--limits", {options.limits}, otherwise(ProfileKey::kLimits, {standard.limits}));
   add("--lab", {options.lab}, otherwise(ProfileKey::kLab, {standard.lab}));
   add("--model", {options.model}, {standard.model});

@@ -16,7 +16,8 @@ namespace tactbench::bench {
 struct CalibrateOptions {
   std::string serial, bench, operator_name, lab, on_event;
   std::string limits = "limits.toml", type = "sensor.toml", model;  // model: empty: as fit chooses
-  std::vector<std::string> recipes = {"production"}, held_out_recipes = {"random-reversal"};
+  std::vector<std::string> recipes = {"production"}, held_out_recipes = {"verification"};
+  double minutes = 0.0;                // of process time, both runs: the longest shipped form that fits; 0: the first
   std::vector<std::string> set;        // recipe.key=value: of `recipes` alone
   std::int64_t run = 0, held_out = 0;  // completed runs of the sensor to continue from; 0: measured now
   MetadataOptions metadata;            // of both runs
@@ -28,9 +29,15 @@ struct CalibrateOptions {
 // profile gives are left out. 0: no such run.
 std::string calibrate_again(const CalibrateOptions& options, Session& session, std::int64_t run, std::int64_t held_out);
 
+// What is measured for the models, and what to judge by: the forms that `minutes` chooses from, the longest first.
+struct CalibrationForm {
+  std::vector<std::string> recipes, held_out_recipes;
+};
+const std::vector<CalibrationForm>& calibration_forms();
+
 // Sets session.code by the verdict. Throws before anything is touched where files, recipes or limits do not go together
-// (sequences::FileError, Error TB-CALIBRATE-LEVELS, TB-USAGE, ...), later what `run`, `fit` and `report` throw, with
-// the words that carry on added to the remedy.
+// (sequences::FileError, Error TB-CALIBRATE-LEVELS, TB-CALIBRATE-MINUTES, TB-USAGE, ...), later what `run`, `fit` and
+// `report` throw, with the words that carry on added to the remedy.
 void calibrate(const CalibrateOptions& options, Session& session);
 
 }  // namespace tactbench::bench

@@ -17,8 +17,8 @@
 #include "analysis/identify/dynamic/dynamic_alone.h"
 #include "analysis/workers.h"
 #include "bench/cli/calibrate/calibration.h"
-#include "bench/common/build_info.h"
 #include "bench/simulation/counter_noise.h"
+#include "tests/benchmarks/study/draw_seed.h"
 #include "tests/benchmarks/study/histories.h"
 
 namespace tactbench::bench {
@@ -34,16 +34,6 @@ enum DrawStream : std::uint64_t { kSensorStream = 301, kKindStream = 401, kRunSt
 // What turns a taxel's outputs into pressures. A scan has more noise than the mean of those that a frame has.
 std::unique_ptr<Compensator> stream_of(const SensorModel& model, const ModelTaxel& taxel) {
   return compensator_of(model, taxel, std::sqrt(static_cast<double>(model.scans)));
-}
-
-std::string code_commit() {
-  const std::string command =
-      fmt::format("git -C '{}' log -1 --format=%H -- '*.cpp' '*.h' 2>/dev/null", build_info().source_folder);
-  std::string hash(40, '\0');
-  const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
-  if (!pipe || std::fread(hash.data(), 1, hash.size(), pipe.get()) != hash.size())
-    throw std::runtime_error("no git history at " + build_info().source_folder + " to draw from: name --seed HEX");
-  return hash;
 }
 
 std::vector<std::string> split(const std::string& text, char at) {
@@ -237,10 +227,7 @@ void add_sensor(const SimulatedSensor& sensor, const CompensationOptions& option
 }  // namespace
 
 CompensationStudy study_compensation(const CompensationOptions& options, const std::string& folder) {
-  if (options.seed.size() > 16 || options.seed.find_first_not_of("0123456789abcdef") != std::string::npos)
-    throw std::invalid_argument("'" + options.seed + "' is no seed: up to 16 hexadecimal digits");
-  const std::string commit = options.seed.empty() ? code_commit() : "";
-  const std::uint64_t seed = std::stoull(commit.empty() ? options.seed : commit.substr(0, 16), nullptr, 16);
+  const auto [seed, commit] = draw_seed(options.seed);
   CompensationStudy study{fmt::format("{:016x}", seed), commit, {}, {}, {}};
   for (std::size_t k = 0; k < history_kinds().size(); ++k)
     study.draws.push_back(hash_of(seed, kKindStream, k) % 2'000'000'000);

@@ -5,15 +5,17 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <regex>
 
-#include "analysis/identify/dynamic/dynamic_fit.h"
+#include "analysis/identify/dynamic/dynamic_alone.h"
 #include "analysis/report/runs.h"
-#include "analysis/statistics/figures/step_kinds.h"
-#include "analysis/statistics/figures/streams.h"
 #include "analysis/statistics/numbers/moments.h"
 #include "analysis/statistics/uncertainty/uncertainty.h"
+#include "bench/common/output_file.h"
+#include "bench/config/config.h"
 #include "bench/reporting/report_budget.h"
-#include "bench/reporting/report_results.h"
+#include "bench/run/recipe_check.h"
+#include "bench/simulation/counter_noise.h"
 #include "tests/benchmarks/study/simulated_run.h"
 
 namespace tactbench::bench {
@@ -22,199 +24,205 @@ namespace {
 
 using namespace analysis;
 
-// The bench's thermometer, which the recipes do not need and the budget does.
-constexpr const char* kThermometer =
-    "environment.sensor=[{quantity = 'temperature_c', unit = 9, address = 7, type = 'i16', raw_span = [-1000, 1000], "
-    "span_c = [-100, 100]}]";
-constexpr const char *kProduction = "production", *kWarm = "simulation.temperature_c=28";
+enum CoverageStream : std::uint64_t { kArrayStream = 601, kInstrumentStream, kNoiseStream, kHistoryStream };
+constexpr std::size_t kEvery = 4;  // taxels whose errors tell the half-width
 
-constexpr int kGiven = 5, kUsed = 3;  // runs of each use of random reversals: given to the report, and counted
-
-// How a sensor is used after its calibration, and the condition that the report states for it.
-struct Use {
-  const char* name;
-  UseCondition condition;
-  bool random;  // reversals; else the sequences of the calibration
-  std::vector<const char*> set;
-  bool full_sweeps = false;  // of its frames those on full sweeps count, else those on inner branches
+// Of one kind: errors of all sensors for which U is stated, and U of each.
+struct Widths {
+  std::vector<float> errors, expanded;
 };
 
-const std::vector<Use>& uses() {
-  static const std::vector<Use> list = {
-      {"full_sweeps", UseCondition::kFullSweeps, false, {}, true},
-      {"inner_branches", UseCondition::kFittedBranches, false, {}},
-      {"random_reversals", UseCondition::kAnyHistory, true, {}},
-      {"other_dwell", UseCondition::kOtherDwell, true, {"recipe.dwell_s=10"}},
-      {"held", UseCondition::kHeld, true, {"recipe.dwell_s=25"}},
-      {"other_temperature", UseCondition::kOtherTemperature, true, {kWarm}},
-      {"remounted", UseCondition::kRemounted, true, {"simulation.effects.remount_variation=0.03"}},
-      {"month_later",
-       UseCondition::kLater,
-       true,
-       {kWarm, "simulation.age_months=1", "simulation.effects.gain_drift_per_month=0.01",
-        "simulation.effects.zero_drift_v_per_month=0.01"}},
-  };
-  return list;
-}
-
-SimulatedRun run_of(const Use& use) {
-  SimulatedRun made{{}, {use.set.begin(), use.set.end()}};
-  if (use.random) made.recipes = {"random-reversal"};
-  return made;
-}
-
-struct Covered {
-  double inside = 0.0, not_valid = 0.0;  // pairs; sensors of which the report says that U does not cover the use
-  std::vector<double> errors, expanded;  // of each pair
-};
-using Coverages = std::map<std::string, Covered>;  // by specimen, calibration, model and use
-// The readings of a run by that fit, in the order of the taxels, against the pressures that are known and what is
-// stated of them: those on full sweeps, or those on inner branches.
-void add_errors(const KnownRun& run, const SensorModel& fit, const ConditionUncertainty& stated, bool full_sweeps,
-                Covered& covered) {
-  std::vector<std::vector<StepKind>> kinds;
-  std::vector<std::vector<std::size_t>> first;  // frame of a repeat's first step
-  std::size_t frames = 0;
-  for (const SequenceData& sequence : run.data.sequences) {
-    kinds.push_back(step_kinds(sequence, fit.pressure_psi.front(), fit.pressure_psi.back()));
-    first.emplace_back();
-    for (const Repeat& repeat : sequence.repeats) {
-      first.back().push_back(frames);
-      frames += repeat.steps.size();
-    }
+// The composite recipe with histories drawn anew: every seed=N in it is another.
+std::string drawn_anew(const std::string& recipe, std::uint64_t seed, const std::string& file) {
+  std::string text = read_recipe_file(recipe).text, made;
+  static const std::regex kSeed("seed=[0-9]+");
+  std::uint64_t drawn = 0;
+  auto from = text.cbegin();
+  for (std::sregex_iterator found(text.begin(), text.end(), kSeed), end; found != end; ++found) {
+    made.append(from, (*found)[0].first);
+    made += fmt::format("seed={}", hash_of(seed, kHistoryStream, drawn++) % 2'000'000'000);
+    from = (*found)[0].second;
   }
-  std::vector<Covered> taxels(fit.taxels.size());
-  compensate_in_order(run.data, fit, 0, [&](std::size_t taxel) {
-    return [&, taxel](std::size_t s, std::size_t r, std::size_t i, const Compensated& now) {
-      const StepKind& kind = kinds[s][i];
-      if (kind.full != full_sweeps) return;
-      const auto [known, expanded] = reading_uncertainty(stated, taxel, now.pressure_psi, kind.up);
-      const double error = std::abs(now.pressure_psi - known - run.chamber_psi[first[s][r] + i]);
-      taxels[taxel].inside += error <= expanded ? 1.0 : 0.0;
-      taxels[taxel].errors.push_back(error);
-      taxels[taxel].expanded.push_back(expanded);
-    };
-  });
-  for (const Covered& own : taxels) {
-    covered.inside += own.inside;
-    covered.errors.insert(covered.errors.end(), own.errors.begin(), own.errors.end());
-    covered.expanded.insert(covered.expanded.end(), own.expanded.begin(), own.expanded.end());
-  }
+  made.append(from, text.cend());
+  write_output(file, made, true);
+  return file;
 }
 
-// One sensor: its calibrations, what a careful user gives beside them, and its uses.
-class CoverageOfSensor {
+class SensorStudy {
  public:
-  CoverageOfSensor(const SimulatedSensor& sensor, const CoverageOptions& options, const std::string& folder)
+  SensorStudy(const SimulatedSensor& sensor, const CoverageOptions& options, const std::string& folder)
       : sensor_(sensor),
         options_(options),
-        store_(db::RunStore::open(fmt::format("{}/{}-{}.db", folder, sensor.seed, word_of(sensor.kind)),
+        seed_(hash_of(options.seed, static_cast<std::uint64_t>(sensor.kind), sensor.seed)),
+        folder_(folder),
+        store_(db::RunStore::open(fmt::format("{}/{}-{}.db", folder, word_of(sensor.kind), sensor.seed),
                                   db::Durability::kNormal)),
         runs_(store_) {}
 
-  void add_to(Coverages& coverages) {
-    rate_ = run({{"rate"}, {}}).data.run;
-    creep_ = run({{"creep-levels"}, {}}).data.run;
-    warm_ = run({{kProduction}, {kThermometer, kWarm}}).data.run;
-    for (const Use& use : uses()) {
-      if (!use.random) continue;
-      for (int i = 0; i < kGiven; ++i) {
-        const std::int64_t given = random_reversals(use).data.run;
-        if (use.condition == UseCondition::kRemounted)
-          studies_.push_back(fmt::format("{}:mount", given));
-        else
-          held_out_.push_back(given);
-      }
-      for (int i = 0; i < kUsed; ++i) used_[use.name].push_back(random_reversals(use));
+  CoveredSensor carry_out(std::map<UseCondition, Widths>& widths) {
+    const KnownRun calibration = run(options_.recipes), verification = run({options_.held_out});
+    const SensorModel fit = fit_dynamic_alone(calibration.data);
+    const Uncertainty uncertainty = assessed(calibration.data.run, verification.data.run, fit);
+    CoveredSensor out;
+    out.seed = sensor_.seed;
+    out.minutes = (calibration.process_s + verification.process_s) / 60.0;
+    out.reference_off = reference_off(calibration, uncertainty.reference);
+    for (std::size_t kind = 0; kind < kHistoryKinds; ++kind) {
+      const ConditionUncertainty& stated = uncertainty.condition(static_cast<UseCondition>(kind));
+      out.kinds.push_back({stated.condition, stated.not_valid, 0.0, 0.0, stated.factor, stated.median_psi});
     }
-    if (options_.production) add_calibration({kProduction}, "production", coverages);
-    if (options_.table_1) add_calibration({"descending", "ascending"}, "table_1", coverages);
+    for (int i = 0; i < options_.further; ++i) {
+      const std::string recipe = drawn_anew(options_.held_out, hash_of(seed_, kHistoryStream, static_cast<unsigned>(i)),
+                                            fmt::format("{}/further-{}-{}.toml", folder_, sensor_.seed, i));
+      count(run({recipe}), calibration.data, fit, uncertainty, out, widths);
+    }
+    return out;
   }
 
  private:
   // On one rig, whose instruments have errors of their own.
-  KnownRun run(SimulatedRun made) {
-    made.set.push_back(fmt::format("simulation.instrument_seed={}", sensor_.seed));
-    return simulate_run(made, sensor_, noise_seed_++, store_);
+  KnownRun run(const std::vector<std::string>& recipes) {
+    const std::uint64_t instruments = 1 + hash_of(seed_, kInstrumentStream, 0) % 1'000'000;
+    const auto noise = static_cast<unsigned>(hash_of(seed_, kNoiseStream, made_++) % 1'000'000'000);
+    return simulate_run({recipes, {fmt::format("simulation.instrument_seed={}", instruments)}}, sensor_, noise, store_);
   }
 
-  // No two go the same way, or are of one mount: the same way of all sensors would be one draw, however many they are.
-  KnownRun random_reversals(const Use& use) {
-    SimulatedRun made = run_of(use);
-    const unsigned drawn = 1000 * sensor_.seed + noise_seed_;
-    made.set.push_back(fmt::format("recipe.seed={}", drawn));
-    if (use.condition == UseCondition::kRemounted) made.set.push_back(fmt::format("simulation.mount_seed={}", drawn));
-    return run(std::move(made));
+  // As the report assesses it.
+  Uncertainty assessed(std::int64_t calibration, std::int64_t verification, const SensorModel& fit) {
+    ReportInput input;
+    input.run = runs_.record(calibration);
+    input.fit = fit;
+    input.held_out.push_back({"", runs_.record(verification), {}});
+    return assess_uncertainty(runs_.dataset(calibration), fit, input.run, budget_inputs(runs_, input, {}, {}));
   }
 
-  void add_calibration(const std::vector<std::string>& recipes, const std::string& name, Coverages& coverages) {
-    const std::int64_t calibration = run({recipes, {kThermometer}}).data.run;
-    const std::vector<KnownRun> again = {run({recipes, {}}), run({recipes, {}})};
-    std::vector<std::int64_t> held_out = held_out_;
-    held_out.push_back(run({recipes, {}}).data.run);
-    const Dataset& fitted = runs_.dataset(calibration);
-    for (const bool dynamic : {true, false}) {
-      if (!(dynamic ? options_.dynamic : options_.elam)) continue;
-      const SensorModel fit =
-          dynamic ? fit_dynamic(fitted, runs_.dataset(rate_), runs_.dataset(creep_)) : fit_array(fitted);
-      const std::string prefix = fmt::format("{}_{}_{}_", word_of(sensor_.kind), name, dynamic ? "dynamic" : "elam");
-      const Uncertainty uncertainty = assessed(calibration, fit, held_out);
-      for (const Use& use : uses()) {
-        const ConditionUncertainty& stated = uncertainty.condition(use.condition);
-        if (!stated.valid()) {
-          coverages[prefix + use.name].not_valid += 1.0;
-          continue;
+  static double reference_off(const KnownRun& run, const ReferenceUncertainty& reference) {
+    double sum = 0.0, frames = 0.0;
+    std::size_t at = 0;
+    for (const SequenceData& sequence : run.data.sequences)
+      for (const Repeat& repeat : sequence.repeats)
+        for (const Sample& sample : repeat.steps) {
+          const double truth = run.chamber_psi[at++];
+          sum += (sample.reference_psi - truth) / reference.combined_u(truth);
+          frames += 1.0;
         }
-        for (const KnownRun& run : use.random ? used_.at(use.name) : again)
-          add_errors(run, fit, stated, use.full_sweeps, coverages[prefix + use.name]);
+    return sum / frames;
+  }
+
+  // The readings of a further run against the pressures that are known and what is stated of them.
+  static void count(const KnownRun& run, const Dataset& calibration, const SensorModel& fit,
+                    const Uncertainty& uncertainty, CoveredSensor& out, std::map<UseCondition, Widths>& widths) {
+    const FrameErrors errors = frame_errors(run.data, fit);
+    const std::size_t width = fit.array().size();
+    for (const KindHistories& one :
+         kind_histories(run.data, errors, calibration, fit.pressure_psi.front(), fit.pressure_psi.back())) {
+      const ConditionUncertainty& stated = uncertainty.condition(one.kind);
+      if (!stated.valid()) continue;
+      CoveredKind& covered = out.kinds[static_cast<std::size_t>(one.kind)];
+      for (const std::size_t i : one.history.frames) {
+        const FrameErrors::Frame& frame = errors.frames[i];
+        for (std::size_t taxel = 0; taxel < width; ++taxel) {
+          const double reading = frame.reference_psi + errors.error_psi[i * width + taxel];
+          const auto [known, expanded] = reading_uncertainty(stated, taxel, reading, frame.up);
+          if (std::isnan(expanded)) continue;
+          const double error = std::abs(reading - known - run.chamber_psi[i]);
+          covered.inside += error <= expanded ? 1.0 : 0.0;
+          covered.readings += 1.0;
+          if (taxel % kEvery != 0) continue;
+          widths[one.kind].errors.push_back(static_cast<float>(error));
+          widths[one.kind].expanded.push_back(static_cast<float>(expanded));
+        }
       }
     }
   }
 
-  // As the report assesses it, from the runs that it is given.
-  Uncertainty assessed(std::int64_t calibration, const SensorModel& fit, const std::vector<std::int64_t>& held_out) {
-    ReportInput input;
-    input.run = runs_.record(calibration);
-    input.fit = fit;
-    for (const std::int64_t run : held_out) input.held_out.push_back({"", runs_.record(run), {}});
-    std::vector<MountedRun> mounts = {{calibration, sweep_estimates(runs_.dataset(calibration), fit)}};
-    for (const StudyRun& study : study_runs_of(studies_))
-      mounts.push_back({study.run, sweep_estimates(runs_.dataset(study.run), fit)});
-    input.more.studies.remount = remount_of(mounts);
-    return assess_uncertainty(runs_.dataset(calibration), fit, input.run,
-                              budget_inputs(runs_, input, {rate_, creep_, warm_}, studies_));
-  }
-
   SimulatedSensor sensor_;
   const CoverageOptions& options_;
+  std::uint64_t seed_;
+  std::string folder_;
   db::RunStore store_;
   Runs runs_;
-  unsigned noise_seed_ = 1;
-  std::int64_t rate_ = 0, creep_ = 0, warm_ = 0;
-  std::vector<std::int64_t> held_out_;
-  std::vector<std::string> studies_;
-  std::map<std::string, std::vector<KnownRun>> used_;
+  std::uint64_t made_ = 0;
 };
 
-std::vector<Figure> figures_of(const Coverages& coverages) {
-  FigureList figures("coverage");
-  for (const auto& [name, covered] : coverages) {
-    if (covered.not_valid > 0.0) figures.add(name + "_not_valid", covered.not_valid, "sensors");
-    if (covered.errors.empty()) continue;
-    figures.add(name, 100.0 * covered.inside / static_cast<double>(covered.errors.size()), "%");
-    figures.add(name + "_median_u", quantile_of(covered.expanded, 0.5), "psi");
-    figures.add(name + "_half_width_95", quantile_of(covered.errors, 0.95), "psi");
+double quantile(std::vector<float>& values, double share) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+CoverageOfKind over_sensors(UseCondition kind, const std::vector<CoveredSensor>& sensors, Widths& widths) {
+  CoverageOfKind out;
+  out.kind = kind;
+  out.least = 100.0;
+  double inside = 0.0, readings = 0.0;
+  for (const CoveredSensor& sensor : sensors) {
+    const CoveredKind& own = sensor.kinds[static_cast<std::size_t>(kind)];
+    if (!own.not_valid.empty() || !(own.readings > 0.0)) continue;
+    ++out.stated;
+    out.outside += own.percent() < 90.0 || own.percent() > 99.0 ? 1 : 0;
+    out.least = std::min(out.least, own.percent());
+    out.most = std::max(out.most, own.percent());
+    inside += own.inside;
+    readings += own.readings;
   }
-  return figures.take();
+  if (out.stated == 0) return out;
+  out.percent = 100.0 * inside / readings;
+  out.median_u_psi = quantile(widths.expanded, 0.5);
+  out.half_width_psi = quantile(widths.errors, 0.95);
+  return out;
 }
 
 }  // namespace
 
-std::vector<Figure> benchmark_coverage(const CoverageOptions& options, const std::string& folder) {
-  Coverages coverages;
-  for (const SpecimenKind kind : options.specimens)
-    for (const unsigned seed : options.sensor_seeds) CoverageOfSensor({kind, seed}, options, folder).add_to(coverages);
-  return figures_of(coverages);
+std::vector<CoverageOfSpecimen> study_coverage(const CoverageOptions& options, const std::string& folder) {
+  std::vector<CoverageOfSpecimen> study;
+  for (const SpecimenKind specimen : options.specimens) {
+    CoverageOfSpecimen out{word_of(specimen), {}, {}};
+    std::map<UseCondition, Widths> widths;
+    const auto stream = kArrayStream + 1000 * static_cast<std::uint64_t>(specimen);
+    for (std::uint64_t n = 0; n < static_cast<std::uint64_t>(options.sensors); ++n) {
+      const auto seed = static_cast<unsigned>(1 + hash_of(options.seed, stream, n) % 999'999);
+      out.sensors.push_back(SensorStudy({specimen, seed}, options, folder).carry_out(widths));
+      fmt::print(stderr, "{} {}: {} of {}\n", out.specimen, seed, n + 1, options.sensors);
+    }
+    for (std::size_t kind = 0; kind < kHistoryKinds; ++kind)
+      out.kinds.push_back(
+          over_sensors(static_cast<UseCondition>(kind), out.sensors, widths[static_cast<UseCondition>(kind)]));
+    study.push_back(std::move(out));
+  }
+  return study;
+}
+
+std::string markdown_of(const std::vector<CoverageOfSpecimen>& study) {
+  std::string text =
+      "| specimen | kind of history | U stated, sensors | inside U, % | single sensors, % | outside 90 to 99 % | "
+      "median U, "
+      "psi | half-width of 95 %, psi | U / half-width |\n|---|---|---|---|---|---|---|---|---|\n";
+  for (const CoverageOfSpecimen& specimen : study)
+    for (const CoverageOfKind& kind : specimen.kinds) {
+      text += fmt::format("| {} | {} | {} of {} ", specimen.specimen, analysis::name_of(kind.kind), kind.stated,
+                          specimen.sensors.size());
+      text += kind.stated == 0 ? std::string("| | | | | | |\n")
+                               : fmt::format("| {:.1f} | {:.1f} to {:.1f} | {} | {:.2f} | {:.2f} | {:.2f} |\n",
+                                             kind.percent, kind.least, kind.most, kind.outside, kind.median_u_psi,
+                                             kind.half_width_psi, kind.median_u_psi / kind.half_width_psi);
+    }
+  text +=
+      "\n| specimen | sensor | reference off, its own u | minutes | inside U, %: full sweeps | reversals | small | "
+      "held "
+      "|\n|---|---|---|---|---|---|---|---|\n";
+  for (const CoverageOfSpecimen& specimen : study)
+    for (const CoveredSensor& sensor : specimen.sensors) {
+      text += fmt::format("| {} | {} | {:.1f} | {:.1f} ", specimen.specimen, sensor.seed, sensor.reference_off,
+                          sensor.minutes);
+      for (const CoveredKind& kind : sensor.kinds)
+        text += kind.not_valid.empty()
+                    ? fmt::format("| {:.1f} (k {:.2f}, U {:.2f}) ", kind.percent(), kind.factor, kind.median_psi)
+                    : fmt::format("| {} ", kind.not_valid);
+      text += "|\n";
+    }
+  return text;
 }
 
 }  // namespace tactbench::bench

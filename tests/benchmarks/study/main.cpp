@@ -1,5 +1,5 @@
-// Studies on simulated sensors and random numbers, by name. `compensation` prints tables, the others lines FIGURE
-// <name> <value> <unit>.
+// Studies on simulated sensors and random numbers, by name. `compensation` and `coverage` print tables, the others
+// lines FIGURE <name> <value> <unit>.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -11,6 +11,7 @@
 #include "tests/benchmarks/study/charts.h"
 #include "tests/benchmarks/study/compensation.h"
 #include "tests/benchmarks/study/coverage.h"
+#include "tests/benchmarks/study/draw_seed.h"
 #include "tests/benchmarks/study/specimen.h"
 
 using namespace tactbench::bench;
@@ -18,7 +19,6 @@ using namespace tactbench::bench;
 int main(int count, char** words) try {
   CLI::App app("Studies on simulated sensors");
   app.require_subcommand(1);
-  std::vector<unsigned> sensors = {11, 12, 13};
   int draws = 10000;
   CompensationOptions compensation;
   std::string json;
@@ -38,8 +38,15 @@ int main(int count, char** words) try {
   errors->add_option("--sensors", compensation.sensors, "of each specimen")->check(CLI::Range(1, 1000));
   errors->add_option("--every", compensation.every, "taxels")->check(CLI::Range(1, 256));
   errors->add_option("--json", json, "file for all figures");
-  CLI::App* coverage = app.add_subcommand("coverage", "readings within the report's U of the truth, by use");
-  coverage->add_option("--sensors", sensors, "sensor seeds")->delimiter(',');
+  CoverageOptions covered;
+  std::string coverage_seed;
+  CLI::App* coverage =
+      app.add_subcommand("coverage", "readings within the report's U of the truth, by kind of history");
+  coverage->add_option("--seed", coverage_seed, "hexadecimal; of the last commit to code where none is given");
+  coverage->add_option("--sensors", covered.sensors, "of each specimen")->check(CLI::Range(1, 1000));
+  coverage->add_option("--further", covered.further, "runs that are held against U")->check(CLI::Range(1, 100));
+  coverage->add_option("--recipe", covered.recipes, "of the run that models are made from")->delimiter(',');
+  coverage->add_option("--held-out-recipe", covered.held_out, "of the run that U is counted on");
   CLI::App* specimen = app.add_subcommand("specimen", "what the simulated sensors are like");
   const std::vector<std::string> all = specimen_words();
   std::vector<std::string> chosen = all;
@@ -62,10 +69,15 @@ int main(int count, char** words) try {
     if (!json.empty()) write_output(json, json_of(study), true);
     return 0;
   }
-  const std::vector<Figure> figures =
-      *coverage ? benchmark_coverage({.sensor_seeds = sensors, .specimens = specimens}, folder.path())
-      : *charts ? benchmark_charts(draws)
-                : benchmark_specimen(specimens);
+  if (*coverage) {
+    const DrawSeed drawn = draw_seed(coverage_seed);
+    covered.seed = drawn.seed;
+    covered.specimens = specimens;
+    fmt::print("seed {:016x}{}\n\n{}", drawn.seed, drawn.commit.empty() ? "" : ", of commit " + drawn.commit,
+               markdown_of(study_coverage(covered, folder.path())));
+    return 0;
+  }
+  const std::vector<Figure> figures = *charts ? benchmark_charts(draws) : benchmark_specimen(specimens);
   for (const Figure& figure : figures) fmt::print("FIGURE {} {:.2f} {}\n", figure.name, figure.value, figure.unit);
 } catch (const std::exception& error) {  // a recipe that is not there, a model of no such name
   fmt::print(stderr, "{}\n", error.what());

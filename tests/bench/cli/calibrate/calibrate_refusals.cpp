@@ -54,6 +54,7 @@ TEST_CASE("calibrate: runs of another sensor, runs that did not complete, and re
        {{"--recipe", "production", "--recipe", "ring"}, "TB-USAGE", "calibrate"},
        {{"--held-out-recipe", "ring"}, "TB-USAGE", "calibrate"},
        {{"--limits", "nightly-limits.toml", "--held-out-recipe", "loops"}, "TB-CALIBRATE-LEVELS", "--held-out-recipe"},
+       {{"--minutes", "5"}, "TB-CALIBRATE-MINUTES", "--minutes"},
        {{"--run", "9"}, "TB-STORE-NOT-FOUND", ""}});
   check_each_refused(bench::add_calibrate, of_sensor("S-2"), {{{"--run", "1"}, "TB-USAGE", "--run"}});
   check_each_refused(bench::add_calibrate,

@@ -104,6 +104,22 @@ TEST_CASE("calibrate: a report that cannot be written ends it, with runs of its 
   CHECK(of.calibrate({"--run", "1"}).code == 2);
 }
 
+TEST_CASE("calibrate: its model is bit for bit what fit makes of the same run without verification") {
+  const TemporaryFolder with, without;
+  for (const TemporaryFolder* folder : {&with, &without}) well(call(*folder, {"init", "--operator", "tester"}));
+  (void)calibrated(with, {"--minutes", "13", "--no-seating"});  // the shorter form, whatever its verdict
+  well(call(with, {"model", "export", "1", "-o", "model.json"}));
+  well(call(without, {"sensors", "add", "MY-1"}));
+  well(call(without, {"run", "production-short", "--sensor", "MY-1", "--no-seating", "-q"}));
+  well(call(without, {"fit", "1", "-o", "model.json", "-q"}));
+  const auto model = [](const TemporaryFolder& folder) {
+    return nlohmann::json::parse(read_file(folder.path("model.json")));
+  };
+  REQUIRE(model(with).at("taxels").size() >= 256);
+  CHECK(model(with).at("taxels") == model(without).at("taxels"));
+  CHECK(model(with).at("dynamics") == model(without).at("dynamics"));
+}
+
 TEST_CASE("calibrate: a good sensor passes by the shipped limits, with a report") {
   const TemporaryFolder folder;
   well(call(folder, {"init", "--operator", "tester"}));
