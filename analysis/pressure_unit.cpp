@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <cstdlib>
-#include <regex>
 
 namespace tactbench::analysis {
 
@@ -19,43 +17,6 @@ constexpr PressureUnit kUnits[] = {PressureUnit::kKilopascal, PressureUnit::kBar
 std::string without_signed_zero(std::string digits) {
   if (digits.starts_with('-') && digits.find_first_of("123456789") == std::string::npos) digits.erase(0, 1);
   return digits;
-}
-
-// Numbers as sentences have them, joined in a span: "40", "-0.6", "0 to 60", "8-60".
-const std::regex& stated_pressures() {
-  static const std::regex pattern(
-      R"((^|[^A-Za-z0-9_.+-])([+-]?\d+(?:\.\d+)?(?:(?:-| to )[+-]?\d+(?:\.\d+)?)*) psi(?![A-Za-z0-9_]))");
-  return pattern;
-}
-const std::regex& stated_number() {
-  static const std::regex pattern(R"((^|-| to )([+-]?\d+(?:\.\d+)?))");
-  return pattern;
-}
-
-// Decimals as the text has them; a whole number may be an exact one and is shown to four digits. What is stated to
-// hundredths or finer keeps two significant digits: 0.05 psi is 0.34 kPa, not 0.3.
-std::string converted(const std::string& number, PressureUnit unit) {
-  const std::size_t point = number.find('.');
-  const double psi = std::strtod(number.c_str(), nullptr);
-  const char* const plus = number.starts_with('+') ? "+" : "";
-  if (point == std::string::npos) return fmt::format("{}{:.4g}", plus, unit.of(psi));
-  const auto decimals = static_cast<int>(number.size() - point - 1);
-  const double shown = std::abs(unit.of(psi));
-  const int needed = decimals < 2 || psi == 0.0 ? 0 : 1 - static_cast<int>(std::floor(std::log10(shown)));
-  if (needed > unit.digits(decimals)) return fmt::format("{}{:.{}f}", plus, unit.of(psi), needed);
-  return plus + unit.fixed(psi, decimals);
-}
-
-template <class Write>
-std::string replaced(const std::string& text, const std::regex& pattern, Write write) {
-  std::string out;
-  auto from = text.cbegin();
-  for (auto found = std::sregex_iterator(text.begin(), text.end(), pattern); found != std::sregex_iterator(); ++found) {
-    out.append(from, (*found)[0].first);
-    out += write(*found);
-    from = (*found)[0].second;
-  }
-  return out.append(from, text.cend());
 }
 
 }  // namespace
@@ -120,24 +81,53 @@ std::string PressureUnit::short_span(double low_psi, double high_psi) const {
                        : fmt::format("{:.4g} to {:.4g} {}", of(low_psi), of(high_psi), symbol());
 }
 
-std::string PressureUnit::rewritten(const std::string& text, bool both) const {
-  if (text.find(" psi") == std::string::npos) return text;
-  return replaced(text, stated_pressures(), [&](const std::smatch& span) {
-    const std::string numbers = span[2].str();
-    const auto in = [&](PressureUnit unit) {
-      if (unit.kind_ == kPsi) return numbers + " psi";
-      return replaced(numbers, stated_number(),
-                      [&](const std::smatch& one) { return one[1].str() + converted(one[2].str(), unit); }) +
-             " " + unit.symbol();
-    };
-    return span[1].str() + (both ? fmt::format("{} ({})", in(*this), in(beside())) : in(*this));
-  });
+namespace {
+
+std::string with_kilopascals(const std::string& in_psi, const std::string& in_kilopascals) {
+  return fmt::format("{} ({})", in_psi, in_kilopascals);
 }
 
-std::string PressureUnit::in_text(const std::string& text) const {
-  return kind_ == kPsi ? text : rewritten(text, false);
+constexpr PressureUnit kPsi = PressureUnit::kPsi, kKilopascal = PressureUnit::kKilopascal;
+
+}  // namespace
+
+std::string both_units(double psi) { return with_kilopascals(kPsi.short_text(psi), kKilopascal.short_text(psi)); }
+
+std::string both_units(double psi, int decimals) {
+  return with_kilopascals(kPsi.text(psi, decimals), kKilopascal.text(psi, decimals));
 }
 
-std::string PressureUnit::both_in_text(const std::string& text) const { return rewritten(text, true); }
+std::string both_units_span(double low_psi, double high_psi) {
+  return with_kilopascals(kPsi.short_span(low_psi, high_psi), kKilopascal.short_span(low_psi, high_psi));
+}
+
+PressureText& PressureText::operator+=(std::string_view text) {
+  text_ += text;
+  return *this;
+}
+
+PressureText& PressureText::add(const PressureText& more) {
+  for (Pressure pressure : more.pressures_) {
+    pressure.at += text_.size();
+    pressures_.push_back(pressure);
+  }
+  text_ += more.text_;
+  return *this;
+}
+
+PressureText& PressureText::add(double psi, int decimals) {
+  pressures_.push_back({text_.size(), psi, decimals});
+  return *this;
+}
+
+std::string PressureText::in(PressureUnit unit) const {
+  std::string out;
+  std::size_t from = 0;
+  for (const Pressure& pressure : pressures_) {
+    out += text_.substr(from, pressure.at - from) + unit.text(pressure.psi, pressure.decimals);
+    from = pressure.at;
+  }
+  return out + text_.substr(from);
+}
 
 }  // namespace tactbench::analysis

@@ -2,9 +2,12 @@
 // that is printed passes here, so that no table mixes units. All pressures are gauge pressures.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace tactbench::analysis {
 
@@ -29,17 +32,36 @@ class PressureUnit {
   // As short as it is exact to four digits: "40 psi", "275.8 kPa", "2.758 bar".
   [[nodiscard]] std::string short_text(double psi) const;
   [[nodiscard]] std::string short_span(double low_psi, double high_psi) const;  // "0 to 413.7 kPa"
-  // A sentence of the program, which states pressures in psi ("40 psi up", "allowed is 0 to 60 psi", "2.5 psi/s"), in
-  // this unit: "275.8 kPa up". For texts that were stored, or come from where nothing is known of the reader.
-  [[nodiscard]] std::string in_text(const std::string& text) const;
-  // The same with the other unit behind: "275.8 kPa (40 psi) up".
-  [[nodiscard]] std::string both_in_text(const std::string& text) const;
-
   friend constexpr bool operator==(PressureUnit, PressureUnit) = default;
 
  private:
-  [[nodiscard]] std::string rewritten(const std::string& text, bool both) const;
   Kind kind_;
+};
+
+// "40 psi (275.8 kPa)": for what is stored as text, such as an event, or said where nothing is known of the reader, as
+// an error of the guard. `decimals`: of a reading.
+std::string both_units(double psi);
+std::string both_units(double psi, int decimals);
+std::string both_units_span(double low_psi, double high_psi);  // "0 to 60 psi (0 to 413.7 kPa)"
+
+// A text that holds pressures, until it is known in which unit they are to be written.
+class PressureText {
+ public:
+  PressureText() = default;
+  PressureText(std::string text) : text_(std::move(text)) {}  // NOLINT(google-explicit-constructor): without any
+  PressureText& operator+=(std::string_view text);
+  PressureText& add(double psi, int decimals);  // decimals: of psi
+  PressureText& add(const PressureText& more);
+  [[nodiscard]] std::string in(PressureUnit unit) const;
+
+ private:
+  struct Pressure {
+    std::size_t at;  // in text_
+    double psi;
+    int decimals;
+  };
+  std::string text_;
+  std::vector<Pressure> pressures_;
 };
 
 // What the report and the glossary say once.

@@ -35,13 +35,16 @@ bool takes_frame(const Step& step) {
   return (step.kind == StepKind::kMeasure || step.kind == StepKind::kPress) && step.frame;
 }
 
-std::string step_line(const Step& step) {
+std::string step_line(const Step& step, const char* unit, double per_psi) {
   std::string line = fmt::format("{} sequence {} repeat {} branch {} step {}", to_string(step.kind), step.sequence,
                                  step.repeat, step.branch, step.ordinal);
   const bool of_pressure = step.kind == StepKind::kConditioning || step.kind == StepKind::kMeasure;
   if (of_pressure) {
+    const auto in = [&](devices::Psi pressure) {
+      return per_psi == 1.0 ? fmt::format("{}", pressure.value()) : fmt::format("{:.6g}", per_psi * pressure.value());
+    };
     line +=
-        fmt::format(": {} psi ({} to {} psi)", step.setpoint.value(), step.branch_from.value(), step.branch_to.value());
+        fmt::format(": {} {} ({} to {} {})", in(step.setpoint), unit, in(step.branch_from), in(step.branch_to), unit);
   } else if (step.kind == StepKind::kPress) {
     line += fmt::format(": {} N ({} to {})", step.force_n, step.force_from_n, step.force_to_n);
   }
@@ -50,7 +53,7 @@ std::string step_line(const Step& step) {
     line += fmt::format(" at x {} y {} mm", step.x_mm, step.y_mm);
   }
   if (of_pressure || step.kind == StepKind::kPress) line += fmt::format(", dwell {} s", step.dwell_s);
-  if (step.ramp_psi_per_s > 0.0) line += fmt::format(", ramp {} psi/s", step.ramp_psi_per_s);
+  if (step.ramp_psi_per_s > 0.0) line += fmt::format(", ramp {} {}/s", per_psi * step.ramp_psi_per_s, unit);
   if (!step.settle) line += ", in passing";
   if (step.hold) line += ", held";
   if (!step.frame) line += ", no frame";

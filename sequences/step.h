@@ -46,8 +46,9 @@ struct Step {
 
 [[nodiscard]] bool takes_frame(const Step& step);
 
-// One line that describes a step completely: equal steps give equal lines, different steps different lines.
-std::string step_line(const Step& step);
+// One line that describes a step completely: equal steps give equal lines, different steps different lines. In another
+// unit of pressure to six digits.
+std::string step_line(const Step& step, const char* unit = "psi", double per_psi = 1.0);
 
 struct BranchKey {
   int sequence = 0, repeat = 0, branch = 0;

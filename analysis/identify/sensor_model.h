@@ -15,6 +15,7 @@
 #include "analysis/identify/taxel_status.h"
 #include "analysis/models/dynamics.h"
 #include "analysis/models/elam.h"
+#include "analysis/pressure_unit.h"
 
 namespace tactbench::analysis {
 
@@ -147,9 +148,10 @@ SensorModel fit_models_alone(const std::string& model, const Histories& historie
 
 // In what the named sequences (empty: all) of `used` lie outside the model's validity, a line each: serials, inputs
 // beyond 2 % of the range, holds and rates beyond 10 %, temperatures beyond 1 degC. What either does not know is
-// passed.
+// passed. Pressures in `shown`.
 std::vector<std::string> outside_validity(const SensorModel& model, const Histories& used,
-                                          const std::vector<std::string>& sequences = {});
+                                          const std::vector<std::string>& sequences = {},
+                                          PressureUnit shown = PressureUnit::kPsi);
 
 struct FitOptions {
   std::string model = "elam";

@@ -16,9 +16,9 @@ void widen(std::optional<Range>& range, double value) {
   range->widen(value);
 }
 
-std::string text_of(const Range& range) {
-  return range.low == range.high ? fmt::format("{:.4g}", range.low)
-                                 : fmt::format("{:.4g} to {:.4g}", range.low, range.high);
+std::string text_of(const Range& range, double factor) {
+  return range.low == range.high ? fmt::format("{:.4g}", factor * range.low)
+                                 : fmt::format("{:.4g} to {:.4g}", factor * range.low, factor * range.high);
 }
 
 }  // namespace
@@ -45,7 +45,7 @@ Validity validity_of(const std::vector<History>& histories, const std::vector<do
 }
 
 std::vector<std::string> outside_validity(const SensorModel& model, const Histories& used,
-                                          const std::vector<std::string>& sequences) {
+                                          const std::vector<std::string>& sequences, PressureUnit shown) {
   std::vector<std::string> outside;
   const auto serial = [&](const char* what, const std::string& own, const std::string& other) {
     if (!own.empty() && !other.empty() && own != other)
@@ -54,20 +54,23 @@ std::vector<std::string> outside_validity(const SensorModel& model, const Histor
   serial("sensor", model.sensor_serial, used.sensor_serial);
   serial("scanner", model.scanner_serial, used.scanner_serial);
   const auto compare = [&](const char* what, const std::optional<Range>& box, const std::optional<Range>& seen,
-                           double slack_low, double slack_high, const std::string& unit) {
+                           double slack_low, double slack_high, const std::string& unit, double factor = 1.0) {
     if (!box || !seen || (seen->low >= box->low - slack_low && seen->high <= box->high + slack_high)) return;
-    outside.push_back(fmt::format("{} {}{} (fitted at {})", what, text_of(*seen), unit, text_of(*box)));
+    outside.push_back(fmt::format("{} {}{} (fitted at {})", what, text_of(*seen, factor), unit, text_of(*box, factor)));
   };
   const auto first = std::ranges::find_if(used.taxels, [](const auto& t) { return t.usable(); });
   const Validity seen = validity_of(named(first->score, sequences), used.temperatures_c);
   const Validity& box = model.validity;
   const double input_slack = box.input ? kInputSlack * (box.input->high - box.input->low) : 0.0;
-  const std::string input_unit = used.input_unit.empty() ? "" : " " + used.input_unit;
-  compare("input", box.input, seen.input, input_slack, input_slack, input_unit);
+  const bool in_psi = used.input_unit == "psi";
+  const double factor = in_psi ? shown.of(1.0) : 1.0;
+  const std::string input_unit = used.input_unit.empty() ? "" : " " + (in_psi ? shown.symbol() : used.input_unit);
+  compare("input", box.input, seen.input, input_slack, input_slack, input_unit, factor);
   compare("hold", box.hold_s, seen.hold_s, box.hold_s ? kTimeSlack * box.hold_s->low : 0.0,
           box.hold_s ? kTimeSlack * box.hold_s->high : 0.0, " s");
   // Slower is what a hold is: its own line.
-  compare("rate", box.rate, seen.rate, HUGE_VAL, box.rate ? kTimeSlack * box.rate->high : 0.0, input_unit + "/s");
+  compare("rate", box.rate, seen.rate, HUGE_VAL, box.rate ? kTimeSlack * box.rate->high : 0.0, input_unit + "/s",
+          factor);
   compare("temperature", box.temperature_c, seen.temperature_c, kTemperatureSlack, kTemperatureSlack, " degC");
   return outside;
 }

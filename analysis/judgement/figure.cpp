@@ -45,7 +45,7 @@ std::string pressures_of(const Scope& scope, PressureUnit unit) {
 // "275.8 kPa" with what belongs to it behind.
 std::string with_rest(const Scope& scope, std::string text) {
   if (scope.direction != Direction::kBoth) text += scope.direction == Direction::kUp ? " increasing" : " decreasing";
-  if (scope.share < 1.0) text += fmt::format(", {:g} % of the taxels", 100.0 * scope.share);
+  if (scope.share < 1.0) text += fmt::format(", {:g} %", 100.0 * scope.share);
   return text;
 }
 

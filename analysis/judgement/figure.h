@@ -76,7 +76,7 @@ std::optional<Criterion> criterion_from(std::string_view word);
 std::optional<Scope::Kind> scope_kind_from(std::string_view word);
 std::optional<Direction> direction_from(std::string_view word);
 
-// For people: "mean absolute error"; "array", "275.8 kPa increasing", "0 to 413.7 kPa, 95 % of the taxels".
+// For people: "mean absolute error"; "array", "275.8 kPa increasing", "0 to 413.7 kPa, 95 %" of the taxels.
 const char* in_words(Criterion criterion);
 std::string in_words(const Scope& scope, PressureUnit unit);
 // With the other unit behind, for documents: "275.8 kPa (40 psi) increasing".

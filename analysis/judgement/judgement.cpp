@@ -126,6 +126,7 @@ void note_conditions(const Evidence& evidence, Judgement& judgement) {
   for (JudgedRun& judged : judgement.runs) {
     const auto run = std::ranges::find(evidence.runs, judged.run, &EvidenceRun::run);
     judged.trajectory = run->trajectory;
+    if (!states_conformity(judgement.overall)) continue;
     assessed.insert(run->shows.begin(), run->shows.end());
     dated = dated && run->shows.contains(Source::kReferenceAge);
     const std::optional<Untraced> untraced = run->reference.untraced();
@@ -133,6 +134,7 @@ void note_conditions(const Evidence& evidence, Judgement& judgement) {
     if (!judgement.untraced) judgement.untraced = untraced;
     judgement.remarks.push_back({Remark::Kind::kUntraced, {}, run->run, 0, untraced});
   }
+  if (!states_conformity(judgement.overall)) return;
   if (!dated) assessed.erase(Source::kReferenceAge);
   for (const Source source : kSources)
     if (!assessed.contains(source)) judgement.not_assessed.push_back(source);
@@ -199,7 +201,7 @@ void conclude(Judgement& judgement) {
     const auto closer = [&](const std::optional<std::size_t>& than) {
       return !than || own.use_of_limit() > figures[*than].use_of_limit();
     };
-    if (own.verdict == worst && closer(judgement.deciding)) judgement.deciding = i;
+    if (own.verdict == worst && states_conformity(worst) && closer(judgement.deciding)) judgement.deciding = i;
     if (own.verdict == Verdict::kPass && closer(judgement.closest_pass)) judgement.closest_pass = i;
     const auto known = std::ranges::find(judgement.runs, own.run, &JudgedRun::run);
     if (known == judgement.runs.end())
@@ -241,7 +243,7 @@ Judgement judge(const Evidence& evidence, const Limits& limits) {
   for (const JudgedFigure& stored : evidence.stored)
     if (!out.not_judged && stored.run != stored.model_run && stored.verdict > found) out.stored_worse.push_back(stored);
   conclude(out);
-  if (states_conformity(out.overall) && !out.not_judged) note_conditions(evidence, out);
+  if (!out.not_judged) note_conditions(evidence, out);
   return out;
 }
 

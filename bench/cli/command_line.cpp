@@ -96,7 +96,7 @@ bool may_touch_devices(const std::string& verb) {
 
 int report(const Error& error, const Session& session, bool devices) {
   if (session.json) tty::print("{}", error_json(error));
-  tty::print(stderr, "{}", session.unit().in_text(error_text(error, devices)));
+  tty::print(stderr, "{}", error_text(error, devices));
   std::fflush(stdout);
   return static_cast<int>(error.code());
 }

@@ -76,13 +76,12 @@ std::string verdict_table(const std::vector<analysis::JudgedFigure>& figures, co
     const std::string rule = to_string(row.rule);
     if (std::ranges::find(rules, rule) == rules.end()) rules.push_back(rule);
   }
-  std::string text = fmt::format("{:>5}  {:<27}{}{:>14} {:>11} {:>16}  {}\n", "run", "requirement",
-                                 cell("scope", widest + 2), "value", "U", "tolerance limit", "verdict");
+  std::string text = fmt::format("{:>5}  {:<27}{}{:>14} {:>16}  {}\n", "run", "requirement", cell("scope", widest + 2),
+                                 "value", "tolerance limit", "verdict");
   for (std::size_t i = 0; i < figures.size(); ++i) {
     const analysis::JudgedFigure& row = figures[i];
-    text += fmt::format("{:>5}  {}{}{:>14} {:>11} {:>16}  {}\n", row.run, cell(in_words(row.criterion), 27),
+    text += fmt::format("{:>5}  {}{}{:>14} {:>16}  {}\n", row.run, cell(in_words(row.criterion), 27),
                         cell(scopes[i], widest + 2), figure_text(row.criterion, row.value, shown),
-                        std::isnan(row.u.expanded) ? "not known" : figure_text(row.criterion, row.u.expanded, shown),
                         figure_text(row.criterion, row.limit, shown), shown_verdict(row.verdict, origin));
   }
   return text + fmt::format("decision rule (ILAC-G8): {}\n", fmt::join(rules, ", "));

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "analysis/pressure_unit.h"
 #include "bench/common/process_time.h"
 #include "bench/config/config_calibration.h"
 #include "bench/config/config_modbus.h"
@@ -165,9 +166,9 @@ void check_zero_volt(const TomlTable& table, BenchConfig& config) {
   const devices::LinearScale& output = config.module.profile.outputs.volts;
   if (!zero_volt_vents(config) && regulator.relief.empty()) {
     table.fail("span_v",
-               fmt::format("0 V at the regulator means {:.1f} psi, which is no vent: a module without power, and one "
+               fmt::format("0 V at the regulator means {}, which is no vent: a module without power, and one "
                            "whose watchdog acts, would set it",
-                           zero_volt_psi(config)),
+                           analysis::both_units(zero_volt_psi(config), 1)),
                "use a regulator that vents at 0 V, or name what relieves the chamber then: relief = \"...\"");
   }
   const Volts at_zero = span.voltage(Psi(0.0));
@@ -229,9 +230,9 @@ devices::PressureCorrection read_correction(const TomlTable& table, bool own_fil
     const auto corrected = [&](std::size_t at) { return correction.reading_psi[at] + correction.correction_psi[at]; };
     if (corrected(i) > corrected(i - 1)) continue;
     table.fail("correction_psi",
-               fmt::format("the corrected pressure does not rise: {:g} psi at a reading of {:g} psi, and {:g} psi at "
-                           "{:g} psi",
-                           corrected(i - 1), correction.reading_psi[i - 1], corrected(i), correction.reading_psi[i]),
+               fmt::format("the corrected pressure does not rise: {} at a reading of {}, and {} at {}",
+                           analysis::both_units(corrected(i - 1)), analysis::both_units(correction.reading_psi[i - 1]),
+                           analysis::both_units(corrected(i)), analysis::both_units(correction.reading_psi[i])),
                "compare the corrections with the certificate, sign and decimal point included");
   }
   table.finish();

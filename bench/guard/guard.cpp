@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "analysis/pressure_unit.h"
 #include "bench/common/process_time.h"
 #include "devices/fault.h"
 
@@ -117,8 +118,8 @@ void Guard::check_fresh(const char* id, const char* actuator, const std::string&
 
 void Guard::judge_pressure(const char* name, double psi) {
   if (!armed_ || trip_ || psi <= limits_.safety.trip_psi) return;  // NaN does not return here
-  const std::string what =
-      fmt::format("{:.1f} psi measured by the {}, above the trip of {:.1f} psi", psi, name, limits_.safety.trip_psi);
+  const std::string what = fmt::format("{} measured by the {}, above the trip of {}", analysis::both_units(psi, 1),
+                                       name, analysis::both_units(limits_.safety.trip_psi));
   trip("TB-CHAMBER-TRIP", what);
   throw devices::Fault("TB-CHAMBER-TRIP", "chamber",
                        what + (vented_ ? "; vented" : "; the module did NOT confirm the vent"));
@@ -153,18 +154,20 @@ void Guard::note_force(const devices::Wrench& wrench, Nanoseconds time) {
 void Guard::check_witnesses() const {
   for (const auto& [name, witness] : {std::pair{"regulator's feedback", &feedback_}, {"reference", &reference_}}) {
     if (witness->impossible_s() < limits_.safety.disagreement_s) continue;
-    throw devices::Fault("TB-CHAMBER-WITNESS", "chamber",
-                         fmt::format("the {} reads {:.1f} psi for {:.1f} s, which {}", name, witness->psi(),
-                                     witness->impossible_s(), witness->doubt()));
+    throw devices::Fault(
+        "TB-CHAMBER-WITNESS", "chamber",
+        fmt::format("the {} reads {} for {:.1f} s, which {}", name, analysis::both_units(witness->psi(), 1),
+                    witness->impossible_s(), witness->doubt()));
   }
 }
 
 void Guard::check_pressure(Psi pressure) {
   const double psi = pressure.value();
-  const std::string asked = fmt::format("{:g} psi", psi);
+  const std::string asked = analysis::both_units(psi);
   check_open(kPressure, asked, false);
   if (!(psi >= 0.0 && psi <= limits_.safety.command_psi)) {
-    refuse("TB-CHAMBER-LIMIT", kPressure, asked, fmt::format("allowed is 0 to {:g} psi", limits_.safety.command_psi),
+    refuse("TB-CHAMBER-LIMIT", kPressure, asked,
+           "allowed is " + analysis::both_units_span(0.0, limits_.safety.command_psi),
            "Correct the recipe; [limits] command_psi is the chamber's limit.");
   }
   if (psi > setpoint_psi_) {
@@ -172,7 +175,7 @@ void Guard::check_pressure(Psi pressure) {
       check_fresh("TB-CHAMBER-STALE", kPressure, asked, name, witness->time());
       if (witness->ever_possible() && witness->impossible_s() < limits_.safety.disagreement_s) continue;
       refuse("TB-CHAMBER-WITNESS", kPressure, asked,
-             fmt::format("the {} reads {:.1f} psi, which {}", name, witness->psi(), witness->doubt()),
+             fmt::format("the {} reads {}, which {}", name, analysis::both_units(witness->psi(), 1), witness->doubt()),
              "Check its supply and wiring, and its span in the bench file; then `tactbench devices check`.");
     }
     const Nanoseconds now = clock_.now();
@@ -182,9 +185,10 @@ void Guard::check_pressure(Psi pressure) {
     const double rise = psi - setpoint_psi_;
     if (rise > budget_psi_ + kStepRounding * limits_.safety.step_psi) {
       refuse("TB-CHAMBER-RATE", kPressure, asked,
-             fmt::format(
-                 "the set-point is {:g} psi and may rise by {:.3g} psi now ({:g} psi at once, {:g} psi/s continuously)",
-                 setpoint_psi_, budget_psi_, limits_.safety.step_psi, limits_.safety.rate_psi_per_s),
+             fmt::format("the set-point is {} and may rise by {} now: {} at once, {} a second continuously",
+                         analysis::both_units(setpoint_psi_), analysis::both_units(budget_psi_, 2),
+                         analysis::both_units(limits_.safety.step_psi),
+                         analysis::both_units(limits_.safety.rate_psi_per_s)),
              "Approach the level by a ramp; [limits] step_psi and rate_psi_per_s.");
     }
   }
@@ -218,7 +222,7 @@ void Guard::vented(bool read_back) {
 
 // Rewriting 0 psi is harmless; rewriting a pressure after a trip would undo the vent.
 void Guard::check_rewriting() {
-  if (setpoint_psi_ > 0.0) check_open(kPressure, fmt::format("repeat of {:g} psi", setpoint_psi_), false);
+  if (setpoint_psi_ > 0.0) check_open(kPressure, "repeat of " + analysis::both_units(setpoint_psi_), false);
 }
 
 bool Guard::line_is_ours() {

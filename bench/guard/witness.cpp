@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/pressure_unit.h"
+
 namespace tactbench::bench {
 
 using devices::Psi;
@@ -69,10 +71,10 @@ double PressureWitness::impossible_s() const {
 std::string PressureWitness::doubt() const {
   if (!possible()) {
     return std::isfinite(range_.high_psi)
-               ? fmt::format("cannot be true: a sound one reads {:.1f} to {:.1f} psi", range_.low_psi, range_.high_psi)
-               : fmt::format("cannot be true: a sound one reads {:.1f} psi or more", range_.low_psi);
+               ? "cannot be true: a sound one reads " + analysis::both_units_span(range_.low_psi, range_.high_psi)
+               : fmt::format("cannot be true: a sound one reads {} or more", analysis::both_units(range_.low_psi, 1));
   }
-  return stands_still_ ? fmt::format("stands still: the other moved by more than {:g} psi", kFollowsPsi) : "";
+  return stands_still_ ? "stands still: the other moved by more than " + analysis::both_units(kFollowsPsi) : "";
 }
 
 }  // namespace tactbench::bench

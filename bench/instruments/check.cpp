@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "analysis/counted.h"
+#include "analysis/pressure_unit.h"
 #include "bench/common/error.h"
 #include "bench/config/calibration_words.h"
 #include "bench/rig/device_records.h"
@@ -80,10 +81,12 @@ void look_at_module(Rig& rig, DeviceCheck& result) {
 // As a run would judge the same reading before its first command.
 void judge_zero(const PressureWitness& witness, const BenchConfig& config, const char* remedy, DeviceCheck& result) {
   if (!witness.possible()) {
-    complain(result, fmt::format("{:.2f} psi {}", witness.psi(), witness.doubt()),
+    complain(result, fmt::format("{} {}", analysis::both_units(witness.psi(), 2), witness.doubt()),
              "check its supply and wiring (a broken wire reads below a live zero), and its span in the bench file");
   } else if (witness.psi() >= config.limits.safe_psi) {
-    complain(result, fmt::format("not at zero: {:.2f} psi (limit {:g})", witness.psi(), config.limits.safe_psi),
+    complain(result,
+             fmt::format("not at zero: {}, limit {}", analysis::both_units(witness.psi(), 2),
+                         analysis::both_units(config.limits.safe_psi)),
              remedy);
   }
 }
@@ -91,7 +94,7 @@ void judge_zero(const PressureWitness& witness, const BenchConfig& config, const
 void look_at_regulator(Rig& rig, DeviceCheck& result) {
   result.found = name_of(rig.source().identity());
   const double psi = rig.source().feedback().pressure.value();
-  result.reading = fmt::format("feedback {:.2f} psi", psi);
+  result.reading = "feedback " + analysis::both_units(psi, 2);
   judge_zero(rig.guard().feedback(), rig.config(),
              "vent the chamber; check span_v and span_bar, the monitor's wiring and the regulator's zero", result);
 }
@@ -100,15 +103,16 @@ void look_at_reference(Rig& rig, DeviceCheck& result, const std::string& today) 
   const BenchConfig& config = rig.config();
   result.found = name_of(rig.reference().identity());
   const double psi = rig.reference().read().pressure.value();
-  result.reading = fmt::format("{:.2f} psi", psi);
+  result.reading = analysis::both_units(psi, 2);
   if (!config.reference_independent)
     result.notes.emplace_back("the regulator's feedback: pressure not independently traceable");
   tell_calibration(reference_record(rig.reference().identity(), config), today, result);
   if (!config.reference_correction.empty()) {
-    result.notes.push_back(fmt::format("correction {:+.3f} psi, U {:.3f} psi (k = {:g}) at this reading",
-                                       config.reference_correction.corrected(devices::Psi(psi)).value() - psi,
-                                       config.reference_correction.expanded_uncertainty(devices::Psi(psi)),
-                                       config.reference_correction.coverage_factor));
+    result.notes.push_back(
+        fmt::format("correction {}, U {} (k = {:g}) at this reading",
+                    analysis::both_units(config.reference_correction.corrected(devices::Psi(psi)).value() - psi, 3),
+                    analysis::both_units(config.reference_correction.expanded_uncertainty(devices::Psi(psi)), 3),
+                    config.reference_correction.coverage_factor));
   }
   judge_zero(rig.guard().reference(), config, "vent the chamber; check the transducer's span and zero", result);
 }

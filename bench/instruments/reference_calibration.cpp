@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "analysis/pressure_unit.h"
 #include "bench/common/error.h"
 
 namespace tactbench::bench {
@@ -59,9 +60,8 @@ ReferenceCalibration calibrate_reference(const std::vector<GaugePoint>& points, 
     const auto fall = std::ranges::adjacent_find(*of_levels, std::greater_equal<>());
     if (fall == of_levels->end()) continue;
     throw Error("TB-REFERENCE-FLAT",
-                fmt::format("the {}'s reading does not rise with the pressure: {:.3f} psi, and {:.3f} psi at the next "
-                            "level",
-                            whose, fall[0], fall[1]),
+                fmt::format("the {}'s reading does not rise with the pressure: {}, and {} at the next level", whose,
+                            analysis::both_units(fall[0], 3), analysis::both_units(fall[1], 3)),
                 "calibrate-reference");
   }
   for (const GaugePoint& point : points) {

@@ -66,7 +66,7 @@ std::optional<ArrayBasis> array_basis(const db::RunStore& store, const db::RunRe
   return std::nullopt;
 }
 
-ArrayView view_of_frame(const ArrayBasis& basis, const db::SeenFrame& frame) {
+ArrayView view_of_frame(const ArrayBasis& basis, const db::SeenFrame& frame, analysis::PressureUnit unit) {
   ArrayView view;
   view.full_scale_v = basis.volts_per_count * kFullScaleCounts;
   view.rows = frame.rows;
@@ -80,13 +80,14 @@ ArrayView view_of_frame(const ArrayBasis& basis, const db::SeenFrame& frame) {
   if (frame.wrench) {  // an object presses on a part of the array
     view.title = fmt::format("frame {} at {:.2f} N", frame.position, -frame.wrench->wrench[2]);
   } else {
-    view.title = fmt::format("frame {} at {:.1f} psi", frame.position, frame.reference_psi);
+    view.title = fmt::format("frame {} at {}", frame.position, unit.text(frame.reference_psi, 1));
     find_dead(view, basis.unloaded_v, frame.reference_psi);
   }
   return view;
 }
 
-std::optional<ArrayView> newest_array(const db::RunStore& store, const db::RunRecord& run) {
+std::optional<ArrayView> newest_array(const db::RunStore& store, const db::RunRecord& run,
+                                      analysis::PressureUnit unit) {
   const std::optional<db::SeenFrame> frame = db::RunLook(store, run.run).newest();
   const std::optional<Seating> seating = seating_of(store.checks(run.run));
   if (!frame && !seating) return std::nullopt;
@@ -96,10 +97,10 @@ std::optional<ArrayView> newest_array(const db::RunStore& store, const db::RunRe
   } catch (const analysis::AnalysisError&) {
     return std::nullopt;
   }
-  if (frame) return view_of_frame(basis, *frame);
+  if (frame) return view_of_frame(basis, *frame, unit);
   ArrayView view;
   view.full_scale_v = basis.volts_per_count * kFullScaleCounts;
-  view.title = fmt::format("seating check at {:.1f} psi", seating->pressure_psi);
+  view.title = "seating check at " + unit.text(seating->pressure_psi, 1);
   view.rows = seating->rows;
   view.columns = seating->columns;
   view.volts = seating->loaded_v;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/pressure_unit.h"
 #include "db/run_look.h"
 #include "db/run_store.h"
 
@@ -28,9 +29,11 @@ struct ArrayBasis {
 };
 // None: the scanner's scale is not known yet. Throws StoreError.
 std::optional<ArrayBasis> array_basis(const db::RunStore& store, const db::RunRecord& run);
-ArrayView view_of_frame(const ArrayBasis& basis, const db::SeenFrame& frame);
+ArrayView view_of_frame(const ArrayBasis& basis, const db::SeenFrame& frame,
+                        analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 
 // None: the run has neither, or its scanner's scale is not known yet. Throws StoreError.
-std::optional<ArrayView> newest_array(const db::RunStore& store, const db::RunRecord& run);
+std::optional<ArrayView> newest_array(const db::RunStore& store, const db::RunRecord& run,
+                                      analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 
 }  // namespace tactbench::bench

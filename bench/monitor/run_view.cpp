@@ -28,9 +28,9 @@ std::string recipes_of(const db::RunRecord& run) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-std::string event_line(const db::EventRecord& event, analysis::PressureUnit unit) {
+std::string event_line(const db::EventRecord& event) {
   return fmt::format("{} {}{}{}: {}", clock_text(seconds_of(event)), event.kind, event.id.empty() ? "" : " ", event.id,
-                     unit.in_text(event.detail));
+                     event.detail);
 }
 
 std::string readings_text(const RunStatus& status, analysis::PressureUnit unit) {
@@ -103,7 +103,7 @@ std::vector<std::string> view_lines(const RunView& view, analysis::PressureUnit 
                               to_string(status.state)));
   if (view.stored) lines.push_back(line("recipe", who_text(view.stored->record)));
   if (!view.unread.empty()) lines.push_back(line("store", view.unread));
-  lines.push_back(line("phase", unit.in_text(status.phase)));
+  lines.push_back(line("phase", status.phase));
   lines.push_back(line(status.target_n ? "force" : "pressure", readings_text(status, unit)));
   lines.push_back(line("time", time_text(status)));
   const std::string in_void =
@@ -113,15 +113,14 @@ std::vector<std::string> view_lines(const RunView& view, analysis::PressureUnit 
   if (!view.stored) return lines;
   const char* name = "events";
   for (const db::EventRecord& event : view.stored->events)
-    lines.push_back(line(std::exchange(name, ""), one_line(event_line(event, unit))));
+    lines.push_back(line(std::exchange(name, ""), one_line(event_line(event))));
   return lines;
 }
 
 std::string view_line(const RunView& view, analysis::PressureUnit unit) {
   const RunStatus& status = view.live.status;
-  return fmt::format("run {} {}: {}; {}; {}; {} stored", status.run, to_string(status.state),
-                     unit.in_text(status.phase), readings_text(status, unit), time_text(status),
-                     analysis::counted(status.frames, "frame"));
+  return fmt::format("run {} {}: {}; {}; {}; {} stored", status.run, to_string(status.state), status.phase,
+                     readings_text(status, unit), time_text(status), analysis::counted(status.frames, "frame"));
 }
 
 namespace {

@@ -53,7 +53,7 @@ class Watching {
     if (carried_out == true) return std::nullopt;
     const std::vector<std::string> lines = stored_lines(stored, carried_out);
     if (options_.terminal) {
-      paint(lines, newest_in_unit(store, stored.record));
+      paint(lines, newest_array(store, stored.record, options_.unit));
     } else {
       for (const std::string& line : lines) tty::print("{}\n", line);
     }
@@ -75,17 +75,11 @@ class Watching {
     (void)std::fflush(stdout);
   }
 
-  [[nodiscard]] std::optional<ArrayView> newest_in_unit(const db::RunStore& store, const db::RunRecord& record) const {
-    std::optional<ArrayView> newest = newest_array(store, record);
-    if (newest) newest->title = options_.unit.in_text(newest->title);
-    return newest;
-  }
-
   // Read again only when there is a new frame.
   const std::optional<ArrayView>& array() {
     if (!last_.stored || (array_ && array_frames_ == last_.stored->frames)) return array_;
     try {
-      array_ = newest_in_unit(db::RunStore::open_read_only(last_.live.status.store), last_.stored->record);
+      array_ = newest_array(db::RunStore::open_read_only(last_.live.status.store), last_.stored->record, options_.unit);
       array_frames_ = last_.stored->frames;
     } catch (const db::StoreError&) {  // the next poll tries again
     }

@@ -14,9 +14,10 @@ namespace tactbench::bench {
 namespace {
 
 std::string verdict_of_run(const db::RunStore& store, const db::RunRecord& run) {
-  const std::optional<analysis::Verdict> verdict = standing(store, run.run).verdict;
-  if (!verdict) return "-";
-  return (run.origin == "simulated" ? "simulated " : "") + std::string(analysis::to_string(*verdict));
+  const Standing stands = standing(store, run.run);
+  if (!stands.verdict) return "-";
+  return (run.origin == "simulated" ? "simulated " : "") + std::string(analysis::to_string(*stands.verdict)) +
+         (stands.rests_on_means_alone ? ", of means alone" : "");
 }
 
 std::set<std::string> subjects_of(const db::RunStore& store) {

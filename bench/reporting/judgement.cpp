@@ -97,9 +97,13 @@ Standing standing(const db::RunStore& store, std::int64_t run) {
     if (on_own(figure)) figure.verdict = Verdict::kInconclusive;
   std::map<std::pair<std::int64_t, std::int64_t>, std::string> newest;  // limits, by run and models
   for (const JudgedFigure& figure : rows) newest[{figure.run, figure.model_run}] = figure.limits_sha256;
-  for (const JudgedFigure& figure : rows)
-    if (figure.verdict == Verdict::kFail || newest[{figure.run, figure.model_run}] == figure.limits_sha256)
-      out.verdict = std::max(out.verdict, std::optional(figure.verdict));
+  bool of_readings = false;
+  for (const JudgedFigure& figure : rows) {
+    if (figure.verdict != Verdict::kFail && newest[{figure.run, figure.model_run}] != figure.limits_sha256) continue;
+    out.verdict = std::max(out.verdict, std::optional(figure.verdict));
+    of_readings = of_readings || analysis::of_readings(figure.criterion);
+  }
+  out.rests_on_means_alone = analysis::passes(out.verdict) && !of_readings;
   return out;
 }
 

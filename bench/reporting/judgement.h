@@ -38,6 +38,7 @@ struct Standing {
   // that rest on a void one.
   std::vector<analysis::JudgedFigure> figures;
   std::optional<analysis::Verdict> verdict;  // fail if any is, else the worst one by the newest limits
+  bool rests_on_means_alone = false;         // it passes, and none of those limits is on single readings
 };
 Standing standing(const db::RunStore& store, std::int64_t run);
 

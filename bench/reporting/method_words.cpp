@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "analysis/counted.h"
+#include "analysis/pressure_unit.h"
 #include "bench/common/overrides.h"
 #include "bench/run/run_record.h"
 #include "sequences/recipe.h"
@@ -27,12 +28,15 @@ std::string turns_of(const sequences::Recipe& recipe) {
   std::vector<double> turns;
   for (const devices::Psi turn : recipe.turning_points) turns.push_back(turn.value());
   if (turns.size() > kMostTurns) return fmt::format("{} turning points", turns.size());
-  return fmt::format("from {:g} psi", fmt::join(turns, " to "));  // a span, as PressureUnit rewrites it
+  std::vector<std::string> words;
+  for (const double psi : turns) words.push_back(analysis::both_units(psi));
+  return fmt::format("from {}", fmt::join(words, " to "));
 }
 
 std::string ramps_of(const sequences::Recipe& recipe) {
   std::string words;
-  for (const double ramp : recipe.ramp_psi_per_s) words += fmt::format("{}{:g} psi/s", words.empty() ? "" : ", ", ramp);
+  for (const double ramp : recipe.ramp_psi_per_s)
+    words += fmt::format("{}{} a second", words.empty() ? "" : ", ", analysis::both_units(ramp));
   return words;
 }
 
@@ -55,7 +59,7 @@ std::string conditioning_of(const sequences::Recipe& recipe) {
   const sequences::Conditioning& given = recipe.conditioning;
   if (given.cycles == 0) return "no conditioning before it";
   const std::string peak = recipe.kind == sequences::RecipeKind::kPress ? fmt::format("{:g} N", given.peak_n)
-                                                                        : fmt::format("{:g} psi", given.peak.value());
+                                                                        : analysis::both_units(given.peak.value());
   if (!(given.change_percent > 0.0))
     return fmt::format("before it {} to {} without frames", analysis::counted(given.cycles, "cycle"), peak);
   return fmt::format(
@@ -70,7 +74,7 @@ std::string sequence_words(const sequences::Recipe& recipe) {
                          analysis::counted(recipe.press.positions_mm.size(), "place"),
                          fmt::join(recipe.press.forces_n, ", "));
   else
-    words += fmt::format("; a level every {:g} psi, {}", recipe.step.value(), turns_of(recipe));
+    words += fmt::format("; a level every {}, {}", analysis::both_units(recipe.step.value()), turns_of(recipe));
   const char* each = recipe.dwell_s.size() > 1 || recipe.ramp_psi_per_s.size() > 1 ? ", one a repeat in turn" : "";
   words += recipe.settle ? fmt::format("; waiting time (dwell) {:g} s from pressure or force in band to the frame{}",
                                        fmt::join(recipe.dwell_s, ", "), each)

@@ -178,7 +178,7 @@ class RunLifecycle {
 
   void tear_down() {
     store_lost_ = store_lost_ || ending_.met_store();
-    proof_ = {db::SafeState::kVerified, "no device was opened"};
+    proof_ = {db::SafeState::kVerified, std::string("no device was opened")};
     if (!rig_) return;
     if (sequencer_) (void)sequencer_->times().start(Spent::kTeardown);
     proof_ = make_safe(*rig_, baseline_);
@@ -228,8 +228,8 @@ class RunLifecycle {
     }
     const std::optional<std::string> way_back = save_lost_store();
     if (const std::optional<Error>& error = ending_.error()) {
-      const std::string kept = fmt::format("{}; run {} kept with {}", proof_.text, result_.run,
-                                           analysis::counted(result_.frames_kept, "frame"));
+      const std::string kept = fmt::format("{}; run {} kept with {}", proof_.text.in(analysis::PressureUnit::kPsi),
+                                           result_.run, analysis::counted(result_.frames_kept, "frame"));
       StopRequest::keep();
       result_.error = error->with_rig_state(kept, safe).with_remedy(way_back.value_or(error->remedy()));
     }
@@ -287,7 +287,7 @@ class RunLifecycle {
     } else {
       recorder_->state(RunState::kStopping, reason);
     }
-    recorder_->event("safe", to_string(proof_.state), proof_.text);
+    recorder_->event("safe", to_string(proof_.state), proof_.text.in(analysis::PressureUnit::kPsi));
     recorder_->end(result_.outcome, reason, proof_.state);
     result_.content_sha256 = store_.run(result_.run).content_sha256;
   }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "analysis/counted.h"
+#include "analysis/pressure_unit.h"
 #include "bench/common/error.h"
 #include "bench/common/process_time.h"
 #include "bench/run/dead_man_news.h"
@@ -245,8 +246,8 @@ void Conductor::fail_fast(const Step& step) {
   const bool weak = mean < limits.least_response_v;
   if (!weak && (limits.most_dead_taxels < 0 || dead <= limits.most_dead_taxels)) return;
   throw Error("TB-RUN-HOPELESS",
-              fmt::format("at the first {:.0f} psi the array answers with {:.3f} V on average and {} not at all",
-                          step.setpoint.value(), mean, analysis::counted(dead, "taxel")),
+              fmt::format("at the first {} the array answers with {:.3f} V on average and {} not at all",
+                          analysis::both_units(step.setpoint.value()), mean, analysis::counted(dead, "taxel")),
               fmt::format("recipe '{}' [limits]", recipe.name));
 }
 

@@ -157,7 +157,7 @@ bool Conductor::vented(const std::string& why) {
   status_.target_n.reset();
   publish();
   const SafeProof proof = make_safe(sequencer_.rig(), baseline_);
-  recorder_.event("safe", to_string(proof.state), why + ": " + proof.text);
+  recorder_.event("safe", to_string(proof.state), why + ": " + proof.text.in(analysis::PressureUnit::kPsi));
   sequencer_.forget();
   stage_.forget();
   return proof.state == db::SafeState::kVerified;

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "analysis/pressure_unit.h"
+
 namespace tactbench::bench {
 
 using sequences::Recipe;
@@ -32,7 +34,7 @@ std::string phase_of(const Step& step, const Recipe& recipe, int number, int ste
   if (step.branch < 0) return conditioning_words(step, recipe);
   switch (step.kind) {
     case StepKind::kConditioning:
-      return fmt::format("travelling to {:g} psi", step.setpoint.value());
+      return "travelling to " + analysis::both_units(step.setpoint.value());
     case StepKind::kMeasure:
       return level_words(step, recipe, number, steps, step.branch_to > step.branch_from);
     case StepKind::kPrompt:

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "analysis/loop.h"
+#include "analysis/pressure_unit.h"
 #include "bench/common/error.h"
 #include "bench/guard/witness.h"
 #include "bench/run/stage_steps.h"
@@ -53,10 +54,9 @@ Margin pressure_margin(const sequences::Extremes& all, const BenchConfig& bench)
       std::min(span.high, span.pressure(devices::Volts(bench.module.profile.outputs.volts.high))).value();
   const auto [limit, key] = std::min(
       {std::pair(bench.limits.command_psi, std::string("[limits] command_psi in the bench file")),
-       std::pair(driven, fmt::format("what [module] and [regulator] can set by the bench file, {:g} psi", driven)),
-       std::pair(reference_range(bench).high_psi,
-                 fmt::format("the end of [reference]'s span in the bench file, {:g} psi",
-                             bench.reference.span.high.value()))});
+       std::pair(driven, "what [module] and [regulator] can set by the bench file, " + analysis::both_units(driven)),
+       std::pair(reference_range(bench).high_psi, "the end of [reference]'s span in the bench file, " +
+                                                      analysis::both_units(bench.reference.span.high.value()))});
   // No lower limit for gauge pressure: falling to 0 is not dangerous.
   return {"pressure", "psi", all.lowest.value(), all.highest.value(), -1e9, limit, key};
 }
@@ -66,9 +66,9 @@ void check_limits_of(const Recipe& recipe, const BenchConfig& bench) {
     if (margin.within()) continue;
     const bool high = margin.highest > margin.high_limit;
     throw Error("TB-RECIPE-LIMIT",
-                fmt::format("recipe '{}' goes to {:.2f} {} of {}, beyond the bench's limit of {:.2f} {}", recipe.name,
-                            high ? margin.highest : margin.lowest, margin.unit, margin.axis,
-                            high ? margin.high_limit : margin.low_limit, margin.unit),
+                fmt::format("recipe '{}' goes to {} of {}, beyond the bench's limit of {}", recipe.name,
+                            margin.text(high ? margin.highest : margin.lowest), margin.axis,
+                            margin.text(high ? margin.high_limit : margin.low_limit)),
                 fmt::format("recipe '{}', bench '{}'", recipe.name, bench.id), remedy_of(margin));
   }
 }
@@ -111,6 +111,10 @@ void check_press_of(const Recipe& recipe, const BenchConfig& bench) {
 }
 
 }  // namespace
+
+std::string Margin::text(double value) const {
+  return unit == "psi" ? analysis::both_units(value, 2) : fmt::format("{:.2f} {}", value, unit);
+}
 
 double Margin::margin() const { return std::min(high_limit - highest, lowest - low_limit); }
 bool Margin::within() const { return margin() >= -kRounding * std::max(1.0, high_limit); }
@@ -184,7 +188,8 @@ bool needs_press(const std::vector<Recipe>& recipes) {
                      [](const Recipe& recipe) { return recipe.kind == RecipeKind::kPress; });
 }
 
-std::vector<std::string> recipe_warnings(const std::vector<Recipe>& recipes, const BenchConfig& bench) {
+std::vector<std::string> recipe_warnings(const std::vector<Recipe>& recipes, const BenchConfig& bench,
+                                         analysis::PressureUnit unit) {
   const devices::LinearScale volts = bench.module.profile.outputs.volts, psi = bench.regulator.command_span.scale();
   const double count_psi = std::abs((volts.high - volts.low) / (volts.raw_high - volts.raw_low) * (psi.high - psi.low) /
                                     (psi.raw_high - psi.raw_low));
@@ -193,19 +198,20 @@ std::vector<std::string> recipe_warnings(const std::vector<Recipe>& recipes, con
     if (recipe.kind == RecipeKind::kPress || recipe.turning_points.size() < 2) continue;
     std::string finer;
     if (recipe.step.value() < count_psi)
-      finer = fmt::format("one count of the output ({:.3g} psi): several levels have the same set-point", count_psi);
+      finer =
+          fmt::format("one count of the output, {}: several levels have the same set-point", unit.text(count_psi, 3));
     if (recipe.settle && recipe.step.value() < bench.settling.band_psi)
-      finer += fmt::format("{}[settling] band_psi ({:g} psi): a level counts as reached where its neighbour is",
-                           finer.empty() ? "" : ", and than ", bench.settling.band_psi);
+      finer += fmt::format("{}[settling] band_psi, {}: a level counts as reached where its neighbour is",
+                           finer.empty() ? "" : ", and than ", unit.short_text(bench.settling.band_psi));
     if (!finer.empty())
-      warnings.push_back(
-          fmt::format("recipe '{}' has steps of {:.4g} psi, finer than {}", recipe.name, recipe.step.value(), finer));
+      warnings.push_back(fmt::format("recipe '{}' has steps of {}, finer than {}", recipe.name,
+                                     unit.short_text(recipe.step.value()), finer));
     const double fastest = *std::ranges::max_element(recipe.ramp_psi_per_s), rate = bench.limits.rate_psi_per_s;
     if (fastest > rate)
       warnings.push_back(
-          fmt::format("recipe '{}' has ramps of {:g} psi/s, and the pressure moves at the {:g} psi/s of "
-                      "[limits] rate_psi_per_s",
-                      recipe.name, fastest, rate));
+          fmt::format("recipe '{}' has ramps of {} a second, and the pressure moves at the {} of [limits] "
+                      "rate_psi_per_s",
+                      recipe.name, unit.short_text(fastest), unit.short_text(rate)));
   }
   return warnings;
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/pressure_unit.h"
 #include "analysis/statistics/figures/limits.h"
 #include "bench/config/config.h"
 #include "sequences/recipe.h"
@@ -19,9 +20,10 @@ std::vector<sequences::Recipe> read_recipes(const std::vector<std::string>& name
 struct Margin {  // range of one axis in the recipes, and its limits
   std::string axis, unit;
   double lowest = 0.0, highest = 0.0;
-  double low_limit = 0.0, high_limit = 0.0;  // inclusive
-  std::string limited_by = {};               // the key that high_limit comes from; empty: the axis tells it
-  [[nodiscard]] double margin() const;       // the smaller one; below 0: beyond
+  double low_limit = 0.0, high_limit = 0.0;            // inclusive
+  std::string limited_by = {};                         // the key that high_limit comes from; empty: the axis tells it
+  [[nodiscard]] std::string text(double value) const;  // with its unit, a pressure with both
+  [[nodiscard]] double margin() const;                 // the smaller one; below 0: beyond
   [[nodiscard]] bool within() const;
 };
 
@@ -43,7 +45,8 @@ bool needs_press(const std::vector<sequences::Recipe>& recipes);
 
 // What a run would carry out otherwise than asked, a sentence each: steps finer than a count of the output or than the
 // band in which a level counts as reached, and ramps faster than the bench allows.
-std::vector<std::string> recipe_warnings(const std::vector<sequences::Recipe>& recipes, const BenchConfig& bench);
+std::vector<std::string> recipe_warnings(const std::vector<sequences::Recipe>& recipes, const BenchConfig& bench,
+                                         analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 
 // Throws Error with ExitCode::kUsage: TB-RECIPE-LIMIT (names recipe, axis and limit), TB-RECIPE-DEVICES.
 void check_recipes(const std::vector<sequences::Recipe>& recipes, const BenchConfig& bench);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/pressure_unit.h"
 #include "bench/common/error.h"
 #include "bench/config/config.h"
 #include "db/record.h"
@@ -48,7 +49,7 @@ struct RunResult {
   std::int64_t run = 0;
   db::Outcome outcome = db::Outcome::kIncomplete;
   db::SafeState safe = db::SafeState::kUnknown;
-  std::string safe_text;
+  analysis::PressureText safe_text;
   int frames = 0;                // stored by this process
   std::int64_t frames_kept = 0;  // of the run in the store, including earlier processes
   int most_exchanges_a_step = 0;

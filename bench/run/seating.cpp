@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "analysis/json_io.h"
+#include "analysis/pressure_unit.h"
 #include "analysis/statistics/sensor/seating.h"
 #include "bench/common/error.h"
 #include "bench/run/control/status_board.h"
@@ -78,7 +79,7 @@ std::string detail_of(const analysis::SeatingResult& result, const analysis::Sea
 std::string why_not(const RunRequest& request, const sequences::Extremes& extremes, double psi) {
   if (!request.check_seating) return "left out as asked (--no-seating)";
   if (!extremes.pressurizes) return "left out: no recipe puts pressure on the array";
-  if (psi < kLowestPsi) return fmt::format("left out: the recipes stay below {:g} psi", kLowestPsi);
+  if (psi < kLowestPsi) return "left out: the recipes stay below " + analysis::both_units(kLowestPsi);
   return {};
 }
 
@@ -96,12 +97,12 @@ void check_seat(Sequencer& sequencer, Recorder& recorder, const db::RunStore& st
   analysis::SeatingFrames now;
   const devices::ScanSet scans = [&] {
     const TimeSpent::Stretch stretch(sequencer.times(), Spent::kSetup);
-    board.phase(fmt::format("checking the seating at {:g} psi", psi));
+    board.phase("checking the seating at " + analysis::both_units(psi));
     sequencer.chamber_step(at_level(psi, kLoadedDwell));
     now.pressure_psi = sequencer.last().reference.pressure.value();
     std::string flags;
     devices::ScanSet read = sequencer.read_array(flags);
-    board.phase("checking the seating: back at 0 psi");
+    board.phase("checking the seating: without pressure again");
     sequencer.chamber_step(at_level(0.0, kVentedDwell));
     return read;
   }();
@@ -124,8 +125,9 @@ void check_seat(Sequencer& sequencer, Recorder& recorder, const db::RunStore& st
     }
   }
   if (failed.empty()) return;
-  throw Error("TB-SEATING", fmt::format("{}", fmt::join(failed, "; ")),
-              fmt::format("sensor {}, seating check at {:.1f} psi", request.sensor.serial, now.pressure_psi));
+  throw Error(
+      "TB-SEATING", fmt::format("{}", fmt::join(failed, "; ")),
+      fmt::format("sensor {}, seating check at {}", request.sensor.serial, analysis::both_units(now.pressure_psi, 1)));
 }
 
 }  // namespace tactbench::bench

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "analysis/pressure_unit.h"
 #include "bench/common/process_time.h"
 #include "bench/safety/ramp.h"
 #include "db/scan_means.h"
@@ -39,7 +40,7 @@ Baseline Sequencer::read_baseline() {
   const double highest = std::max(readings_.feedback.pressure.value(), readings_.reference.pressure.value());
   if (highest >= rig_.config().limits.safe_psi) {
     throw Fault("TB-CHAMBER-NOT-VENTED", "chamber",
-                fmt::format("the chamber holds {:.1f} psi before the first command", highest));
+                fmt::format("the chamber holds {} before the first command", analysis::both_units(highest, 1)));
   }
   std::string flags;
   return baseline_of(read_array(flags));
@@ -101,8 +102,8 @@ void Sequencer::check_array() {
   const StuckRows stuck = stuck_rows_.see(readings_.scans, readings_.reference.pressure.value(), kFollows);
   if (stuck.all) {
     throw Fault("TB-SCANNER-STALE", "tactile scanner",
-                fmt::format("the frame at {:.1f} psi is to the last bit the one before, at another pressure",
-                            readings_.reference.pressure.value()));
+                fmt::format("the frame at {} is to the last bit the one before, at another pressure",
+                            analysis::both_units(readings_.reference.pressure.value(), 1)));
   }
   if (!stuck.rows.empty()) add_flag("row-stuck");
 }
@@ -160,10 +161,11 @@ void Sequencer::settle(const Step& step) {
     if (miss <= settling.band_psi && slope <= settling.slope_psi_per_s) break;
     if (clock.now() >= deadline) {
       throw Fault("TB-CHAMBER-TIMEOUT", "chamber",
-                  fmt::format("chamber did not reach {:.1f} psi ({:.1f} kPa) within {:g} s; last reading {:.2f} psi by "
-                              "the regulator, {:.2f} psi by the reference, moving {:.2f} psi/s",
-                              step.setpoint.value(), devices::kilopascals(step.setpoint), settling.timeout_s,
-                              readings_.feedback.pressure.value(), reference, slope));
+                  fmt::format("chamber did not reach {} within {:g} s; last reading {} by the regulator, {} by the "
+                              "reference, moving {} a second",
+                              analysis::both_units(step.setpoint.value(), 1), settling.timeout_s,
+                              analysis::both_units(readings_.feedback.pressure.value(), 2),
+                              analysis::both_units(reference, 2), analysis::both_units(slope, 2)));
     }
   }
   readings_.in_band_since = clock.now();
@@ -236,8 +238,9 @@ void Sequencer::check_agreement() {
   if (!disagree_since_) disagree_since_ = now;
   if (now - *disagree_since_ < seconds(limits.disagreement_s)) return;
   throw Fault("TB-CHAMBER-DISAGREE", "chamber",
-              fmt::format("the regulator's feedback reads {:.2f} psi and the reference {:.2f} psi, apart for {:.1f} s",
-                          readings_.feedback.pressure.value(), readings_.reference.pressure.value(),
+              fmt::format("the regulator's feedback reads {} and the reference {}, apart for {:.1f} s",
+                          analysis::both_units(readings_.feedback.pressure.value(), 2),
+                          analysis::both_units(readings_.reference.pressure.value(), 2),
                           devices::in_seconds(now - *disagree_since_)),
               "check both against a hand gauge (`tactbench devices calibrate-reference`), the transducer's wiring and "
               "spans; the limits are [limits] disagreement_psi and disagreement_s");

@@ -172,8 +172,8 @@ class Server {
     const bool stage_safe = !stage_used_ || (stage.stands && stage.backed_off);
     const bool safe = proof.state == db::SafeState::kVerified && stage_safe;
     const std::string stage_text = stage_used_ ? stage.text : "stage not in use";
-    const std::string what = fmt::format("dead-man fired ({}); {} after {:.2f} s; {} after {:.2f} s", why, proof.text,
-                                         pressure_s, stage_text, stage_s);
+    const std::string what = fmt::format("dead-man fired ({}); {} after {:.2f} s; {} after {:.2f} s", why,
+                                         proof.text.in(analysis::PressureUnit::kPsi), pressure_s, stage_text, stage_s);
     tty::print(stderr, "tactbench: bench '{}': {}\n", config_.id, what);
     (void)channel_.send(std::string(kDidWord) + what);
     const TripFile trip(config_.id);
@@ -183,7 +183,7 @@ class Server {
                   {"why", why},
                   {"run", run_},
                   {"ended", safe ? "safe, verified" : "NOT verified"},
-                  {"pressure", proof.text},
+                  {"pressure", proof.text.in(analysis::PressureUnit::kPsi)},
                   {"pressure_s", pressure_s},
                   {"stage", stage_text},
                   {"stage_s", stage_s},

@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "analysis/pressure_unit.h"
 #include "analysis/statistics/numbers/moments.h"
 #include "bench/common/process_time.h"
 #include "bench/safety/fail_safe.h"
@@ -86,10 +87,14 @@ struct Witness {
   [[nodiscard]] bool settled(Nanoseconds now) const {
     return proves() || failures == kTries || (doubted_since && !warns() && now - *doubted_since > seconds(patience_s));
   }
-  [[nodiscard]] std::string told() const {
-    if (!psi) return fmt::format("{} could not be read", name);
-    const double shown = std::abs(*psi) < 0.05 ? 0.0 : *psi;  // no "-0.0"
-    return fmt::format("{} {:.1f} psi{}", name, shown, doubt.empty() ? "" : " (" + doubt + ")");
+  void tell(analysis::PressureText& text) const {
+    text += name;
+    if (!psi) {
+      text += " could not be read";
+      return;
+    }
+    (text += " ").add(*psi, 1);
+    if (!doubt.empty()) text += " (" + doubt + ")";
   }
 };
 
@@ -163,10 +168,11 @@ SafeProof prove(Rig& rig, const Baseline& baseline) {
   }
   std::vector<Witness> witnesses = witnesses_of(rig);
   watch_pressure_fall(rig, witnesses, ordered);
-  std::vector<std::string> told;
+  analysis::PressureText told;
   std::vector<const char*> doubted;
   for (const Witness& witness : witnesses) {
-    told.push_back(witness.told());
+    if (&witness != &witnesses.front()) told += ", ";
+    witness.tell(told);
     if (!witness.psi || !witness.doubt.empty()) doubted.push_back(witness.name);
   }
   auto below = std::ranges::count_if(witnesses, &Witness::proves);
@@ -175,7 +181,7 @@ SafeProof prove(Rig& rig, const Baseline& baseline) {
     const std::optional<bool> at_baseline =
         ordered && !above ? array_back(rig, baseline) : array_at_baseline(rig, baseline);
     if (at_baseline) {
-      told.emplace_back(*at_baseline ? "tactile array back at its unloaded baseline" : "tactile array still loaded");
+      told += *at_baseline ? ", tactile array back at its unloaded baseline" : ", tactile array still loaded";
       below += *at_baseline ? 1 : 0;
       above = above || !*at_baseline;
     }
@@ -191,7 +197,8 @@ SafeProof prove(Rig& rig, const Baseline& baseline) {
                      : proof.state == db::SafeState::kFailed ? "NOT SAFE: pressure remains"
                                                              : "vent NOT verified";
   const std::string order = ordered ? "" : "the module did not take the order: " + when_module_is_lost(config) + "; ";
-  proof.text = fmt::format("{} ({}{})", head, order, fmt::join(told, ", "));
+  proof.text = fmt::format("{} ({}", head, order);
+  proof.text.add(told) += ")";
   if (!verified) proof.text += "; read a hand gauge before the chamber is opened";
   if (!verified && !doubted.empty())
     proof.text += fmt::format(", then check supply and wiring of {}", fmt::join(doubted, " and "));
@@ -278,13 +285,15 @@ SafeProof make_safe(Rig& rig, const Baseline& baseline) noexcept {
   try {
     retract_stage(rig, proof);
   } catch (const std::exception& error) {
-    proof = {db::SafeState::kUnverified, fmt::format("{}; retraction NOT verified ({})", proof.text, error.what())};
+    proof.state = db::SafeState::kUnverified;
+    proof.text += fmt::format("; retraction NOT verified ({})", error.what());
   }
   try {
     if (proof.state == db::SafeState::kVerified) hear_array(rig, baseline, proof);
     if (proof.state == db::SafeState::kVerified) hear_module(rig, proof);
   } catch (const std::exception& error) {
-    proof = {db::SafeState::kUnverified, fmt::format("{}; NOT verified ({})", proof.text, error.what())};
+    proof.state = db::SafeState::kUnverified;
+    proof.text += fmt::format("; NOT verified ({})", error.what());
   }
   return proof;
 }

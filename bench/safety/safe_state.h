@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/pressure_unit.h"
 #include "bench/rig/rig.h"
 #include "db/record.h"
 
@@ -12,7 +13,7 @@ namespace tactbench::bench {
 
 struct SafeProof {
   db::SafeState state = db::SafeState::kUnverified;
-  std::string text;  // for people: "vented; feedback 0.0 psi, reference 0.1 psi"
+  analysis::PressureText text;  // for people: "vented, verified (feedback 0.0 psi, reference 0.1 psi)"
 };
 
 // The unloaded frame taken before the first load, mean counts per taxel; empty when there was none.

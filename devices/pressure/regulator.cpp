@@ -62,17 +62,19 @@ std::uint16_t Regulator::command(Psi pressure) {
   const bool reachable = volts >= Volts(scale.low) && volts <= Volts(scale.high);
   if (!allowed || !reachable) {
     throw Fault("TB-CHAMBER-LIMIT", "regulator",
-                fmt::format("{:g} psi was requested, {}; nothing was sent", pressure.value(),
+                fmt::format("{:g} psi ({:.4g} kPa) was requested, {}; nothing was sent", pressure.value(),
+                            kilopascals(pressure),
                             allowed ? fmt::format("which needs {:g} V of an output of {:g} to {:g} V", volts.value(),
                                                   scale.low, scale.high)
-                                    : fmt::format("allowed is 0 to {:g} psi", options_.command_limit.value())),
+                                    : fmt::format("allowed is 0 to {:g} psi ({:.4g} kPa)",
+                                                  options_.command_limit.value(), kilopascals(options_.command_limit))),
                 "Correct the recipe, or the limit and span in the bench file.");
   }
   if (!armed_) {
-    throw Fault(
-        "TB-CHAMBER-NOT-ARMED", "regulator",
-        fmt::format("{:g} psi was requested while the regulator is not armed; nothing was sent", pressure.value()),
-        "Arm it first; a failed exchange disarms it.");
+    throw Fault("TB-CHAMBER-NOT-ARMED", "regulator",
+                fmt::format("{:g} psi ({:.4g} kPa) was requested while the regulator is not armed; nothing was sent",
+                            pressure.value(), kilopascals(pressure)),
+                "Arm it first; a failed exchange disarms it.");
   }
   const std::uint16_t counts = output_.counts(volts);
   input_.forget_image();

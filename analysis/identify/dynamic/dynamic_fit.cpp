@@ -10,6 +10,7 @@
 #include "analysis/identify/dynamic/dynamic_residuals.h"
 #include "analysis/identify/dynamic/own_creep.h"
 #include "analysis/identify/dynamic/track.h"
+#include "analysis/pressure_unit.h"
 #include "analysis/statistics/numbers/moments.h"
 
 namespace tactbench::analysis {
@@ -71,9 +72,10 @@ double lowest_level(const Dataset& fitted) {
 // Lag and creep count pressures from 0.
 void check_lowest(const Dataset& fitted) {
   if (const double lowest = lowest_level(fitted); lowest != 0.0)
-    throw AnalysisError("TB-ANALYSIS-DYNAMICS",
-                        fmt::format("run {} never returns to 0 psi: its lowest level is {:g} psi", fitted.run, lowest),
-                        "the dynamic model counts from the unloaded film: fit a run whose levels begin at 0 psi");
+    throw AnalysisError(
+        "TB-ANALYSIS-DYNAMICS",
+        fmt::format("run {} never returns to zero pressure: its lowest level is {}", fitted.run, both_units(lowest)),
+        "the dynamic model counts from the unloaded film: fit a run whose levels begin at zero");
 }
 
 // Cells that are finer than the levels lie between samples: weights there would be any that have the same sums.

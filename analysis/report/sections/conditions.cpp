@@ -19,14 +19,14 @@ bool has_conditions(const ReportInput& input) { return input.uncertainty && !inp
 Markup condition_row(const ConditionUncertainty& condition, PressureUnit unit) {
   Markup out = markup("<tr><th scope=\"row\">{}</th>", Text(condition.name));
   if (!condition.valid()) {
-    out += markup("<td colspan=\"3\">not valid for this: {}</td></tr>\n", Text(unit.both_in_text(condition.not_valid)));
+    out += markup("<td colspan=\"3\">not valid for this: {}</td></tr>\n", Text(condition.not_valid));
     return out;
   }
   std::vector<double> sorted = finite_of(condition.expanded_psi);
   std::ranges::sort(sorted);
   out += number_cell(gum_pressure(condition.median_psi, unit));
   out += number_cell(gum_pressure(quantile_between(sorted, 0.95), unit));
-  out += markup("<td>{}</td></tr>\n", Text(unit.both_in_text(condition.basis)));
+  out += markup("<td>{}</td></tr>\n", Text(condition.basis));
   return out;
 }
 

@@ -113,7 +113,7 @@ Markup seating_words(const ReportInput& input) {
     if (!json.is_object() || !json.contains("findings") || !json["findings"].is_array()) continue;
     for (const auto& finding : json["findings"]) {
       if (!finding.is_object() || !finding.contains("text") || !finding["text"].is_string()) continue;
-      out += markup("<li>{}</li>\n", Text(input.unit.both_in_text(finding["text"].get<std::string>())));
+      out += markup("<li>{}</li>\n", Text(finding["text"].get<std::string>()));
     }
   }
   if (out.value.empty()) return out;

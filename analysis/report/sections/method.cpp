@@ -36,7 +36,7 @@ Markup sequences_table(const ReportInput& input) {
     Markup name = markup("{}", stated(sequence.name));
     if (!title.empty()) name += markup("<br/><span class=\"plain\">{}</span>", Text(title));
     if (i < input.method.size() && !input.method[i].empty())
-      name += markup("<br/><span class=\"plain\">{}</span>", Text(input.unit.both_in_text(input.method[i])));
+      name += markup("<br/><span class=\"plain\">{}</span>", Text(input.method[i]));
     out += markup("<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td></tr>\n", name,
                   sequence.repeats, sequence.frames_per_repeat, code(sequence.recipe_sha256));
   }
@@ -83,8 +83,7 @@ Markup voids_table(const RunHistory& history, PressureUnit unit) {
     out += markup(
         "<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>"
         "<td>{}</td></tr>\n",
-        stated(branch.sequence), branch.repeat + 1, branch.branch + 1, branch.attempt + 1,
-        stated(unit.both_in_text(branch.reason)));
+        stated(branch.sequence), branch.repeat + 1, branch.branch + 1, branch.attempt + 1, stated(branch.reason));
   }
   out += markup("</tbody></table>\n");
   return out;
@@ -97,7 +96,7 @@ Markup events_table(const RunHistory& history, PressureUnit unit) {
   for (std::size_t i = 0; i < history.events.size() && i < kMostEventsListed; ++i) {
     const HistoryEvent& event = history.events[i];
     out += markup("<tr><td class=\"n\">{}</td><td>{}</td><td>{}</td></tr>\n", html::fixed(event.time_s, 0),
-                  Text(event.kind), stated(unit.both_in_text(event.text)));
+                  Text(event.kind), stated(event.text));
   }
   out += markup("</tbody></table>\n");
   return out;

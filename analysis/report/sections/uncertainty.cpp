@@ -145,12 +145,10 @@ Markup basis_table(const Uncertainty& uncertainty, PressureUnit unit) {
       "<table class=\"pairs\"><caption>How each contribution is evaluated (sections of JCGM 100)</caption><tbody>\n");
   for (std::size_t i = 0; i < kUncertaintySources; ++i) {
     const SourceText& text = text_of(static_cast<UncertaintySource>(i));
-    out += markup("<tr><th scope=\"row\">{}</th><td>{}{}{}{}</td></tr>\n", Text(quantity_in_words(text)),
-                  Text(unit.both_in_text(text.basis)), Text(uncertainty.from[i].empty() ? "" : "; "),
-                  Text(unit.both_in_text(uncertainty.from[i])),
-                  uncertainty.missing[i].empty()
-                      ? markup("")
-                      : markup(". Not assessed: {}", Text(unit.both_in_text(uncertainty.missing[i]))));
+    out += markup(
+        "<tr><th scope=\"row\">{}</th><td>{}{}{}{}</td></tr>\n", Text(quantity_in_words(text)), Text(text.basis),
+        Text(uncertainty.from[i].empty() ? "" : "; "), Text(uncertainty.from[i]),
+        uncertainty.missing[i].empty() ? markup("") : markup(". Not assessed: {}", Text(uncertainty.missing[i])));
   }
   out += markup("</tbody></table>\n");
   return out;

@@ -9,6 +9,7 @@
 #include "analysis/identify/dynamic/dynamic_alone.h"
 #include "analysis/identify/dynamic/own_creep.h"
 #include "analysis/loop.h"
+#include "analysis/pressure_unit.h"
 #include "analysis/statistics/figures/levels.h"
 #include "analysis/statistics/figures/same_sensor.h"
 
@@ -143,7 +144,7 @@ std::string CreepEffect::in_words() const {
   if (!assessed()) return {};
   std::string held;
   for (const HeldLevel& level : levels)
-    held += fmt::format("{}{:.1f} psi {} for {:.0f} s: {:.2f} %", held.empty() ? "" : ", ", level.pressure_psi,
+    held += fmt::format("{}{} {} for {:.0f} s: {:.2f} %", held.empty() ? "" : ", ", both_units(level.pressure_psi, 1),
                         level.up ? "loading" : "unloading", level.to_s, 100.0 * level.median_share);
   const bool both = levels.front().up != levels.back().up;
   return fmt::format(

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "analysis/loop.h"
+#include "analysis/pressure_unit.h"
 #include "analysis/statistics/figures/evaluation.h"
 #include "analysis/statistics/figures/levels.h"
 #include "analysis/statistics/figures/same_sensor.h"
@@ -66,8 +67,8 @@ SweepEstimates sweep_estimates(const Dataset& dataset, const SensorModel& fit, i
   const std::vector<FullSweep> sweeps = full_sweeps(dataset, fit.pressure_psi.front(), fit.pressure_psi.back());
   if (sweeps.empty())
     throw AnalysisError("TB-ANALYSIS-NO-LOOP",
-                        fmt::format("run {} has no full sweep from {:g} to {:g} psi", dataset.run,
-                                    fit.pressure_psi.front(), fit.pressure_psi.back()),
+                        fmt::format("run {} has no full sweep from {}", dataset.run,
+                                    both_units_span(fit.pressure_psi.front(), fit.pressure_psi.back())),
                         "compare runs of recipes with full loops: descending, ascending, production");
   const auto width = static_cast<std::size_t>(dataset.taxels());
   SweepEstimates out;

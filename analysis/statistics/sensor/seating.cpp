@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "analysis/counted.h"
+#include "analysis/pressure_unit.h"
 #include "analysis/statistics/numbers/moments.h"
 #include "analysis/statistics/sensor/seating_lines.h"
 
@@ -133,8 +134,8 @@ SeatingResult check_seating(int rows, int columns, const SeatingFrames& now, con
                         "fail",
                         {},
                         {},
-                        fmt::format("the array does not answer to {:.1f} psi: {:.3f} V on average", now.pressure_psi,
-                                    result.mean_response_v)}};
+                        fmt::format("the array does not answer to {}: {:.3f} V on average",
+                                    both_units(now.pressure_psi, 1), result.mean_response_v)}};
     return result;
   }
   SeatingTaxels parts{rows, columns, response, now.loaded_v, {}, std::vector<bool>(taxels, false), {}, {}};

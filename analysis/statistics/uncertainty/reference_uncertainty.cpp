@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "analysis/json_io.h"
+#include "analysis/pressure_unit.h"
 #include "analysis/statistics/numbers/coverage.h"
 
 namespace tactbench::analysis {
@@ -141,14 +142,14 @@ void set_drift(ReferenceUncertainty& reference, const std::string& utc) {
                                                     : fmt::format("until the due date, {}", calibration.due);
   reference.drift_basis =
       growth > 1.0 ? fmt::format(
-                         "stated limit of {:g} psi times {:.3f}, the time since the calibration over the interval "
+                         "stated limit of {} times {:.3f}, the time since the calibration over the interval "
                          "that it is stated for ({}); {}",
-                         reference.drift_stated_psi, growth,
+                         both_units(reference.drift_stated_psi), growth,
                          calibration.calibrated_on.empty() || calibration.due.empty()
                              ? "taken as a year: calibration date and due date are not both stated"
                              : fmt::format("{} to {}", calibration.calibrated_on, calibration.due),
                          until)
-                   : fmt::format("stated limit of {:g} psi, whole; {}", reference.drift_stated_psi, until);
+                   : fmt::format("stated limit of {}, whole; {}", both_units(reference.drift_stated_psi), until);
 }
 
 }  // namespace

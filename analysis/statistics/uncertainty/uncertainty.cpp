@@ -57,7 +57,8 @@ const SourceText& text_of(UncertaintySource source) {
       {"dwell and rate", 'B', "rectangular", "psi", "half-width",
        "largest change of the readings of one loop between dwell times (4.3.7)"},
       {"history (inner branches)", 'A', "Student", "psi", "s",
-       "errors on inner branches within 4 psi of the level, by direction, beyond the rows above (4.2.2, ways through "
+       "errors on inner branches within 4 psi (27.6 kPa) of the level, by direction, beyond the rows above (4.2.2, "
+       "ways through "
        "the window as degrees of freedom)"},
   }};
   return kTexts[static_cast<std::size_t>(source)];

@@ -158,10 +158,10 @@ class Calibration {
   void check_levels(const std::vector<Recipe>& judging, const analysis::Limits& limits) const {
     const std::vector<LackingLevel> lacking = lacking_levels(sequences::compile(judging), limits);
     if (lacking.empty()) return;
-    std::vector<double> levels;
-    for (const LackingLevel& level : lacking) levels.push_back(level.pressure_psi);
+    std::vector<std::string> levels;
+    for (const LackingLevel& level : lacking) levels.push_back(session_.unit().short_text(level.pressure_psi));
     throw Error("TB-CALIBRATE-LEVELS",
-                fmt::format("limits '{}' judge at {} psi, which {} does not measure: no sensor could pass", limits.name,
+                fmt::format("limits '{}' judge at {}, which {} does not measure: no sensor could pass", limits.name,
                             fmt::join(levels, ", "), fmt::join(form_.held_out_recipes, ", ")),
                 "--held-out-recipe");
   }
@@ -226,7 +226,7 @@ class Calibration {
   std::string carried_out(const RunOptions& run, std::int64_t& number) {
     const RunResult result = carry_out_run(run, session_);
     number = std::exchange(begun_, 0);
-    return fmt::format("{}: {}", fmt::join(run.recipes, ", "), run_line(result));
+    return fmt::format("{}: {}", fmt::join(run.recipes, ", "), run_line(result, session_.unit()));
   }
 
   std::string fitted() {

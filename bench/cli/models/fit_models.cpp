@@ -270,8 +270,9 @@ class Fit {
       tty::print("\n{}{}", fits_table(rows_),
                  scores_table(rows_, targets_, histories_.input_unit.empty() ? "input units" : histories_.input_unit,
                               session_.unit()));
-      if (const std::string dynamics = dynamics_text(rows_.front().document); !on_bench_ && !dynamics.empty())
-        tty::print("\n{}\n", session_.unit().in_text(dynamics));
+      if (const std::string dynamics = dynamics_text(rows_.front().document, session_.unit());
+          !on_bench_ && !dynamics.empty())
+        tty::print("\n{}\n", dynamics);
       if (targets_.empty()) tty::print("\nnothing was held out: --fit SEQ,... or --score names what to score on\n");
     }
     if (on_bench_) tell_outliers();

@@ -115,7 +115,7 @@ std::string linearised_text(const analysis::SensorModel& fit) {
                      on > 0 ? fmt::format(", c {:.4f} to {:.4f}{}", low, high, unit) : std::string());
 }
 
-std::string dynamics_text(const analysis::SensorModel& fit) {
+std::string dynamics_text(const analysis::SensorModel& fit, analysis::PressureUnit unit) {
   if (!fit.dynamics) return {};
   const bool one_run = fit.dynamics->rate.run == 0 && fit.dynamics->creep.run == 0;
   if (one_run && !analysis::in_time(*fit.dynamics) && fit.run == 0)
@@ -127,17 +127,18 @@ std::string dynamics_text(const analysis::SensorModel& fit) {
   for (std::size_t j = 0; j < analysis::kCreepElements; ++j)
     elements.push_back(fmt::format("{:.2f} % in {:.3g} s", 100.0 * d.creep_share[j], d.creep_s[j]));
   const std::string lag = fmt::format("lag {:.1f} % in {:.2g} s", 100.0 * d.lag_share, d.lag_s);
+  const std::string half =
+      fit.input_unit == "psi" ? unit.text(d.creep_half, 1) : fmt::format("{:.3g} {}", d.creep_half, fit.input_unit);
   const auto source = [](std::int64_t run) {
     return run == 0 ? std::string("the fitted run") : fmt::format("run {}", run);
   };
   if (one_run && fit.run == 0)
-    return fmt::format("creep {}, half of it at {:.3g} {}; {} (from the fitted table)", fmt::join(elements, ", "),
-                       d.creep_half, fit.input_unit, lag);
+    return fmt::format("creep {}, half of it at {}; {} (from the fitted table)", fmt::join(elements, ", "), half, lag);
   const std::int64_t rate = fit.dynamics->rate.run, creep = fit.dynamics->creep.run;
   const bool own = analysis::creep_of_fitted_run(*fit.dynamics);
   return fmt::format(
-      "creep {}, half of it at {:.1f} {} (from {}{}); {}", fmt::join(elements, ", "), d.creep_half, fit.input_unit,
-      source(own ? 0 : creep), own && creep != 0 ? ", by taxel from " + source(creep) : "",
+      "creep {}, half of it at {} (from {}{}); {}", fmt::join(elements, ", "), half, source(own ? 0 : creep),
+      own && creep != 0 ? ", by taxel from " + source(creep) : "",
       !analysis::undoes_lag(*fit.dynamics) ? "lag is left in" : fmt::format("{} (from {})", lag, source(rate)));
 }
 
@@ -153,7 +154,7 @@ std::string fitted_text(const FittedRun& fitted, analysis::PressureUnit unit) {
     text += fmt::format("mean taxel: {}; J {:.3f} V2, mean error {:.2f} % FS, max {:.2f} % FS\n", parameters_text(mean),
                         mean.fit.j, 100.0 * mean.fit.mean_error / mean.full_scale(),
                         100.0 * mean.fit.max_error / mean.full_scale());
-  for (const std::string& line : {linearised_text(fit), unit.in_text(dynamics_text(fit))})
+  for (const std::string& line : {linearised_text(fit), dynamics_text(fit, unit)})
     if (!line.empty()) text += line + "\n";
   text += "\n";
   for (const analysis::RepeatDrift& repeat : fit.repeats) {

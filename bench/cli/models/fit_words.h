@@ -20,7 +20,7 @@ struct FittedRun {
 // How many taxels have the readout divider undone, and by which c; lag and creep of the array. A line each, without its
 // end; empty where the model has none.
 std::string linearised_text(const analysis::SensorModel& fit);
-std::string dynamics_text(const analysis::SensorModel& fit);
+std::string dynamics_text(const analysis::SensorModel& fit, analysis::PressureUnit unit);
 
 struct LeftOut {
   int taxel = 0, row = 0, column = 0;

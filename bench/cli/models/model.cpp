@@ -50,8 +50,7 @@ void show(const std::string& name, const Session& session) {
   }
   const ShownInput input = shown_input(model, session.unit());
   const auto line = [&](const char* what, const std::string& value) {
-    tty::print("  {:<14}{}\n", what,
-               value.empty() ? "not stated" : one_line(session.unit().in_text(value), kLongestText));
+    tty::print("  {:<14}{}\n", what, value.empty() ? "not stated" : one_line(value, kLongestText));
   };
   tty::print("{} of {} ({}), sha256 {}\n", analysis::label_of(model), one_line(model.source), one_line(model.origin),
              analysis::sha256_of(model).substr(0, 12));
@@ -69,7 +68,7 @@ void show(const std::string& name, const Session& session) {
   line("mount", model.validity.mount);
   line("interface", model.validity.interface_material);
   if (const std::string linearised = linearised_text(model); !linearised.empty()) line("output", linearised);
-  if (const std::string dynamics = dynamics_text(model); !dynamics.empty()) line("in time", dynamics);
+  if (const std::string dynamics = dynamics_text(model, session.unit()); !dynamics.empty()) line("in time", dynamics);
   if (!model.parent_sha256.empty())
     line("parent", fmt::format("{}: {}", model.parent_sha256.substr(0, 12), model.adjustment));
   std::map<std::string, int> statuses;

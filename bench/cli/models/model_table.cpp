@@ -240,8 +240,8 @@ std::string scores_table(const std::vector<ModelRow>& rows, const std::vector<Sc
     if (const std::vector<std::string> worse = worse_than_line(rows, t); !worse.empty())
       text += fmt::format("worse than a straight line on what was held out: {}\n", fmt::join(worse, "; "));
     for (const std::string& line :
-         analysis::outside_validity(rows.front().document, *targets[t].histories, targets[t].sequences))
-      text += fmt::format("outside the models' validity: {}\n", shown.in_text(line));
+         analysis::outside_validity(rows.front().document, *targets[t].histories, targets[t].sequences, shown))
+      text += fmt::format("outside the models' validity: {}\n", line);
     text += bins_table({"by hold time", "s", 1.0, factor}, rows, t, &analysis::Score::by_hold);
     text += bins_table({"by rate", unit + "/s", factor, factor}, rows, t, &analysis::Score::by_rate);
   }

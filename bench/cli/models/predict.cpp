@@ -241,10 +241,10 @@ void apply(const PredictOptions& options, const Session& session, analysis::Tabl
     tty::print(stderr, "warning: no output in {} of {}, which have nan and the flag bad; the first: {}\n", bad,
                analysis::counted(rows, "row"), first_bad);
   if (outside > 0)
-    tty::print(
-        stderr, "{}\n",
-        session.unit().in_text(fmt::format("{} of {} inputs lie outside the model's validity, {:.4g} to {:.4g} {}",
-                                           outside, rows, range->low, range->high, model.input_unit)));
+    tty::print(stderr, "{} of {} inputs lie outside the model's validity, {}\n", outside, rows,
+               model.input_unit == "psi"
+                   ? session.unit().short_span(range->low, range->high)
+                   : fmt::format("{:.4g} to {:.4g} {}", range->low, range->high, model.input_unit));
 }
 
 CLI::App* add_verb(CLI::App& app, Session& session, const std::shared_ptr<PredictOptions>& options, const char* name,

@@ -17,12 +17,12 @@ std::size_t red_of(const std::vector<ScenarioResult>& results) {
       std::ranges::count_if(results, [](const ScenarioResult& r) { return !r.wrong.empty(); }));
 }
 
-void show_result(const ScenarioResult& result, analysis::PressureUnit unit) {
+void show_result(const ScenarioResult& result) {
   const char* state = !result.wrong.empty() ? "RED" : result.remarks.empty() ? "green" : "moved";
   tty::print("{:<6}{:<28}{:>7.1f} s  {}{}{}\n", state, one_line(result.name), result.seconds, one_line(result.about),
              result.compared.empty() ? "" : "; ", result.compared);
-  for (const std::string& line : result.wrong) tty::print("        {}\n", unit.in_text(line));
-  for (const std::string& line : result.remarks) tty::print("        {}\n", unit.in_text(line));
+  for (const std::string& line : result.wrong) tty::print("        {}\n", line);
+  for (const std::string& line : result.remarks) tty::print("        {}\n", line);
 }
 
 }  // namespace
@@ -59,8 +59,8 @@ nlohmann::ordered_json night_json(const Suite& suite, const std::vector<Scenario
           {"scenarios", json}};
 }
 
-void print_night(const Suite& suite, const std::vector<ScenarioResult>& results, analysis::PressureUnit unit) {
-  for (const ScenarioResult& result : results) show_result(result, unit);
+void print_night(const Suite& suite, const std::vector<ScenarioResult>& results) {
+  for (const ScenarioResult& result : results) show_result(result);
   tty::print("{} green, {} red, {} not run\n", results.size() - red_of(results), red_of(results),
              suite.scenarios.size() - results.size());
 }

@@ -24,6 +24,6 @@ void write_night_page(const NightFiles& files, const Suite& suite, const NightPa
 ExitCode code_of_night(const Suite& suite, const std::vector<ScenarioResult>& results);
 nlohmann::ordered_json night_json(const Suite& suite, const std::vector<ScenarioResult>& results);
 // Sentences of results in `unit`; names of figures have the unit that they are stored in.
-void print_night(const Suite& suite, const std::vector<ScenarioResult>& results, analysis::PressureUnit unit);
+void print_night(const Suite& suite, const std::vector<ScenarioResult>& results);
 
 }  // namespace tactbench::bench

@@ -106,7 +106,7 @@ void nightly(const NightlyOptions& options, Session& session) {
   scratch.reset();
   session.code = code_of_night(suite, results);
   if (session.json) return print_json("nightly", night_json(suite, results));
-  print_night(suite, results, session.unit());
+  print_night(suite, results);
 }
 
 }  // namespace
@@ -144,7 +144,6 @@ void add_nightly(CLI::App& app, Session& session) {
   CLI::App* verb = app.add_subcommand(
       "nightly", "carry out a suite of scenarios on simulated rigs and compare the results with the expected ones");
   add_nightly_options(*verb, *options, session);
-  add_units(*verb, session);
   verb->callback([options, verb, &session] {
     options->keeps = verb->count("--db") > 0;
     nightly(*options, session);

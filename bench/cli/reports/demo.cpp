@@ -108,7 +108,8 @@ std::int64_t carry_out(const DemoRun& demo, const DemoOptions& options, const db
   const RunResult result = characterize(request, store, progress);
   if (result.error) throw *result.error;
   if (!session.json) {
-    tty::print("run {}: {}, {} frames, {}\n", result.run, demo.title, result.frames, result.safe_text);
+    tty::print("run {}: {}, {} frames, {}\n", result.run, demo.title, result.frames,
+               result.safe_text.in(session.unit()));
   }
   return result.run;
 }

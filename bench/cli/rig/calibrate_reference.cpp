@@ -121,10 +121,10 @@ void settle(Rig& rig, double level, const StopRequest& stop) {
     const double feedback = rig.source().feedback().pressure.value();
     in_band = std::abs(feedback - level) <= settling.band_psi ? in_band + 1 : 0;
     if (rig.clock().now() > deadline && in_band == 0) {
-      throw devices::Fault(
-          "TB-CHAMBER-TIMEOUT", "chamber",
-          fmt::format("{:g} psi not reached within {:g} s; feedback {:.2f} psi", level, settling.timeout_s, feedback),
-          "check supply and leaks");
+      throw devices::Fault("TB-CHAMBER-TIMEOUT", "chamber",
+                           fmt::format("{} not reached within {:g} s; feedback {}", analysis::both_units(level),
+                                       settling.timeout_s, analysis::both_units(feedback, 2)),
+                           "check supply and leaks");
     }
   }
 }
@@ -174,10 +174,10 @@ void calibrate(const CalibrationOptions& options, const Session& session) {
   for (std::size_t i = 0; i < options.levels.size(); ++i) {
     const double level = options.levels[i];
     if (level >= 0.0 && level <= config.limits.command_psi && (i == 0 || level > options.levels[i - 1])) continue;
-    throw Error(
-        "TB-USAGE",
-        fmt::format("level {:g} psi does not rise, or is beyond 0 to {:g} psi", level, config.limits.command_psi),
-        "--levels", "give rising levels within the command limit");
+    throw Error("TB-USAGE",
+                fmt::format("level {} does not rise, or is beyond {}", analysis::both_units(level),
+                            analysis::both_units_span(0.0, config.limits.command_psi)),
+                "--levels", "give rising levels within the command limit");
   }
   config.reference_correction = {};  // the uncorrected reading is calibrated
   const std::string output =
@@ -197,12 +197,13 @@ void calibrate(const CalibrationOptions& options, const Session& session) {
   const SafeProof proof = make_safe(rig, {});
   if (proof.state == db::SafeState::kVerified) rig.dismiss_dead_man();
   tell_dead_man_news(rig);
-  tty::print(stderr, "{}\n", session.unit().in_text(proof.text));
+  const std::string safe = proof.text.in(session.unit());
+  tty::print(stderr, "{}\n", safe);
   if (failed) {
-    throw as_error(failed, "calibrate-reference").with_rig_state(proof.text, proof.state == db::SafeState::kVerified);
+    throw as_error(failed, "calibrate-reference").with_rig_state(safe, proof.state == db::SafeState::kVerified);
   }
   if (proof.state != db::SafeState::kVerified) {
-    throw Error("TB-SAFE-UNVERIFIED", "the safe state could not be proved", "calibrate-reference", {}, proof.text);
+    throw Error("TB-SAFE-UNVERIFIED", "the safe state could not be proved", "calibrate-reference", {}, safe);
   }
   const ReferenceCalibration calibration = calibrate_reference(points, options.uncertainty_psi, options.resolution_psi);
   const std::string heading =

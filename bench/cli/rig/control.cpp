@@ -75,7 +75,7 @@ void say(const ControlOptions& options, const Session& session, Command command,
                                     {"answer", answer.text},
                                     {"by", peer_text(answer.server)}});
   } else {
-    tty::print("{} (answered by {})\n", session.unit().in_text(answer.text), peer_text(answer.server));
+    tty::print("{} (answered by {})\n", answer.text, peer_text(answer.server));
   }
 }
 

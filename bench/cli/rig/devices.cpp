@@ -63,9 +63,7 @@ void check(const DevicesOptions& options, Session& session) {
                     {"notes", device.notes},
                     {"remedy", device.remedy}});
     if (session.json) continue;
-    const auto text = [&](const std::string& of_device) {
-      return one_line(session.unit().in_text(of_device), kLongestText);
-    };
+    const auto text = [&](const std::string& of_device) { return one_line(of_device, kLongestText); };
     tty::print("{:<7} {:<18} {}\n", to_string(device.state), one_line(device.role), text(device.found));
     if (!device.reading.empty()) tty::print("{:<26} {}\n", "", text(device.reading));
     for (const std::string& note : device.notes) tty::print("{:<26} - {}\n", "", text(note));

@@ -222,9 +222,11 @@ void print_plan(const Plan& plan, const TimeEstimate& time, bool steps, analysis
   for (const Recipe& recipe : plan.recipes)
     if (!recipe.drawn.empty()) tty::print("{}: {}\n", one_line(recipe.name), recipe.drawn);
   for (const Margin& m : plan.margins) {
-    tty::print("{}\n",
-               unit.in_text(fmt::format("{:<10}{:>8.2f} to {:.2f} {}, limit {:.2f} {}, margin {:.2f} {}", m.axis,
-                                        m.lowest, m.highest, m.unit, m.high_limit, m.unit, m.margin(), m.unit)));
+    const bool pressure = m.unit == "psi";
+    const auto in = [&](double value) { return pressure ? unit.fixed(value, 2) : fmt::format("{:.2f}", value); };
+    const std::string of = pressure ? unit.symbol() : m.unit;
+    tty::print("{:<10}{:>8} to {} {}, limit {} {}, margin {} {}\n", m.axis, in(m.lowest), in(m.highest), of,
+               in(m.high_limit), of, in(m.margin()), of);
   }
   if (const double force = sequences::extremes(plan.steps).largest_force_n; force > 0.0) {
     tty::print("{:<10}{:>8.2f} N; the sensor's calibrated range is checked once it is open\n", "force up to", force);
@@ -233,10 +235,10 @@ void print_plan(const Plan& plan, const TimeEstimate& time, bool steps, analysis
   tty::print("devices needed: {}\n", fmt::join(devices_needed(plan.recipes), ", "));
   print_calibrations(plan, utc_now().substr(0, 10), unit);
   tty::print("fail-safe layers of bench '{}':\n", plan.bench.id);
-  for (const std::string& line : fail_safe_layers(plan.bench)) tty::print("  - {}\n", unit.in_text(line));
+  for (const std::string& line : fail_safe_layers(plan.bench, unit)) tty::print("  - {}\n", line);
   if (plan.limits) print_lacking(plan, *plan.limits, unit);
   if (!steps) return;
-  for (const Step& step : plan.steps) tty::print("{}\n", unit.in_text(step_line(step)));
+  for (const Step& step : plan.steps) tty::print("{}\n", step_line(step, unit.symbol(), unit.of(1.0)));
 }
 
 void plan(const PlanOptions& options, Session& session) {
@@ -260,8 +262,8 @@ void plan(const PlanOptions& options, Session& session) {
   const double frame_bytes = 2.0 * plan.bench.scanner.rows * plan.bench.scanner.columns * plan.bench.scans_per_frame;
   plan.estimate = sequences::estimate(plan.recipes, plan.steps, time_model(plan.bench), frame_bytes);
   const TimeEstimate time = estimate_time(plan, overrides, session);
-  for (const std::string& line : recipe_warnings(plan.recipes, plan.bench))
-    tty::print(stderr, "warning: {}\n", session.unit().in_text(line));
+  for (const std::string& line : recipe_warnings(plan.recipes, plan.bench, session.unit()))
+    tty::print(stderr, "warning: {}\n", line);
   for (const std::string& line :
        calibration_warnings(plan.bench, instruments_of(plan), utc_now().substr(0, 10), plan.steps, session.unit()))
     tty::print(stderr, "warning: {}\n", line);

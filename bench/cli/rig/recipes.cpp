@@ -125,8 +125,8 @@ void check(const RecipesOptions& options, Session& session) {
       const std::string path = find_recipe(name);
       const RecipeFile file = read_recipe_file(path);
       check_recipes(file.recipes, bench);
-      for (const std::string& line : recipe_warnings(file.recipes, bench))
-        tty::print(stderr, "warning: {}\n", session.unit().in_text(line));
+      for (const std::string& line : recipe_warnings(file.recipes, bench, session.unit()))
+        tty::print(stderr, "warning: {}\n", line);
       if (session.json) {
         ordered_json good = recipe_json(file, path);
         good["good"] = true;

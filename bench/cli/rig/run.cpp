@@ -83,7 +83,7 @@ void show_run_result(const CarriedOut& done, const Session& session) {
     print_json("run", json);
     return;
   }
-  tty::print("{}\n", session.unit().in_text(run_line(result)));
+  tty::print("{}\n", run_line(result, session.unit()));
   const std::string waited =
       result.waiting_seconds < 1.0 ? "" : fmt::format(" and {} of waiting", clock_text(result.waiting_seconds));
   tty::print("took {} of process time{}, estimated {}\n{}\n",
@@ -94,8 +94,8 @@ void show_run_result(const CarriedOut& done, const Session& session) {
 void warn_of_instruments(const RunRequest& request, analysis::PressureUnit unit) {
   refuse_placeholders(request.bench);
   const auto instruments = stated_instruments(request.bench, needs_press(request.recipes));
-  for (const std::string& line : recipe_warnings(request.recipes, request.bench))
-    tty::print(stderr, "warning: {}\n", unit.in_text(line));
+  for (const std::string& line : recipe_warnings(request.recipes, request.bench, unit))
+    tty::print(stderr, "warning: {}\n", line);
   for (const std::string& line : calibration_warnings(request.bench, instruments, utc_now().substr(0, 10),
                                                       sequences::compile(request.recipes), unit))
     tty::print(stderr, "warning: {}\n", line);
@@ -141,9 +141,10 @@ CarriedOut begin_and_carry_out(const RunOptions& options, const Session& session
 
 }  // namespace
 
-std::string run_line(const RunResult& result) {
+std::string run_line(const RunResult& result, analysis::PressureUnit unit) {
   return fmt::format("run {}: {}, {} in {:.0f} min of process time; {}", result.run, db::to_string(result.outcome),
-                     analysis::counted(result.frames_kept, "frame"), result.process_seconds / 60.0, result.safe_text);
+                     analysis::counted(result.frames_kept, "frame"), result.process_seconds / 60.0,
+                     result.safe_text.in(unit));
 }
 
 RunResult carry_out_run(const RunOptions& options, const Session& session) {

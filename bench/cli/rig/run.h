@@ -28,7 +28,7 @@ struct RunOptions {
 // Carries out a new run. Throws Error when it did not complete or was refused before it began.
 RunResult carry_out_run(const RunOptions& options, const Session& session);
 // "run 1: completed, 303 frames in 12 min of process time; vented, verified (...)".
-std::string run_line(const RunResult& result);
+std::string run_line(const RunResult& result, analysis::PressureUnit unit);
 
 struct ResumeOptions {
   std::string bench;     // bench file; empty: as stored with the run

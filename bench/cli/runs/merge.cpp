@@ -54,7 +54,7 @@ void merge_and_report(const MergeOptions& options, Session& session) {
     ++taken;
     tty::print("SIMULATED DATA. night of {}, {}: {}\n", night.record.begun_utc, one_line(night.record.suite),
                analysis::counted(night.suite.scenarios.size(), "scenario"));
-    print_night(night.suite, night.results, session.unit());
+    print_night(night.suite, night.results);
   }
   const auto more = [](std::size_t count, const char* what) {
     return count == 0 ? std::string() : fmt::format(", {}", analysis::counted(count, what));
@@ -75,7 +75,6 @@ void add_run_merge(CLI::App& runs, Session& session) {
   verb->add_option("stores", options->parts, "the stores, which stay as they are")->required()->take_all();
   add_night_files(*verb, options->files);
   add_replace(*verb, session);
-  add_units(*verb, session);
   add_common_typed(*verb, session);
   verb->get_option("--db")->required()->description("the store that they are taken into; made if it does not exist");
   verb->callback([options, &session] { merge_and_report(*options, session); });

@@ -100,11 +100,13 @@ void RunsList::add(const ListedRun& listed, nlohmann::ordered_json row) {
     row["frames"] = listed.frames;
     if (listed.pruned) row["frames_pruned"] = listed.pruned->frames;
     row["verdict"] = verdict;
+    row["rests_on_means_alone"] = listed.means_alone;
     if (listed.lives) row["lives"] = *listed.lives;
     rows_->push_back(std::move(row));
     return;
   }
-  const std::string remarks = fmt::format("{}{}{}{}", recipe_cell(run), run.purpose.empty() ? "" : "; " + run.purpose,
+  const std::string remarks = fmt::format("{}{}{}{}{}", listed.means_alone ? "of means alone; " : "", recipe_cell(run),
+                                          run.purpose.empty() ? "" : "; " + run.purpose,
                                           run.tags.empty() ? "" : fmt::format(" [{}]", fmt::join(run.tags, " ")),
                                           run.is_void() ? fmt::format(" VOID: {}", run.void_reason) : "");
   const std::string gone =
@@ -130,10 +132,11 @@ void list_runs(const RunsListOptions& options, const Session& session) {
   const db::RunStore store = db::RunStore::open_read_only(session.db);
   RunsList list(options, session);
   for (const db::RunRecord& run : store.runs({.sensor_serial = options.sensor, .since_utc = options.since})) {
-    const std::optional<analysis::Verdict> worst = standing(store, run.run).verdict;
-    if (!list.takes(run, worst)) continue;
+    const Standing stands = standing(store, run.run);
+    if (!list.takes(run, stands.verdict)) continue;
     // Frames are numbered from 1.
-    ListedRun listed{store.run(run.run), worst, store.last_position(run.run), store.pruned(run.run)};
+    ListedRun listed{store.run(run.run), stands.verdict, stands.rests_on_means_alone, store.last_position(run.run),
+                     store.pruned(run.run)};
     if (run.outcome == db::Outcome::kIncomplete) listed.lives = is_carried_out(store.path(), run.run);
     list.add(listed, session.json ? analysis::run_json(listed.run) : nlohmann::ordered_json());
   }
@@ -171,7 +174,7 @@ std::string specimen_text(const db::RunRecord& run) {
 void show_run(std::int64_t number, const Session& session, bool all_events) {
   const db::RunStore store = db::RunStore::open_read_only(session.db);
   const db::RunRecord run = store.run(number);
-  const auto [verdicts, verdict] = standing(store, number);
+  const auto [verdicts, verdict, means_alone] = standing(store, number);
   const std::string word = verdict_cell(verdict, run.origin);
   const std::vector<db::EventRecord> events = store.events(number);
   const std::vector<db::CheckRecord> checks = store.checks(number);
@@ -197,6 +200,7 @@ void show_run(std::int64_t number, const Session& session, bool all_events) {
                                 {"detail", analysis::ordered_json_or_null(check.detail_json)}});
     }
     json["verdict"] = word;
+    json["rests_on_means_alone"] = means_alone;
     json["verdicts"] = verdicts_json(verdicts, run.origin);
     print_json("runs.show", json);
     return;
@@ -240,7 +244,7 @@ void show_run(std::int64_t number, const Session& session, bool all_events) {
                         : std::to_string(store.frame_count(number)));
   for (const db::CheckRecord& check : checks) {
     line("check", fmt::format("{:9.3f} s  {} {}: {}", static_cast<double>(check.time_ns) * 1e-9, check.kind,
-                              check.verdict, session.unit().in_text(check_line(check))));
+                              check.verdict, check_line(check)));
   }
   std::size_t quiet = 0;
   for (const db::EventRecord& event : events) {
@@ -249,11 +253,11 @@ void show_run(std::int64_t number, const Session& session, bool all_events) {
       continue;
     }
     line("event", fmt::format("{:9.3f} s  {} {} {}", static_cast<double>(event.time_ns) * 1e-9, event.kind, event.id,
-                              session.unit().in_text(event.detail)));
+                              event.detail));
   }
   if (quiet > 0) line("events", fmt::format("{} more, of commands and readings: runs show {} --events", quiet, number));
   if (verdicts.empty()) return;
-  tty::print("\nverdict: {}\n", word);
+  tty::print("\nverdict: {}{}\n", word, means_alone ? ", of means alone: no limit on single readings" : "");
   print_judgements(verdicts, run.origin, session.unit());
 }
 

@@ -24,6 +24,7 @@ void add_runs_list_options(CLI::App& verb, RunsListOptions& options);
 struct ListedRun {
   db::RunRecord run;  // with its sequences
   std::optional<analysis::Verdict> verdict = {};
+  bool means_alone = false;  // the verdict rests on them
   std::int64_t frames = 0;
   std::optional<db::PrunedRecord> pruned = {};
   std::optional<bool> lives = {};  // of one that has not ended: whether a process carries it out

@@ -17,8 +17,8 @@ function h(tag, attributes, ...children) {
 }
 
 function verdictClass(verdict) {
-  if (verdict.endsWith('conditional pass') || verdict.endsWith('conditional fail') || verdict.endsWith('inconclusive')) return 'doubt';
-  return verdict.endsWith('pass') ? 'good' : verdict.endsWith('fail') ? 'bad' : '';
+  if (/conditional|inconclusive/.test(verdict)) return 'doubt';
+  return verdict.includes('pass') ? 'good' : verdict.includes('fail') ? 'bad' : '';
 }
 
 const names = (run) => run.recipes.map((recipe) => recipe.name).join(', ');

@@ -19,7 +19,7 @@ std::string progress_line(const RunStatus& status, double left_s, analysis::Pres
     const double minutes = std::floor(left_s / 60.0);
     line += fmt::format("{:.0f}:{:02.0f} left  ", minutes, std::floor(left_s - 60.0 * minutes));
   }
-  line += unit.in_text(status.phase);
+  line += status.phase;
   if (const auto& now = status.readings) {
     line += status.target_n ? fmt::format("  {:.1f} N (force {:.1f})", *status.target_n, now->force_n.value_or(0.0))
                             : fmt::format("  {} (reference {})", unit.text(now->setpoint_psi, 1),

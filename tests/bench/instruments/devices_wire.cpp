@@ -115,7 +115,7 @@ TEST_CASE("devices check: a chamber that is not at zero and an overdue stage are
   const bench::DeviceCheck& reference = of(checks, "pressure reference");
   CHECK(reference.state == State::kWrong);
   CHECK(says(reference, "-2.51 psi"));
-  CHECK((says(reference, "+0.500 psi") && says(reference, "0.020 psi")));  // its correction, and U of that
+  CHECK((says(reference, "0.500 psi") && says(reference, "0.020 psi")));  // its correction, and U of that
   CHECK_FALSE(reference.remedy.empty());
   CHECK(of(checks, "stage").state == State::kWarning);
   CHECK(says(of(checks, "stage"), "2026-05-31"));

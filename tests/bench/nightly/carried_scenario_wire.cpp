@@ -83,7 +83,7 @@ TEST_CASE("carried scenario: held-out runs are judged with seeds of their own, t
   CHECK(result.figures.at("frames") == 33.0);
   CHECK(result.figures.contains("mean_error_psi"));
   CHECK(result.verdicts.contains("overall"));
-  CHECK(result.verdicts.contains("mismatch 40 psi up"));
+  CHECK(result.verdicts.contains("mismatch 40 psi increasing"));
   CHECK(result.verdicts.at("unfit_taxels") == "pass");
   CHECK(result.taxels.empty());
   const db::RunStore store = db::RunStore::open_read_only(made.path);

@@ -65,8 +65,9 @@ class TroubledRig {
   Proved prove() {
     const auto begun = rig.clock().now();
     const bench::SafeProof proof = make_safe(rig, baseline);
-    return {proof.state, proof.text, devices::in_seconds(rig.clock().now() - begun),
-            std::abs(rig.plant()->true_pressure().value()), std::abs(rig.plant()->wrench().force_n[2])};
+    return {proof.state, proof.text.in(tactbench::analysis::PressureUnit::kPsi),
+            devices::in_seconds(rig.clock().now() - begun), std::abs(rig.plant()->true_pressure().value()),
+            std::abs(rig.plant()->wrench().force_n[2])};
   }
   bench::Rig rig;
   bench::Baseline baseline;

@@ -54,10 +54,12 @@ TEST_CASE("safe state: each witness counts on its own side of the limit, and its
   CHECK(sound.state == db::SafeState::kVerified);
   const SafeProof below = proof_of(offset("[0.7, 100]"), 0.0);  // [limits] safe_psi is 1
   CHECK(below.state == db::SafeState::kVerified);
-  CHECK_THAT(below.text, Catch::Contains("0.0 psi") && Catch::Contains("0.7 psi"));
+  CHECK_THAT(below.text.in(tactbench::analysis::PressureUnit::kPsi),
+             Catch::Contains("0.0 psi") && Catch::Contains("0.7 psi"));
   const SafeProof above = proof_of(offset("[1.3, 100]"), 0.0);  // the array may bear witness, and cannot outvote it
   CHECK(above.state == db::SafeState::kFailed);
-  CHECK_THAT(above.text, Catch::StartsWith("NOT SAFE") && Catch::Contains("1.3 psi"));
+  CHECK_THAT(above.text.in(tactbench::analysis::PressureUnit::kPsi),
+             Catch::StartsWith("NOT SAFE") && Catch::Contains("1.3 psi"));
 }
 
 TEST_CASE("safe state: pressures that are proved are contradicted by an array loaded by 2 % of the converter's range") {
