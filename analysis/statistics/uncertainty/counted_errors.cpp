@@ -187,7 +187,7 @@ class Counting {
     return out;
   }
 
-  [[nodiscard]] std::string why_not(const Evidence& evidence, const Needed& needed, const Scatter& of_all) const {
+  [[nodiscard]] std::string why_not(const Counted& evidence, const Needed& needed, const Scatter& of_all) const {
     const std::size_t count = evidence.histories.size();
     if (count == 0) return "no held-out history of this kind was measured";
     if (count < kLeastHistories) return "one history alone cannot check U: measure a second one";
@@ -203,7 +203,7 @@ class Counting {
   }
 
   ConditionUncertainty of(std::size_t which, const Needed& needed, const Scatter& scatter) const {
-    const Evidence& evidence = counted_.made_in[which];
+    const Counted& evidence = counted_.made_in[which];
     ConditionUncertainty out;
     const std::string why = why_not(evidence, needed, scatter);
     if (why.empty()) out = stated(squares_of(which, windows_[which]), needed.all, true);
@@ -223,7 +223,7 @@ class Counting {
     return out;
   }
 
-  [[nodiscard]] static std::string basis(const Evidence& evidence, const ConditionUncertainty& out) {
+  [[nodiscard]] static std::string basis(const Counted& evidence, const ConditionUncertainty& out) {
     std::string words =
         fmt::format("{}, {} readings of each taxel, {} {}", counted(out.histories, "history", "histories"),
                     out.readings, evidence.runs.size() == 1 ? "run" : "runs", fmt::join(evidence.runs, ", "));
@@ -248,7 +248,7 @@ class Counting {
   std::array<Windows, kUseConditions> windows_;
 };
 
-void add(Evidence& evidence, KindHistories one, bool of_same_unit) {
+void add(Counted& evidence, KindHistories one, bool of_same_unit) {
   if (of_same_unit && !evidence.histories.empty() && evidence.histories.back().run == one.history.run) {
     std::vector<std::size_t>& frames = evidence.histories.back().frames;
     frames.insert(frames.end(), one.history.frames.begin(), one.history.frames.end());
