@@ -76,6 +76,9 @@ class Judging {
     out.limit = limit;
     out.limits_sha256 = limits_.sha256;
     out.rule = rule_applied(limits_.rule, out.u.expanded);
+    // A single reading whose U is not known does not pass by its mean error alone.
+    if (limits_.rule == DecisionRule::kDefault && of_readings(criterion) && out.value <= limit)
+      out.rule = DecisionRule::kFourWay;
     out.verdict = verdict_of(out.rule, out.value, limit, out.u.expanded);
     if (out.verdict == Verdict::kReportOnly) return out;
     if (!counts(run) || !is_traceable(out, run.reference)) out.verdict = Verdict::kInconclusive;

@@ -187,26 +187,32 @@ class Counting {
     return out;
   }
 
-  [[nodiscard]] std::string why_not(const Counted& evidence, const Needed& needed, const Scatter& of_all) const {
+  // What the histories of a kind leave open of k: the standard deviation of its logarithm. That of their own, beside
+  // which those of all kinds count, because a few tell little of how much they differ.
+  [[nodiscard]] static double open_of(const Needed& needed, const Scatter& of_all) {
+    if (!(of_all.dof > 0.0) || needed.each.empty()) return 0.0;
+    Scatter own{kDofOfAll * of_all.squares / of_all.dof, kDofOfAll};
+    own.add(needed.each);
+    return std::sqrt(own.squares / own.dof / static_cast<double>(needed.each.size()));
+  }
+
+  [[nodiscard]] std::string why_not(const Counted& evidence, const Needed& needed, double open) const {
     const std::size_t count = evidence.histories.size();
     if (count == 0) return "no held-out history of this kind was measured";
     if (count < kLeastHistories) return "one history alone cannot check U: measure a second one";
     if (empty_.pressure_psi.empty()) return "no level with full sweeps of the calibration";
     if (!std::isfinite(needed.all)) return "no error of these histories lies at a level with U";
-    if (!(of_all.dof > 0.0)) return {};
-    Scatter own{kDofOfAll * of_all.squares / of_all.dof, kDofOfAll};
-    own.add(needed.each);
-    const double scatter = std::sqrt(own.squares / own.dof), open = scatter / std::sqrt(static_cast<double>(count));
     if (open <= kMostOpen) return {};
     return fmt::format("{} leave U open by {:.0f} %: measure {:.0f} or more", counted(count, "history", "histories"),
-                       100.0 * open, std::ceil(std::pow(scatter / kMostOpen, 2)));
+                       100.0 * open, std::ceil(static_cast<double>(count) * std::pow(open / kMostOpen, 2)));
   }
 
   ConditionUncertainty of(std::size_t which, const Needed& needed, const Scatter& scatter) const {
     const Counted& evidence = counted_.made_in[which];
     ConditionUncertainty out;
-    const std::string why = why_not(evidence, needed, scatter);
-    if (why.empty()) out = stated(squares_of(which, windows_[which]), needed.all, true);
+    const double open = open_of(needed, scatter), factor = needed.all * std::exp(open);
+    const std::string why = why_not(evidence, needed, open);
+    if (why.empty()) out = stated(squares_of(which, windows_[which]), factor, true);
     out.condition = static_cast<UseCondition>(which);
     out.name = name_of(out.condition);
     if (evidence.held_s > 0.0 && out.condition == UseCondition::kHeld)
@@ -217,7 +223,7 @@ class Counting {
     for (const FrameHistory& history : evidence.histories) out.readings += history.frames.size();
     if (out.histories > 0) out.basis = basis(evidence, out);
     if (!out.valid()) return out;
-    out.factor = needed.all;
+    out.factor = factor;
     out.median_psi = median_of(out.expanded_psi);
     if (std::isnan(out.median_psi)) out.not_valid = "U of the reference is not known at the levels of the calibration";
     return out;

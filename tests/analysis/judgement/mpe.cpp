@@ -48,4 +48,8 @@ TEST_CASE("mpe: conforms when |error| + U of the share of taxels lies inside, wi
   CHECK(judged_at(7.999, DecisionRule::kGuarded, &known) == "fail");
   CHECK(judged_at(6.001, DecisionRule::kSimple, nullptr) == "pass");
   CHECK(judged_at(100.0, four, nullptr) == "inconclusive");
+  // By default, too: no reading passes by its mean error alone, and one fails by it.
+  CHECK(judged_at(100.0, DecisionRule::kDefault, nullptr) == "inconclusive");
+  CHECK(judged_at(5.999, DecisionRule::kDefault, nullptr) == "fail");
+  CHECK(judged_at(8.001, DecisionRule::kDefault, &known) == "pass");
 }
