@@ -225,7 +225,12 @@ class Counting {
     if (!out.valid()) return out;
     out.factor = factor;
     out.median_psi = median_of(out.expanded_psi);
-    if (std::isnan(out.median_psi)) out.not_valid = "U of the reference is not known at the levels of the calibration";
+    if (!std::isnan(out.median_psi)) return out;
+    out.not_valid = "U of the reference is not known at the levels of the calibration";
+    out.pressure_psi.clear();
+    out.up.clear();
+    out.expanded_psi.clear();
+    out.error_psi.clear();
     return out;
   }
 

@@ -66,8 +66,8 @@ class BudgetStore : public FilmStore {
   std::string history(const std::vector<std::int64_t>& held_out, const std::vector<std::int64_t>& further = {},
                       const std::vector<std::string>& studies = {}) {
     const analysis::HistoryRuns runs = inputs(held_out, further, studies).history;
-    return fmt::format("same{} later{} dwelt{} warm{} mounted{} paced{}", numbers_of(runs.same), numbers_of(runs.later),
-                       numbers_of(runs.dwelt), numbers_of(runs.warm), numbers_of(runs.mounted), numbers_of(runs.paced));
+    return fmt::format("same{} later{} warm{} mounted{} paced{}", numbers_of(runs.same), numbers_of(runs.later),
+                       numbers_of(runs.warm), numbers_of(runs.mounted), numbers_of(runs.paced));
   }
   analysis::Studies studies_ = {};
 
@@ -193,56 +193,33 @@ TEST_CASE("budget runs: a thermometer resolves one count of its register, and no
              sensor("temperature_c", "raw_span = [0, 1000]\nspan_c = [0, 20]\n")) == Approx(0.05));
 }
 
-TEST_CASE("budget runs: a held-out run is evidence for the one condition that sets it apart") {
+TEST_CASE("budget runs: a held-out run is evidence for the one state that sets it apart, whatever its dwell") {
   BudgetStore made;
   (void)made.add({});                                              // 1
   (void)made.add({});                                              // 2
   (void)made.add(film_at("2026-03-11T00:00:00Z"));                 // 3
   (void)made.add(film_set({{"simulation.mount_seed", "1"}}));      // 4
   (void)made.add(film_set({{"simulation.temperature_c", "40"}}));  // 5
-  (void)made.add(film_dwell(6.1));                                 // 6, more than three times
-  (void)made.add(film_dwell(0.6));                                 // 7, less than a third
-  (void)made.add(film_dwell(5.9));                                 // 8, just like it
-  (void)made.add(film_dwell(0.667));                               // 9
+  (void)made.add(film_dwell(6.1));                                 // 6
   FilmRun both = film_set({{"simulation.mount_seed", "1"}, {"simulation.age_months", "1"}});
-  (void)made.add(both);                                              // 10, mounted and later
-  (void)made.add(film_set({{"simulation.specimen", "\"harsh\""}}));  // 11
-  FilmRun slow_later = film_dwell(20.0), slow_mounted = film_dwell(20.0), warm_later = film_at("2026-03-11T00:00:00Z");
-  slow_later.started_utc = "2026-03-11T00:00:00Z";
-  slow_mounted.set = {{"simulation.mount_seed", "1"}};
+  (void)made.add(both);                                              // 7, mounted and later
+  (void)made.add(film_set({{"simulation.specimen", "\"harsh\""}}));  // 8
+  FilmRun warm_later = film_at("2026-03-11T00:00:00Z");
   warm_later.set = {{"simulation.temperature_c", "40"}};
-  (void)made.add(slow_later);    // 12
-  (void)made.add(slow_mounted);  // 13
-  (void)made.add(warm_later);    // 14, what another day brings
-  FilmRun warm_mounted = film_set({{"simulation.mount_seed", "1"}, {"simulation.temperature_c", "40"}});
-  (void)made.add(warm_mounted);  // 15
-  FilmRun warm_slow = film_dwell(20.0);
-  warm_slow.set = {{"simulation.temperature_c", "40"}};
-  (void)made.add(warm_slow);  // 16
-  CHECK(made.history({1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16}) ==
-        "same 2 8 9 later 3 14 dwelt 6 7 warm 5 mounted 4 paced");
-}
-
-TEST_CASE("budget runs: where a run tells no dwell, it counts as like that of the calibration") {
-  BudgetStore made;
-  (void)made.add({});
-  (void)made.add(film_dwell(0.0));
-  CHECK(made.history({2}) == "same 2 later dwelt warm mounted paced");
-  BudgetStore none;
-  (void)none.add(film_dwell(0.0));
-  (void)none.add({});
-  CHECK(none.history({2}) == "same 2 later dwelt warm mounted paced");
+  (void)made.add(warm_later);  // 9, what another day brings
+  (void)made.add(film_set({{"simulation.mount_seed", "1"}, {"simulation.temperature_c", "40"}}));  // 10
+  CHECK(made.history({1, 2, 3, 4, 5, 6, 7, 8, 9, 10}) == "same 2 6 later 3 9 warm 5 mounted 4 paced");
 }
 
 TEST_CASE("budget runs: studies of mounts, and runs without a role as candidates for the effect of dwell, each once") {
   BudgetStore made;
   for (int i = 0; i < 4; ++i) (void)made.add({});
   (void)made.add(film_at("2026-03-11T00:00:00Z"));
-  CHECK(made.history({}, {2, 3}, {"4:mount", "3"}) == "same later dwelt warm mounted 4 paced 2 3");
-  CHECK(made.history({}, {1, 2, 2}, {"4:90", "3"}) == "same later dwelt warm mounted paced 2 3");
-  CHECK(made.history({}, {4, 2}, {"4:mount"}) == "same later dwelt warm mounted 4 paced 2");
-  CHECK(made.history({}, {5, 2}) == "same later dwelt warm mounted paced 2");  // of another day
-  CHECK(made.history({}, {}, {"2"}) == "same later dwelt warm mounted paced 2");
+  CHECK(made.history({}, {2, 3}, {"4:mount", "3"}) == "same later warm mounted 4 paced 2 3");
+  CHECK(made.history({}, {1, 2, 2}, {"4:90", "3"}) == "same later warm mounted paced 2 3");
+  CHECK(made.history({}, {4, 2}, {"4:mount"}) == "same later warm mounted 4 paced 2");
+  CHECK(made.history({}, {5, 2}) == "same later warm mounted paced 2");  // of another day
+  CHECK(made.history({}, {}, {"2"}) == "same later warm mounted paced 2");
 }
 
 TEST_CASE("budget runs: what studies found goes in, with the roots of two mounts") {
