@@ -60,7 +60,7 @@ TEST_CASE("demo: Ctrl-C ends it during or after the runs and leaves no partial f
   const auto has_come = [&] {
     if (in_run) return has_frames(folder);
     try {
-      return db::RunStore::open_read_only(folder.path("runs.db")).run(5).outcome == db::Outcome::kCompleted;
+      return db::RunStore::open_read_only(folder.path("runs.db")).run(6).outcome == db::Outcome::kCompleted;
     } catch (const db::StoreError&) {
       return false;
     }

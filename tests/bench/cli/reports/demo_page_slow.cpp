@@ -31,13 +31,18 @@ const std::vector<DemoRunStored>& runs_of_seed_three() {
       {6, table,
        "recipe.repeats=1 simulation.temperature_c=28 simulation.age_months=1 "
        "simulation.effects.gain_drift_per_month=0.01 simulation.effects.zero_drift_v_per_month=0.01 ",
-       662}};
+       662},
+      {8,
+       {"reversals", "held-presses", "small-reversals", "reversals", "held-presses", "small-reversals", "reversals",
+        "held-presses", "small-reversals", "reversals", "held-presses"},
+       "recipe.dwell_s=2 ",
+       571}};
   return runs;
 }
 
 }  // namespace
 
-TEST_CASE("demo: five runs, each with its seeds, recipes, settings and frames") {
+TEST_CASE("demo: six runs, each with its seeds, recipes, settings and frames") {
   const TemporaryFolder folder;
   write_file(folder.path("mine.txt"), "a letter\n");
   const Finished refused = call(folder, {"demo", "-o", "mine.txt"});
@@ -66,6 +71,6 @@ TEST_CASE("demo: five runs, each with its seeds, recipes, settings and frames") 
   }
   const auto sensor = store.sensor("SIM-0002");
   REQUIRE(sensor);
-  CHECK(store.verdicts(5).size() == 8);
+  CHECK(store.verdicts(5).size() == 10);
   CHECK(store.subjects() == std::vector<std::string>{"sensor/SIM-0002/descending+ascending"});
 }
