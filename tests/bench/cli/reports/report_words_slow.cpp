@@ -59,11 +59,11 @@ TEST_CASE("report: the verdicts of a judged run, its judgement and its file, als
   CHECK(one.at("runs") == Told::array({1}));
   CHECK(one.at("number") == number);
   check_members(one, R"({"path": "reports/run-1.html", "written": true, "origin": "simulated"})");
-  CHECK(one.at("verdicts").size() == 8);
+  CHECK(one.at("verdicts").size() == 10);
   CHECK(one.at("judgement").at("overall") == "inconclusive");
   CHECK_FALSE(one.contains("judgements"));
   const Told by_other = of.told({"2", "--model", "1"});
-  CHECK(by_other.at("verdicts").size() == 8);
+  CHECK(by_other.at("verdicts").size() == 10);
   CHECK(by_other.at("verdicts").at(0).at("run") == 2);
   CHECK(by_other.at("verdicts").at(0).at("model_run") == 1);
   CHECK(of.told({"2", "--model", "1:1"}).at("number") == by_other.at("number"));
