@@ -161,9 +161,10 @@ TEST_CASE("figures have the same keys in every document, shares of full scale en
 
 TEST_CASE("verdicts have the same keys in every document") {
   ReportInput input = example::example_input();
-  input.judgement.stored_worse = {input.verdicts[1]};
-  const Document own = verdict_json(input.verdicts[0]);
-  CHECK(keys_of(own) == Keys{"criterion", "scope", "value", "limit", "unit", "rule", "verdict", "limits_sha256"});
+  input.judgement.stored_worse = {input.judgement.figures[1]};
+  const Document own = figure_json(input.judgement.figures[0]);
+  CHECK(keys_of(own) ==
+        Keys{"criterion", "scope", "value", "expanded", "limit", "unit", "rule", "verdict", "limits_sha256"});
   const Document results = report_of(input)["results"];
   for (const Document& list : {results["verdicts"], results["judgement"]["stored_worse"]}) {
     Keys keys = keys_of(list.at(0));

@@ -108,7 +108,7 @@ TEST_CASE("report signing: a reason where another is replaced, and none otherwis
 TEST_CASE("report signing: without a verdict it is to be confirmed") {
   Session session;
   session.json = true;
-  const auto sign = [&](const Judgement& judgement, bool without_verdict) {
+  const auto sign = [&](const analysis::Judgement& judgement, bool without_verdict) {
     return report_refusal([&] { check_signature(judgement, 5, "simulated", without_verdict, session); });
   };
   CHECK_THAT(sign({}, false), Catch::StartsWith("TB-REPORT-NO-VERDICT at "));
