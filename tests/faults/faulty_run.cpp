@@ -230,7 +230,7 @@ std::string suffered(Bench bench, Point point, const Breakage& breakage, int hel
   Fate fate(point, breakage, request, store.path());
   const bench::RunResult result = run_small(request, store);
   INFO((result.error ? result.error->id() + ": " + result.error->what() : std::string("completed"))
-       << " / " << result.safe_text);
+       << " / " << result.safe_text.in(tactbench::analysis::PressureUnit::kPsi));
   check_end(result, fate, breakage);
   if (held_up_before < kHeldUp && held_up(result, fate)) {
     WARN("before the fault the machine held an instrument up for longer than its time-out: done anew");

@@ -96,8 +96,9 @@ void add_note(InstrumentCalibration& calibration, const InstrumentNote& note) {
 }  // namespace
 
 std::string in_words(const StatedU& stated, PressureUnit unit) {
-  const std::string value =
-      stated.unit == "psi" ? unit.short_text(stated.expanded) : fmt::format("{:g} {}", stated.expanded, stated.unit);
+  const std::string value = stated.unit == "psi" && unit != PressureUnit(PressureUnit::kPsi)
+                                ? fmt::format("{:.3g} {}", unit.of(stated.expanded), unit.symbol())
+                                : fmt::format("{:g} {}", stated.expanded, stated.unit);
   return fmt::format("U {}{} (k = {:g}){}", stated.of_correction ? "at most " : "", value, stated.factor,
                      stated.of_correction ? ", of its correction" : "");
 }

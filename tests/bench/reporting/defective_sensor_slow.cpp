@@ -50,7 +50,7 @@ std::int64_t run_with(db::RunStore& store, std::uint64_t seed,
   return result.run;
 }
 
-struct Judged {
+struct JudgedReport {
   analysis::SensorModel fit;
   analysis::ReportInput input;
   analysis::Report report;
@@ -58,9 +58,9 @@ struct Judged {
 };
 
 // As fit and report do it.
-Judged judged_report(db::RunStore& store, std::int64_t run, const std::string& previous = {},
-                     const std::vector<std::int64_t>& held_out = {}) {
-  Judged out;
+JudgedReport judged_report(db::RunStore& store, std::int64_t run, const std::string& previous = {},
+                           const std::vector<std::int64_t>& held_out = {}) {
+  JudgedReport out;
   analysis::Runs runs(store);
   out.fit = bench::fit_run(store, runs.dataset(run));
   const std::vector<bench::NamedEvaluation> evaluations = bench::evaluate_runs(runs, out.fit, held_out);
@@ -93,7 +93,7 @@ void check_page(const std::string& page) {
 }
 
 // The figures of the array are those of the taxels that are well, recomputed from the frames.
-void check_left_out(const Judged& judged, const analysis::Dataset& dataset) {
+void check_left_out(const JudgedReport& judged, const analysis::Dataset& dataset) {
   const std::set<int> left_out = {kDeadTaxel, kStuckTaxel, kSaturatedTaxel};
   const json &raw = judged.data["sections"]["raw"], &results = judged.data["results"];
   CHECK(raw["taxels"].size() == 253);
@@ -135,7 +135,7 @@ TEST_CASE("a report of a defective sensor names the planted defects and no other
     swap_rows(defects, 3, 11);
     plant_taxels(defects);
   });
-  const Judged judged = judged_report(store, bad, std::to_string(good), {held_out});
+  const JudgedReport judged = judged_report(store, bad, std::to_string(good), {held_out});
   const json& health = judged.data["sections"]["health"];
   CHECK(findings_of(health) == planted());
   for (const json& finding : health["findings"]) {
@@ -166,7 +166,7 @@ TEST_CASE("a report of a defective sensor names the planted defects and no other
   CHECK(overall->value == 3.0);
 
   // The run before it has none of all that, and nothing to compare its lines with.
-  const Judged well = judged_report(store, good);
+  const JudgedReport well = judged_report(store, good);
   CHECK(well.data["sections"]["health"]["findings"].empty());
   CHECK(well.data["sections"]["health"]["swaps_assessed"] == false);
   check_page(well.report.html);

@@ -21,7 +21,7 @@ struct WrittenStore : JudgedStore {
   WrittenStore() : JudgedStore(2) { write_file(path("before.json"), analysis::to_text(film_line_model(0.125))); }
   [[nodiscard]] bench::Judged judged(const analysis::Limits& limits) {
     bench::Judged out{bench::gather_evidence(runs, models, evaluations, limits, false), limits, {}};
-    out.judgement = judge(out.evidence, limits);
+    out.judgement = analysis::judge(out.evidence, limits);
     return out;
   }
   analysis::Runs runs{store};

@@ -160,7 +160,7 @@ TEST_CASE(
   const auto ends = [](const std::vector<bench::PlannedFault>& faults, ExitCode code, db::SafeState safe, bool begun) {
     const FinishedRun run(two_branches({}, "", faults));
     REQUIRE(run.result.error);
-    INFO(run.result.error->what() << " / " << run.result.safe_text);
+    INFO(run.result.error->what() << " / " << run.result.safe_text.in(tactbench::analysis::PressureUnit::kPsi));
     CHECK(run.result.error->id() == "TB-CHAMBER-WITNESS");
     CHECK(run.result.error->code() == code);
     CHECK(run.result.outcome == db::Outcome::kAborted);
