@@ -25,6 +25,21 @@ void check_sensor(const db::RunRecord& run, const db::RunRecord& further) {
                       "a report is of one sensor: see --compare and --batch for several");
 }
 
+// Trajectories are told apart by their sequence's name.
+void add_applied(ReportInput& input, const Dataset& dataset, bool verification) {
+  for (const SequenceData& sequence : dataset.sequences) {
+    const bool known = std::ranges::find(input.applied, sequence.name, &AppliedPressures::title) != input.applied.end();
+    if (known || sequence.repeats.empty() || sequence.repeats.front().steps.empty()) continue;
+    AppliedPressures own{sequence.name, verification, sequence.repeats.size(), {}, {}};
+    const std::vector<Sample>& steps = sequence.repeats.front().steps;
+    for (const Sample& step : steps) {
+      own.time_s.push_back(step.time_s - steps.front().time_s);
+      own.pressure_psi.push_back(step.reference_psi);
+    }
+    input.applied.push_back(std::move(own));
+  }
+}
+
 }  // namespace
 
 std::vector<int> counted_taxels(const SensorModel& fit, const Health& health) {
@@ -60,6 +75,10 @@ void gather_run(ReportInput& input, Runs& runs, std::int64_t run, const std::vec
   }
   const std::vector<int> taxels = counted_taxels(input.fit, input.health);
   if (!input.history.presses && !taxels.empty()) input.behaviour = behaviour_of(dataset, taxels);
+  if (!input.history.presses) {
+    add_applied(input, dataset, false);
+    for (const HeldOut& held_out : input.held_out) add_applied(input, runs.dataset(held_out.run.run), true);
+  }
   for (const std::int64_t number : further) {
     input.further.push_back(runs.record(number));
     check_sensor(input.run, input.further.back());

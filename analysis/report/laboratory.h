@@ -19,6 +19,8 @@ struct Laboratory {
   std::string environment;      // temperature, humidity, where no instrument measured them
   std::string deviations;       // from the method, beside those that the run recorded
   std::string remarks;
+  std::string valid_until;                  // date until which the calibration counts; empty: see below
+  int recalibrate_after_months = 0;         // after the measurement; 0: no rule
   std::vector<InstrumentNote> instruments;  // instrument_calibration.h says what counts beside what the run stored
   std::string sha256;                       // of the file; empty: there was none
 };

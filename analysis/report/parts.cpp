@@ -2,64 +2,26 @@
 
 #include <algorithm>
 #include <cctype>
+#include <chrono>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
+#include "analysis/documents/run_metadata.h"
 #include "analysis/identify/stored/model_document.h"
+#include "analysis/json_io.h"
 #include "analysis/statistics/figures/levels.h"
 
 namespace tactbench::analysis {
 
-using html::markup;
-using html::Markup;
-using html::Text;
-
-Markup cell(const html::Safe& content) { return markup("<td>{}</td>", content); }
-
-Markup number_cell(const html::Safe& content) { return markup("<td class=\"n\">{}</td>", content); }
-
-Markup pairs_table(const char* caption, const std::vector<Pair>& rows) {
-  Markup out = markup("<table class=\"pairs\"><caption>{}</caption><tbody>\n", Text(caption));
-  for (const Pair& row : rows) {
-    out += markup("<tr><th scope=\"row\">{}</th><td>{}</td></tr>\n", Text(row.name), row.value);
-  }
-  out += markup("</tbody></table>\n");
-  return out;
-}
-
-Markup level_headings(PressureUnit unit, int rows) {
-  Markup out;
-  for (const PressureUnit shown : {unit, unit.beside()})
-    out += markup("<th scope=\"col\"{} class=\"n\">{}</th>", rows > 1 ? markup(" rowspan=\"{}\"", rows) : markup(""),
-                  Text(shown.symbol()));
-  return out;
-}
-
-Markup level_cells(double pressure_psi, PressureUnit unit) {
-  return markup("<th scope=\"row\" class=\"n\">{}</th>{}", html::in_unit(pressure_psi, unit, 1),
-                number_cell(html::in_unit(pressure_psi, unit.beside(), 1)));
-}
-
 const char* branch_in_words(bool up) { return up ? "increasing" : "decreasing"; }
 
-Markup section_start(const char* id, const char* title) {
-  return markup("<h2 id=\"{}\">{}</h2>\n", html::Attribute(id), Text(title));
-}
-
-Markup code(const std::string& untrusted) {
-  if (untrusted.empty()) return markup("{}", Text("not available"));
-  return markup("<code>{}</code>", Text(untrusted));
-}
-
-Text moment(const std::string& utc) {
+std::string moment_text(const std::string& utc) {
   std::string words = utc;
   if (words.size() > 10 && words[10] == 'T') words[10] = ' ';
-  return html::stated(words);
+  return doc::stated(words).text;
 }
 
-std::string place_of(int taxel, int columns) {
-  const int width = std::max(1, columns);
-  return fmt::format("row {}, column {}", taxel / width, taxel % width);
-}
+std::string date_of(const std::string& utc) { return doc::stated(utc.substr(0, 10)).text; }
 
 std::string model_name(const SensorModel& fit) {
   return fit.model == kElamFit && !fit.options.linearise ? "ELAM" : label_of(fit);
@@ -67,8 +29,7 @@ std::string model_name(const SensorModel& fit) {
 
 bool is_simulated(const ReportInput& input) {
   const auto simulated = [](const db::RunRecord& run) { return run.origin == "simulated"; };
-  return simulated(input.run) || std::any_of(input.held_out.begin(), input.held_out.end(),
-                                             [&](const HeldOut& held_out) { return simulated(held_out.run); });
+  return simulated(input.run) || std::ranges::any_of(input.held_out, simulated, &HeldOut::run);
 }
 
 bool is_certificate(const ReportInput& input) {
@@ -77,7 +38,10 @@ bool is_certificate(const ReportInput& input) {
   return has_reference(input.run) && reference.calibration.traceable() && !reference.untraced();
 }
 
-bool states_uncertainty(const ReportInput& input) { return input.uncertainty && !input.uncertainty->levels.empty(); }
+bool states_uncertainty(const ReportInput& input) {
+  return input.uncertainty && !input.uncertainty->levels.empty() &&
+         std::ranges::any_of(input.uncertainty->conditions, &ConditionUncertainty::valid);
+}
 
 bool has_reference(const db::RunRecord& run) {
   const auto lower = [](std::string text) {
@@ -98,16 +62,47 @@ bool has_reference(const db::RunRecord& run) {
   });
 }
 
-Markup verdict_mark(Verdict verdict, bool simulated) {
-  const bool pass = verdict == Verdict::kPass, fail = verdict == Verdict::kFail;
-  return markup("<span class=\"{}\"><span class=\"sign\">{}</span> {}{}</span>",
-                html::Attribute(pass   ? "pass"
-                                : fail ? "fail"
-                                       : "doubt"),
-                Text(pass   ? "✓"
-                     : fail ? "✗"
-                            : "▲"),
-                Text(simulated ? "simulated " : ""), Text(to_string(verdict)));
+std::string valid_until(const ReportInput& input) {
+  const Laboratory& lab = input.laboratory;
+  if (!lab.valid_until.empty() || lab.recalibrate_after_months <= 0) return lab.valid_until;
+  const auto day = day_of(input.run.started_utc);
+  if (!day) return {};
+  std::chrono::year_month_day until =
+      std::chrono::year_month_day(*day) + std::chrono::months(lab.recalibrate_after_months);
+  if (!until.ok()) until = until.year() / until.month() / std::chrono::last;
+  return fmt::format("{:04}-{:02}-{:02}", static_cast<int>(until.year()), static_cast<unsigned>(until.month()),
+                     static_cast<unsigned>(until.day()));
+}
+
+std::string cable_of(const ReportInput& input) {
+  if (!input.laboratory.cable.empty()) return input.laboratory.cable;
+  for (const db::DeviceRecord& device : input.run.devices) {
+    if (device.role.find("scanner") == std::string::npos) continue;
+    const auto json = try_json(device.calibration_json);
+    if (json.is_object() && json.contains("cable") && json["cable"].is_string())
+      return json["cable"].get<std::string>();
+  }
+  return {};
+}
+
+std::string order_of(const ReportInput& input) {
+  const std::map<std::string, std::string> metadata = metadata_of(input.run);
+  const std::string& own = input.laboratory.order;
+  const auto typed = metadata.find("order");
+  if (typed == metadata.end()) return own;
+  return own.empty() || own == typed->second ? typed->second
+                                             : fmt::format("{} (laboratory file: {})", typed->second, own);
+}
+
+doc::Phrase findings_in_brief(const Health& health) {
+  std::string words;
+  const auto add = [&](const std::string& one) { words += (words.empty() ? "" : "; ") + one; };
+  const auto left_out = std::ranges::count_if(health.findings, &TaxelHealth::excluded);
+  if (left_out > 0) add(fmt::format("{} left out of every figure", left_out));
+  if (const int noisy = health.count("noisy"); noisy > 0) add(fmt::format("{} noisy", noisy));
+  for (const SwappedLines& swap : health.swaps)
+    add(fmt::format("{} {} and {} swapped", swap.rows ? "rows" : "columns", swap.first, swap.second));
+  return words.empty() ? doc::Phrase() : doc::Phrase(doc::Words{"▲ " + words, doc::Look::kDoubt});
 }
 
 Spread spread_of(std::vector<double> values) {
@@ -117,28 +112,10 @@ Spread spread_of(std::vector<double> values) {
   return {low, median_of(values), high, values.size()};
 }
 
-Deviation deviation(std::span<const double> a, std::span<const double> b) {
-  double sum = 0.0, maximum = 0.0;
-  std::size_t n = 0;
-  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
-    const double difference = std::abs(a[i] - b[i]);
-    if (!std::isfinite(difference)) continue;
-    sum += difference;
-    maximum = std::max(maximum, difference);
-    ++n;
-  }
-  if (n == 0) return {kNan, kNan};
-  return {sum / static_cast<double>(n), maximum};
-}
-
 int fitted_taxels(const SensorModel& fit) { return static_cast<int>(fit.fitted().size()); }
 
 double observable(const LevelFigures& level, double LevelFigures::*figure, int fitted) {
   return level.flat_taxels < fitted ? level.*figure : kNan;
-}
-
-LevelJudgement judge_level(const LevelFigures& level) {
-  return {level.made_worse, level.comp_std_up > level.raw_std_up, level.comp_std_down > level.raw_std_down};
 }
 
 }  // namespace tactbench::analysis

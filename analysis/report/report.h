@@ -1,7 +1,8 @@
-// One self-contained HTML calibration report: no script, inline SVG, well-formed XML, data as JSON inside. Same input,
-// same bytes.
+// One self-contained HTML calibration report of at most six pages, annexes apart: no script, inline SVG, well-formed
+// XML; and its data as JSON, which the report's number is a hash of. Same input, same bytes.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,6 +29,14 @@ struct HeldOut {
   Evaluation evaluation;
 };
 
+// The pressures of one sequence over time, of its first repeat.
+struct AppliedPressures {
+  std::string title;  // the sequence
+  bool verification = false;
+  std::size_t repeats = 1;
+  std::vector<double> time_s, pressure_psi;
+};
+
 struct ReportInput {
   db::RunRecord run;  // the characterization
   std::optional<db::SensorRecord> sensor;
@@ -45,6 +54,8 @@ struct ReportInput {
   Behaviour behaviour;
   Laboratory laboratory;
   std::vector<std::string> method;          // how each sequence was carried out, pressures in psi; empty: not known
+  std::vector<AppliedPressures> applied;    // each trajectory once
+  std::vector<std::string> annexes;         // by name; no part of the content
   std::vector<db::ReportRecord> approvals;  // of this run's reports, oldest first; no part of the content
   std::string issued;                       // date of issue as typed; empty: that of the approval
   std::string reason;                       // why a draft replaces an approved report; no part of the content
@@ -56,7 +67,7 @@ struct Report {
   std::string number;  // run number + first 8 hex digits of the content hash
   std::string content_sha256;
   std::string html;
-  std::string json;  // the data alone, as inside the page: schema tactbench.report, version, number, data
+  std::string json;  // the data: schema tactbench.report, version, number, ...; the page has its first members alone
 };
 
 // Whether `input` carries a signature for report `number`.
@@ -64,6 +75,10 @@ bool is_signed(const ReportInput& input, const std::string& number);
 // The mark of a signed report in its title, which a PDF keeps.
 std::string signed_title_mark(const std::string& number);
 
+inline constexpr std::array kAnnexes = {"maps", "taxels", "models", "parameters", "events", "hashes"};
+
 Report render_report(const ReportInput& input);
+// The verdict of page 1 and the runs judged, for a terminal of so many columns.
+std::string summary_text(const ReportInput& input, PressureUnit unit, std::size_t width);
 
 }  // namespace tactbench::analysis

@@ -37,7 +37,10 @@ KeyTable laboratory_rows(analysis::Laboratory& lab) {
       key::text("environment", lab.environment,
                 "Temperature and humidity, where no instrument of the bench measured them"),
       key::text("deviations", lab.deviations, "Deviations from the method, beside those that the run recorded itself"),
-      key::text("remarks", lab.remarks, "Remarks of the laboratory, printed on the report")};
+      key::text("remarks", lab.remarks, "Remarks of the laboratory, printed on the report"),
+      date_key("valid_until", lab.valid_until, "Last day that the calibration counts, by the laboratory's rule"),
+      key::number("recalibrate_after_months", lab.recalibrate_after_months, {"months"}, {0.0, 1200.0},
+                  "The same as a rule: so many months after the measurement; 0: no rule")};
 }
 
 KeyTable instrument_rows(analysis::InstrumentNote& note) {

@@ -35,7 +35,7 @@ scores how well they compensate, and writes calibration reports. The same
 program runs against the rig and against a simulated rig at the other end of
 the same wires, which a nightly regression uses.")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS adduser)  # its postinst makes the group
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS libpq5)  # loaded by the verbs of the fleet
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "libpq5, fonts-liberation2")  # verbs of the fleet; reports
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_CONTROL_EXTRA "${PROJECT_SOURCE_DIR}/bench/install/debian/postinst")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "libtactbench-compensator-dev, python3-tactbench-compensator")
 

@@ -63,11 +63,11 @@ Markup small_plot(const FollowedFigure& figure) {
 }
 
 Markup figure_state(const FollowedFigure& figure) {
-  if (figure.missing) return markup("<span class=\"fail\"><span class=\"sign\">✗</span> missing</span>");
-  if (figure.outside) return markup("<span class=\"fail\"><span class=\"sign\">✗</span> outside</span>");
+  if (figure.missing) return markup("<span class=\"bad\"><span class=\"sign\">✗</span> missing</span>");
+  if (figure.outside) return markup("<span class=\"bad\"><span class=\"sign\">✗</span> outside</span>");
   if (figure.shifted) return markup("<span class=\"doubt\"><span class=\"sign\">▲</span> shifted</span>");
   if (!figure.chart.band) return markup("no baseline");
-  return markup("<span class=\"pass\"><span class=\"sign\">✓</span> within</span>");
+  return markup("<span class=\"good\"><span class=\"sign\">✓</span> within</span>");
 }
 
 std::string followed_baseline(const Followed& followed) {
@@ -125,14 +125,14 @@ constexpr const char* kBandNote =
 Markup result_row(const ScenarioResult& result) {
   Markup row = markup("<tr><th scope=\"row\">{}</th><td class=\"state\">", Text(result.name));
   if (!result.wrong.empty())
-    row += markup("<span class=\"fail\"><span class=\"sign\">✗</span> red</span>");
+    row += markup("<span class=\"bad\"><span class=\"sign\">✗</span> red</span>");
   else if (!result.remarks.empty())
     row += markup("<span class=\"doubt\"><span class=\"sign\">▲</span> moved</span>");
   else
-    row += markup("<span class=\"pass\"><span class=\"sign\">✓</span> green</span>");
+    row += markup("<span class=\"good\"><span class=\"sign\">✓</span> green</span>");
   row += markup("</td><td class=\"n\">{}</td><td>{}</td><td>{}", analysis::html::fixed(result.seconds, 1),
                 Text(result.compared), Text(result.about));
-  for (const std::string& line : result.wrong) row += markup("<br/><span class=\"fail\">{}</span>", Text(line));
+  for (const std::string& line : result.wrong) row += markup("<br/><span class=\"bad\">{}</span>", Text(line));
   for (const std::string& line : result.remarks) row += markup("<br/><span class=\"doubt\">{}</span>", Text(line));
   row += markup("</td></tr>\n");
   return row;

@@ -188,9 +188,8 @@ void add_results(analysis::ReportInput& input, analysis::Runs& runs, const Repor
   }
   std::optional<analysis::SensorModel> previous;
   if (!extras.previous.empty()) previous = analysis::load_model(extras.previous, &runs.store());
-  if (evaluated)
-    input.more = analysis::results_of(runs.dataset(input.run.run), input.fit, input.evaluation,
-                                      previous ? &*previous : nullptr, extras.previous);
+  if (evaluated && previous)
+    input.more.previous = analysis::as_found_with(runs.dataset(input.run.run), input.fit, *previous, extras.previous);
   StudyGatherer gatherer(input, runs);
   (void)gatherer.take_presses(input.run);
   for (const StudyRun& study : studies) gatherer.take(study);

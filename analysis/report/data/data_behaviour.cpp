@@ -1,4 +1,4 @@
-// The data behind the raw section, and the hash of models.
+// The output before correction and the sensor's health as data, and the hash of models.
 #include <array>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -65,6 +65,31 @@ std::string behaviour_json(const ReportInput& input) {
                     {"repeatability", repeatability},
                     {"zero_return", zero},
                     {"creep", creep}});
+}
+
+std::string health_json(const ReportInput& input) {
+  const Health& health = input.health;
+  nlohmann::ordered_json findings = nlohmann::ordered_json::array(), swaps = nlohmann::ordered_json::array();
+  for (const TaxelHealth& finding : health.findings)
+    findings.push_back({{"taxel", finding.taxel},
+                        {"state", finding.state},
+                        {"reason", finding.reason},
+                        {"excluded", finding.excluded}});
+  for (const SwappedLines& swap : health.swaps)
+    swaps.push_back({{"lines", swap.rows ? "rows" : "columns"},
+                     {"first", swap.first},
+                     {"second", swap.second},
+                     {"correlation_as_is", swap.as_is},
+                     {"correlation_exchanged", swap.exchanged}});
+  return json_text({{"dead_v", health.options.dead_v},
+                    {"noisy_factor", health.options.noisy_factor},
+                    {"median_noise_v", health.median_noise_v},
+                    {"low_v", number_list(health.low_v)},
+                    {"high_v", number_list(health.high_v)},
+                    {"noise_v", number_list(health.noise_v)},
+                    {"findings", findings},
+                    {"swaps_assessed", health.swaps_assessed},
+                    {"swaps", swaps}});
 }
 
 std::string model_sha256(const SensorModel& fit) {

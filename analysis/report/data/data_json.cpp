@@ -5,8 +5,9 @@
 #include "analysis/identify/stored/dynamics_json.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/json_io.h"
+#include "analysis/report/data/conformity.h"
 #include "analysis/report/data/data.h"
-#include "analysis/report/data/judged_runs.h"
+#include "analysis/report/data/reading_figures.h"
 #include "analysis/report/data/section_data.h"
 #include "analysis/report/data/traceability.h"
 #include "analysis/report/parts.h"
@@ -17,7 +18,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json level_json(const LevelFigures& level, int fitted) {
-  const LevelJudgement worse = judge_level(level);
   return {
       {"pressure_psi", level.pressure_psi},
       {"up_psi", level.up_psi},
@@ -33,9 +33,7 @@ Json level_json(const LevelFigures& level, int fitted) {
       {"comp_distance_observable_fs", observable(level, &LevelFigures::comp_distance_observable, fitted)},
       {"worst_taxel_distance_fs", level.worst_taxel_distance},
       {"worst_taxel_distance_observable_fs", observable(level, &LevelFigures::worst_taxel_distance_observable, fitted)},
-      {"made_worse", worse.distance},
-      {"std_up_made_worse", worse.std_up},
-      {"std_down_made_worse", worse.std_down},
+      {"made_worse", level.made_worse},
       {"flat_taxels", level.flat_taxels}};
 }
 
@@ -107,6 +105,8 @@ Json laboratory_json(const Laboratory& l) {
           {"environment", l.environment},
           {"deviations", l.deviations},
           {"remarks", l.remarks},
+          {"valid_until", l.valid_until},
+          {"recalibrate_after_months", l.recalibrate_after_months},
           {"instruments", instruments},
           {"sha256", l.sha256}};
 }
@@ -153,12 +153,20 @@ Json judged_json(const ReportInput& input, const JudgedFigure& figure) {
   return json;
 }
 
-// Runs by their titles.
+// Runs by their titles: the store's numbers are no part of a report's content.
+void name_runs(const ReportInput& input, Json& json) {
+  if (json.is_object() && json.contains("run")) {
+    json["on"] = title_of_judged(input, json["run"].get<std::int64_t>());
+    for (const char* number : {"run", "model_run"}) json.erase(number);
+  }
+  if (json.is_structured())
+    for (Json& member : json) name_runs(input, member);
+}
+
 Json judgement_of(const ReportInput& input) {
-  Json json = judgement_json(input.judgement), stored = Json::array();
-  for (Json& run : json["runs"]) run["on"] = title_of_judged(input, run["run"].get<std::int64_t>());
-  for (const JudgedFigure& figure : input.judgement.stored_worse) stored.push_back(judged_json(input, figure));
-  json["stored_worse"] = std::move(stored);
+  Json json = judgement_json(input.judgement);
+  name_runs(input, json);
+  for (Json& run : json["decided_by"]) run = title_of_judged(input, run.get<std::int64_t>());
   return json;
 }
 
@@ -175,15 +183,20 @@ Json whole_evaluation_json(const Evaluation& evaluation, int fitted) {
   return json;
 }
 
-std::string identification_json(const ReportInput& input) {
-  Json held_out = Json::array(), further = Json::array(), approvals = Json::array();
-  for (const db::RunRecord& run : input.further) further.push_back(reported_run(run, input.laboratory));
+std::string approvals_json(const ReportInput& input) {
+  Json approvals = Json::array();
   for (const db::ReportRecord& approval : input.approvals)
     approvals.push_back({{"number", approval.number},
                          {"approved_by", approval.approved_by},
                          {"approved_utc", approval.approved_utc},
                          {"replaces", approval.replaces},
                          {"reason", approval.reason}});
+  return json_text(approvals);
+}
+
+std::string identification_json(const ReportInput& input) {
+  Json held_out = Json::array(), further = Json::array();
+  for (const db::RunRecord& run : input.further) further.push_back(reported_run(run, input.laboratory));
   for (const HeldOut& run : input.held_out) {
     held_out.push_back(reported_run(run.run, input.laboratory));
     held_out.back()["title"] = run.title;
@@ -201,12 +214,13 @@ std::string identification_json(const ReportInput& input) {
                     {"history", history_json(input.history)},
                     {"laboratory", laboratory_json(input.laboratory)},
                     {"models_sha256", input.fit.taxels.empty() ? "" : model_sha256(input.fit)},
-                    {"approvals", approvals}});
+                    {"approvals", parse_ordered_json(approvals_json(input))}});
 }
 
 std::string results_json(const ReportInput& input) {
   const Evaluation& e = input.evaluation;
-  Json frames = Json::array(), traces = Json::array(), verdicts = Json::array(), held_out = Json::array();
+  Json frames = Json::array(), applied = Json::array(), traces = Json::array(), verdicts = Json::array(),
+       held_out = Json::array();
   for (const LevelFigures& level : e.levels) {
     frames.push_back({{"pressure_psi", level.pressure_psi},
                       {"raw_up_v", number_list(level.raw_up_v)},
@@ -214,23 +228,31 @@ std::string results_json(const ReportInput& input) {
                       {"comp_up_psi", number_list(level.comp_up_psi)},
                       {"comp_down_psi", number_list(level.comp_down_psi)}});
   }
-  for (const Trace& trace : e.traces) {
+  for (const Trace& trace : e.traces)
     traces.push_back({{"sequence", trace.sequence},
                       {"pressure_psi", number_list(trace.pressure_psi)},
                       {"measured_v", number_list(trace.measured_v)},
                       {"model_v", number_list(trace.model_v)},
                       {"compensated_psi", number_list(trace.compensated_psi)}});
-  }
+  for (const AppliedPressures& own : input.applied)
+    applied.push_back({{"title", own.title},
+                       {"verification", own.verification},
+                       {"repeats", own.repeats},
+                       {"time_s", number_list(own.time_s, 5)},
+                       {"pressure_psi", number_list(own.pressure_psi, 5)}});
   for (const JudgedFigure& figure : input.judgement.figures) verdicts.push_back(judged_json(input, figure));
   for (const HeldOut& run : input.held_out) {
     held_out.push_back(
         {{"title", run.title}, {"evaluation", whole_evaluation_json(run.evaluation, fitted_taxels(input.fit))}});
   }
+  const std::optional<ReadingFigures> readings = reading_figures(input);
   return json_text({{"verdicts", verdicts},
+                    {"readings", readings ? reading_figures_json(*readings) : Json()},
                     {"judgement", judgement_of(input)},
                     {"evaluation", whole_evaluation_json(e, fitted_taxels(input.fit))},
                     {"taxel_mean_error_psi", number_list(e.taxel_mean_error_psi)},
                     {"held_out", std::move(held_out)},
+                    {"applied", std::move(applied)},
                     {"traces", std::move(traces)},
                     {"model", model_json(input.fit)},
                     {"frames", std::move(frames)}});

@@ -1,14 +1,13 @@
 // The figures of the section "Uncertainty", and of conformity, as JSON.
-#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "analysis/report/data/conformity.h"
 #include "analysis/report/data/data.h"
-#include "analysis/report/data/judged_runs.h"
+#include "analysis/report/data/reading_figures.h"
 #include "analysis/report/data/section_data.h"
 #include "analysis/report/parts.h"
-#include "analysis/statistics/numbers/moments.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -81,10 +80,10 @@ UncertaintyJson condition_json(const ConditionUncertainty& condition) {
   for (const bool up : condition.up) branches.push_back(up ? "up" : "down");
   out["factor"] = condition.factor;
   out["median_expanded_psi"] = condition.median_psi;
-  out["pressure_psi"] = number_list(condition.pressure_psi, 4);
+  out["pressure_psi"] = number_list(condition.pressure_psi);
   out["branch"] = std::move(branches);
-  out["taxel_expanded_psi"] = number_list(condition.expanded_psi, 3);
-  out["taxel_error_psi"] = number_list(condition.error_psi, 3);
+  out["taxel_expanded_psi"] = number_list(condition.expanded_psi, 4);
+  out["taxel_error_psi"] = number_list(condition.error_psi, 5);
   return out;
 }
 

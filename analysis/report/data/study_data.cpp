@@ -1,4 +1,4 @@
-// The data behind the sections on models, compensation, studies and objects.
+// The data on as found and as left, studies and objects.
 #include <nlohmann/json.hpp>
 
 #include "analysis/documents/evaluation_json.h"
@@ -13,36 +13,6 @@ using MoreJson = nlohmann::ordered_json;
 
 // A tenth of a millivolt, a thousandth of a psi.
 MoreJson curve_json(const std::vector<double>& values) { return number_list(values, 5); }
-
-MoreJson model_json(const ComparedModel& model) {
-  if (!model.failed.empty()) return {{"model", model.model}, {"failed", model.failed}};
-  MoreJson parameters = MoreJson::array();
-  for (const ModelParameter& p : model.parameters)
-    parameters.push_back(
-        {{"name", p.name}, {"value", p.value}, {"unit", p.unit}, {"at_bound", p.at_bound()}, {"fixed", p.fixed}});
-  return {{"model", model.model},
-          {"joint", model.joint},
-          {"j_v2", model.j_v2},
-          {"mean_error_v", model.mean_error_v},
-          {"max_error_v", model.max_error_v},
-          {"mean_free_running_v", model.mean_running_v},
-          {"max_free_running_v", model.max_running_v},
-          {"samples", model.samples},
-          {"operations_per_sample", model.operations_per_sample},
-          {"parameters", parameters},
-          {"model_v", curve_json(model.model_v)}};
-}
-
-MoreJson usable_json(const UsableBranch& branch) {
-  return {{"resolved_share", number_list(branch.resolved_share)},
-          {"usable_share", number_list(branch.usable_share)},
-          {"median_psi", number_list(branch.median_psi)},
-          {"worst_psi", number_list(branch.worst_psi)},
-          {"resolved_low_psi", branch.resolved_low_psi},
-          {"resolved_high_psi", branch.resolved_high_psi},
-          {"low_psi", branch.low_psi},
-          {"high_psi", branch.high_psi}};
-}
 
 MoreJson zone_json(const CrosstalkZone& zone) {
   return {{"mean_share", zone.mean_share},
@@ -185,58 +155,18 @@ MoreJson contact_json(const ContactResult& contact) {
 
 }  // namespace
 
-std::string models_json(const ReportInput& input) {
-  MoreJson taxels = MoreJson::array();
-  for (const ComparedTaxel& taxel : input.more.models.taxels) {
-    MoreJson sequences = MoreJson::array();
-    for (const ComparedSequence& sequence : taxel.sequences) {
-      MoreJson models = MoreJson::array();
-      for (const ComparedModel& model : sequence.models) models.push_back(model_json(model));
-      sequences.push_back({{"sequence", sequence.name},
-                           {"pressure_psi", curve_json(sequence.pressure_psi)},
-                           {"measured_v", curve_json(sequence.measured_v)},
-                           {"models", std::move(models)}});
-    }
-    taxels.push_back({{"taxel", taxel.taxel.taxel},
-                      {"title", taxel.taxel.title},
-                      {"full_scale_v", taxel.full_scale_v},
-                      {"sequences", std::move(sequences)}});
-  }
-  return json_text(taxels);
-}
-
-std::string compensation_json(const ReportInput& input) {
-  const ReportResults& more = input.more;
-  MoreJson traces = MoreJson::array(), found;
-  for (const TaxelTrace& trace : more.traces)
-    traces.push_back({{"taxel", trace.taxel.taxel},
-                      {"sequence", trace.sequence},
-                      {"pressure_psi", curve_json(trace.pressure_psi)},
-                      {"measured_v", curve_json(trace.measured_v)},
-                      {"model_v", curve_json(trace.model_v)},
-                      {"estimate_psi", curve_json(trace.estimate_psi)}});
-  if (more.previous) {
-    found["fitted_taxels"] = more.previous->fitted_taxels;
-    found.update(whole_evaluation_json(more.previous->evaluation, more.previous->fitted_taxels));
+std::string as_found_json(const ReportInput& input) {
+  MoreJson found;
+  if (const std::optional<AsFound>& previous = input.more.previous) {
+    found["fitted_taxels"] = previous->fitted_taxels;
+    found.update(whole_evaluation_json(previous->evaluation, previous->fitted_taxels));
     MoreJson verdicts = MoreJson::array();
-    for (const JudgedFigure& figure : more.previous->judgement.figures) verdicts.push_back(figure_json(figure));
+    for (const JudgedFigure& figure : previous->judgement.figures) verdicts.push_back(figure_json(figure));
     found["verdicts"] = std::move(verdicts);
-    found["overall"] = verdict_word(more.previous->judgement.overall);
-    found["doubt"] = more.previous->doubt;
+    found["overall"] = verdict_word(previous->judgement.overall);
+    found["doubt"] = previous->doubt;
   }
-  return json_text({{"straight_line",
-                     {{"mean_error_psi", more.straight.mean_error_psi},
-                      {"max_error_psi", more.straight.max_error_psi},
-                      {"worst_taxel_mean_error_psi", more.straight.worst_taxel_mean_error_psi}}},
-                    {"as_found", found},
-                    {"usable",
-                     {{"in_noises", more.usable.options.in_noises},
-                      {"most_psi", more.usable.options.most_psi},
-                      {"least_share", more.usable.options.least_share},
-                      {"pressure_psi", number_list(more.usable.pressure_psi)},
-                      {"loading", usable_json(more.usable.loading)},
-                      {"unloading", usable_json(more.usable.unloading)}}},
-                    {"traces", std::move(traces)}});
+  return json_text(found);
 }
 
 std::string studies_json(const ReportInput& input) {

@@ -8,10 +8,6 @@
 
 namespace tactbench::analysis {
 
-using html::markup;
-using html::Markup;
-using html::Text;
-
 namespace {
 
 struct TracedQuantity {
@@ -105,51 +101,23 @@ std::string traceability_json(const ReportInput& input) {
   return json_text(list);
 }
 
-Markup instruments_warning(const ReportInput& input) {
-  std::vector<std::pair<std::string, std::string>> overdue;  // what of whom, and in which runs
-  std::vector<std::string> remarks;
+std::vector<std::string> instrument_warnings(const ReportInput& input) {
+  std::vector<std::string> out;
+  const auto add = [&](const std::string& words) {
+    if (std::ranges::find(out, words) == out.end()) out.push_back(words);
+  };
   for (const auto& [name, run] : runs_of(input)) {
+    const auto beyond = reference_uncertainty(*run, input.laboratory.instruments).beyond;
+    if (beyond) add(fmt::format("{}: {}", name, in_words(*beyond, input.unit)));
     for (const db::DeviceRecord& device : run->devices) {
       const InstrumentCalibration calibration = calibration_of(device, input.laboratory.instruments);
       const std::string who = fmt::format("{} ({})", device.role, instrument_name(calibration));
-      if (due_state(calibration, run->started_utc) == DueState::kOverdue) {
-        const std::string what = fmt::format("{}: OVERDUE for calibration since {}", who, calibration.due);
-        const auto known = std::ranges::find(overdue, what, &std::pair<std::string, std::string>::first);
-        if (known == overdue.end())
-          overdue.emplace_back(what, name);
-        else
-          known->second += fmt::format(", {}", name);
-      }
-      for (const std::string& remark : calibration.remarks) {
-        const std::string words = fmt::format("{}: {}.", who, remark);
-        if (std::ranges::find(remarks, words) == remarks.end()) remarks.push_back(words);
-      }
+      if (due_state(calibration, run->started_utc) == DueState::kOverdue)
+        add(fmt::format("{}: overdue for calibration since {} when measured", who, calibration.due));
+      for (const std::string& remark : calibration.remarks) add(fmt::format("{}: {}", who, remark));
     }
   }
-  Markup out;
-  for (const auto& [name, run] : runs_of(input)) {
-    const auto beyond = reference_uncertainty(*run, input.laboratory.instruments).beyond;
-    if (beyond)
-      out += markup("<p><span class=\"fail\"><span class=\"sign\">✗</span> {}: {}.</span></p>\n", Text(name),
-                    Text(in_words(*beyond, input.unit)));
-  }
-  for (const auto& [what, runs] : overdue)
-    out += markup("<p><span class=\"fail\"><span class=\"sign\">✗</span> {} when measured: {}.</span></p>\n",
-                  Text(what), Text(runs));
-  for (const std::string& remark : remarks)
-    out += markup("<p><span class=\"doubt\"><span class=\"sign\">▲</span> {}</span></p>\n", Text(remark));
   return out;
-}
-
-std::string reason_of_verdict(const ReportInput& input) {
-  if (input.judgement.overall != Verdict::kInconclusive) return {};
-  for (const auto& [name, run] : runs_of(input)) {
-    const std::int64_t number = run->run;
-    if (std::ranges::find(input.judgement.runs, number, &JudgedRun::run) == input.judgement.runs.end()) continue;
-    const ReferenceUncertainty reference = reference_uncertainty(*run, input.laboratory.instruments);
-    if (const auto why = reference.untraced()) return fmt::format("{}: {}", name, in_words(*why, input.unit));
-  }
-  return {};
 }
 
 }  // namespace tactbench::analysis

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "analysis/report/page/html.h"
 #include "analysis/report/report.h"
 
 namespace tactbench::analysis {
@@ -22,11 +21,6 @@ std::vector<Traceability> traceability_of(const ReportInput& input, PressureUnit
 Traceability force_traceability(const db::RunRecord& run, std::span<const InstrumentNote> notes);
 std::string traceability_json(const ReportInput& input);
 
-// For page 1: instruments that were overdue when the report's runs were made, and contradictions about them. Empty:
-// none.
-html::Markup instruments_warning(const ReportInput& input);
-// Reason of an overall verdict of inconclusive: "reference overdue since ...", or beyond its
-// certificate. Empty: another reason.
-std::string reason_of_verdict(const ReportInput& input);
-
+// For page 1: instruments that were overdue when the report's runs were made, and contradictions about them.
+std::vector<std::string> instrument_warnings(const ReportInput& input);
 }  // namespace tactbench::analysis

@@ -1,3 +1,4 @@
+// Many sensors on one page.
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -8,20 +9,19 @@
 #include <tuple>
 
 #include "analysis/counted.h"
+#include "analysis/report/document/printers.h"
 #include "analysis/report/overview/overview.h"
 #include "analysis/report/overview/overview_figures.h"
-#include "analysis/report/page/figure.h"
+#include "analysis/report/page/chart.h"
 #include "analysis/report/page/page.h"
-#include "analysis/statistics/figures/levels.h"
 #include "db/run_store.h"
 
 namespace tactbench::analysis {
 
-using html::markup;
-using html::Markup;
-using html::Text;
-
 namespace {
+
+using doc::Document;
+using doc::Phrase;
 
 struct BatchColumn {
   const OverviewFigure* figure;
@@ -65,7 +65,7 @@ std::vector<std::size_t> ranked(const std::vector<ReportInput>& runs, const std:
 }
 
 // A sensor that was not judged, though there are limits, is counted with the judged: its evidence is missing.
-Markup yield_part(const std::vector<ReportInput>& sensors, const std::vector<std::string>& left_out) {
+doc::Table yield_table(const std::vector<ReportInput>& sensors, const std::vector<std::string>& left_out) {
   std::map<std::string, int> words;
   int with_limits = 0, good = 0;
   for (const ReportInput& sensor : sensors) {
@@ -77,15 +77,15 @@ Markup yield_part(const std::vector<ReportInput>& sensors, const std::vector<std
   }
   std::string list;
   for (const auto& [word, number] : words) list += fmt::format("{}{} {}", list.empty() ? "" : ", ", number, word);
-  return pairs_table("Yield",
-                     {{"sensors, runs named", markup("{}, {}", sensors.size(), sensors.size() + left_out.size())},
-                      {"yield: pass or conditional pass",
-                       with_limits == 0 ? markup("not assessed: no tolerance limits were given")
-                                        : markup("{} of {}, {} %", good, Text(counted(with_limits, "sensor")),
-                                                 html::percent(static_cast<double>(good) / with_limits, 1))},
-                      {"verdicts", markup("{}", Text(list))},
-                      {"left out: the newest run of each sensor stands for it",
-                       markup("{}", Text(left_out.empty() ? "none" : fmt::format("{}", fmt::join(left_out, "; "))))}});
+  return doc::pairs(
+      "Yield", {{"sensors, runs named", fmt::format("{}, {}", sensors.size(), sensors.size() + left_out.size())},
+                {"yield: pass or conditional pass",
+                 with_limits == 0 ? Phrase("not assessed: no tolerance limits were given")
+                                  : Phrase(doc::strong(fmt::format("{} of {}", good, counted(with_limits, "sensor"))),
+                                           ", ", doc::percent_of(static_cast<double>(good) / with_limits, 1), " %")},
+                {"verdicts", list},
+                {"left out: the newest run of each sensor stands for it",
+                 left_out.empty() ? std::string("none") : fmt::format("{}", fmt::join(left_out, "; "))}});
 }
 
 std::string outlying_figures(const std::vector<BatchColumn>& columns, std::size_t run) {
@@ -97,63 +97,58 @@ std::string outlying_figures(const std::vector<BatchColumn>& columns, std::size_
   return names;
 }
 
-Markup rank_table(const std::vector<ReportInput>& runs, const std::vector<BatchColumn>& columns) {
+doc::Table rank_table(const std::vector<ReportInput>& runs, const std::vector<BatchColumn>& columns) {
   static const std::vector<std::pair<const char*, const char*>> shown = {
       {"mean_error_psi", "mean |error|"},
       {"worst_taxel_mean_error_psi", "worst taxel"},
       {"comp_distance_of_mean_fs", "hysteresis of the mean, % FS"},
-      {"hysteresis_max_fs", "hysteresis of the indication, max., % FS"},
+      {"hysteresis_max_fs", "hysteresis before correction, max., % FS"},
       {"excluded_taxels", "excluded taxels"},
       {"retries", "retries"}};
-  Markup out = markup(
-      "<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"Sensors ranked\"><table "
-      "class=\"levels ranks\"><caption>Sensors ranked: by conformity, best first, then by the mean "
-      "absolute error</caption><thead><tr>"
-      "<th scope=\"col\" class=\"n\">rank</th><th scope=\"col\">sensor</th><th scope=\"col\" class=\"n\">run</th>"
-      "<th scope=\"col\">date</th>");
   const PressureUnit unit = runs.front().unit;
+  doc::Table table{.id = "ranks",
+                   .caption = "Sensors ranked: by verdict, best first, then by the mean |error|",
+                   .columns = {{"rank", true}, {"sensor"}, {"run", true}, {"date"}},
+                   .dense = true};
   for (const auto& [key, title] : shown)
-    out += markup("<th scope=\"col\" class=\"n\">{}{}</th>", Text(title),
-                  Text(is_pressure(*column_named(columns, key).figure)
-                           ? fmt::format(", {} ({})", unit.symbol(), unit.beside().symbol())
-                           : ""));
-  out += markup("<th scope=\"col\">conformity</th></tr></thead><tbody>\n");
+    table.columns.push_back(
+        {is_pressure(*column_named(columns, key).figure) ? fmt::format("{}, {}", title, unit.symbol()) : title, true});
+  table.columns.push_back({"verdict"});
   int rank = 0;
   for (const std::size_t i : ranked(runs, columns)) {
     const ReportInput& run = runs[i];
-    out += markup("<tr><td class=\"n\">{}</td><th scope=\"row\">{}</th><td class=\"n\">{}</td><td>{}</td>", ++rank,
-                  html::stated(run.run.sensor_serial), run.run.run, html::stated(run.run.started_utc.substr(0, 10)));
+    doc::Row row{{std::to_string(++rank), doc::strong(doc::stated(run.run.sensor_serial).text),
+                  std::to_string(run.run.run), date_of(run.run.started_utc)}};
     for (const auto& [key, title] : shown) {
       const BatchColumn& column = column_named(columns, key);
       const bool outlier = std::abs(column.scores[i]) > kOutlierScore;
-      const Text value = shown_figure(*column.figure, column.values[i], unit);
-      out += outlier
-                 ? markup("<td class=\"n\"><span class=\"doubt\"><span class=\"sign\">▲</span> {}</span></td>", value)
-                 : number_cell(value);
+      row.cells.push_back(
+          Phrase(doc::Words{outlier ? "▲ " : "", doc::Look::kDoubt}, shown_figure(*column.figure, column.values[i])));
     }
-    out += markup("<td>{}</td></tr>\n", overall_cell(run, "none"));
+    row.cells.push_back(overall_phrase(run, "none"));
+    table.rows.push_back(std::move(row));
   }
-  out += markup("</tbody></table></div>\n");
-  return out;
+  return table;
 }
 
-Markup outliers_part(const std::vector<ReportInput>& runs, const std::vector<BatchColumn>& columns) {
-  Markup out = markup("<h2 id=\"outliers\">Outliers</h2>\n");
+Document outliers_part(const std::vector<ReportInput>& runs, const std::vector<BatchColumn>& columns) {
+  Document out;
+  out.add(doc::Heading{2, "Outliers", "outliers"});
   if (runs.size() < 5) {
-    out += markup("<p>not assessed: fewer than five runs.</p>\n");
+    out.add(doc::Paragraph{{"not assessed: fewer than five runs"}});
     return out;
   }
-  Markup list;
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    const std::string names = outlying_figures(columns, i);
-    if (!names.empty()) list += markup("<li>{}: {}</li>\n", Text(sensor_and_run(runs[i])), Text(names));
-  }
-  out += list.value.empty() ? markup("<p>none</p>\n") : markup("<ul>\n{}</ul>\n", list);
-  out += markup(
-      "<p class=\"note\">▲ marks a figure whose modified z-score, 0.6745 (x − median) / MAD, is beyond ±{}: far from "
-      "the "
-      "other sensors, in either direction. Not assessed where more than half of the figures are equal.</p>\n",
-      html::fixed(kOutlierScore, 1));
+  doc::List list;
+  for (std::size_t i = 0; i < runs.size(); ++i)
+    if (const std::string names = outlying_figures(columns, i); !names.empty())
+      list.items.push_back({sensor_and_run(runs[i]), ": ", names});
+  if (list.items.empty()) list.items.push_back({"none"});
+  out.add(std::move(list));
+  out.add(doc::Paragraph{
+      {fmt::format("▲: a figure whose modified z-score, 0.6745 (x − median) / MAD, is beyond ±{}: far from the other "
+                   "sensors, in either direction. Not assessed where more than half of the figures are equal.",
+                   doc::fixed_text(kOutlierScore, 1))},
+      doc::Paragraph::kNote});
   return out;
 }
 
@@ -163,46 +158,48 @@ std::string unit_words(const std::string& name) {
   return comma == std::string::npos ? name : "in " + name.substr(comma + 2);
 }
 
-Markup histograms_part(const std::vector<ReportInput>& runs, const std::vector<BatchColumn>& columns) {
+Document histograms_part(const std::vector<ReportInput>& runs, const std::vector<BatchColumn>& columns) {
   const PressureUnit unit = runs.front().unit;
-  std::vector<Markup> figures;
+  Document out;
+  out.add(doc::Heading{2, "Distributions and limits", "histograms"});
+  doc::Beside pair;
   for (const char* key : {"mean_error_psi", "worst_taxel_mean_error_psi", "comp_distance_of_mean_fs",
                           "hysteresis_max_fs", "gain_std", "excluded_taxels"}) {
-    const BatchColumn& column = column_named(columns, key);
-    const OverviewFigure& figure = *column.figure;
+    const OverviewFigure& figure = *column_named(columns, key).figure;
     const std::string name = is_pressure(figure) ? fmt::format("{}, {}", figure.name, unit.symbol()) : figure.name;
-    Histogram histogram{.title = fmt::format("{}, number of runs", name),
-                        .x_label = unit_words(name),
-                        .y_label = "runs",
-                        .values = {},
-                        .limit = std::nullopt,
-                        .limit_name = "tolerance limit",
-                        .width = 335,
-                        .height = 180,
-                        .bins = std::clamp(static_cast<int>(2.0 * std::sqrt(static_cast<double>(runs.size()))), 4, 24)};
-    for (const double value : column.values) histogram.values.push_back(plotted_figure(figure, value, unit));
+    std::vector<double> values;
+    for (const double value : column_named(columns, key).values) values.push_back(plotted_figure(figure, value, unit));
+    const Spread spread = spread_of(values);
+    if (spread.count == 0) continue;
     std::set<double> limits;
     for (const ReportInput& run : runs)
       if (const double limit = limit_of(figure, run); std::isfinite(limit)) limits.insert(limit);
-    if (limits.size() == 1) histogram.limit = plotted_figure(figure, *limits.begin(), unit);
-    const Spread spread = spread_of(histogram.values);
+    Chart chart{.title = name + ", number of runs", .height = 150.0, .x = {unit_words(name)}, .y = {"runs"}};
+    const double margin =
+        spread.high > spread.low ? 0.02 * (spread.high - spread.low) : std::max(0.5, 0.1 * std::abs(spread.high));
+    chart.bars.push_back(
+        bars_of(values, spread.low - margin, spread.high + margin,
+                std::clamp(static_cast<int>(2.0 * std::sqrt(static_cast<double>(runs.size()))), 4, 24)));
+    std::string beyond;
+    if (limits.size() == 1) {
+      const double limit = plotted_figure(figure, *limits.begin(), unit),
+                   span = spread.high - spread.low + 2.0 * margin;
+      if (limit > spread.low - 2.0 * span && limit < spread.high + 2.0 * span)
+        chart.rules.push_back({limit, "limit", kRed, true});
+      else
+        beyond = fmt::format("; limit {}: beyond this axis", doc::fixed_text(limit, figure.digits));
+    }
     const int digits = is_pressure(figure) ? unit.digits(figure.digits) : figure.digits;
-    if (spread.count == 0) continue;
-    figures.push_back(
-        markup("<figure>{}<figcaption>{}; {}: {} to {}, median {}.{}</figcaption></figure>\n",
-               histogram_chart(histogram), Text(name), Text(counted(spread.count, "run")),
-               html::fixed(spread.low, digits), html::fixed(spread.high, digits), html::fixed(spread.median, digits),
-               Text(limits.size() > 1 ? " The runs were judged by several tolerance limits: none is drawn." : "")));
+    Document part;
+    part.add(doc::Figure{chart_svg(chart),
+                         chart.title,
+                         {name, "; ", counted(spread.count, "run"), ": ", doc::number(spread.low, digits), " to ",
+                          doc::number(spread.high, digits), ", median ", doc::number(spread.median, digits), beyond,
+                          limits.size() > 1 ? "; the runs were judged by several limits: none is drawn" : ""}});
+    pair.parts.push_back(std::move(part));
+    if (pair.parts.size() == 2) out.add(std::exchange(pair, {}));
   }
-  Markup out = markup("<div class=\"keep\"><h2 id=\"histograms\">Distributions and limits</h2>\n");
-  for (std::size_t i = 0; i < figures.size(); ++i) {
-    if (i % 2 == 0) out += markup("<div class=\"pair\">\n");
-    out += figures[i];
-    const bool last = i + 1 == figures.size();
-    if (i % 2 == 1 || last) out += markup("</div>\n");
-    if (i == 1 || (last && i == 0)) out += markup("</div>\n");  // the heading stays with the first two
-  }
-  if (figures.empty()) out += markup("<p>not available</p>\n</div>\n");
+  if (!pair.parts.empty()) out.add(std::move(pair));
   return out;
 }
 
@@ -245,19 +242,22 @@ Report render_batch(const std::vector<ReportInput>& named) {
   report.json =
       fmt::format("{{\"schema\":\"tactbench.batch\",\"version\":2,\"number\":\"{}\",\"runs\":[{}],\n\"content\":[{}]}}",
                   report.number, numbers, content);
-  Page page;
-  page.document = "Batch of sensors";
-  page.number = report.number;
+  Document body;
+  body.add(doc::Heading{1, "Batch of sensors", {}});
+  body.add(doc::Paragraph{{doc::strong("No. " + report.number),
+                           fmt::format("\n{}, {} named. Not a calibration report: each run has its own.",
+                                       counted(runs.size(), "sensor"), counted(named.size(), "run"))}});
+  body.add(yield_table(runs, left_out));
+  body.add(rank_table(runs, columns));
+  body.add(outliers_part(runs, columns));
+  body.add(histograms_part(runs, columns));
+  std::vector<const ReportInput*> all;
+  for (const ReportInput& run : runs) all.push_back(&run);
+  body.add(loops_overlaid(all));
+  Page page{.document = "Batch of sensors", .number = report.number, .title = {}, .state = "not a calibration report"};
   page.simulated = std::ranges::any_of(runs, [](const ReportInput& run) { return is_simulated(run); });
   page.paper = runs.front().paper;
-  page.opening = markup("<p>{}, {} named. Not a calibration report: each run has its own.</p>\n",
-                        Text(counted(runs.size(), "sensor")), Text(counted(named.size(), "run")));
-  page.main.push_back(markup("<h2 id=\"yield\">Yield and ranks</h2>\n"));
-  page.main.push_back(yield_part(runs, left_out));
-  page.main.push_back(rank_table(runs, columns));
-  page.main.push_back(outliers_part(runs, columns));
-  page.main.push_back(histograms_part(runs, columns));
-  page.main.push_back(loops_overlaid(runs));
+  page.body = to_html(body, runs.front().unit);
   page.json = report.json;
   report.html = page_of(page);
   return report;

@@ -1,47 +1,46 @@
-// The mean loops of the runs of a batch in one chart.
+// The mean loops of several runs in one chart.
 #include "analysis/counted.h"
 #include "analysis/report/overview/overview_figures.h"
-#include "analysis/report/page/figure.h"
+#include "analysis/report/page/chart.h"
 
 namespace tactbench::analysis {
 
-using html::markup;
-using html::Markup;
-using html::Text;
-
 namespace {
 
-constexpr std::size_t kMostNamedLoops = 5;  // as there are line styles
+constexpr std::size_t kMostNamedLoops = std::size(kStrokes);
 
 }  // namespace
 
-Markup loops_overlaid(const std::vector<ReportInput>& runs) {
-  LineChart chart{.title = "Mean external loops of the indication of all runs",
-                  .x_label = "gauge pressure",
-                  .y_label = "output in V",
-                  .series = {},
-                  .width = 682,
-                  .height = 285};
+doc::Document loops_overlaid(const std::vector<const ReportInput*>& runs) {
+  const PressureUnit unit = runs.front()->unit;
   const bool named = runs.size() <= kMostNamedLoops;
-  for (const ReportInput& run : runs) {
-    const Behaviour& b = run.behaviour;
+  Chart chart{.title = "Mean loops before correction of all runs",
+              .width = 676.0,
+              .height = 240.0,
+              .x = {fmt::format("gauge pressure in {}", unit.symbol())},
+              .y = {"output in V"},
+              .labels_at_ends = named};
+  for (const ReportInput* run : runs) {
+    const Behaviour& b = run->behaviour;
     if (b.loops.empty()) continue;
     const RawLoop& loop = b.loops.front();
-    Series series{.name = named ? sensor_and_run(run) : std::string(),
-                  .x = b.pressure_psi,
-                  .y = loop.up_v,
-                  .style = named ? static_cast<int>(chart.series.size()) : 0};
-    series.x.insert(series.x.end(), b.pressure_psi.rbegin(), b.pressure_psi.rend());
-    series.y.insert(series.y.end(), loop.down_v.rbegin(), loop.down_v.rend());
-    chart.series.push_back(std::move(series));
+    Curve curve{named ? sensor_and_run(*run) : "", {}, {}, named ? kStrokes[chart.curves.size()] : kBlack};
+    const std::size_t n = b.pressure_psi.size();
+    for (std::size_t i = 0; i < 2 * n; ++i) {  // down, then up, which ends at the right
+      const std::size_t at = i < n ? n - 1 - i : i - n;
+      curve.x.push_back(unit.of(b.pressure_psi[at]));
+      curve.y.push_back(i < n ? loop.down_v[at] : loop.up_v[at]);
+    }
+    chart.curves.push_back(std::move(curve));
   }
-  Markup out = markup("<h2 id=\"loops\">Mean loops</h2>\n");
-  if (chart.series.empty()) {
-    out += markup("<p>not available</p>\n");
-    return out;
-  }
-  out += markup("<figure>{}<figcaption>External loops of the mean taxels, {}.</figcaption></figure>\n",
-                line_chart(pressure_along(chart, runs.front().unit)), Text(counted(chart.series.size(), "run")));
+  doc::Document out;
+  out.add(doc::Heading{2, "Mean loops", "loops"});
+  if (chart.curves.empty())
+    out.add(doc::Paragraph{{"not available"}});
+  else
+    out.add(doc::Figure{chart_svg(chart),
+                        chart.title,
+                        {"Loops of the mean taxels before correction, ", counted(chart.curves.size(), "run"), "."}});
   return out;
 }
 

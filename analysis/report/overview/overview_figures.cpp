@@ -77,15 +77,12 @@ const std::vector<OverviewFigure>& overview_figures() {
 bool is_pressure(const OverviewFigure& figure) { return std::string_view(figure.key).ends_with("_psi"); }
 
 std::string name_of(const OverviewFigure& figure, PressureUnit unit) {
-  return is_pressure(figure) ? fmt::format("{}, {} ({})", figure.name, unit.symbol(), unit.beside().symbol())
-                             : figure.name;
+  return is_pressure(figure) ? fmt::format("{}, {}", figure.name, unit.symbol()) : figure.name;
 }
 
-html::Text shown_figure(const OverviewFigure& figure, double value, PressureUnit unit) {
-  if (!std::isfinite(value)) return html::Text("–");
-  if (!is_pressure(figure)) return html::fixed(figure.factor * value, figure.digits);
-  return html::Text(fmt::format("{} ({})", html::in_unit(value, unit, figure.digits).value,
-                                html::in_unit(value, unit.beside(), figure.digits).value));
+doc::Quantity shown_figure(const OverviewFigure& figure, double value) {
+  return is_pressure(figure) ? doc::bare_pressure(value, figure.digits)
+                             : doc::number(figure.factor * value, figure.digits);
 }
 
 double plotted_figure(const OverviewFigure& figure, double value, PressureUnit unit) {
@@ -119,17 +116,16 @@ std::string content_of_run(const ReportInput& input) {
        {"gain", number_list(input.behaviour.gain)}});
 }
 
-html::Markup overall_cell(const ReportInput& input, const char* without_limits) {
+doc::Phrase overall_phrase(const ReportInput& input, const char* without_limits) {
   const Judgement& judgement = input.judgement;
-  if (!judgement.overall) return html::markup("{}", html::Text(without_limits));
-  html::Markup cell = verdict_mark(*judgement.overall, is_simulated(input));
+  if (!judgement.overall) return without_limits;
+  doc::Phrase out(*judgement.overall);
   if (judgement.not_judged)
-    cell += html::markup("<br/>not judged: {}", html::Text(in_words(*judgement.not_judged, input.unit)));
+    out.add("\nnot judged: " + in_words(*judgement.not_judged, input.unit));
   else if (const auto now = worst_of(judgement.figures); judgement.overall != now)
-    cell += html::markup("<br/>stored; now {}", html::Text(verdict_word(now)));
-  for (const Remark& remark : judgement.remarks)
-    cell += html::markup("<br/>{}", html::Text(in_words(remark, input.unit)));
-  return cell;
+    out.add("\nstored; now " + verdict_word(now));
+  for (const Remark& remark : judgement.remarks) out.add("\n" + in_words(remark, input.unit));
+  return out;
 }
 
 std::string sensor_and_run(const ReportInput& input) {

@@ -21,16 +21,16 @@ struct OverviewFigure {
 const std::vector<OverviewFigure>& overview_figures();
 bool is_pressure(const OverviewFigure& figure);
 std::string name_of(const OverviewFigure& figure, PressureUnit unit);  // with its unit
-html::Text shown_figure(const OverviewFigure& figure, double value, PressureUnit unit);
+doc::Quantity shown_figure(const OverviewFigure& figure, double value);
 // The figure alone, as in a chart: value x factor, a pressure in `unit`.
 double plotted_figure(const OverviewFigure& figure, double value, PressureUnit unit);
 // The figure's limit in the run's verdicts, in the unit of the data; NaN without one.
 double limit_of(const OverviewFigure& figure, const ReportInput& input);
 
 std::string content_of_run(const ReportInput& input);  // JSON: run, sensor, origin, content hash, figures; no times
-html::Markup overall_cell(const ReportInput& input, const char* without_limits);
+doc::Phrase overall_phrase(const ReportInput& input, const char* without_limits);
 
-html::Markup loops_overlaid(const std::vector<ReportInput>& runs);  // section "Mean loops"
-std::string sensor_and_run(const ReportInput& input);               // "SIM-0001, run 3"
+doc::Document loops_overlaid(const std::vector<const ReportInput*>& runs);
+std::string sensor_and_run(const ReportInput& input);  // "SIM-0001, run 3"
 
 }  // namespace tactbench::analysis

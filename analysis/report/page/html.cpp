@@ -130,8 +130,6 @@ JsonInHtml::JsonInHtml(std::string_view json) {
 
 Text fixed(double number, int digits) { return Text(fixed_string(number, digits)); }
 
-Text percent(double share, int digits) { return fixed(100.0 * share, digits); }
-
 Text significant(double number, int digits) {
   if (!std::isfinite(number)) return Text(kNotAvailable);
   std::string out = visible(fmt::format("{:.{}g}", number, digits));
@@ -140,22 +138,6 @@ Text significant(double number, int digits) {
   if (e == std::string::npos) return Text(out);
   const int power = std::stoi(out.substr(e + 1));
   return Text(fmt::format("{} × 10^{}", out.substr(0, e), visible(fmt::format("{}", power))));
-}
-
-Text in_unit(double pressure_psi, PressureUnit unit, int digits) {
-  return fixed(unit.of(pressure_psi), unit.digits(digits));
-}
-
-Text pressure(double pressure_psi, PressureUnit unit, int digits) {
-  if (!std::isfinite(pressure_psi)) return Text(kNotAvailable);
-  const auto with_symbol = [&](PressureUnit shown) {
-    return fixed_string(shown.of(pressure_psi), shown.digits(digits)) + "\u00A0" + shown.symbol();
-  };
-  return Text(with_symbol(unit) + " (" + with_symbol(unit.beside()) + ")");
-}
-
-Text stated(std::string_view untrusted) {
-  return Text(untrusted.find_first_not_of(" \t\r\n") == std::string_view::npos ? "not stated" : untrusted);
 }
 
 }  // namespace tactbench::analysis::html

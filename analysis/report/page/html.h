@@ -9,8 +9,6 @@
 #include <string_view>
 #include <type_traits>
 
-#include "analysis/pressure_unit.h"
-
 namespace tactbench::analysis::html {
 
 struct Safe {
@@ -77,13 +75,7 @@ Markup markup(fmt::format_string<const Pieces&...> format, const Pieces&... piec
 
 // Numbers for the reader: C locale, half to even, U+2212 for a minus, "not available" when not finite.
 Text fixed(double number, int digits);
-Text percent(double share, int digits);  // 0.253 -> "25.3", without the sign
 Text significant(double number, int digits);
-// A pressure in the page's unit, the other one behind it; `digits` are those of psi: "68.9 kPa (10.00 psi)".
-Text pressure(double pressure_psi, PressureUnit unit, int digits);
-Text in_unit(double pressure_psi, PressureUnit unit, int digits);  // the figure alone: "68.9"
-// A typed field: "not stated" when empty or blank.
-Text stated(std::string_view untrusted);
 
 }  // namespace tactbench::analysis::html
 

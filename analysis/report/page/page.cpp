@@ -1,7 +1,5 @@
 #include "analysis/report/page/page.h"
 
-#include <cctype>
-
 namespace tactbench::analysis {
 
 using html::markup;
@@ -11,7 +9,7 @@ using html::Text;
 namespace {
 
 constexpr const char* kPolicy = "default-src 'none'; style-src 'unsafe-inline'; img-src data:";
-constexpr const char* kBanner = "SIMULATED – made on simulated devices, not a measurement of a real sensor";
+constexpr const char* kBanner = "SIMULATED DEVICES – NOT A MEASUREMENT OF A REAL SENSOR";
 
 }  // namespace
 
@@ -22,30 +20,11 @@ std::string page_of(const Page& page) {
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
       "<title>{} {}</title>\n<style>{}</style>\n</head>\n<body>\n",
       html::Attribute(kPolicy), Text(page.document), Text(page.title.empty() ? page.number : page.title),
-      style_sheet({page.document, page.number, page.simulated, page.paper}));
+      style_sheet({page.document, page.number, page.state, page.simulated, page.paper}));
   if (page.simulated)
     text += markup("<aside class=\"banner\" aria-label=\"Origin of the data\">{}</aside>\n", Text(kBanner));
-  text += markup("<header>\n<h1>{}</h1>\n<p class=\"number\">No. {}</p>\n", Text(page.document), Text(page.number));
-  std::size_t size = text.value.size() + page.json.size() + 65536;
-  for (const Markup& part : page.main) size += part.value.size();
-  text.value.reserve(size);
-  text += page.opening;
-  if (!page.contents.empty()) {
-    text += markup("<nav aria-label=\"Contents\"><ul>\n");
-    for (const auto& [id, title] : page.contents)
-      text += markup("<li><a href=\"#{}\">{}</a></li>\n", html::Attribute(id), Text(title));
-    text += markup("</ul></nav>\n");
-  }
-  text += markup("</header>\n<main>\n");
-  for (const Markup& part : page.main) text += part;
-  std::string name = page.document;
-  name.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(name.front())));
-  text += markup(
-      "</main>\n<footer>\n<p>End of {} {}. The data behind each figure stand in this file as JSON (element "
-      "“report-data”); pressures are in psi there, shares of full scale are not in per cent, and null means not "
-      "available.</p>\n</footer>\n",
-      Text(name), Text(page.number));
-  text += markup("<script type=\"application/json\" id=\"report-data\">");
+  text.value.reserve(text.value.size() + page.body.value.size() + page.json.size() + 1024);
+  text += markup("<main>\n{}</main>\n<script type=\"application/json\" id=\"report-data\">", page.body);
   text += html::JsonInHtml(page.json);
   text += markup("</script>\n</body>\n</html>\n");
   return std::move(text.value);

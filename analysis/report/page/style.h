@@ -12,6 +12,7 @@ enum class PaperSize { kA4, kLetter };
 struct StyleOptions {
   std::string document;  // "Calibration report": letters and spaces
   std::string number;    // digits, a-f and hyphens
+  std::string state;     // at the foot of each page
   bool simulated = false;
   PaperSize paper = PaperSize::kA4;
 };

@@ -1,44 +1,43 @@
-// The report's sections, one function and one source each: pure functions of the input.
+// The report's pages, one function and one source each: pure functions of what was gathered and computed before.
 #pragma once
 
-#include "analysis/report/page/html.h"
+#include <optional>
+#include <string>
+
+#include "analysis/report/data/reading_figures.h"
+#include "analysis/report/document/document.h"
 #include "analysis/report/report.h"
 
 namespace tactbench::analysis {
 
-// report.cpp renders these in order.
-html::Markup verdict_section(const ReportInput& input);
-html::Markup identification_section(const ReportInput& input);
-html::Markup health_section(const ReportInput& input);
-html::Markup raw_section(const ReportInput& input);
-html::Markup loops_section(const ReportInput& input);
-html::Markup frames_section(const ReportInput& input);
-html::Markup levels_section(const ReportInput& input);
-html::Markup model_section(const ReportInput& input);
-html::Markup held_out_section(const ReportInput& input);
-html::Markup uncertainty_section(const ReportInput& input);
-html::Markup meaning_section(const ReportInput& input);
-html::Markup models_section(const ReportInput& input);
-html::Markup as_found_section(const ReportInput& input);
-html::Markup compensation_section(const ReportInput& input);
-html::Markup studies_section(const ReportInput& input);
-html::Markup objects_section(const ReportInput& input);
+// Signatures stored for this report and for earlier reports of the same run.
+struct Issue {
+  std::string number, document;  // "Calibration report"
+  std::string authorised_by, authorised_utc, issued, replaces, reason;
+  [[nodiscard]] bool draft() const { return authorised_by.empty(); }
+};
 
-// Parts of sections.
-html::Markup instruments_part(const ReportInput& input);
-html::Markup method_part(const ReportInput& input);
-html::Markup elam_parameters_part(const ReportInput& input);
-html::Markup conditions_part(const ReportInput& input);      // the table of conditions of use, beside the budgets
-html::Markup conditions_in_brief(const ReportInput& input);  // the same in two sentences, for page 1; empty without U
-html::Markup readings_in_brief(const ReportInput& input);    // for page 1: range of use, error and U at some levels
-std::vector<double> level_pressures(const Uncertainty& uncertainty);  // rising, each once
-// "−0.83 ± 2.3" of the median and of the worst taxel, `mark` before the latter.
-html::Markup error_cells(const LevelUncertainty& level, PressureUnit unit, const char* mark = "");
-html::Markup range_within(const Uncertainty& uncertainty, bool up, double most_psi, PressureUnit unit);
-html::Markup array_uncertainty_part(const ReportInput& input);  // needs U
-html::Markup usable_part(const ReportInput& input);
-html::Markup uniformity_part(const Uniformity& uniformity, int rows, int columns, PressureUnit unit);
-html::Markup remount_part(const Remount& remount, int rows, int columns, PressureUnit unit);
-html::Markup contact_frames_part(const ContactResult& contact, int rows, int columns, PressureUnit unit);
+struct PageData {
+  const ReportInput& input;
+  std::optional<ReadingFigures> readings;
+  Issue issue = {};
+};
+
+doc::Document front_page(const PageData& data);       // 1: what a customer must know
+doc::Document against_what(const PageData& data);     // 2: item, instruments, conditions
+doc::Document how_measured(const PageData& data);     // 3: method, loops, pressures applied
+doc::Document every_level(const PageData& data);      // 4: error and U at every level
+doc::Document whole_array(const PageData& data);      // 5: maps, spread, as found and as left
+doc::Document why_so(const PageData& data);           // 6: budget, decision rule, statements, hashes
+doc::Document under_objects(const PageData& data);    // where there are runs that pressed
+doc::Document further_studies(const PageData& data);  // where there are any
+// By name: maps, taxels, models, parameters, events, hashes.
+doc::Document annex(const PageData& data, const std::string& name);
+
+// The chart of page 1, one panel a direction.
+doc::Beside readings_chart(const ReadingFigures& readings, PressureUnit unit);
+// "28 to 345 kPa"; "at 28 kPa alone"; "nowhere".
+std::string span_text(const PressureSpan& span, PressureUnit unit);
+std::string title_case(std::string words);
 
 }  // namespace tactbench::analysis

@@ -1,180 +1,197 @@
+// Further studies and objects on the array, where such runs were named: each a table, objects with frames.
 #include <algorithm>
 #include <cmath>
 
 #include "analysis/counted.h"
-#include "analysis/report/page/figure.h"
+#include "analysis/report/document/printers.h"
+#include "analysis/report/page/chart.h"
+#include "analysis/report/page/taxel_map.h"
 #include "analysis/report/parts.h"
 #include "analysis/report/sections/sections.h"
 
 namespace tactbench::analysis {
 
-using html::markup;
-using html::Markup;
-using html::Text;
-
 namespace {
 
-Markup not_assessed(const std::string& reason) { return markup("<p>not assessed: {}.</p>\n", Text(reason)); }
+using doc::Document;
+using doc::Phrase;
 
-Markup zone_row(const char* name, const CrosstalkZone& zone) {
-  return markup("<tr><th scope=\"row\">{}</th>{}{}{}<td class=\"n\">{}</td></tr>\n", Text(name),
-                number_cell(html::percent(zone.mean_share, 3)), number_cell(html::percent(zone.u_share, 3)),
-                number_cell(html::percent(zone.max_share, 3)), zone.samples);
-}
-
-Markup ghost_line(const char* what, const std::vector<CrosstalkLine>& lines) {
-  if (lines.empty()) return markup("<li>No ghost {} were found.</li>\n", Text(what));
-  Markup list;
-  for (const CrosstalkLine& line : lines)
-    list += markup("{}{} ({} %)", Text(list.value.empty() ? "" : ", "), line.line, html::percent(line.mean_share, 2));
-  return markup("<li><span class=\"doubt\"><span class=\"sign\">▲</span> Ghost {}</span>: {}.</li>\n", Text(what),
-                list);
-}
-
-Markup crosstalk_part(const Crosstalk& crosstalk) {
-  Markup out = markup("<h3>Crosstalk</h3>\n");
-  if (!crosstalk.assessed()) {
-    out += not_assessed(crosstalk.not_assessed);
-    return out;
-  }
-  out += markup(
-      "<p>Run {}: a point indenter at {}, {} N. Output of taxels that nothing presses (more than {} pitches "
-      "from the print’s centre along rows or columns), over their own zero, as a share of the highest output of the "
-      "frame.</p>\n",
-      crosstalk.run, Text(counted(crosstalk.positions, "position")), html::fixed(crosstalk.force_n, 2),
-      html::fixed(crosstalk.reach_pitches, 0));
-  out += markup(
-      "<table><caption>Output of unloaded taxels over the loaded one, %</caption><thead><tr><th "
-      "scope=\"col\">where</th>"
-      "<th scope=\"col\" class=\"n\">mean</th><th scope=\"col\" class=\"n\">standard deviation of the mean</th>"
-      "<th scope=\"col\" class=\"n\">highest</th><th scope=\"col\" class=\"n\">samples</th></tr></thead><tbody>\n");
-  out += zone_row("in a loaded row", crosstalk.row);
-  out += zone_row("in a loaded column", crosstalk.column);
-  out += zone_row("elsewhere", crosstalk.elsewhere);
-  out += markup("</tbody></table>\n<ul>\n");
-  out += ghost_line("rows", crosstalk.ghost_rows);
-  out += ghost_line("columns", crosstalk.ghost_columns);
-  out += markup("</ul>\n");
-  std::vector<double> row, column, distance;
-  for (std::size_t i = 0; i < crosstalk.distance_pitches.size(); ++i) {
-    if (crosstalk.distance_pitches[i] < 2.0) continue;  // the print itself would set the scale
-    distance.push_back(crosstalk.distance_pitches[i]);
-    row.push_back(100.0 * crosstalk.along_row_share[i]);
-    column.push_back(100.0 * crosstalk.along_column_share[i]);
-  }
-  out +=
-      markup("<figure>{}<figcaption>Mean output over the distance from the print’s centre.</figcaption></figure>\n",
-             line_chart({.title = "Output of unloaded taxels along the loaded rows and columns over distance",
-                         .x_label = "distance in pitches",
-                         .y_label = "output, % of highest",
-                         .series = {{"along the rows", distance, row, 1}, {"along the columns", distance, column, 2}},
-                         .width = 682,
-                         .height = 200,
-                         .y_from_zero = true}));
-  out += markup(
-      "<p class=\"note\">Zero of a taxel: the lower quartile of its outputs over all positions. A line is a ghost "
-      "where "
-      "its unloaded taxels show more than elsewhere by {} % and by three standard deviations. What a taxel remembers "
-      "of "
-      "an earlier press is contained.</p>\n",
-      html::percent(kGhostShare, 1));
-  return out;
-}
-
-// `factor`: from the bins' unit to that of the heading.
-Markup bins_rows(const std::vector<Bin>& bins, double factor, PressureUnit unit) {
-  Markup out;
-  for (const Bin& bin : bins)
-    out += markup("<tr><th scope=\"row\">{} to {}</th><td class=\"n\">{}</td>{}{}</tr>\n",
-                  html::significant(factor * bin.low, 3), html::significant(factor * bin.high, 3), bin.error.samples,
-                  number_cell(html::pressure(bin.error.mean(), unit, 3)),
-                  number_cell(html::pressure(bin.error.max, unit, 2)));
-  return out;
-}
-
-Markup bins_table(const char* caption, const std::string& head, const std::vector<Bin>& bins, double factor,
-                  PressureUnit unit) {
-  if (bins.empty()) return markup("");
-  return markup(
-      "<table><caption>{}</caption><thead><tr><th scope=\"col\">{}</th><th scope=\"col\" class=\"n\">samples</th>"
-      "<th scope=\"col\" class=\"n\">mean |error|</th><th scope=\"col\" class=\"n\">maximum "
-      "|error|</th></tr></thead><tbody>\n{}"
-      "</tbody></table>\n",
-      Text(caption), Text(head), bins_rows(bins, factor, unit));
-}
-
-Series bins_series(const std::string& name, const std::vector<Bin>& bins, double factor, int style) {
-  Series series{name, {}, {}, style};
-  for (const Bin& bin : bins) {
-    series.x.push_back(std::log10(factor * std::sqrt(bin.low * bin.high)));
-    series.y.push_back(bin.error.mean());
-  }
-  return series;
-}
-
-Markup rate_hold_part(const RateHold& study, PressureUnit unit) {
-  Markup out = markup("<h3>Rate and hold</h3>\n");
-  if (!study.assessed()) {
-    out += not_assessed(study.not_assessed);
-    return out;
-  }
-  LineChart hold{.title = "Mean absolute error of the corrected indication over the time that a level was held",
-                 .x_label = "log10 of the hold in s",
-                 .y_label = "mean |error|",
-                 .series = {},
-                 .width = 335,
-                 .height = 245,
-                 .y_from_zero = true};
-  LineChart rate = hold;
-  rate.title = "Mean absolute error of the corrected indication over the rate of the pressure";
-  const double per_second = unit.of(1.0);
-  rate.x_label = fmt::format("log10 of the rate in {}/s", unit.symbol());
-  Markup tables;
-  int style = 1;
+void add_rate_rows(const RateHold& study, doc::Table& table) {
   for (const RateHoldRun& run : study.runs) {
-    const std::string name = fmt::format("{}, run {}", run.sequence, run.run);
-    if (run.by_hold.size() > 1) hold.series.push_back(bins_series(name, run.by_hold, 1.0, style));
-    if (run.by_rate.size() > 1) rate.series.push_back(bins_series(name, run.by_rate, per_second, style));
-    ++style;
-    tables += markup("<h4>Sequence {}, run {}</h4>\n<p>Mean absolute error {}, maximum {}, over {}.</p>\n",
-                     html::stated(run.sequence), run.run, html::pressure(run.error.mean(), unit, 3),
-                     html::pressure(run.error.max, unit, 2), Text(counted(run.error.samples, "sample")));
-    if (run.output_max_share > 0.0)
-      tables += markup(
-          "<p>Between its repeats of different pace the mean output differs from that of the slowest by up to {} % FS, "
-          "{} "
-          "% FS on average.</p>\n",
-          html::percent(run.output_max_share, 2), html::percent(run.output_mean_share, 2));
-    tables += bins_table("Error by hold", "held, s", run.by_hold, 1.0, unit);
-    tables += bins_table("Error by rate", fmt::format("rate, {}/s", unit.symbol()), run.by_rate, per_second, unit);
+    table.rows.push_back({{"rate and hold, " + run.sequence, Phrase("mean |error| ", doc::pressure(run.error.mean(), 2),
+                                                                    ", largest ", doc::pressure(run.error.max))}});
+    for (const auto& [bins, unit] : {std::pair{&run.by_hold, "s held"}, std::pair{&run.by_rate, "psi/s"}})
+      for (const Bin& bin : *bins)
+        table.rows.push_back(
+            {{fmt::format("… {} to {} {}", doc::fixed_text(bin.low, 1), doc::fixed_text(bin.high, 1), unit),
+              Phrase("mean |error| ", doc::pressure(bin.error.mean(), 2),
+                     fmt::format(", {}", counted(bin.error.samples, "reading")))}});
   }
-  if (!hold.series.empty() || !rate.series.empty()) {
-    out += markup("<div class=\"pair\">\n");
-    for (const auto& [chart, caption] :
-         {std::pair{&hold, "Error against hold."}, std::pair{&rate, "Error against rate."}})
-      if (!chart->series.empty())
-        out += markup("<figure>{}<figcaption>{}</figcaption></figure>\n", line_chart(pressure_up(*chart, unit)),
-                      Text(caption));
-    out += markup("</div>\n");
+}
+
+void add_crosstalk_rows(const Crosstalk& study, doc::Table& table) {
+  for (const auto& [name, zone] :
+       {std::pair{"in a loaded row", &study.row}, std::pair{"in a loaded column", &study.column},
+        std::pair{"elsewhere", &study.elsewhere}})
+    table.rows.push_back({{fmt::format("crosstalk {}, unloaded over loaded taxel", name),
+                           Phrase("mean ", doc::percent_of(zone->mean_share, 2), " %, highest ",
+                                  doc::percent_of(zone->max_share, 2), " %")}});
+  std::string ghosts;
+  for (const auto& [what, lines] : {std::pair{"row", &study.ghost_rows}, std::pair{"column", &study.ghost_columns}})
+    for (const CrosstalkLine& line : *lines)
+      ghosts += fmt::format("{}{} {}", ghosts.empty() ? "" : ", ", what, line.line);
+  table.rows.push_back({{"ghost rows and columns",
+                         ghosts.empty() ? Phrase("none") : Phrase(doc::Words{"▲ " + ghosts, doc::Look::kDoubt})}});
+}
+
+const ContactLevel& highest_level(const ContactResult& contact) {
+  return *std::ranges::max_element(contact.levels, {}, &ContactLevel::target_n);
+}
+
+doc::Table forces(const ContactResult& contact) {
+  doc::Table table{.id = "forces-" + std::to_string(contact.run),
+                   .caption = "Total force of the array against the force sensor, centre of pressure",
+                   .columns = {{"level, N", true},
+                               {"force"},
+                               {"force sensor, N", true},
+                               {"indication | force, N", true},
+                               {"indication | error, N", true},
+                               {"indication | off axis, mm", true},
+                               {"corrected | force, N", true},
+                               {"corrected | error, N", true},
+                               {"corrected | off axis, mm", true},
+                               {"corrected | area, mm²", true}},
+                   .dense = true};
+  for (const ContactLevel& level : contact.levels) {
+    doc::Row row{{doc::number(level.target_n, 1), branch_in_words(level.rising), doc::number(level.force_n, 2)}};
+    for (const auto& [figures, off] : {std::pair{&level.raw, level.raw_place_error_mm},
+                                       std::pair{&level.compensated, level.compensated_place_error_mm}}) {
+      row.cells.push_back(doc::number(figures->force_n, 2));
+      row.cells.push_back(doc::number(figures->force_n - level.force_n, 2));
+      row.cells.push_back(doc::number(off, 2));
+    }
+    row.cells.push_back(doc::number(level.compensated.area_mm2, 0));
+    table.rows.push_back(std::move(row));
   }
-  out += tables;
-  out += markup(
-      "<p class=\"note\">The models are rate-independent: what grows with rate or hold here is outside them. Hold: "
-      "time "
-      "since the level was commanded; rate: of the reference from frame to frame, where the level changed. Bins in "
-      "steps of 1, 2, 5.</p>\n");
+  return table;
+}
+
+doc::Figure force_chart(const ContactResult& contact) {
+  Chart chart{.title = "Total force of the array over that of the force sensor",
+              .width = 330.0,
+              .height = 210.0,
+              .x = {"force sensor, N", 0.0, {}},
+              .y = {"array, N", 0.0, {}},
+              .labels_at_ends = true};
+  for (const bool corrected : {false, true})
+    for (const bool rising : {true, false}) {
+      Curve curve{fmt::format("{}, {}", corrected ? "corrected" : "indication", rising ? "incr." : "decr."),
+                  {},
+                  {},
+                  kStrokes[(corrected ? 1 : 3) + (rising ? 0 : 1)]};
+      for (const ContactLevel& level : contact.levels) {
+        if (level.rising != rising) continue;
+        curve.x.push_back(level.force_n);
+        curve.y.push_back((corrected ? level.compensated : level.raw).force_n);
+      }
+      if (!curve.x.empty()) chart.curves.push_back(std::move(curve));
+    }
+  const double most = highest_level(contact).force_n;
+  chart.curves.push_back({"force sensor", {0.0, most}, {0.0, most}, kBlack});
+  return {chart_svg(chart), chart.title, {"Total force."}};
+}
+
+doc::Figure frame(const ContactResult& contact, const ReportInput& input) {
+  const ContactLevel& level = highest_level(contact);
+  TaxelMap map{.title = "Corrected frame under the object",
+               .rows = input.fit.rows,
+               .columns = input.fit.columns,
+               .values = level.compensated_psi,
+               .size = 200.0};
+  for (double& value : map.values) value = input.unit.of(value);
+  for (const double value : map.values)
+    if (value > map.high) map.high = value;
+  return {taxel_map_svg(map),
+          map.title,
+          {"Corrected frame at ", doc::number(level.force_n, 1),
+           fmt::format(" N: white 0, darkest {} {}.", doc::fixed_text(map.high, 0), input.unit.symbol())}};
+}
+
+Document object_part(const ContactResult& contact, const ReportInput& input) {
+  Document out, left, right;
+  out.add(doc::Heading{
+      3, fmt::format("{}, run {}", contact.object.empty() ? contact.sequence : contact.object, contact.run), {}});
+  out.add(doc::Paragraph{
+      {"Error of the total force over all frames, ", counted(contact.positions, "place"), ", ",
+       counted(contact.repeats, "repeat"), ": corrected ",
+       doc::strong(doc::fixed_text(contact.compensated_mean_error_n, 2) + " N"), " on average, at most ",
+       doc::number(contact.compensated_max_error_n, 2), " N; indication ", doc::number(contact.raw_mean_error_n, 2),
+       " N, at most ", doc::number(contact.raw_max_error_n, 2), " N.",
+       contact.compensated_mean_error_n > contact.raw_mean_error_n
+           ? Phrase(doc::Words{" ▲ The corrected force is worse than the indication.", doc::Look::kDoubt})
+           : Phrase("")}});
+  std::string u = contact.force_uncertainty.u() > 0.0
+                      ? fmt::format("U of the force sensor {} N (k = 2)",
+                                    doc::text_of(doc::two_digits(contact.force_uncertainty.expanded()), {}))
+                      : "U of the force sensor not stated";
+  for (const InstrumentRow& row : contact.force_uncertainty.rows)
+    if (!row.part.missing.empty()) u += fmt::format("; without {}", row.name);
+  out.add(doc::Paragraph{{contact.force_traceability, contact.force_traceability.empty() ? "" : " ", u + "."}});
+  if (contact.levels.empty()) return out;
+  left.add(force_chart(contact));
+  if (contact.positions == 1) right.add(frame(contact, input));
+  out.add(right.blocks.empty() ? doc::Beside{{left}, {1}} : doc::Beside{{left, right}, {3, 2}});
+  out.add(forces(contact));
+  double clamped = 0.0;
+  for (const ContactLevel& level : contact.levels) clamped = std::max(clamped, level.clamped_taxels);
+  if (clamped > 0.0)
+    out.add(doc::Paragraph{{doc::Words{
+        fmt::format("▲ Up to {} taxels stood at the highest pressure of their models: what lies above is not seen.",
+                    doc::fixed_text(clamped, 1)),
+        doc::Look::kDoubt}}});
   return out;
 }
 
 }  // namespace
 
-Markup studies_section(const ReportInput& input) {
-  const Studies& studies = input.more.studies;
-  Markup out = section_start("studies", "Crosstalk, rate and hold, mounting, uniformity of the pressure");
-  out += crosstalk_part(studies.crosstalk);
-  out += rate_hold_part(studies.rate_hold, input.unit);
-  out += remount_part(studies.remount, input.fit.rows, input.fit.columns, input.unit);
-  out += uniformity_part(studies.uniformity, input.fit.rows, input.fit.columns, input.unit);
+Document further_studies(const PageData& data) {
+  const Studies& studies = data.input.more.studies;
+  doc::Table table{
+      .id = "studies", .caption = "Further studies", .columns = {{"study"}, {"result"}}, .rows = {}, .dense = true};
+  if (studies.rate_hold.assessed()) add_rate_rows(studies.rate_hold, table);
+  if (studies.crosstalk.assessed()) add_crosstalk_rows(studies.crosstalk, table);
+  if (studies.remount.assessed())
+    table.rows.push_back(
+        {{fmt::format("re-mounting, {} mounts: standard deviation", studies.remount.runs.size()),
+          Phrase("between mounts ", doc::percent_of(studies.remount.s_share, 2), " % of the pressure, within one ",
+                 doc::percent_of(studies.remount.within_share, 2), " %")}});
+  if (studies.uniformity.assessed()) {
+    table.rows.push_back({{fmt::format("uniformity of the pressure, {} angles: standard deviation over the chamber",
+                                       studies.uniformity.angles_deg.size()),
+                           Phrase(doc::percent_of(studies.uniformity.u_share, 2), " % of the pressure and ",
+                                  doc::pressure(studies.uniformity.u_offset_psi, 3))}});
+    if (studies.uniformity.residual_other_sense_psi < 0.8 * studies.uniformity.residual_rms_psi)
+      table.rows.push_back(
+          {{"angles", Phrase(doc::Words{"▲ taken clockwise they explain more: were they typed with the opposite sign?",
+                                        doc::Look::kDoubt})}});
+  }
+  Document out;
+  if (!table.rows.empty()) out.add(std::move(table));
+  return out;
+}
+
+Document under_objects(const PageData& data) {
+  Document out;
+  if (data.input.more.contacts.empty()) return out;
+  out.add(doc::Heading{2, "The array under objects", "objects"});
+  for (const ContactResult& contact : data.input.more.contacts) out.add(object_part(contact, data.input));
+  out.add(doc::Paragraph{
+      {fmt::format(
+          "Force of the array: sum of pressure times {} mm², the effective area of a taxel; indication: each taxel "
+          "read by one straight line through the ends of the mean taxel’s loop; corrected: by its own model, unloaded "
+          "before each rise. Area and centre: taxels of at least 10 % of the frame’s highest pressure.",
+          doc::fixed_text(data.input.more.contacts.front().geometry.taxel_area_mm2, 2))},
+      doc::Paragraph::kNote});
   return out;
 }
 

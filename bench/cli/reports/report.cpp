@@ -31,6 +31,8 @@ namespace tactbench::bench {
 
 namespace {
 
+constexpr std::size_t kTerminalColumns = 80;
+
 // The models named: of a run its standing fit, if that is of the whole array; none where it has none: then the report
 // says what it does not show.
 analysis::SensorModel models_for(analysis::Runs& runs, const ModelNamed& named) {
@@ -161,6 +163,9 @@ std::vector<db::ReportRecord::Evidence> evidence_of(analysis::Runs& runs, const 
 WrittenReport one_run(db::RunStore& store, analysis::Runs& runs, const ReportOptions& options, const Session& session) {
   analysis::ReportInput input = input_for(runs, options, options.runs.front(), session);
   input.reason = options.reason;
+  input.annexes = options.annexes;
+  if (std::ranges::find(input.annexes, "all") != input.annexes.end())
+    input.annexes.assign(analysis::kAnnexes.begin(), analysis::kAnnexes.end());
   WrittenReport out;
   out.report = analysis::render_report(input);
   const bool signing = !options.approve_by.empty();
@@ -180,6 +185,7 @@ WrittenReport one_run(db::RunStore& store, analysis::Runs& runs, const ReportOpt
     input.approvals = store.reports(input.run.run);
     out.report = analysis::render_report(input);
   }
+  out.summary = analysis::summary_text(input, session.unit(), kTerminalColumns);
   out.started_utc = input.run.started_utc;
   out.judgements.push_back(std::move(input.judgement));
   return out;
@@ -251,8 +257,7 @@ void report_runs(const ReportOptions& options, Session& session) {
     print_json("report", json);
     return;
   }
-  if (one && !verdicts.empty()) tty::print("{}", verdict_table(verdicts, written.origin, session.unit()));
-  if (one) tty::print("{}", judgement_text(written.judgements.front(), written.origin, session.unit()));
+  tty::print("{}", written.summary);
   tty::print("report {}: {}{}\n", written.report.number, path,
              written.written ? "" : " (signed: the file stays as it is)");
 }

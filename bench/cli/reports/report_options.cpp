@@ -39,8 +39,8 @@ void check_report_options(const ReportOptions& options) {
     refuse(fmt::format("--compare takes two runs, not {}", options.runs.size()), "tactbench report --compare 1 2");
   const bool several = options.compare || options.batch;
   if (several && (!options.approve_by.empty() || !options.reason.empty() || !options.held_out.empty() ||
-                  !options.extras.previous.empty() || !options.extras.studies.empty()))
-    refuse("--approve-by, --reason, --held-out, --previous and --studies belong to the report of one run",
+                  !options.extras.previous.empty() || !options.extras.studies.empty() || !options.annexes.empty()))
+    refuse("--approve-by, --reason, --held-out, --previous, --studies and --annex belong to the report of one run",
            "report each run by itself, then compare");
   if (!options.issued.empty() && !analysis::is_date(options.issued))
     refuse(fmt::format("'{}' is not a date", options.issued), "write it as 2026-01-31");
@@ -140,8 +140,15 @@ void add_report_options(CLI::App& verb, ReportOptions& options, ProfileOptions& 
   verb.add_option("--paper", options.paper, "a4 or letter")
       ->check(CLI::IsMember({"a4", "letter"}))
       ->capture_default_str();
-  verb.add_option("--pdf-with", options.pdf_with, "chromium, or weasyprint, which attaches the data (PDF/A-3b)")
+  verb.add_option("--pdf-with", options.pdf_with, "chromium, or weasyprint, which attaches the data")
       ->check(CLI::IsMember({"chromium", "weasyprint"}));
+  std::vector<std::string> annexes(analysis::kAnnexes.begin(), analysis::kAnnexes.end());
+  annexes.emplace_back("all");
+  verb.add_option(
+          "--annex", options.annexes,
+          "what the six pages leave out: maps of every level, taxels, models, parameters, events, hashes, or all")
+      ->delimiter(',')
+      ->check(CLI::IsMember(std::move(annexes)));
   verb.add_flag("--compare", options.compare, "one page on two runs: as found and as left, or two sensors");
   verb.add_flag("--batch", options.batch, "one page on many runs: yield, ranks, distributions, outliers");
 }

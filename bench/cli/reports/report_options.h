@@ -14,6 +14,7 @@ struct ReportOptions {
   std::vector<std::int64_t> runs, held_out;
   std::string model;  // RUN or RUN:FIT; empty: the run's own
   std::string format = "html", limits, lab, output, approve_by, reason, issued, paper = "a4", pdf_with;
+  std::vector<std::string> annexes;  // of analysis::kAnnexes, or "all"
   bool compare = false, batch = false, without_verdict = false;
   ReportExtras extras;
 };

@@ -4,8 +4,8 @@
     tests/analysis/pages/check_pages.py PAGE.html...
 
 For each page: well-formed XML (xmllint); accessibility (axe-core in headless Chromium, no serious or critical finding);
-printed by Chromium on A4 and Letter: every heading found by pdftotext, "page n of m" on each page, no page nearly
-empty but the last. Needs chromium, libxml2-utils, poppler-utils, and npm for axe-core (fetched once into a cache folder).
+printed by Chromium on A4 and Letter: every heading found by pdftotext, "page n of m" on each page, no page white for more
+than a third but the last; of a report without annexes at most six pages and 400 kB. Needs chromium, libxml2-utils, poppler-utils, and npm for axe-core (fetched once into a cache folder).
 """
 import html
 import json
@@ -17,7 +17,8 @@ import sys
 import tempfile
 
 AXE = "axe-core@4.14.1"
-MOST_WHITE = 0.55  # share of a page that may be empty below its last line, the last page apart
+MOST_WHITE = 1 / 3  # share of a page that may be empty below its last line, the last page apart
+MOST_PAGES, MOST_BYTES = 6, 400_000
 
 
 def run(words, **more):
@@ -90,6 +91,9 @@ def check(path, folder):
             complaints.append(line)
         else:
             print("  note:", line)
+    body_alone = 'id="annex-of-' not in page and "Batch of sensors" not in page
+    if body_alone and len(page.encode()) > MOST_BYTES:
+        complaints.append(f"{len(page.encode())} bytes")
     headings = [html.unescape(re.sub("<[^>]*>", "", h)) for h in re.findall(r"<h[123][^>]*>(.*?)</h[123]>", page)]
     for paper in ("A4", "letter"):
         copy, pdf = pathlib.Path(folder) / "print.html", pathlib.Path(folder) / "print.pdf"
@@ -105,6 +109,8 @@ def check(path, folder):
         if missing:
             complaints.append(f"{paper}: headings not found: {missing}")
         pages = text.split("\f")[:-1]
+        if body_alone and len(pages) > MOST_PAGES:
+            complaints.append(f"{paper}: {len(pages)} pages")
         for number, one in enumerate(pages, 1):
             if f"page {number} of {len(pages)}" not in one:
                 complaints.append(f"{paper}: page {number} does not say so")

@@ -1,4 +1,4 @@
-// The made-up report input with everything that further runs add: models compared, as found, studies, objects; some of
+// The made-up report input with everything that further runs add: U of a reading, as found, studies, objects; some of
 // it under a hostile name.
 #pragma once
 
@@ -47,34 +47,7 @@ inline ContactResult contact() {
 inline ReportInput full_input() {
   ReportInput input = example::example_input();
   ReportResults& more = input.more;
-  more.usable = usable_range(input.fit);
-  more.straight = {14.25, 51.5, 30.125};
-  for (const NamedTaxel& taxel : named_taxels({1, 2, 3}, 16)) {
-    ComparedTaxel compared{taxel, 3.5, {}};
-    for (const Trace& trace : input.evaluation.traces) {
-      more.traces.push_back(
-          {taxel, kHostile, trace.pressure_psi, trace.measured_v, trace.model_v, trace.compensated_psi});
-      ComparedSequence sequence{kHostile, trace.pressure_psi, trace.measured_v, {}};
-      for (const char* model : kComparedModels) {
-        ComparedModel own;
-        own.model = model;
-        own.model_v = trace.model_v;
-        own.j_v2 = 0.5;
-        own.mean_error_v = 0.02;
-        own.max_error_v = 0.1;
-        own.operations_per_sample = 9;
-        own.parameters = {{"alpha", 1e-9, "1", 0.0, 1.0}, {"beta", 0.5, "1", 0.0, 1.0}};
-        sequence.models.push_back(own);
-      }
-      sequence.models[1] = {};
-      sequence.models[1].model = "mpi";
-      sequence.models[1].failed = "no such luck";
-      compared.sequences.push_back(sequence);
-    }
-    more.models.taxels.push_back(compared);
-  }
-  more.previous = AsFound{kHostile, input.evaluation, 254, {}, kHostile};
-  more.previous->evaluation.levels[10].comp_distance = 0.0;  // as left is worse there than as found
+  more.previous = AsFound{kHostile, input.evaluation, 254, input.judgement, kHostile};
   more.contacts = {contact()};
   Studies& studies = more.studies;
   studies.uniformity.not_assessed.clear();
@@ -104,6 +77,27 @@ inline ReportInput full_input() {
   ErrorSum error;
   error.add(0.25);
   studies.rate_hold.runs = {{16, kHostile, error, {{1.0, 2.0, error}, {2.0, 5.0, error}}, {}, 0.1, 0.05}};
+  input.uncertainty.emplace();
+  ConditionUncertainty kind;
+  kind.median_psi = 0.4;
+  for (const bool up : {true, false})
+    for (const double psi : input.fit.pressure_psi) {
+      if (!up && psi == kFullPsi) continue;
+      LevelUncertainty& level = input.uncertainty->levels.emplace_back();
+      level.pressure_psi = psi;
+      level.up = up;
+      for (int i = 0; i < 256; ++i) {
+        const bool fitted = input.fit.taxels[static_cast<std::size_t>(i)].fitted();
+        level.error_psi.push_back(fitted ? 0.002 * (i - 100) : std::numeric_limits<double>::quiet_NaN());
+        level.expanded_psi.push_back(fitted ? 0.3 + 0.001 * i : std::numeric_limits<double>::quiet_NaN());
+      }
+      kind.pressure_psi.push_back(psi);
+      kind.up.push_back(up);
+      kind.error_psi.insert(kind.error_psi.end(), level.error_psi.begin(), level.error_psi.end());
+      kind.expanded_psi.insert(kind.expanded_psi.end(), level.expanded_psi.begin(), level.expanded_psi.end());
+    }
+  input.uncertainty->conditions = {kind};
+  input.applied = {{kHostile, false, 5, {0.0, 60.0, 120.0}, {0.0, 60.0, 0.0}}};
   return input;
 }
 

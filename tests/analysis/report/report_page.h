@@ -92,10 +92,10 @@ inline void require_inert(const std::string& page) {
   CHECK(count(page, "</script") == 1);
   static const std::set<std::string> elements = words_of(
       "!DOCTYPE aside html head meta title style body header main footer nav ul li a h1 h2 h3 h4 p div span code br "
-      "table tr thead tbody th td figcaption figure svg g path text script caption");
+      "table tr thead tbody th td b figcaption figure svg g path text script caption");
   static const std::set<std::string> attributes = words_of(
       "lang charset http-equiv content name id class role scope colspan rowspan href aria-label tabindex viewBox width "
-      "height fill stroke stroke-width stroke-linecap stroke-dasharray d transform x y text-anchor type");
+      "height fill stroke stroke-width stroke-linecap stroke-dasharray d transform x y text-anchor type style");
   for (const std::string& tag : tags_of(page)) {
     const std::size_t start = tag.front() == '/' ? 1 : 0;
     const std::string name = tag.substr(start, tag.find_first_of(" /", start) - start);

@@ -163,7 +163,6 @@ struct Rendered {
     analysis::Runs runs(store);
     analysis::gather_run(input, runs, run);
     input.uncertainty = analysis::assess_uncertainty(dataset, input.fit, input.run);
-    input.more = analysis::results_of(dataset, input.fit, input.evaluation, nullptr, {});
     bytes = analysis::render_report(input).html;
   }
   void write(const std::string& html) const {

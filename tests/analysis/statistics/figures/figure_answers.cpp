@@ -6,23 +6,15 @@
 
 #include "analysis/identify/histories.h"
 #include "analysis/statistics/figures/behaviour.h"
-#include "analysis/statistics/figures/chosen_taxels.h"
 #include "analysis/statistics/figures/creep_effect.h"
 #include "analysis/statistics/figures/evaluation.h"
 #include "analysis/statistics/figures/figures.h"
-#include "analysis/statistics/figures/usable_range.h"
 #include "analysis/statistics/numbers/moments.h"
 #include "tests/analysis/support/straight_array.h"
 
 using namespace straight_array;
 
 namespace {
-
-Evaluation with_errors(std::vector<double> psi) {
-  Evaluation evaluation;
-  evaluation.taxel_mean_error_psi = std::move(psi);
-  return evaluation;
-}
 
 // Frames at one set-point, `held_s` and two seconds more from frame to frame.
 Repeat held_at(double psi, const std::vector<double>& volts, double held_s = 2.0) {
@@ -86,27 +78,6 @@ TEST_CASE("figures of a run by hand: percents, millivolts, means of the fitted t
   const std::map<std::string, double> none = figures_of(fit, evaluation);
   CHECK(none.at("unfit_taxels") == 3.0);
   CHECK((none.count("zero_mv") == 0 && none.count("elam_alpha_d") == 0 && none.at("noisiest_taxel_mv") == 0.0));
-}
-
-TEST_CASE(
-    "chosen taxels by hand: three places in the order of errors, the first of equal ones, the better of two medians") {
-  const auto chosen = [](std::vector<double> psi) {
-    const ChosenTaxels found = choose_taxels(with_errors(std::move(psi)));
-    return std::vector<int>{found.best, found.median, found.worst};
-  };
-  CHECK(chosen({3, kNan, 1, 2}) == std::vector<int>{2, 3, 0});
-  CHECK(chosen({4, 3, 2, 1}) == std::vector<int>{3, 2, 0});
-  CHECK(chosen({1, 1, 1}) == std::vector<int>{0, 1, 2});
-  CHECK(chosen({kNan, 7}) == std::vector<int>{1, 1, 1});
-  CHECK(chosen({kNan, kNan}) == std::vector<int>{-1, -1, -1});
-  CHECK(chosen({}) == std::vector<int>{-1, -1, -1});
-  const std::vector<NamedTaxel> all = named_taxels({0, 7, 14}, 5);
-  REQUIRE(all.size() == 4);
-  CHECK((all[0].taxel == kMeanTaxel && all[1].taxel == 0 && all[2].taxel == 7 && all[3].taxel == 14));
-  CHECK_THAT(all[2].title, Catch::Contains("row 1") && Catch::Contains("column 2"));
-  CHECK(named_taxels({3, 3, 9}, 5).size() == 3);
-  CHECK(named_taxels({0, 0, 0}, 5).size() == 2);
-  CHECK(named_taxels({}, 5).size() == 1);
 }
 
 TEST_CASE("gains are taken at the level next to two thirds of the range, of two as near the lower one") {
@@ -235,57 +206,4 @@ TEST_CASE("creep by hand: slope over decades with its uncertainty, of the output
   // A run without a full sweep has creep, but no loop.
   const Behaviour b = behaviour_of(holding(held_at(40, volts)), {0});
   CHECK((b.loops.empty() && b.zero_returns.empty() && b.creep.size() == 1));
-}
-
-TEST_CASE("usable range: an output off by so much that it just moves the pressure by 2 psi, and 95 % of the taxels") {
-  // Twenty taxels of 20 psi a volt: 4 times 24.9 mV are 1.99 psi, 4 times 25.1 mV 2.01.
-  const auto range_with = [](int beyond) {
-    SensorModel fit;
-    fit.rows = 4;
-    fit.columns = 5;
-    fit.pressure_psi = straight_array::kLevels;
-    for (int i = 0; i < 20; ++i) {
-      fit.taxels.push_back(straight_taxel(20.0));
-      fit.taxels.back().noise = i < beyond ? 0.0251 : 0.0249;
-    }
-    by_hand::finish(fit, straight_taxel(20.0));
-    return usable_range(fit);
-  };
-  const UsableRange one = range_with(1), two = range_with(2);
-  CHECK(one.taxels == 20);
-  CHECK(one.loading.resolved_share[1] == Approx(0.95));
-  CHECK((one.loading.resolved_low_psi == 0.0 && one.loading.resolved_high_psi == 60.0));
-  CHECK(two.loading.resolved_share[1] == Approx(0.9));
-  CHECK(std::isnan(two.loading.resolved_low_psi));
-  CHECK(two.loading.median_psi[1] == Approx(1.992));
-  CHECK(two.loading.worst_psi[1] == Approx(2.008));
-  SensorModel none = straight_fit();
-  for (ModelTaxel& taxel : none.taxels) taxel.status = TaxelStatus::kUnfit;
-  const UsableRange nothing = usable_range(none);
-  CHECK(nothing.taxels == 0);
-  CHECK((std::isnan(nothing.loading.usable_share[0]) && std::isnan(nothing.loading.worst_psi[0])));
-}
-
-TEST_CASE("usable range: of several rows of levels the longest, of two as long the lower one") {
-  // One taxel of 50 mV a psi, 1 mV a psi between two levels, where 4 times 2 mV are more than 2 psi.
-  const auto range_without = [](int levels, int flat) {
-    SensorModel fit;
-    fit.rows = fit.columns = 1;
-    std::vector<double> volts;
-    for (int i = 0; i < levels; ++i) {
-      fit.pressure_psi.push_back(10.0 * i);
-      volts.push_back(i == 0 ? 0.0 : volts.back() + (i == flat + 1 ? 0.01 : 0.5));
-    }
-    const PatternCurve curve(fit.pressure_psi, volts, volts.front(), volts.back());
-    fit.taxels = {by_hand::elam_taxel(curve, curve)};
-    fit.taxels[0].noise = 0.002;
-    by_hand::finish(fit, fit.taxels[0]);
-    const UsableBranch branch = usable_range(fit).loading;
-    return std::pair(branch.low_psi, branch.high_psi);
-  };
-  CHECK(range_without(7, 0) == std::pair(20.0, 60.0));
-  CHECK(range_without(7, 2) == std::pair(40.0, 60.0));
-  CHECK(range_without(7, 3) == std::pair(0.0, 20.0));
-  CHECK(range_without(8, 3) == std::pair(0.0, 20.0));
-  CHECK(range_without(7, 5) == std::pair(0.0, 40.0));
 }

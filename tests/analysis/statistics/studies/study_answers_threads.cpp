@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "analysis/statistics/figures/behaviour.h"
-#include "analysis/statistics/figures/usable_range.h"
 #include "analysis/statistics/studies/studies.h"
 #include "tests/analysis/support/straight_array.h"
 
@@ -106,37 +105,4 @@ TEST_CASE("zero return by hand: from the first time at the lowest pressure to th
     CHECK(b.zero_returns[0].worst_taxel == way.worst);
     CHECK(b.zero_returns[0].worst_taxel_v == Approx(1e-3 * way.worst_mv));
   }
-}
-
-TEST_CASE("resolved and usable ranges by hand, of the lower of two taxels in the median and of the worse one") {
-  // 8 mV of noise (four times 2 mV) at both. Model errors of 6 mV and 0.6 V: steps of 10 mV and 0.600053 V, by 20 and
-  // 10 psi a volt 0.2 and 6 psi.
-  SensorModel fit = straight_fit();
-  fit.taxels[0].noise = fit.taxels[1].noise = 0.002;
-  fit.taxels[0].fit.mean_error = 0.006;
-  fit.taxels[1].fit.mean_error = 0.6;
-  // Between 40 and 60 psi the second taxel's falling curve rises by 40 mV only: 8 mV are 4 psi there.
-  const std::vector<double> flat{0.0, 2.0, 5.96, 6.0};
-  const std::vector<double> straight{0.0, 2.0, 4.0, 6.0};
-  const PatternCurve up(kLevels, straight, 0.0, 6.0);
-  ModelTaxel& second = fit.taxels[1];
-  second.descending = PatternCurve(kLevels, flat, 0.0, 6.0);
-  second.fit.model = std::make_shared<ElamHysteresis>(ElamModel{up, second.descending, {}, {}});
-  const UsableRange range = usable_range(fit);
-  CHECK(range.loading.median_psi[2] == Approx(0.2));
-  CHECK(range.loading.worst_psi[2] == Approx(10.0 * std::hypot(0.008, 0.6)));
-  CHECK(range.loading.resolved_share == std::vector<double>(4, 1.0));
-  CHECK(range.loading.usable_share == std::vector<double>(4, 0.5));
-  CHECK(range.loading.resolved_low_psi == 0.0);
-  CHECK(range.loading.resolved_high_psi == 60.0);
-  CHECK(std::isnan(range.loading.low_psi));
-  CHECK(std::isnan(range.loading.high_psi));
-  CHECK(range.unloading.resolved_share == std::vector<double>{1.0, 1.0, 0.5, 0.5});
-  CHECK(range.unloading.resolved_low_psi == 0.0);
-  CHECK(range.unloading.resolved_high_psi == 20.0);
-  CHECK(range.unloading.median_psi[3] == Approx(0.2));
-  // With half of the taxels enough the whole range is usable.
-  UsableOptions half;
-  half.least_share = 0.5;
-  CHECK(usable_range(fit, half).loading.high_psi == 60.0);
 }

@@ -8,6 +8,7 @@
 
 #include "db/run_store.h"
 #include "tests/bench/cli/check_refusal.h"
+#include "tests/support/paths.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -73,4 +74,13 @@ TEST_CASE("demo: six runs, each with its seeds, recipes, settings and frames") {
   REQUIRE(sensor);
   CHECK(store.verdicts(5).size() == 10);
   CHECK(store.subjects() == std::vector<std::string>{"sensor/SIM-0002/descending+ascending"});
+  // What its report prints is recomputed from its data by a script that knows none of the program.
+  (void)call(folder, {"report", "1", "-o", "page.html"});
+  (void)call(folder, {"report", "1", "--format", "json", "-o", "page.json"});
+  const Finished recomputed = run_program(
+      "/usr/bin/python3",
+      {source_path("tests/analysis/pages/recompute.py"), folder.path("page.html"), folder.path("page.json")},
+      folder.path());
+  INFO(recomputed.out << recomputed.err);
+  CHECK(recomputed.code == 0);
 }

@@ -1,0 +1,21 @@
+// Judged figures as the pages state them.
+#pragma once
+
+#include <string>
+
+#include "analysis/report/document/document.h"
+#include "analysis/report/report.h"
+
+namespace tactbench::analysis {
+
+// "held-out run 2", "own run (calibration data)".
+std::string title_of_judged(const ReportInput& input, std::int64_t run);
+// Null: not evaluated here.
+const Evaluation* evaluation_of(const ReportInput& input, std::int64_t run);
+
+// "43.5 ± 0.8 kPa", "1.50 % FS", "1 taxel"; without U where `expanded` is not known or 0.
+doc::Phrase figure_phrase(Criterion criterion, double value, double expanded = 0.0);
+// "non-uniformity, 275.8 kPa decreasing".
+std::string requirement_name(const JudgedFigure& figure, PressureUnit unit);
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,215 @@
+#include "analysis/report/data/reading_figures.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "analysis/statistics/numbers/moments.h"
+
+namespace tactbench::analysis {
+
+namespace {
+
+constexpr std::array kHeadlineShares = {0.01, 0.02, 0.05, 0.10, 0.20};
+
+void summarize(ReadingLevel& level) {
+  std::vector<double> error, expanded, low, high, sums;
+  for (std::size_t i = 0; i < level.error_psi.size(); ++i) {
+    const double sum = level.sum_psi(i);
+    if (!std::isfinite(sum)) continue;
+    const double u = std::isfinite(level.expanded_psi[i]) ? level.expanded_psi[i] : 0.0;
+    error.push_back(level.error_psi[i]);
+    expanded.push_back(level.expanded_psi[i]);
+    low.push_back(level.error_psi[i] - u);
+    high.push_back(level.error_psi[i] + u);
+    sums.push_back(sum);
+    if (level.worst < 0 || sum > level.worst_psi) {
+      level.worst = static_cast<int>(i);
+      level.worst_psi = sum;
+    }
+  }
+  if (sums.empty()) return;
+  const bool known = std::isfinite(expanded.front());
+  level.median_error_psi = quantile_of(error, 0.5);
+  level.median_expanded_psi = known ? quantile_of(expanded, 0.5) : kNan;
+  level.expanded_within_psi = known ? quantile_of(expanded, kTaxelsWithin) : kNan;
+  level.within_psi = quantile_of(sums, kTaxelsWithin);
+  level.low_psi = quantile_of(low, 0.5 - 0.5 * kTaxelsWithin);
+  level.high_psi = quantile_of(high, 0.5 + 0.5 * kTaxelsWithin);
+}
+
+std::vector<ReadingLevel> levels_of(const ConditionUncertainty& kind) {
+  std::vector<ReadingLevel> levels;
+  const std::size_t width = kind.expanded_psi.size() / std::max<std::size_t>(1, kind.pressure_psi.size());
+  for (std::size_t i = 0; i < kind.pressure_psi.size(); ++i) {
+    ReadingLevel& level = levels.emplace_back();
+    level.pressure_psi = kind.pressure_psi[i];
+    level.up = kind.up[i];
+    const auto from = static_cast<std::ptrdiff_t>(i * width), end = static_cast<std::ptrdiff_t>((i + 1) * width);
+    level.error_psi.assign(kind.error_psi.begin() + from, kind.error_psi.begin() + end);
+    level.expanded_psi.assign(kind.expanded_psi.begin() + from, kind.expanded_psi.begin() + end);
+  }
+  return levels;
+}
+
+// Errors without a U that would cover any use.
+std::vector<ReadingLevel> levels_without_u(const Uncertainty& uncertainty) {
+  std::vector<ReadingLevel> levels;
+  for (const LevelUncertainty& own : uncertainty.levels) {
+    ReadingLevel& level = levels.emplace_back();
+    level.pressure_psi = own.pressure_psi;
+    level.up = own.up;
+    level.error_psi = own.error_psi;
+    level.expanded_psi.assign(own.error_psi.size(), kNan);
+  }
+  return levels;
+}
+
+// The longest row of neighbouring levels that all hold.
+template <class Holds>
+PressureSpan longest_span(const std::vector<double>& rising, Holds holds) {
+  PressureSpan best, now;
+  for (const double psi : rising) {
+    if (!holds(psi)) {
+      now.any = false;
+      continue;
+    }
+    now = {true, now.any ? now.low_psi : psi, psi};
+    if (!best.any || now.high_psi - now.low_psi > best.high_psi - best.low_psi) best = now;
+  }
+  return best;
+}
+
+void find_spans(ReadingFigures& out) {
+  std::map<double, double> both;  // the larger of the two directions
+  std::array<std::vector<double>, 2> rising;
+  for (const ReadingLevel& level : out.levels) {
+    rising[level.up ? 1 : 0].push_back(level.pressure_psi);
+    double& most = both.try_emplace(level.pressure_psi, 0.0).first->second;
+    most = std::max(most, level.within_psi);
+  }
+  std::vector<double> all;
+  for (const auto& [psi, most] : both) all.push_back(psi);
+  for (std::vector<double>& one : rising) std::ranges::sort(one);
+  const auto within = [&](bool up) {
+    return longest_span(rising[up ? 1 : 0],
+                        [&](double psi) { return out.level(psi, up)->within_psi <= out.tolerance_psi; });
+  };
+  out.span_up = within(true);
+  out.span_down = within(false);
+  const auto headline = [&](double tolerance_psi) {
+    out.headline_psi = tolerance_psi;
+    out.headline = longest_span(all, [&](double psi) { return both.at(psi) <= tolerance_psi; });
+  };
+  if (out.by_mpe) return headline(out.tolerance_psi);
+  for (const double share : kHeadlineShares) {
+    headline(share * out.full_psi);
+    if (out.headline.any && out.headline.high_psi - out.headline.low_psi >= 0.5 * (all.back() - all.front())) return;
+  }
+}
+
+WorstTaxel worst_of(const std::vector<ReadingLevel>& levels, const std::string& kind) {
+  WorstTaxel worst;
+  double most = -1.0;
+  for (const ReadingLevel& level : levels) {
+    if (level.worst < 0 || level.worst_psi <= most) continue;
+    most = level.worst_psi;
+    const auto taxel = static_cast<std::size_t>(level.worst);
+    worst = {level.worst, level.pressure_psi, level.error_psi[taxel], level.expanded_psi[taxel], level.up, kind};
+  }
+  return worst;
+}
+
+nlohmann::ordered_json span_json(const PressureSpan& span) {
+  return span.any ? nlohmann::ordered_json{{"low_psi", span.low_psi}, {"high_psi", span.high_psi}}
+                  : nlohmann::ordered_json();
+}
+
+}  // namespace
+
+std::string kind_name(const ConditionUncertainty& kind) { return name_of(kind.condition); }
+
+double ReadingLevel::sum_psi(std::size_t taxel) const {
+  const double u = expanded_psi[taxel];
+  return std::abs(error_psi[taxel]) + (std::isfinite(u) ? u : 0.0);
+}
+
+const ReadingLevel* ReadingFigures::level(double pressure_psi, bool up) const {
+  const auto found = std::ranges::find_if(
+      levels, [&](const ReadingLevel& own) { return own.up == up && own.pressure_psi == pressure_psi; });
+  return found == levels.end() ? nullptr : &*found;
+}
+
+std::optional<ReadingFigures> reading_figures(const ReportInput& input) {
+  if (!input.uncertainty || input.uncertainty->levels.empty()) return {};
+  const Uncertainty& uncertainty = *input.uncertainty;
+  ReadingFigures out;
+  double largest = -1.0;
+  for (const ConditionUncertainty& kind : uncertainty.conditions) {
+    if (!kind.valid() || kind.pressure_psi.empty()) continue;
+    std::vector<ReadingLevel> levels = levels_of(kind);
+    std::ranges::for_each(levels, summarize);
+    const WorstTaxel worst = worst_of(levels, kind_name(kind));
+    if (out.worst.taxel < 0 ||
+        std::abs(worst.error_psi) + worst.expanded_psi > std::abs(out.worst.error_psi) + out.worst.expanded_psi)
+      out.worst = worst;
+    if (kind.median_psi <= largest) continue;
+    largest = kind.median_psi;
+    out.kind = kind_name(kind);
+    out.levels = std::move(levels);
+  }
+  if (!out.known()) {
+    out.levels = levels_without_u(uncertainty);
+    std::ranges::for_each(out.levels, summarize);
+    out.worst = worst_of(out.levels, "");
+  }
+  for (ReadingLevel& level : out.levels)
+    if (const LevelUncertainty* const budget = uncertainty.level(level.pressure_psi, level.up))
+      level.mean_expanded_psi = budget->array.mean_expanded_psi;
+  out.full_psi = input.evaluation.full_scale_psi;
+  out.tolerance_psi = kToleratedShare * out.full_psi;
+  const std::vector<JudgedFigure>& judged = input.judgement.figures;
+  const auto mpe = std::ranges::find(judged, Criterion::kMpe, &JudgedFigure::criterion);
+  if (mpe != judged.end()) {
+    out.by_mpe = true;
+    out.tolerance_psi = mpe->limit;
+  }
+  if (out.known()) find_spans(out);
+  return out;
+}
+
+nlohmann::ordered_json reading_figures_json(const ReadingFigures& figures) {
+  nlohmann::ordered_json levels = nlohmann::ordered_json::array();
+  for (const ReadingLevel& level : figures.levels)
+    levels.push_back({{"pressure_psi", level.pressure_psi},
+                      {"branch", level.up ? "up" : "down"},
+                      {"median_error_psi", level.median_error_psi},
+                      {"median_expanded_psi", level.median_expanded_psi},
+                      {"within_psi", level.within_psi},
+                      {"low_psi", level.low_psi},
+                      {"high_psi", level.high_psi},
+                      {"expanded_within_psi", level.expanded_within_psi},
+                      {"mean_expanded_psi", level.mean_expanded_psi},
+                      {"worst_taxel", level.worst},
+                      {"worst_psi", level.worst_psi}});
+  return {{"kind", figures.kind},
+          {"taxels_within", kTaxelsWithin},
+          {"full_psi", figures.full_psi},
+          {"tolerance_psi", figures.tolerance_psi},
+          {"tolerance_is_mpe", figures.by_mpe},
+          {"interval_up", span_json(figures.span_up)},
+          {"interval_down", span_json(figures.span_down)},
+          {"headline", {{"within_psi", figures.headline_psi}, {"interval", span_json(figures.headline)}}},
+          {"worst",
+           {{"taxel", figures.worst.taxel},
+            {"pressure_psi", figures.worst.pressure_psi},
+            {"branch", figures.worst.up ? "up" : "down"},
+            {"error_psi", figures.worst.error_psi},
+            {"expanded_psi", figures.worst.expanded_psi},
+            {"kind", figures.worst.kind}}},
+          {"levels", levels}};
+}
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,80 @@
+#include "analysis/report/document/document.h"
+
+namespace tactbench::analysis::doc {
+
+Words strong(std::string text) { return {std::move(text), Look::kStrong, {}}; }
+Words quiet(std::string text) { return {std::move(text), Look::kQuiet, {}}; }
+Words code_words(std::string text) { return {text.empty() ? "none" : std::move(text), Look::kCode, {}}; }
+Words stated(const std::string& untrusted) {
+  return {untrusted.find_first_not_of(" \t\r\n") == std::string::npos ? "not stated" : untrusted, Look::kPlain, {}};
+}
+
+Quantity number(double value, int digits) { return {.value = value, .digits = digits}; }
+Quantity number_with_u(double value, double expanded) { return {.value = value, .expanded = expanded}; }
+Quantity two_digits(double expanded) { return {.value = expanded, .expanded = expanded, .with_expanded = false}; }
+Quantity percent_of(double share, int digits) { return number(100.0 * share, digits); }
+
+Quantity pressure(double psi, int digits) {
+  return {.value = psi, .digits = digits, .pressure = true, .unit = Quantity::Unit::kNamed};
+}
+Quantity both_units(double psi, int digits) {
+  return {.value = psi, .digits = digits, .pressure = true, .unit = Quantity::Unit::kBoth};
+}
+Quantity bare_pressure(double psi, int digits) { return {.value = psi, .digits = digits, .pressure = true}; }
+Quantity pressure_with_u(double psi, double expanded_psi) {
+  return {.value = psi, .expanded = expanded_psi, .pressure = true, .unit = Quantity::Unit::kNamed};
+}
+Quantity bare_pressure_with_u(double psi, double expanded_psi) {
+  return {.value = psi, .expanded = expanded_psi, .pressure = true};
+}
+Quantity pressure_beside_u(double psi, double expanded_psi) {
+  return {.value = psi, .expanded = expanded_psi, .pressure = true, .with_expanded = false};
+}
+
+Phrase& Phrase::add(const Phrase& more) {
+  pieces_.insert(pieces_.end(), more.pieces_.begin(), more.pieces_.end());
+  return *this;
+}
+Phrase& Phrase::add(Words words) {
+  pieces_.emplace_back(std::move(words));
+  return *this;
+}
+Phrase& Phrase::add(Quantity quantity) {
+  pieces_.emplace_back(quantity);
+  return *this;
+}
+Phrase& Phrase::add(Taxel taxel) {
+  pieces_.emplace_back(taxel);
+  return *this;
+}
+Phrase& Phrase::add(Verdict verdict) {
+  pieces_.emplace_back(verdict);
+  return *this;
+}
+Phrase& Phrase::add(std::string text) { return add(Words{std::move(text)}); }
+Phrase& Phrase::add(const char* text) { return add(std::string(text)); }
+
+template <class Part>
+void Document::add(Part part) {
+  blocks.emplace_back(std::move(part));
+}
+template <>
+void Document::add(Document more) {
+  for (Block& block : more.blocks) blocks.push_back(std::move(block));
+}
+template void Document::add(Heading);
+template void Document::add(Paragraph);
+template void Document::add(List);
+template void Document::add(Table);
+template void Document::add(Figure);
+template void Document::add(Beside);
+template void Document::add(Framed);
+template void Document::add(NewPage);
+
+Table pairs(std::string caption, std::vector<std::pair<std::string, Phrase>> rows) {
+  Table table{.id = {}, .caption = std::move(caption), .columns = {}, .rows = {}};
+  for (auto& [name, value] : rows) table.rows.push_back({{Phrase(std::move(name)), std::move(value)}});
+  return table;
+}
+
+}  // namespace tactbench::analysis::doc

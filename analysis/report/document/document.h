@@ -1,0 +1,155 @@
+// A document as data: headings, paragraphs, lists, tables of typed cells, figures. Sections return it; printers
+// (printers.h) write it. A pressure is a number in psi here and becomes text in the printer, in the unit asked for.
+#pragma once
+
+#include <concepts>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "analysis/judgement/verdict.h"
+#include "analysis/report/page/html.h"
+
+namespace tactbench::analysis::doc {
+
+enum class Look { kPlain, kStrong, kQuiet, kCode, kGood, kDoubt, kBad };
+
+struct Words {
+  std::string text = {};
+  Look look = Look::kPlain;
+  std::string to = {};  // the id of a heading or table that it leads to; empty: no link
+};
+
+// A number for people. Beside a known U (`expanded` > 0) it has the decimal place of U's two digits, else `digits`
+// decimals; of a pressure those of psi.
+struct Quantity {
+  enum class Unit { kNone, kNamed, kBoth };  // "20.7", "20.7 kPa", "20.7 kPa (3.0 psi)": of a pressure alone
+  double value = 0.0;
+  int digits = 1;
+  double expanded = 0.0;
+  bool pressure = false;
+  Unit unit = Unit::kNone;
+  bool with_expanded = true;  // "3.1 ± 0.4"; else "3.1"
+};
+
+// A place of the array: "13, 6" of taxel 214 of 16 columns. Below 0: none.
+struct Taxel {
+  int taxel = -1, columns = 1;
+};
+
+using Piece = std::variant<Words, Quantity, Taxel, Verdict>;
+
+class Phrase;
+template <class T>
+concept PhrasePart = std::convertible_to<T, std::string> || std::constructible_from<Piece, T> ||
+                     std::same_as<std::remove_cvref_t<T>, Phrase>;
+
+// Text of pieces, one after the other without blanks.
+class Phrase {
+ public:
+  Phrase() = default;
+  template <PhrasePart First, PhrasePart... More>
+    requires(sizeof...(More) > 0 || !std::same_as<std::remove_cvref_t<First>, Phrase>)
+  Phrase(First&& first, More&&... more) {  // NOLINT(google-explicit-constructor): a text is a phrase
+    add(std::forward<First>(first));
+    (add(std::forward<More>(more)), ...);
+  }
+  Phrase& add(const Phrase& more);
+  Phrase& add(std::string text);
+  Phrase& add(const char* text);
+  Phrase& add(Words words);
+  Phrase& add(Quantity quantity);
+  Phrase& add(Taxel taxel);
+  Phrase& add(Verdict verdict);
+  [[nodiscard]] const std::vector<Piece>& pieces() const { return pieces_; }
+  [[nodiscard]] bool empty() const { return pieces_.empty(); }
+
+ private:
+  std::vector<Piece> pieces_;
+};
+
+Words strong(std::string text);
+Words quiet(std::string text);
+Words code_words(std::string text);
+// As typed by a person; "not stated" when empty or blank.
+Words stated(const std::string& untrusted);
+Quantity number(double value, int digits);
+Quantity number_with_u(double value, double expanded);
+Quantity two_digits(double expanded);  // U itself
+Quantity percent_of(double share, int digits);
+// Pressures. `digits`: decimals of psi.
+Quantity pressure(double psi, int digits = 1);                   // "20.7 kPa"
+Quantity both_units(double psi, int digits = 1);                 // "20.7 kPa (3.0 psi)"
+Quantity bare_pressure(double psi, int digits = 1);              // "20.7", where a heading names the unit
+Quantity pressure_with_u(double psi, double expanded_psi);       // "3.1 ± 0.4 kPa"
+Quantity bare_pressure_with_u(double psi, double expanded_psi);  // "3.1 ± 0.4"
+Quantity pressure_beside_u(double psi, double expanded_psi);     // "3.1", at U's decimal place
+
+struct Heading {
+  int level = 2;  // 1 the document, 2 a section, 3 a part
+  std::string text, id = {};
+};
+
+struct Paragraph {
+  enum Kind { kBody, kNote, kLarge };
+  Phrase words;
+  Kind kind = kBody;
+};
+
+struct List {
+  std::vector<Phrase> items;  // each begins with its own mark, if any
+};
+
+// The part of a heading before " | " is shared with its neighbours: "increasing | median error".
+struct Column {
+  std::string title = {};
+  bool right = false;  // numbers
+};
+struct Row {
+  std::vector<Phrase> cells =
+      {};               // the first one names the row; a row of fewer cells ends with one that spans the rest
+  bool marked = false;  // shaded
+  bool total = false;
+};
+struct Table {
+  std::string id, caption = {};
+  std::vector<Column> columns = {};  // of pairs: none
+  std::vector<Row> rows = {};
+  bool dense = false, keep = false;  // small rows; not cut between two pages
+};
+
+struct Figure {
+  html::Markup svg = {};
+  std::string title = {};
+  Phrase caption;
+};
+
+struct Document;
+// Documents side by side; `shares` of the width, as many.
+struct Beside {
+  std::vector<Document> parts = {};
+  std::vector<int> shares = {};
+  bool ruled = false;  // a line above and below
+};
+// The verdict of page 1, framed.
+struct Framed {
+  Look look = Look::kPlain;
+  std::vector<Document> parts = {};
+};
+struct NewPage {};
+
+using Block = std::variant<Heading, Paragraph, List, Table, Figure, Beside, Framed, NewPage>;
+
+struct Document {
+  std::vector<Block> blocks;
+  // Of a kind of block, or all blocks of a document.
+  template <class Part>
+  void add(Part part);
+};
+
+// A table of names and values without headings.
+Table pairs(std::string caption, std::vector<std::pair<std::string, Phrase>> rows);
+
+}  // namespace tactbench::analysis::doc

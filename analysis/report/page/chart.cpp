@@ -1,0 +1,319 @@
+#include "analysis/report/page/chart.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "analysis/report/page/chart_labels.h"
+#include "analysis/report/page/numbers.h"
+
+namespace tactbench::analysis {
+namespace {
+
+using html::Attribute;
+using html::CssNumber;
+using html::markup;
+using html::Markup;
+using html::Text;
+
+constexpr double kTop = 6.0;
+
+struct Scale {
+  double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
+  double from = 0.0, to = 1.0;  // pixels
+  bool logarithmic = false;
+
+  void include(double value) {
+    if (!std::isfinite(value) || (logarithmic && value <= 0.0)) return;
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  [[nodiscard]] double place(double value) const { return logarithmic ? std::log10(std::max(value, 1e-12)) : value; }
+  [[nodiscard]] double at(double value) const {
+    const double share = (place(value) - place(low)) / (place(high) - place(low));
+    return from + std::clamp(share, 0.0, 1.0) * (to - from);
+  }
+  [[nodiscard]] bool beyond(double value) const { return value < low || value > high; }
+  [[nodiscard]] std::vector<double> ticks(int wanted) const {
+    if (!logarithmic) return nice_ticks(low, high, wanted);
+    std::vector<double> out;
+    for (double decade = std::pow(10.0, std::floor(std::log10(low))); decade <= high; decade *= 10.0)
+      for (const double factor : {1.0, 3.0})
+        if (factor * decade >= low * 0.999 && factor * decade <= high * 1.001) out.push_back(factor * decade);
+    return out;
+  }
+};
+
+int decimals_of(const std::vector<double>& ticks) {
+  double step = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < ticks.size(); ++i) step = std::min(step, ticks[i] - ticks[i - 1]);
+  if (!ticks.empty() && ticks.front() > 0.0 && ticks.front() < step) step = ticks.front();  // of a logarithmic axis
+  return std::isfinite(step) && step > 0.0 ? std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 9)
+                                           : 1;
+}
+
+Scale scale_of(const Axis& axis, const std::vector<double>& values, bool from_zero) {
+  Scale scale;
+  scale.logarithmic = axis.logarithmic;
+  for (const double value : values) scale.include(value);
+  if (from_zero) scale.include(0.0);
+  if (scale.low > scale.high) scale.low = 0.0, scale.high = 1.0;
+  if (scale.high - scale.low < 1e-12 * std::max(1.0, std::abs(scale.high))) scale.low -= 0.5, scale.high += 0.5;
+  if (axis.logarithmic) {
+    scale.low *= 0.8;
+    scale.high *= 1.25;
+  }
+  scale.low = axis.low.value_or(scale.low);
+  scale.high = axis.high.value_or(scale.high);
+  return scale;
+}
+
+class ChartDrawing {
+ public:
+  explicit ChartDrawing(const Chart& chart) : chart_(chart) {
+    std::vector<double> xs, ys;
+    for (const Curve& curve : chart.curves) {
+      xs.insert(xs.end(), curve.x.begin(), curve.x.end());
+      ys.insert(ys.end(), curve.y.begin(), curve.y.end());
+    }
+    for (const Band& band : chart.bands) {
+      xs.insert(xs.end(), band.x.begin(), band.x.end());
+      for (const auto* edge : {&band.low, &band.high}) ys.insert(ys.end(), edge->begin(), edge->end());
+    }
+    for (const Bars& bars : chart.bars) {
+      xs.insert(xs.end(), bars.edges.begin(), bars.edges.end());
+      ys.insert(ys.end(), bars.counts.begin(), bars.counts.end());
+    }
+    for (const Rule& rule : chart.rules) (rule.upright ? xs : ys).push_back(rule.at);
+    x_ = scale_of(chart.x, xs, false);
+    y_ = scale_of(chart.y, ys, !chart.bars.empty());
+    if (!chart.y.logarithmic && !chart.y.high) y_.high += 0.06 * (y_.high - y_.low);
+    lay_out();
+  }
+
+  Markup svg() {
+    Markup out = markup(
+        "<svg role=\"img\" class=\"chart\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\"><title>{2}</title>",
+        CssNumber(chart_.width), CssNumber(chart_.height), Text(chart_.title));
+    if (!chart_.heading.empty())
+      out += markup("<text class=\"head\" x=\"{}\" y=\"10\" fill=\"{}\">{}</text>", CssNumber(x_.from, 1),
+                    Attribute(chart_.heading_stroke.colour), Text(chart_.heading));
+    for (const ShadedSpan& stretch : chart_.stretches) out += stretch_of(stretch);
+    out += axes();
+    for (const Bars& bars : chart_.bars) out += bars_svg(bars);
+    for (const Band& band : chart_.bands) out += band_svg(band);
+    for (const Rule& rule : chart_.rules) out += rule_svg(rule);
+    for (const Curve& curve : chart_.curves) out += curve_svg(curve);
+    out += labels();
+    out += markup("</svg>");
+    return out;
+  }
+
+ private:
+  void lay_out() {
+    const auto widest = [](const std::vector<double>& ticks, double factor) {
+      std::size_t letters = 1;
+      std::vector<double> shown;
+      for (const double tick : ticks) shown.push_back(tick * factor);
+      for (const double tick : shown) letters = std::max(letters, letters_in(fixed_text(tick, decimals_of(shown))));
+      return kLetterWidth * static_cast<double>(letters);
+    };
+    x_.from = (chart_.y.label.empty() ? 4.0 : 17.0) + widest(y_.ticks(wanted_up()), 1.0) + 6.0;
+    x_.to = chart_.width - (chart_.x.beside.empty() ? 8.0 : 18.0);  // half of the last tick's label
+    if (!chart_.y.beside.empty()) x_.to = chart_.width - 22.0 - widest(beside_ticks(y_, chart_.y, wanted_up()), 1.0);
+    if (chart_.labels_at_ends) {
+      std::size_t letters = 0;
+      for (const Curve& curve : chart_.curves) letters = std::max(letters, letters_in(curve.label));
+      x_.to = chart_.width - 14.0 - kLetterWidth * static_cast<double>(letters);
+    }
+    const bool stretched = !chart_.stretches.empty();
+    y_.to = kTop + (chart_.heading.empty() ? 0.0 : 10.0) + (stretched ? 12.0 : 0.0);
+    y_.from = chart_.height - 16.0 - (chart_.x.beside.empty() ? 0.0 : 12.0) - (chart_.x.label.empty() ? 0.0 : 14.0);
+  }
+  [[nodiscard]] int wanted_up() const { return chart_.height < 150 ? 4 : 7; }
+  [[nodiscard]] int wanted_along() const { return x_.to - x_.from < 200 ? 4 : 6; }
+  static std::vector<double> beside_ticks(const Scale& scale, const Axis& axis, int wanted) {
+    return nice_ticks(scale.low * axis.beside_factor, scale.high * axis.beside_factor, wanted);
+  }
+
+  [[nodiscard]] Markup axes() const {
+    Markup out;
+    const auto xs = x_.ticks(wanted_along()), ys = y_.ticks(wanted_up());
+    const CssNumber left(x_.from, 1), right(x_.to, 1), top(y_.to, 1), bottom(y_.from, 1);
+    for (const double tick : ys) {
+      const double y = y_.at(tick);
+      out += markup("<path class=\"{}\" d=\"M{} {}H{}\"/><text class=\"end\" x=\"{}\" y=\"{}\">{}</text>",
+                    Attribute(tick == 0.0 ? "zero" : "grid"), left, CssNumber(y, 1), right, CssNumber(x_.from - 4, 1),
+                    CssNumber(y + 3.5, 1), Text(fixed_text(tick, decimals_of(ys))));
+    }
+    for (const double tick : xs)
+      out += markup("<path class=\"axis\" d=\"M{0} {1}v3\"/><text class=\"mid\" x=\"{0}\" y=\"{2}\">{3}</text>",
+                    CssNumber(x_.at(tick), 1), bottom, CssNumber(y_.from + 13, 1),
+                    Text(fixed_text(tick, decimals_of(xs))));
+    double below = y_.from + 13;
+    if (!chart_.x.beside.empty()) {
+      below += 12.0;
+      const auto ticks = beside_ticks(x_, chart_.x, wanted_along());
+      for (const double tick : ticks) {
+        const bool last = tick == ticks.back();
+        out += markup("<text class=\"mid quiet\" x=\"{}\" y=\"{}\">{}{}</text>",
+                      CssNumber(x_.at(tick / chart_.x.beside_factor), 1), CssNumber(below, 1),
+                      Text(fixed_text(tick, decimals_of(ticks))), Text(last ? "\u00A0" + chart_.x.beside : ""));
+      }
+    }
+    if (!chart_.x.label.empty())
+      out += markup("<text class=\"mid\" x=\"{}\" y=\"{}\">{}</text>", CssNumber(0.5 * (x_.from + x_.to), 1),
+                    CssNumber(below + 14, 1), Text(chart_.x.label));
+    const CssNumber middle(0.5 * (y_.from + y_.to), 1);
+    if (!chart_.y.label.empty())
+      out += markup("<text class=\"mid\" transform=\"translate(10 {}) rotate(-90)\">{}</text>", middle,
+                    Text(chart_.y.label));
+    out += markup("<path class=\"axis\" d=\"M{} {}V{}H{}\"/>", left, top, bottom, right);
+    if (chart_.y.beside.empty()) return out;
+    const auto ticks = beside_ticks(y_, chart_.y, wanted_up());
+    for (const double tick : ticks)
+      out +=
+          markup("<path class=\"axis\" d=\"M{} {}h3\"/><text x=\"{}\" y=\"{}\">{}</text>", right,
+                 CssNumber(y_.at(tick / chart_.y.beside_factor), 1), CssNumber(x_.to + 5, 1),
+                 CssNumber(y_.at(tick / chart_.y.beside_factor) + 3.5, 1), Text(fixed_text(tick, decimals_of(ticks))));
+    out += markup(
+        "<path class=\"axis\" d=\"M{} {}V{}\"/><text class=\"mid\" transform=\"translate({} {}) "
+        "rotate(-90)\">{}</text>",
+        right, top, bottom, CssNumber(chart_.width - 3, 1), middle, Text(chart_.y.beside));
+    return out;
+  }
+
+  [[nodiscard]] Markup stretch_of(const ShadedSpan& stretch) const {
+    const double from = x_.at(stretch.from), to = std::max(x_.at(stretch.to), from + 1.5);
+    const double half = 0.5 * kLetterWidth * static_cast<double>(letters_in(stretch.label));
+    const double middle = std::clamp(0.5 * (from + to), x_.from + half, std::max(x_.from + half, x_.to - half));
+    return markup("<path fill=\"#dff0e3\" d=\"M{} {}H{}V{}H{}z\"/><text class=\"mid good\" x=\"{}\" y=\"{}\">{}</text>",
+                  CssNumber(from, 1), CssNumber(y_.to, 1), CssNumber(to, 1), CssNumber(y_.from, 1), CssNumber(from, 1),
+                  CssNumber(middle, 1), CssNumber(y_.to - 3, 1), Text(stretch.label));
+  }
+
+  [[nodiscard]] Markup bars_svg(const Bars& bars) const {
+    html::PathData d;
+    for (std::size_t i = 0; i < bars.counts.size(); ++i) {
+      if (bars.counts[i] <= 0.0) continue;
+      d.value += fmt::format("M{} {}V{}H{}V{}z", CssNumber(x_.at(bars.edges[i]) + 0.5, 1), CssNumber(y_.from, 1),
+                             CssNumber(y_.at(bars.counts[i]), 1), CssNumber(x_.at(bars.edges[i + 1]) - 0.5, 1),
+                             CssNumber(y_.from, 1));
+    }
+    return markup("<path fill=\"#6b7d8c\" d=\"{}\"/>", d);
+  }
+
+  [[nodiscard]] Markup band_svg(const Band& band) {
+    std::string there, back;
+    Markup marks;
+    for (std::size_t i = 0; i < band.x.size(); ++i) {
+      if (!std::isfinite(band.low[i]) || !std::isfinite(band.high[i])) continue;
+      const CssNumber x(x_.at(band.x[i]), 1);
+      there += fmt::format("{}{} {}", there.empty() ? "M" : "L", x, CssNumber(y_.at(band.high[i]), 1));
+      back = fmt::format("L{} {}", x, CssNumber(y_.at(band.low[i]), 1)) + back;
+      if (y_.beyond(band.high[i])) marks += markup("<path d=\"M{} {}l-3 5h6z\"/>", x, CssNumber(y_.to, 1));
+      if (y_.beyond(band.low[i])) marks += markup("<path d=\"M{} {}l-3 -5h6z\"/>", x, CssNumber(y_.from, 1));
+    }
+    if (there.empty()) return {};
+    if (!band.label.empty()) inside_.push_back({band.label, "#1a2026", line_of(band.x, band.high)});
+    Markup path;
+    path.value = there + back + "z";
+    return markup("<path fill=\"{}\" d=\"{}\"/><g class=\"beyond\">{}</g>", Attribute(band.fill), path, marks);
+  }
+
+  [[nodiscard]] Markup rule_svg(const Rule& rule) {
+    if ((rule.upright ? x_ : y_).beyond(rule.at)) return {};
+    const double at = (rule.upright ? x_ : y_).at(rule.at);
+    Markup path = rule.upright ? markup("M{} {}V{}", CssNumber(at, 1), CssNumber(y_.from, 1), CssNumber(y_.to, 1))
+                               : markup("M{} {}H{}", CssNumber(x_.from, 1), CssNumber(at, 1), CssNumber(x_.to, 1));
+    if (!rule.label.empty()) {
+      if (rule.upright)
+        inside_.push_back({rule.label, rule.stroke.colour, {{at, y_.to + 14}, {at, y_.from}}, true});
+      else
+        inside_.push_back({rule.label, rule.stroke.colour, {{x_.from, at}, {x_.to, at}}});
+    }
+    return stroked(path, rule.stroke, false);
+  }
+
+  [[nodiscard]] Markup curve_svg(const Curve& curve) {
+    const LinePoints line = line_of(curve.x, curve.y);
+    Markup path;
+    bool pen_down = false;
+    for (const auto& [x, y] : line) {
+      if (!std::isfinite(y)) {
+        pen_down = false;
+        continue;
+      }
+      path += markup("{}{} {}", Text(pen_down && !curve.points ? "L" : "M"), CssNumber(x, 1), CssNumber(y, 1));
+      if (curve.points) path += markup("h0");  // a round cap on a line of no length is a dot
+      pen_down = true;
+    }
+    if (path.value.empty()) return {};
+    if (!curve.label.empty())
+      (chart_.labels_at_ends ? ends_ : inside_).push_back({curve.label, curve.stroke.colour, line});
+    return stroked(path, curve.stroke, curve.points);
+  }
+
+  static Markup stroked(const Markup& path, const Stroke& stroke, bool points) {
+    const Markup dashes =
+        *stroke.dashes == '\0' ? Markup() : markup(" stroke-dasharray=\"{}\"", Attribute(stroke.dashes));
+    return markup("<path fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"{}{} d=\"{}\"/>", Attribute(stroke.colour),
+                  CssNumber(points ? 3.0 : stroke.width), points ? markup(" stroke-linecap=\"round\"") : Markup(),
+                  dashes, path);
+  }
+
+  [[nodiscard]] LinePoints line_of(const std::vector<double>& x, const std::vector<double>& y) const {
+    LinePoints line;
+    for (std::size_t i = 0; i < std::min(x.size(), y.size()); ++i)
+      line.emplace_back(x_.at(x[i]), std::isfinite(y[i]) ? y_.at(y[i]) : std::numeric_limits<double>::quiet_NaN());
+    return line;
+  }
+
+  [[nodiscard]] Markup labels() const {
+    const PlotArea area{x_.from, x_.to, y_.to, y_.from};
+    std::vector<LinePoints> lines;
+    for (const Curve& curve : chart_.curves) lines.push_back(line_of(curve.x, curve.y));
+    for (const Band& band : chart_.bands)
+      for (const auto* edge : {&band.low, &band.high}) lines.push_back(line_of(band.x, *edge));
+    for (const Rule& rule : chart_.rules)
+      if (!rule.upright) lines.push_back({{x_.from, y_.at(rule.at)}, {x_.to, y_.at(rule.at)}});
+    Markup out = labels_inside(inside_, lines, area);
+    out += labels_at_ends(ends_, area);
+    return out;
+  }
+
+  const Chart& chart_;
+  Scale x_, y_;
+  std::vector<LineLabel> inside_, ends_;
+};
+
+}  // namespace
+
+std::vector<double> nice_ticks(double low, double high, int wanted) {
+  if (!(high > low) || wanted < 1) return {low};
+  const double rough = (high - low) / wanted;
+  const double decade = std::pow(10.0, std::floor(std::log10(rough)));
+  double step = 10.0 * decade;
+  for (const double factor : {5.0, 2.0, 1.0})
+    if (factor * decade >= rough * (1.0 - 1e-9)) step = factor * decade;
+  std::vector<double> ticks;
+  const auto first = static_cast<long long>(std::ceil(low / step - 1e-9));
+  const auto last = static_cast<long long>(std::floor(high / step + 1e-9));
+  for (long long i = first; i <= last; ++i) ticks.push_back(static_cast<double>(i) * step);
+  return ticks;
+}
+
+Bars bars_of(const std::vector<double>& values, double low, double high, int bins) {
+  Bars bars{{}, std::vector<double>(static_cast<std::size_t>(bins), 0.0)};
+  for (int i = 0; i <= bins; ++i) bars.edges.push_back(low + (high - low) * i / bins);
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    const double bin = std::clamp((value - low) / (high - low) * bins, 0.0, bins - 1.0);
+    bars.counts[static_cast<std::size_t>(bin)] += 1.0;
+  }
+  return bars;
+}
+
+Markup chart_svg(const Chart& chart) { return ChartDrawing(chart).svg(); }
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,79 @@
+// Charts of the report as inline SVG with role="img" and a <title>. Layers are drawn in the order of their members;
+// each is labelled where it is drawn, not in a legend. Coordinates are CSS pixels.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/report/page/html.h"
+
+namespace tactbench::analysis {
+
+// Darkened Okabe-Ito: contrast at least 4.5:1 on white; dashes tell lines apart without colour.
+struct Stroke {
+  const char* colour = "#1a2026";
+  const char* dashes = "";
+  double width = 1.4;
+};
+inline constexpr Stroke kBlack{}, kBlue{"#0b5cad", ""}, kBrown{"#9c4400", ""}, kGreen{"#00704f", "9 3 2 3"},
+    kViolet{"#6b3fa0", "2 2"}, kRed{"#a11212", "6 3"}, kRedDots{"#a11212", "2 3", 1.2};
+inline constexpr Stroke kStrokes[] = {kBlack, {"#b84300", "7 3"}, kBlue, kGreen, kViolet};
+
+// `ends`: labels stand outside the plot at the right end of their line; else within, where they cover least.
+struct Curve {
+  std::string label = {};
+  std::vector<double> x, y = {};  // of equal length; what is not finite breaks the line
+  Stroke stroke = {};
+  bool points = false;
+};
+struct Band {
+  std::string label = {};
+  std::vector<double> x, low, high = {};
+  const char* fill = "#d5dde3";
+};
+struct Rule {
+  double at = 0.0;
+  std::string label = {};
+  Stroke stroke = kRed;
+  bool upright = false;  // at an x; else at a y
+};
+struct ShadedSpan {  // of x, shaded from top to bottom
+  double from = 0.0, to = 0.0;
+  std::string label = {};  // above the plot
+};
+struct Bars {
+  std::vector<double> edges, counts = {};  // one edge more than counts
+};
+
+struct Axis {
+  std::string label = {};
+  std::optional<double> low = {}, high = {};  // else from the data
+  bool logarithmic = false;
+  std::string beside = {};     // the same in another unit: its name; empty: none
+  double beside_factor = 1.0;  // value x factor
+};
+
+struct Chart {
+  std::string title, heading = {};  // heading: printed above the plot
+  double width = 330.0, height = 220.0;
+  Axis x, y;
+  std::vector<ShadedSpan> stretches = {};
+  std::vector<Bars> bars = {};
+  std::vector<Band> bands = {};
+  std::vector<Rule> rules = {};
+  std::vector<Curve> curves = {};
+  bool labels_at_ends = false;
+  Stroke heading_stroke = kBlack;
+};
+
+// What lies beyond a fixed axis is drawn at its edge, with a triangle.
+html::Markup chart_svg(const Chart& chart);
+
+// About `wanted` round numbers (1, 2, 5 x 10^n) within [low, high].
+std::vector<double> nice_ticks(double low, double high, int wanted);
+
+// Counts of the finite values in `bins` of one width; the last bin also holds what lies above `high`.
+Bars bars_of(const std::vector<double>& values, double low, double high, int bins);
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,288 @@
+// Page 1 alone answers: is it good, how wrong is a reading, in which range, for which use, until when, measured by
+// what.
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/counted.h"
+#include "analysis/report/data/conformity.h"
+#include "analysis/report/data/traceability.h"
+#include "analysis/report/document/printers.h"
+#include "analysis/report/parts.h"
+#include "analysis/report/sections/sections.h"
+
+namespace tactbench::analysis {
+
+namespace {
+
+using doc::Document;
+using doc::Phrase;
+
+std::string state_of(const Issue& issue) {
+  if (issue.draft()) return "Draft: nobody has signed it";
+  return fmt::format("Issued {}, signed by {}", issue.issued, issue.authorised_by);
+}
+
+doc::Beside letterhead(const PageData& data) {
+  const Laboratory& lab = data.input.laboratory;
+  Document left, right;
+  Phrase who(lab.laboratory.empty() ? doc::quiet("Laboratory not stated") : doc::strong(lab.laboratory));
+  if (!lab.address.empty()) who.add("\n" + lab.address);
+  who.add(doc::quiet(is_certificate(data.input) ? "\nAccreditation " + lab.accreditation : "\nNot accredited"));
+  left.add(doc::Paragraph{who});
+  right.add(doc::Heading{1, data.issue.document, {}});
+  right.add(doc::Paragraph{{doc::strong("No. " + data.issue.number), "\n", doc::quiet(state_of(data.issue))}});
+  if (!data.issue.replaces.empty())
+    right.add(doc::Paragraph{{"Replaces ", data.issue.replaces, ": ", doc::stated(data.issue.reason)},
+                             doc::Paragraph::kNote});
+  return {{left, right}, {3, 2}};
+}
+
+doc::Beside facts(const PageData& data) {
+  const ReportInput& input = data.input;
+  doc::Beside out{.parts = {}, .shares = {}, .ruled = true};
+  const auto fact = [&](const char* name, const Phrase& value) {
+    Document part;
+    part.add(doc::Paragraph{{doc::quiet(name), "\n", value}});
+    out.parts.push_back(part);
+  };
+  fact("Item", {doc::strong(fmt::format("Tactile array {} × {}", input.health.rows, input.health.columns)), "\n",
+                doc::stated(input.sensor ? input.sensor->type : "")});
+  fact("Serial number", {doc::Words{doc::stated(input.run.sensor_serial).text, doc::Look::kStrong}, "\nscanner ",
+                         doc::stated(scanner_serial_of(input.run, input.sensor))});
+  fact("Customer",
+       {doc::stated(input.laboratory.customer), order_of(input).empty() ? "" : "\norder " + order_of(input)});
+  Phrase when(doc::Words{date_of(input.run.started_utc), doc::Look::kStrong});
+  if (data.readings) when.add("\n0 to ").add(doc::both_units(data.readings->full_psi)).add(" gauge");
+  fact(states_uncertainty(input) ? "Calibrated" : "Measured", when);
+  const std::string until = valid_until(input);
+  fact("Valid until", until.empty() ? Phrase("not stated by the laboratory") : Phrase(doc::strong(until)));
+  return out;
+}
+
+Phrase decided_words(const ReportInput& input, const JudgedFigure& figure, PressureUnit unit) {
+  return {requirement_name(figure, unit),
+          ": ",
+          figure_phrase(figure.criterion, figure.value, figure.u.expanded),
+          ", limit ",
+          figure_phrase(figure.criterion, figure.limit),
+          ", ",
+          title_of_judged(input, figure.run)};
+}
+
+Document verdict_words(const ReportInput& input, PressureUnit unit) {
+  const Judgement& judgement = input.judgement;
+  Document out;
+  const auto large = [&](const std::string& words) { out.add(doc::Paragraph{{words}, doc::Paragraph::kLarge}); };
+  const auto met =
+      std::ranges::count_if(judgement.figures, [](const JudgedFigure& own) { return passes(own.verdict); });
+  const auto all = std::ssize(judgement.figures);
+  if (judgement.not_judged) {
+    large("▲ Not judged");
+    out.add(doc::Paragraph{{title_case(in_words(*judgement.not_judged, unit)) + "."}});
+  } else if (!states_conformity(judgement.overall)) {
+    large("No verdict");
+    out.add(doc::Paragraph{{all == 0 ? "No tolerance limits were given." : "The limits file asks for a report only."}});
+  } else {
+    const Verdict overall = *judgement.overall;
+    large(doc::sign_of(overall) + " " + title_case(to_string(overall)) +
+          (judgement.rests_on_means_alone ? ", of means alone" : ""));
+    if (passes(overall) && judgement.closest_pass)
+      out.add(doc::Paragraph{{fmt::format("{} of {} passed. Closest to its limit: ", met, counted(all, "check")),
+                              decided_words(input, judgement.figures[*judgement.closest_pass], unit), "."}});
+    else if (judgement.deciding)
+      out.add(doc::Paragraph{{"Decided by ", decided_words(input, judgement.figures[*judgement.deciding], unit),
+                              fmt::format(". {} of {} passed.", met, counted(all, "check"))}});
+    if (judgement.rests_on_means_alone)
+      out.add(doc::Paragraph{{"No limit is on single readings, each of which may be off by more than any mean."}});
+    if (judgement.untraced) out.add(doc::Paragraph{{title_case(in_words(*judgement.untraced, unit)) + "."}});
+    if (passes(overall) && !judgement.not_assessed.empty())
+      out.add(doc::Paragraph{{doc::quiet("Under repeatability conditions only.")}});
+  }
+  const auto warn = [&](const std::string& words) {
+    out.add(doc::Paragraph{{doc::Words{"▲ " + words + ".", doc::Look::kDoubt}}});
+  };
+  for (const JudgedFigure& worse : judgement.stored_worse)
+    if (&worse == &judgement.stored_worse.front())
+      warn(fmt::format("A stored verdict on these models is worse: {}, {}",
+                       to_string(*worst_of(judgement.stored_worse)), title_of_judged(input, worse.run)));
+  for (const Remark& remark : judgement.remarks) warn(title_case(in_words(remark, unit)));
+  return out;
+}
+
+Document runs_words(const ReportInput& input, PressureUnit unit) {
+  Document out;
+  const Judgement& judgement = input.judgement;
+  if (judgement.runs.empty()) return out;
+  doc::Table table{.id = "runs",
+                   .caption = "Runs judged",
+                   .columns = {{"run judged"},
+                               {fmt::format("mean\n|error|, {}", unit.symbol()), true},
+                               {fmt::format("worst taxel’s\nmean, {}", unit.symbol()), true},
+                               {"checks\npassed", true},
+                               {"verdict"}},
+                   .dense = true};
+  for (const JudgedRun& run : judgement.runs) {
+    const Evaluation* const evaluation = evaluation_of(input, run.run);
+    std::ptrdiff_t met = 0, of = 0;
+    for (const JudgedFigure& figure : judgement.figures) {
+      if (figure.run != run.run) continue;
+      ++of;
+      met += passes(figure.verdict) ? 1 : 0;
+    }
+    const std::string trajectory = run.trajectory.trajectory == Trajectory::kAsFitted
+                                       ? to_string(run.trajectory.trajectory)
+                                       : "not fitted, " + counted(run.trajectory.reversals, "turning point");
+    table.rows.push_back({{Phrase(doc::strong(title_of_judged(input, run.run)), doc::quiet("\n" + trajectory)),
+                           doc::bare_pressure(evaluation == nullptr ? kNan : evaluation->mean_error_psi),
+                           doc::bare_pressure(evaluation == nullptr ? kNan : evaluation->worst_taxel_mean_error_psi),
+                           fmt::format("{} of {}", met, of), run.verdict}});
+  }
+  out.add(std::move(table));
+  return out;
+}
+
+std::string within_words(const ReadingFigures& readings, double psi, PressureUnit unit) {
+  const std::string share = doc::fixed_text(100.0 * psi / readings.full_psi, 0);
+  return fmt::format("± {} ({} % of full pressure{})", doc::text_of(doc::pressure(psi), unit), share,
+                     readings.by_mpe ? ", the limit" : "");
+}
+
+std::string headline(const std::optional<ReadingFigures>& readings, PressureUnit unit) {
+  if (!readings || !readings->known()) return "How wrong a single reading can be was not established";
+  const std::string within = within_words(*readings, readings->headline_psi, unit);
+  if (!readings->headline.any) return fmt::format("At no pressure do 95 % of the taxels read to {}", within);
+  return fmt::format("95 % of the taxels read to {}, {}", within, span_text(readings->headline, unit));
+}
+
+Phrase chart_caption(const ReadingFigures& readings) {
+  if (!readings.known())
+    return "Line: median of the taxels’ mean errors in full sweeps. Light: 95 % of the taxels. A single reading is "
+           "further off, by how much is not known.";
+  return {
+      "Line: median of the taxels’ errors. Dark: median ± median U. Light: 2.5 % quantile of error − U to 97.5 % "
+      "quantile of error + U. U: expanded uncertainty of one reading, coverage probability about 95 %, for “",
+      readings.kind,
+      "”, the worst of the histories measured. Triangles: beyond the axis. Green: measuring interval, where |error| "
+      "+ U of 95 % of the taxels is within ",
+      doc::both_units(readings.tolerance_psi),
+      readings.by_mpe ? ", the maximum permissible error."
+                      : fmt::format(", {:.0f} % of full pressure.", 100.0 * kToleratedShare),
+      " Values: ",
+      doc::Words{"every level", doc::Look::kPlain, "levels"},
+      "."};
+}
+
+Document uses(const ReportInput& input) {
+  Document out;
+  out.add(doc::Heading{3, "Holds for", {}});
+  doc::List list;
+  std::string others;
+  if (input.uncertainty)
+    for (const ConditionUncertainty& kind : input.uncertainty->conditions) {
+      const std::string name = kind_name(kind);
+      if (kind.valid())
+        list.items.push_back({doc::Words{"✓ ", doc::Look::kGood}, name, ": median U ", doc::pressure(kind.median_psi)});
+      else
+        others += (others.empty() ? "" : "; ") + name;
+    }
+  if (!others.empty()) list.items.push_back({doc::Words{"✗ ", doc::Look::kBad}, doc::quiet("not for: " + others)});
+  if (list.items.empty()) list.items.push_back({"U of a reading was not assessed"});
+  if (!input.history.presses)
+    list.items.push_back(
+        {doc::Words{"✓ ", doc::Look::kGood}, "uniform pressure on the whole array, ",
+         input.laboratory.mounting.empty() ? "interface material as calibrated" : input.laboratory.mounting});
+  out.add(std::move(list));
+  return out;
+}
+
+Document measured_by(const ReportInput& input) {
+  Document out;
+  out.add(doc::Heading{3, "Measured by", {}});
+  for (const Traceability& one : traceability_of(input, input.unit))
+    out.add(doc::Paragraph{
+        {one.traceable ? doc::Words{one.statement} : doc::Words{"✗ " + one.statement, doc::Look::kBad}}});
+  for (const std::string& warning : instrument_warnings(input))
+    out.add(doc::Paragraph{{doc::Words{"▲ " + warning, doc::Look::kDoubt}}});
+  return out;
+}
+
+Document taxels_and_open(const PageData& data) {
+  const ReportInput& input = data.input;
+  Document out;
+  out.add(doc::Heading{3, "Taxels", {}});
+  const auto all = static_cast<std::ptrdiff_t>(input.health.rows * input.health.columns);
+  const auto excluded = std::ranges::count_if(input.health.findings, &TaxelHealth::excluded);
+  Phrase used(fmt::format("{} of {} used", all - excluded, all));
+  const Phrase findings = findings_in_brief(input.health);
+  if (!findings.empty()) used.add("; ").add(findings);
+  out.add(doc::Paragraph{used.add(".")});
+  if (data.readings && data.readings->worst.taxel >= 0) {
+    const WorstTaxel& worst = data.readings->worst;
+    out.add(doc::Paragraph{
+        {"Worst taxel: ", doc::strong(doc::text_of(Phrase(doc::Taxel{worst.taxel, input.health.columns}), input.unit)),
+         ", ", doc::pressure_with_u(worst.error_psi, worst.expanded_psi), " at ", doc::pressure(worst.pressure_psi),
+         " ", branch_in_words(worst.up), worst.kind.empty() ? "" : ", " + worst.kind, "."}});
+  }
+  if (const std::string names = not_assessed_in_words(input.judgement); !names.empty()) {
+    out.add(doc::Heading{3, "Not assessed", {}});
+    out.add(doc::Paragraph{{names + " (", doc::Words{"why", doc::Look::kPlain, "not-assessed"}, ")."}});
+  }
+  return out;
+}
+
+}  // namespace
+
+Document front_page(const PageData& data) {
+  const ReportInput& input = data.input;
+  Document out;
+  out.add(letterhead(data));
+  if (input.run.is_void())
+    out.add(doc::Paragraph{{doc::Words{fmt::format("✗ VOID: declared void by {}: {} ({}). It no longer counts.",
+                                                   input.run.void_by, input.run.void_reason, input.run.void_utc),
+                                       doc::Look::kBad}},
+                           doc::Paragraph::kLarge});
+  out.add(facts(data));
+  const Document runs = runs_words(input, input.unit);
+  const bool stated = states_conformity(input.judgement.overall) && !input.judgement.not_judged;
+  doc::Framed verdict{stated ? doc::look_of(*input.judgement.overall) : doc::Look::kDoubt,
+                      {verdict_words(input, input.unit)}};
+  if (!runs.blocks.empty()) verdict.parts.push_back(runs);
+  out.add(std::move(verdict));
+  if (data.readings) {
+    out.add(doc::Heading{2, headline(data.readings, input.unit), "readings"});
+    out.add(readings_chart(*data.readings, input.unit));
+    out.add(doc::Paragraph{chart_caption(*data.readings), doc::Paragraph::kNote});
+  } else if (!input.evaluation.levels.empty()) {
+    out.add(doc::Paragraph{{"How wrong a single reading can be was not assessed."}});
+  }
+  out.add(doc::Beside{
+      .parts = {uses(input), taxels_and_open(data), measured_by(input)}, .shares = {1, 1, 1}, .ruled = true});
+  return out;
+}
+
+std::string summary_text(const ReportInput& input, PressureUnit unit, std::size_t width) {
+  Document out;
+  if (is_simulated(input)) out.add(doc::Paragraph{{"SIMULATED: not a measurement of a real sensor"}});
+  out.add(verdict_words(input, unit));
+  out.add(runs_words(input, unit));
+  if (!input.judgement.figures.empty())
+    out.add(doc::Paragraph{{"decision rule (ILAC-G8): ", to_string(input.judgement.figures.front().rule)}});
+  return to_text(out, unit, width);
+}
+
+std::string span_text(const PressureSpan& span, PressureUnit unit) {
+  if (!span.any) return "nowhere";
+  const auto whole = [&](double psi) {
+    return doc::fixed_text(unit.of(psi), unit == PressureUnit(PressureUnit::kKilopascal) ? 0 : unit.digits(1));
+  };
+  if (span.low_psi == span.high_psi) return fmt::format("at {} {} alone", whole(span.low_psi), unit.symbol());
+  return fmt::format("{} to {} {}", whole(span.low_psi), whole(span.high_psi), unit.symbol());
+}
+
+std::string title_case(std::string words) {
+  if (!words.empty() && words.front() >= 'a' && words.front() <= 'z')
+    words.front() = static_cast<char>(words.front() - 'a' + 'A');
+  return words;
+}
+
+}  // namespace tactbench::analysis
