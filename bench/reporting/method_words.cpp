@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <optional>
 
 #include "analysis/counted.h"
@@ -15,7 +16,7 @@ namespace tactbench::bench {
 
 namespace {
 
-constexpr std::size_t kMostTurns = 20;  // named one by one
+constexpr std::size_t kMostTurns = 4;  // named one by one
 
 std::vector<sequences::Override> recipe_overrides(const db::RunRecord& run) {
   std::vector<std::string> set;
@@ -27,7 +28,10 @@ std::vector<sequences::Override> recipe_overrides(const db::RunRecord& run) {
 std::string turns_of(const sequences::Recipe& recipe) {
   std::vector<double> turns;
   for (const devices::Psi turn : recipe.turning_points) turns.push_back(turn.value());
-  if (turns.size() > kMostTurns) return fmt::format("{} turning points", turns.size());
+  if (turns.size() > kMostTurns) {
+    const auto [low, high] = std::ranges::minmax(turns);
+    return fmt::format("{} turning points, {}", turns.size(), analysis::both_units_span(low, high));
+  }
   std::vector<std::string> words;
   for (const double psi : turns) words.push_back(analysis::both_units(psi));
   return fmt::format("from {}", fmt::join(words, " to "));

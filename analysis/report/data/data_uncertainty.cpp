@@ -69,9 +69,11 @@ UncertaintyJson level_uncertainty_json(const LevelUncertainty& level, bool whole
 
 // Lists of levels x taxels: the levels in the order of `pressure_psi`.
 UncertaintyJson condition_json(const ConditionUncertainty& condition) {
-  UncertaintyJson out = {{"name", condition.name},           {"valid", condition.valid()},
-                         {"rests_on", condition.basis},      {"runs", condition.runs},
-                         {"histories", condition.histories}, {"readings", condition.readings}};
+  UncertaintyJson out = {{"name", condition.name},
+                         {"valid", condition.valid()},
+                         {"rests_on", condition.basis},
+                         {"histories", condition.histories},
+                         {"readings", condition.readings}};
   if (!condition.valid()) {
     out["not_valid_because"] = condition.not_valid;
     return out;

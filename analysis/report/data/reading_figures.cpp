@@ -40,16 +40,20 @@ void summarize(ReadingLevel& level) {
   level.high_psi = quantile_of(high, 0.5 + 0.5 * kTaxelsWithin);
 }
 
+// Taxels without U are left out, and levels where none has any.
 std::vector<ReadingLevel> levels_of(const ConditionUncertainty& kind) {
   std::vector<ReadingLevel> levels;
   const std::size_t width = kind.expanded_psi.size() / std::max<std::size_t>(1, kind.pressure_psi.size());
   for (std::size_t i = 0; i < kind.pressure_psi.size(); ++i) {
-    ReadingLevel& level = levels.emplace_back();
+    ReadingLevel level;
     level.pressure_psi = kind.pressure_psi[i];
     level.up = kind.up[i];
     const auto from = static_cast<std::ptrdiff_t>(i * width), end = static_cast<std::ptrdiff_t>((i + 1) * width);
     level.error_psi.assign(kind.error_psi.begin() + from, kind.error_psi.begin() + end);
     level.expanded_psi.assign(kind.expanded_psi.begin() + from, kind.expanded_psi.begin() + end);
+    for (std::size_t taxel = 0; taxel < width; ++taxel)
+      if (!std::isfinite(level.expanded_psi[taxel])) level.error_psi[taxel] = kNan;
+    if (!finite_of(level.error_psi).empty()) levels.push_back(std::move(level));
   }
   return levels;
 }
@@ -129,8 +133,6 @@ nlohmann::ordered_json span_json(const PressureSpan& span) {
 
 }  // namespace
 
-std::string kind_name(const ConditionUncertainty& kind) { return name_of(kind.condition); }
-
 double ReadingLevel::sum_psi(std::size_t taxel) const {
   const double u = expanded_psi[taxel];
   return std::abs(error_psi[taxel]) + (std::isfinite(u) ? u : 0.0);
@@ -146,18 +148,18 @@ std::optional<ReadingFigures> reading_figures(const ReportInput& input) {
   if (!input.uncertainty || input.uncertainty->levels.empty()) return {};
   const Uncertainty& uncertainty = *input.uncertainty;
   ReadingFigures out;
-  double largest = -1.0;
+  const std::optional<UseCondition> quoted = uncertainty.worst();
   for (const ConditionUncertainty& kind : uncertainty.conditions) {
-    if (!kind.valid() || kind.pressure_psi.empty()) continue;
+    const bool of_history = static_cast<std::size_t>(kind.condition) < kHistoryKinds;
+    if (!kind.valid() || !of_history || kind.pressure_psi.empty()) continue;
     std::vector<ReadingLevel> levels = levels_of(kind);
     std::ranges::for_each(levels, summarize);
-    const WorstTaxel worst = worst_of(levels, kind_name(kind));
+    const WorstTaxel worst = worst_of(levels, kind.name);
     if (out.worst.taxel < 0 ||
         std::abs(worst.error_psi) + worst.expanded_psi > std::abs(out.worst.error_psi) + out.worst.expanded_psi)
       out.worst = worst;
-    if (kind.median_psi <= largest) continue;
-    largest = kind.median_psi;
-    out.kind = kind_name(kind);
+    if (kind.condition != quoted) continue;
+    out.kind = kind.name;
     out.levels = std::move(levels);
   }
   if (!out.known()) {

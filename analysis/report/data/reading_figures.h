@@ -57,7 +57,6 @@ struct ReadingFigures {
   [[nodiscard]] const ReadingLevel* level(double pressure_psi, bool up) const;
 };
 
-std::string kind_name(const ConditionUncertainty& kind);  // "reversals over the whole range"
 // None without an assessed U.
 std::optional<ReadingFigures> reading_figures(const ReportInput& input);
 nlohmann::ordered_json reading_figures_json(const ReadingFigures& figures);

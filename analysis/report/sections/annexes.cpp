@@ -114,10 +114,8 @@ Document annex_of_parameters(const PageData& data) {
   const SensorModel& fit = data.input.fit;
   Document out;
   if (fit.taxels.empty() || fit.mean_taxel().fit.model == nullptr) return out;
-  doc::Table table{.id = "annex-parameters",
-                   .caption = "Parameters of " + model_name(fit),
-                   .columns = {{"taxel"}},
-                   .dense = true};
+  doc::Table table{
+      .id = "annex-parameters", .caption = "Parameters of " + model_name(fit), .columns = {{"taxel"}}, .dense = true};
   const auto parameters = fit.mean_taxel().fit.model->parameters();
   constexpr std::size_t kMostColumns = 12;  // of Preisach's weights there are hundreds: they stand in the data
   const std::size_t shown = std::min(parameters.size(), kMostColumns);

@@ -179,7 +179,7 @@ Document uses(const ReportInput& input) {
   std::string others;
   if (input.uncertainty)
     for (const ConditionUncertainty& kind : input.uncertainty->conditions) {
-      const std::string name = kind_name(kind);
+      const std::string& name = kind.name;
       if (kind.valid())
         list.items.push_back({doc::Words{"✓ ", doc::Look::kGood}, name, ": median U ", doc::pressure(kind.median_psi)});
       else

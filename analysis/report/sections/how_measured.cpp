@@ -135,8 +135,7 @@ Document deviations(const ReportInput& input) {
   doc::List list;
   for (const HistoryEvent& event : history.events)
     if (event.kind == "warning" || event.kind == "fault")
-      list.items.push_back(
-          {fmt::format("at {} s, {}: ", doc::fixed_text(event.time_s, 0), event.kind), event.text});
+      list.items.push_back({fmt::format("at {} s, {}: ", doc::fixed_text(event.time_s, 0), event.kind), event.text});
   const std::size_t all = list.items.size();
   if (all > kMostDeviations) {
     list.items.resize(kMostDeviations);

@@ -24,15 +24,14 @@ doc::Table kinds(const ReportInput& input) {
                    .dense = true};
   std::string not_measured;
   for (const ConditionUncertainty& kind : input.uncertainty->conditions) {
-    const std::string name = kind_name(kind);
+    const std::string& name = kind.name;
     if (kind.valid())
-      table.rows.push_back({{Phrase(doc::Words{"✓ ", doc::Look::kGood}, name), doc::bare_pressure(kind.median_psi),
-                             kind.basis}});
+      table.rows.push_back(
+          {{Phrase(doc::Words{"✓ ", doc::Look::kGood}, name), doc::bare_pressure(kind.median_psi), kind.basis}});
     else if (kind.histories == 0)
       not_measured += (not_measured.empty() ? "" : "; ") + name;
     else
-      table.rows.push_back(
-          {{Phrase(doc::Words{"✗ ", doc::Look::kBad}, name), "–", "not valid: " + kind.not_valid}});
+      table.rows.push_back({{Phrase(doc::Words{"✗ ", doc::Look::kBad}, name), "–", "not valid: " + kind.not_valid}});
   }
   if (!not_measured.empty())
     table.rows.push_back({{Phrase(doc::Words{"✗ ", doc::Look::kBad}, "not measured"), "–", not_measured}});

@@ -60,20 +60,23 @@ class Level:
         self.psi, self.up, self.error, self.expanded = psi, branch == "up", error, expanded
         self.there = [i for i, e in enumerate(self.error) if e is not None and self.expanded[i] is not None]
         self.sums = {i: abs(self.error[i]) + self.expanded[i] for i in self.there}
-        self.within = quantile(self.sums.values(), SHARE)
-        self.worst = max(self.there, key=lambda i: (self.sums[i], -i))
+        if self.there:
+            self.within = quantile(self.sums.values(), SHARE)
+            self.worst = max(self.there, key=lambda i: (self.sums[i], -i))
 
 
 def worst_kind(data):
-    """The valid kind of history with the largest median U, its levels, and all valid kinds."""
-    kinds = [k for k in data["sections"]["uncertainty"]["reading"]["conditions"] if k["valid"] and k["pressure_psi"]]
+    """The valid kind of history with the largest median U, its levels, and all valid kinds. The others are states."""
+    four = data["sections"]["uncertainty"]["reading"]["conditions"][:4]
+    kinds = [k for k in four if k["valid"] and k["pressure_psi"]]
     if not kinds:
         return None, [], []
     for kind in kinds:
         taxels = len(kind["taxel_error_psi"]) // len(kind["pressure_psi"])
         rows = [[kind[name][i * taxels:(i + 1) * taxels] for name in ("taxel_error_psi", "taxel_expanded_psi")]
                 for i in range(len(kind["pressure_psi"]))]
-        kind["levels"] = [Level(*at, *row) for *at, row in zip(kind["pressure_psi"], kind["branch"], rows)]
+        levels = [Level(*at, *row) for *at, row in zip(kind["pressure_psi"], kind["branch"], rows)]
+        kind["levels"] = [level for level in levels if level.there]
     chosen = max(kinds, key=lambda k: k["median_expanded_psi"])
     return chosen, chosen["levels"], kinds
 

@@ -223,12 +223,12 @@ inline ReportInput example_input() {
     return by_hand::judged_figure(12, criterion, value, limit, value <= limit ? Verdict::kPass : Verdict::kFail, scope,
                                   12);
   };
-  input.judgement = by_hand::judgement_of(
-      {judged(Criterion::kMeanError, input.evaluation.mean_error_psi, 1.0),
-       judged(Criterion::kWorstTaxelError, input.evaluation.worst_taxel_mean_error_psi, 2.0),
-       judged(Criterion::kDistanceOfMean, input.evaluation.comp_distance_of_mean, 0.015),
-       judged(Criterion::kUnfitTaxels, 2, 1),
-       judged(Criterion::kMismatch, 0.021, 0.06, Scope::level(40.0, Direction::kUp))});
+  input.judgement =
+      by_hand::judgement_of({judged(Criterion::kMeanError, input.evaluation.mean_error_psi, 1.0),
+                             judged(Criterion::kWorstTaxelError, input.evaluation.worst_taxel_mean_error_psi, 2.0),
+                             judged(Criterion::kDistanceOfMean, input.evaluation.comp_distance_of_mean, 0.015),
+                             judged(Criterion::kUnfitTaxels, 2, 1),
+                             judged(Criterion::kMismatch, 0.021, 0.06, Scope::level(40.0, Direction::kUp))});
   return input;
 }
 

@@ -79,6 +79,7 @@ inline ReportInput full_input() {
   studies.rate_hold.runs = {{16, kHostile, error, {{1.0, 2.0, error}, {2.0, 5.0, error}}, {}, 0.1, 0.05}};
   input.uncertainty.emplace();
   ConditionUncertainty kind;
+  kind.name = kHostile;
   kind.median_psi = 0.4;
   for (const bool up : {true, false})
     for (const double psi : input.fit.pressure_psi) {

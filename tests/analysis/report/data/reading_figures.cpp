@@ -22,6 +22,7 @@ void add_level(ConditionUncertainty& kind, double psi, bool up, double unit) {
 ConditionUncertainty kind_of(UseCondition condition, double median_psi) {
   ConditionUncertainty kind;
   kind.condition = condition;
+  kind.name = name_of(condition);
   kind.median_psi = median_psi;
   return kind;
 }
