@@ -53,3 +53,12 @@ TEST_CASE("spans, and pressures in both units, psi first") {
   CHECK(both_units(-0.04, 1) == "0.0 psi (-0.3 kPa)");
   CHECK(both_units_span(0, 60) == "0 to 60 psi (0 to 413.7 kPa)");
 }
+
+TEST_CASE("a text with pressures is written in the unit asked for, in the order that they were added") {
+  PressureText reading("reference "), text("vented (feedback ");
+  reading.add(40, 1);
+  (text.add(-0.04, 1) += ", ").add(reading) += ")";
+  CHECK(text.in(kPsi) == "vented (feedback 0.0 psi, reference 40.0 psi)");
+  CHECK(text.in(kKpa) == "vented (feedback -0.3 kPa, reference 275.8 kPa)");
+  CHECK(PressureText(std::string("none")).in(kBar) == "none");
+}

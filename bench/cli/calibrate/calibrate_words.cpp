@@ -19,11 +19,15 @@ using analysis::Verdict;
 
 namespace {
 
-// "non-uniformity at 40 psi increasing: 6.1 % FS (tolerance limit 5 % FS)".
+// "taxels not modelled: 1 (tolerance limit 0)".
 std::string figure_against_limit(const analysis::JudgedFigure& row, analysis::PressureUnit unit) {
+  const auto figure = [&](double value) {
+    return quantity_of(row.criterion) == analysis::Quantity::kCount ? fmt::format("{:g}", value)
+                                                                    : figure_text(row.criterion, value, unit);
+  };
   const std::string scope = row.scope.kind == analysis::Scope::Kind::kArray ? "" : " at " + in_words(row.scope, unit);
-  return fmt::format("{}{}: {} (tolerance limit {})", in_words(row.criterion), scope,
-                     figure_text(row.criterion, row.value, unit), figure_text(row.criterion, row.limit, unit));
+  return fmt::format("{}{}: {} (tolerance limit {})", in_words(row.criterion), scope, figure(row.value),
+                     figure(row.limit));
 }
 
 std::string place(const BadTaxel& taxel) {

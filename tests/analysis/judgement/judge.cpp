@@ -143,6 +143,14 @@ TEST_CASE("judge: the default rule is four-way where U of the figure is known, s
   CHECK((rows[0].rule == DecisionRule::kFourWay && rows[0].verdict == Verdict::kConditionalPass));
   CHECK((rows[1].rule == DecisionRule::kSimple && rows[1].verdict == Verdict::kPass));
   CHECK(rows[3].rule == DecisionRule::kFourWay);  // U of a count is 0
+  // A single reading without U does not pass by its error alone, and fails by it.
+  run.figures.push_back(figure(Criterion::kMpe, Scope::span(0, 40, 0.95), 1.0));
+  const auto reading = [&](double mpe_psi) {
+    Limits limits = limits_of(DecisionRule::kDefault);
+    limits.mpe = {{0, 40, mpe_psi, 0.95}};
+    return judge(evidence_of({run}), limits).figures.back().verdict;
+  };
+  CHECK((reading(1.0) == Verdict::kInconclusive && reading(0.5) == Verdict::kFail));
   const std::vector<JudgedFigure> guarded = judge(evidence_of({run}), limits_of(DecisionRule::kGuarded)).figures;
   CHECK((guarded[0].verdict == Verdict::kFail && guarded[1].verdict == Verdict::kInconclusive));
 }

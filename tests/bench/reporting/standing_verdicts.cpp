@@ -139,3 +139,17 @@ TEST_CASE("standing verdicts: of two fits with one run the newest one's rows are
   made.judge(2, second, "a", {"pass", "pass"});
   CHECK(made.judgement(2) == "2 on 1: pass; 2 on 1: pass; | 2 on 1: fail; | ");
 }
+
+TEST_CASE("standing verdicts: a pass rests on means alone where no requirement is on single readings") {
+  StandingByHand made;
+  made.add_runs(2);
+  const std::int64_t fit = made.add_fit(1);
+  const auto alone = [&] { return bench::standing(made.store, 2).rests_on_means_alone; };
+  CHECK_FALSE(alone());
+  made.judge(2, fit, "a", {"pass", "conditional pass"});
+  CHECK(alone());
+  made.judge(2, fit, "b", {"pass", "pass", "pass", "pass", "pass", "pass"});  // the last one is mpe
+  CHECK_FALSE(alone());
+  made.judge(2, fit, "c", {"fail"});
+  CHECK_FALSE(alone());
+}
