@@ -69,14 +69,14 @@ std::vector<db::RunRecord> evidence_runs(const db::RunStore& store, const db::Re
 std::vector<std::string> void_evidence(const db::RunStore& store, const db::ReportRecord& report) {
   std::vector<std::string> words;
   for (const db::RunRecord& run : evidence_runs(store, report, nullptr))
-    if (run.is_void()) words.push_back(void_in_words(run));
+    if (run.is_void()) words.push_back(in_words(analysis::void_of(run)));
   return words;
 }
 
 ReportEvidence check_evidence(const db::RunStore& store, const db::ReportRecord& report) {
   ReportEvidence found;
   for (const db::RunRecord& run : evidence_runs(store, report, &found.missing)) {
-    if (run.is_void()) found.fallen.push_back(void_in_words(run));
+    if (run.is_void()) found.fallen.push_back(in_words(analysis::void_of(run)));
     for (const std::string& wrong : store.check_seals(run.run))
       found.fallen.push_back(fmt::format("run {}: the store was changed: {}", run.run, wrong));
     const db::ContentCheck data = store.check_content(run.run);
