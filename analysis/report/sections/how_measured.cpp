@@ -1,4 +1,5 @@
-// Page 3: the method, the output before correction, the pressures applied, deviations, repeatability and zero.
+// Page 3: the method, the output before correction, the pressures applied, deviations, repeatability and zero, what was
+// not assessed.
 #include <algorithm>
 #include <cmath>
 
@@ -192,6 +193,31 @@ doc::Table repeatability(const ReportInput& input) {
   return table;
 }
 
+// Sources with one reason are one row.
+doc::Table not_assessed(const PageData& data) {
+  std::vector<std::pair<std::string, std::string>> rows;
+  const auto add = [&](const std::string& name, const std::string& why) {
+    const auto same = std::ranges::find(rows, why, &std::pair<std::string, std::string>::second);
+    if (same == rows.end())
+      rows.emplace_back(name, why);
+    else
+      same->first += "; " + name;
+  };
+  const ReportInput& input = data.input;
+  for (const Source source : input.judgement.not_assessed) add(to_string(source), why_not_assessed(source));
+  if (!input.uncertainty)
+    add("uncertainty of a reading",
+        input.fit.taxels.empty() ? "no models were made from this run" : "not assessed on this run");
+  else
+    for (std::size_t i = 0; i < kUncertaintySources; ++i)
+      if (const std::string& why = input.uncertainty->missing[i]; !why.empty())
+        add(text_of(static_cast<UncertaintySource>(i)).name, why);
+  doc::Table table = doc::pairs("Not assessed, and not in any U", {rows.begin(), rows.end()});
+  table.id = "not-assessed";
+  table.dense = true;
+  return table;
+}
+
 }  // namespace
 
 Document how_measured(const PageData& data) {
@@ -208,6 +234,7 @@ Document how_measured(const PageData& data) {
   out.add(deviations(input));
   doc::Table figures = repeatability(input);
   if (!figures.rows.empty()) out.add(std::move(figures));
+  out.add(not_assessed(data));
   return out;
 }
 

@@ -1,4 +1,4 @@
-// Page 6: kinds of histories, budget, what is not in U, decision rule, statements, signature, hashes.
+// Page 6: checks, kinds of histories, budget, decision rule, signature, hashes.
 #include <algorithm>
 #include <cmath>
 
@@ -14,6 +14,8 @@ namespace {
 
 using doc::Document;
 using doc::Phrase;
+
+constexpr std::size_t kMostChecks = 10;  // listed; all are in the data
 
 doc::Table kinds(const ReportInput& input) {
   doc::Table table{.id = "kinds",
@@ -93,31 +95,6 @@ doc::Table budget(const ReportInput& input, const LevelUncertainty& level) {
   return table;
 }
 
-// Sources with one reason are one row.
-doc::Table not_assessed(const PageData& data) {
-  std::vector<std::pair<std::string, std::string>> rows;
-  const auto add = [&](const std::string& name, const std::string& why) {
-    const auto same = std::ranges::find(rows, why, &std::pair<std::string, std::string>::second);
-    if (same == rows.end())
-      rows.emplace_back(name, why);
-    else
-      same->first += "; " + name;
-  };
-  const ReportInput& input = data.input;
-  for (const Source source : input.judgement.not_assessed) add(to_string(source), why_not_assessed(source));
-  if (!input.uncertainty)
-    add("uncertainty of a reading",
-        input.fit.taxels.empty() ? "no models were made from this run" : "not assessed on this run");
-  else
-    for (std::size_t i = 0; i < kUncertaintySources; ++i)
-      if (const std::string& why = input.uncertainty->missing[i]; !why.empty())
-        add(text_of(static_cast<UncertaintySource>(i)).name, why);
-  doc::Table table = doc::pairs("Not assessed, and not in any U", {rows.begin(), rows.end()});
-  table.id = "not-assessed";
-  table.dense = true;
-  return table;
-}
-
 Document decision_rule(const Judgement& judgement) {
   Document out;
   out.add(doc::Heading{3, "Decision rule", {}});
@@ -141,7 +118,7 @@ doc::Table requirements(const ReportInput& input) {
   std::vector<Criterion> named;
   for (const JudgedFigure& row : rows) {
     const bool first = std::ranges::find(named, row.criterion) == named.end();
-    if (passes(row.verdict) && !first) continue;
+    if (!first && (passes(row.verdict) || table.rows.size() >= kMostChecks)) continue;
     if (first) named.push_back(row.criterion);
     table.rows.push_back(
         {{requirement_name(row, input.unit), title_of_judged(input, row.run),
@@ -184,14 +161,13 @@ doc::Table integrity(const PageData& data) {
 Document why_so(const PageData& data) {
   const ReportInput& input = data.input;
   Document out, left, right;
-  out.add(doc::Heading{2, "Uncertainty, decision rule, statements", "why"});
+  out.add(doc::Heading{2, "Checks, uncertainty, decision rule", "why"});
   if (!input.judgement.figures.empty()) out.add(requirements(input));
   if (input.uncertainty && !input.uncertainty->conditions.empty()) out.add(kinds(input));
   if (input.uncertainty && !input.uncertainty->levels.empty())
     out.add(budget(input, input.uncertainty->levels[input.uncertainty->chosen]));
-  left.add(not_assessed(data));
+  out.add(decision_rule(input.judgement));
   left.add(signature(data.issue));
-  right.add(decision_rule(input.judgement));
   right.add(integrity(data));
   out.add(doc::Beside{{left, right}, {1, 1}});
   return out;
