@@ -94,10 +94,8 @@ Page page_frame(const ReportInput& input, const Issue& issue) {
   return page;
 }
 
-constexpr std::size_t kInstrumentsOfPage = 6;  // with more the second page runs on into the third
-
-// The pages of a calibration begin anew, but for the last one, which follows the array; where there is no calibration,
-// each part follows the one before it.
+// Of a calibration the second, fourth and fifth page begin anew; the third and the sixth follow the page before, of
+// which the one or the other is longer. Without a calibration each part follows the one before it.
 doc::Document body_of(const PageData& data) {
   doc::Document body = front_page(data);
   const bool calibrated = data.readings.has_value();
@@ -107,7 +105,7 @@ doc::Document body_of(const PageData& data) {
     body.add(std::move(part));
   };
   add(against_what(data), calibrated);
-  add(how_measured(data), calibrated && data.input.run.devices.size() <= kInstrumentsOfPage);
+  add(how_measured(data), false);
   add(under_objects(data), false);
   add(every_level(data), true);
   add(whole_array(data), calibrated);

@@ -54,7 +54,7 @@ doc::Figure loops(const ReportInput& input) {
                   "Output before correction against pressure: loops of the mean taxel and of those with the least, "
                   "median and largest hysteresis",
               .width = 336.0,
-              .height = 214.0,
+              .height = 232.0,
               .x = {fmt::format("gauge pressure in {}", input.unit.symbol())},
               .y = {"output in V"},
               .labels_at_ends = true};
@@ -88,7 +88,7 @@ doc::Beside trajectories(const ReportInput& input) {
     const AppliedPressures& own = input.applied[i];
     Chart chart{.title = "Pressure applied over time: " + own.title,
                 .width = shown > 3 ? 168.0 : 222.0,
-                .height = 118.0,
+                .height = 130.0,
                 .x = {"min"},
                 .y = {i == 0 ? input.unit.symbol() : "", 0.0, {}}};
     Curve curve{"", {}, {}, own.verification ? kBrown : kBlue};
@@ -224,13 +224,13 @@ Document how_measured(const PageData& data) {
   const ReportInput& input = data.input;
   Document out, left, right;
   out.add(doc::Heading{2, "How it was measured", "how"});
-  left.add(method(data));
-  if (!input.behaviour.loops.empty()) right.add(loops(input));
-  out.add(right.blocks.empty() ? doc::Beside{{left}, {1}} : doc::Beside{{left, right}, {1, 1}});
-  if (!input.applied.empty()) {
+  if (!input.applied.empty()) {  // first, since they fill what the page before leaves
     out.add(doc::Heading{3, "Pressures applied", {}});
     out.add(trajectories(input));
   }
+  left.add(method(data));
+  if (!input.behaviour.loops.empty()) right.add(loops(input));
+  out.add(right.blocks.empty() ? doc::Beside{{left}, {1}} : doc::Beside{{left, right}, {1, 1}});
   out.add(deviations(input));
   doc::Table figures = repeatability(input);
   if (!figures.rows.empty()) out.add(std::move(figures));
