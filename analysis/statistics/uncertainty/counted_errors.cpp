@@ -19,6 +19,8 @@ constexpr double kWaysOfShape = 8.0;      // the shape that all kinds share coun
 constexpr double kDofOfAll = 4.0;         // the scatter of all kinds' histories counts as so many of the kind's own
 // As a logarithm, one standard deviation: with normal errors U that is as much too small or too large holds 90 or 99 %.
 constexpr double kMostOpen = 0.20;
+constexpr double kUpperQuartile =
+    0.674;  // of the normal distribution: three of four such sets of histories need no more
 constexpr std::size_t kLeastHistories = 2;  // each checks the others
 
 using Windows = std::vector<WindowErrors>;
@@ -210,7 +212,7 @@ class Counting {
   ConditionUncertainty of(std::size_t which, const Needed& needed, const Scatter& scatter) const {
     const Counted& evidence = counted_.made_in[which];
     ConditionUncertainty out;
-    const double open = open_of(needed, scatter), factor = needed.all * std::exp(open);
+    const double open = open_of(needed, scatter), factor = needed.all * std::exp(kUpperQuartile * open);
     const std::string why = why_not(evidence, needed, open);
     if (why.empty()) out = stated(squares_of(which, windows_[which]), factor, true);
     out.condition = static_cast<UseCondition>(which);

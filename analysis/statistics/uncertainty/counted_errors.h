@@ -1,6 +1,7 @@
 // U of a reading from what held-out histories erred by: no error model, no budget of sources. Each history is held
 // against U of the others, and U is scaled until it holds 95.45 % of them (JCGM 100, G.1.2: k is that of the
-// distribution), and by a standard deviation of what they leave open of that. What the reference's own error is no run against it can show: that is added.
+// distribution), as far as three of four such sets of histories would need it. What the reference's own error is no run
+// against it can show: that is added.
 #pragma once
 
 #include <array>
