@@ -119,7 +119,7 @@ void Guard::check_fresh(const char* id, const char* actuator, const std::string&
 void Guard::judge_pressure(const char* name, double psi) {
   if (!armed_ || trip_ || psi <= limits_.safety.trip_psi) return;  // NaN does not return here
   const std::string what = fmt::format("{} measured by the {}, above the trip of {}", analysis::both_units(psi, 1),
-                                       name, analysis::both_units(limits_.safety.trip_psi));
+                                       name, analysis::both_units(limits_.safety.trip_psi, 1));
   trip("TB-CHAMBER-TRIP", what);
   throw devices::Fault("TB-CHAMBER-TRIP", "chamber",
                        what + (vented_ ? "; vented" : "; the module did NOT confirm the vent"));
@@ -184,12 +184,13 @@ void Guard::check_pressure(Psi pressure) {
     budget_time_ = now;
     const double rise = psi - setpoint_psi_;
     if (rise > budget_psi_ + kStepRounding * limits_.safety.step_psi) {
-      refuse("TB-CHAMBER-RATE", kPressure, asked,
-             fmt::format("the set-point is {} and may rise by {} now: {} at once, {} a second continuously",
-                         analysis::both_units(setpoint_psi_), analysis::both_units(budget_psi_, 2),
-                         analysis::both_units(limits_.safety.step_psi),
-                         analysis::both_units(limits_.safety.rate_psi_per_s)),
-             "Approach the level by a ramp; [limits] step_psi and rate_psi_per_s.");
+      refuse(
+          "TB-CHAMBER-RATE", kPressure, asked,
+          fmt::format("the set-point is {} and may rise by {} now: {} at once, {:g} psi/s ({:.4g} kPa/s) continuously",
+                      analysis::both_units(setpoint_psi_), analysis::both_units(budget_psi_),
+                      analysis::both_units(limits_.safety.step_psi), limits_.safety.rate_psi_per_s,
+                      devices::kilopascals(Psi(limits_.safety.rate_psi_per_s))),
+          "Approach the level by a ramp; [limits] step_psi and rate_psi_per_s.");
     }
   }
   if (std::abs(psi - logged_psi_) < kLoggedStepPsi && (psi > 0.0 || logged_psi_ == 0.0)) return;

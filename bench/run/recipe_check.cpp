@@ -198,8 +198,8 @@ std::vector<std::string> recipe_warnings(const std::vector<Recipe>& recipes, con
     if (recipe.kind == RecipeKind::kPress || recipe.turning_points.size() < 2) continue;
     std::string finer;
     if (recipe.step.value() < count_psi)
-      finer =
-          fmt::format("one count of the output, {}: several levels have the same set-point", unit.text(count_psi, 3));
+      finer = fmt::format("one count of the output, {}: several levels have the same set-point",
+                          fmt::format("{:.3g} {}", unit.of(count_psi), unit.symbol()));
     if (recipe.settle && recipe.step.value() < bench.settling.band_psi)
       finer += fmt::format("{}[settling] band_psi, {}: a level counts as reached where its neighbour is",
                            finer.empty() ? "" : ", and than ", unit.short_text(bench.settling.band_psi));

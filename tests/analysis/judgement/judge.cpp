@@ -218,6 +218,8 @@ TEST_CASE("judge: errors against a reference that is overdue, or does not reach,
   };
   CHECK(words(run) == "++++++");
   EvidenceRun beyond = run;
+  beyond.run = 3;
+  beyond.reference.low_psi = 0.0;
   beyond.reference.high_psi = 50.0;
   beyond.reference.beyond = Untraced{.run_high_psi = 60, .high_psi = 50, .above = true};
   CHECK(words(beyond) == "??+++?");

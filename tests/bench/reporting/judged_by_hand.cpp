@@ -73,6 +73,9 @@ TEST_CASE("evidence: the reference is that of the run's day, with what a laborat
   dated.calibration = R"({"calibrated":"2019-01-01","due":"2020-01-01"})";
   REQUIRE(made.add(dated) == 2);
   REQUIRE(made.add() == 3);
+  FilmRun undated;
+  undated.calibration = R"({"calibrated":"","due":""})";
+  REQUIRE(made.add(undated) == 4);
   const auto of = [&](std::int64_t run, const std::vector<analysis::InstrumentNote>& notes = {}) {
     return made.evidence({film_evaluation(run, 0.5)}, false, notes).runs[0];
   };
@@ -80,6 +83,6 @@ TEST_CASE("evidence: the reference is that of the run's day, with what a laborat
   CHECK_FALSE(of(3).reference.overdue);
   CHECK(of(3, {{"R-1", "", "", "", "2026-02-01", ""}}).reference.untraced()->overdue_since == "2026-02-01");
   CHECK(of(2).shows.contains(analysis::Source::kReferenceAge));
-  CHECK_FALSE(of(3).shows.contains(analysis::Source::kReferenceAge));
-  CHECK(of(3, {{"R-1", "", "", "", "2027-02-01", ""}}).shows.contains(analysis::Source::kReferenceAge));
+  CHECK_FALSE(of(4).shows.contains(analysis::Source::kReferenceAge));
+  CHECK(of(4, {{"R-1", "", "", "", "2027-02-01", ""}}).shows.contains(analysis::Source::kReferenceAge));
 }

@@ -83,7 +83,7 @@ TEST_CASE("noted conditions: hardware, and a bench that cannot be read or is not
   hardware.origin = "hardware";
   hardware.bench_too = true;
   (void)made.add(hardware);
-  CHECK(made.missing(made.add_set({{"simulation.mount_seed", "1"}, {"simulation.age_months", "1"}})) == kAllOpen);
+  made.models.origin = "hardware";
   hardware.set = {{"simulation.mount_seed", "1"}, {"simulation.age_months", "1"}};
   CHECK(made.missing(made.add(hardware)) == kAllOpen);
   hardware.started_utc = "2026-03-02T00:00:01Z";

@@ -45,7 +45,7 @@ TEST_CASE("report input: the run, its evaluation, held-out runs with their title
   CHECK(input.held_out[1].run.run == 2);
   CHECK(input.judgement.figures.size() == 8);
   CHECK(input.judgement.runs.size() == 2);
-  CHECK(input.judgement.not_assessed.size() == 6);
+  CHECK(input.judgement.not_assessed.size() == 5);
   REQUIRE(input.further.size() == 1);
   CHECK(input.further[0].run == 4);
   CHECK(input.program_version == bench::build_info().version);
