@@ -129,7 +129,7 @@ TEST_CASE("every held-out run is judged, the worst one decides, and it stays wit
 
   // Neither other runs nor other limits hide a stored fail; other limits are told beside it.
   const json picked = bench.answer({"report", "1", "--held-out", "2"}, 1);
-  CHECK(picked["judgement"]["overall"] == "pass");
+  CHECK(picked["judgement"]["overall"] == "fail");
   CHECK(picked["judgement"]["stored_worse"][0]["run"] == 4);
   CHECK(bench.call({"report", "1", "--held-out", "2", "3", "4", "--limits", "limits-b.toml", "-o", "both.html"}).code ==
         1);
