@@ -252,8 +252,8 @@ Document front_page(const PageData& data) {
     out.add(doc::Heading{2, headline(data.readings, input.unit), "readings"});
     out.add(readings_chart(*data.readings, input.unit));
     out.add(doc::Paragraph{chart_caption(*data.readings), doc::Paragraph::kNote});
-  } else if (!input.evaluation.levels.empty()) {
-    out.add(doc::Paragraph{{"How wrong a single reading can be was not assessed."}});
+  } else {
+    out.add(doc::Heading{2, "How wrong a reading can be was not assessed", "readings"});
   }
   out.add(doc::Beside{
       .parts = {uses(input), taxels_and_open(data), measured_by(input)}, .shares = {1, 1, 1}, .ruled = true});
