@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/judgement/judgement.h"
 #include "analysis/statistics/figures/evaluation.h"
 #include "analysis/statistics/studies/contact_results.h"
 #include "analysis/statistics/studies/studies.h"

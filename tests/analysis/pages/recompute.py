@@ -21,8 +21,8 @@ def quantile(values, share):
     return sorted(values)[math.floor(share * len(values))]
 
 
-def same(what, printed, value, unit=KPA):
-    """The printed number is `value` rounded to as many places as it has."""
+def same(what, printed, value, unit=KPA, beside="0"):
+    """The printed number is `value` rounded to as many places as it has; to tens beside a U of a hundred and more."""
     global compared
     compared += 1
     text = printed.strip().replace("\u2212", "-").replace("\u2713", "").strip()
@@ -32,7 +32,7 @@ def same(what, printed, value, unit=KPA):
         return
     places = len(text.partition(".")[2])
     shown = float(text)
-    step = 10.0 ** -places if abs(shown) < 100 or places else max(1.0, 10.0 ** (len(text.lstrip("-")) - 2))
+    step = 10.0 if float(beside) >= 100 else 10.0 ** -places if abs(shown) < 100 or places else max(1.0, 10.0 ** (len(text.lstrip("-")) - 2))
     if abs(shown - value * unit) > 0.5 * step + 6e-4 * abs(value * unit) + 1e-9:
         complaints.append(f"{what}: printed {text}, recomputed {value * unit:.4f}")
 
@@ -127,7 +127,7 @@ def check_first_page(page, data, levels, kinds):
     equal("the worst taxel", re.match("Worst taxel: ([0-9]+, [0-9]+)", said).group(1),
           "{}, {}".format(*divmod(-worst[1], columns)))
     error, expanded = re.search("([\u22120-9.]+) ± ([0-9.]+) kPa", said).groups()
-    same("its error", error, worst[2])
+    same("its error", error, worst[2], beside=expanded)
     same("its U", expanded, worst[3])
     evaluations = {e["title"]: e["evaluation"] for e in data["results"]["held_out"]}
     verdicts = data["results"]["verdicts"]
@@ -179,15 +179,16 @@ def check_array(page, levels, tolerance, columns):
         equal(f"taxels within, {direction}", re.search(r"([0-9]+) of ([0-9]+) taxels", said).groups(),
               (str(sum(s <= tolerance for s in level.sums.values())), str(len(level.there))))
         if direction == "increasing":
-            labels = " ".join(text_of(t) for t in page.iter("text"))
-            same("median of the spread", re.search("median ([0-9.]+)", labels).group(1), quantile(level.sums.values(), 0.5))
-            same("95 % of the spread", re.search("95 %: ([0-9.]+)", labels).group(1), level.within)
+            labels = [text_of(t) for t in page.iter("text")]
+            for name, value in (("median ", quantile(level.sums.values(), 0.5)), ("95 %: ", level.within)):
+                marked = [label[len(name):] for label in labels if re.fullmatch(name + "[0-9.]+", label)]
+                same(f"mark {name}of the spread", marked[0], value)
     up, down = (next(l for l in levels if l.up == way and abs(l.psi - level.psi) < 1e-9) for way in (True, False))
     for row in rows_of(page, "largest"):
         taxel = int(row[0].split(", ")[0]) * columns + int(row[0].split(", ")[1])
         for cell, own in ((row[1], up), (row[2], down)):
             error, expanded = cell.split(" ± ")
-            same(f"error of taxel {row[0]}", error, own.error[taxel])
+            same(f"error of taxel {row[0]}", error, own.error[taxel], beside=expanded)
             same(f"U of taxel {row[0]}", expanded, own.expanded[taxel])
 
 
