@@ -94,8 +94,8 @@ Page page_frame(const ReportInput& input, const Issue& issue) {
   return page;
 }
 
-// Of a calibration the second, fourth and fifth page begin anew; the third and the sixth follow the page before, of
-// which the one or the other is longer. Without a calibration each part follows the one before it.
+// Of a calibration the second page begins anew; then each part follows the one before it, and tables and figures that
+// are not cut move to the next page where they have to.
 doc::Document body_of(const PageData& data) {
   doc::Document body = front_page(data);
   const bool calibrated = data.readings.has_value();
@@ -107,8 +107,8 @@ doc::Document body_of(const PageData& data) {
   add(against_what(data), calibrated);
   add(how_measured(data), false);
   add(under_objects(data), false);
-  add(every_level(data), true);
-  add(whole_array(data), calibrated);
+  add(every_level(data), false);
+  add(whole_array(data), false);
   add(further_studies(data), false);
   add(why_so(data), false);
   for (const std::string& name : data.input.annexes) add(annex(data, name), false);

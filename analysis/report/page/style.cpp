@@ -38,10 +38,11 @@ code { font: 9.5px "Liberation Mono", "DejaVu Sans Mono", monospace; overflow-wr
 .ruled .q:first-child { font-size: 10px; }
 .framed { display: flex; gap: 18px; border: 1px solid #8a949c; border-left: 8px solid #8a949c; border-radius: 3px;
   padding: 9px 12px; margin: 9px 0; break-inside: avoid; }
-.framed > div { flex: 4 1 0; min-width: 0; }
-.framed > div + div { flex: 6 1 0; }
+.framed > div { flex: 3 1 0; min-width: 0; }
+.framed > div + div { flex: 7 1 0; }
 .framed table { margin: 0; }
-.framed caption { display: none; }
+.framed caption, .framed tbody th br { display: none; }
+.framed tbody th .q { margin-left: 7px; }
 .framed.good { color: inherit; font-weight: inherit; border-color: #1b6e3c; }
 .framed.bad { color: inherit; font-weight: inherit; border-color: #a11212; }
 .framed.doubt { color: inherit; font-weight: inherit; border-color: #b88000; }
@@ -92,11 +93,14 @@ svg .label { paint-order: stroke; stroke: #fff; stroke-width: 2.4px; stroke-line
 .cross { stroke: #a11212; stroke-width: 1.1; fill: none; }
 .beyond { fill: #1a2026; }
 @media print {
-  html { font-size: 11.4px; }
+  html { font-size: 11.1px; line-height: 1.28; }
+  .dense { font-size: 10.3px; }
+  figure { margin-bottom: 3px; }
   main { max-width: none; padding: 0; }
   .banner { display: none; }
   .ruled { font-size: 10.8px; }
-  .pairs th, .pairs td { padding-top: 2.2px; padding-bottom: 2.2px; }
+  .pairs th, .pairs td { padding-top: 1.6px; padding-bottom: 1.6px; }
+  .dense th, .dense td { padding-top: 1.3px; padding-bottom: 1.3px; }
   h2 { margin-top: 10px; }
 }
 )";
