@@ -38,12 +38,17 @@ Dataset repeated_of(Dataset dataset) {
 // repeat.
 class RepeatScatter {
  public:
-  RepeatScatter(const Dataset& judged, const Dataset& models, const SensorModel& fit, int threads)
+  RepeatScatter(const Dataset& judged, const Dataset& models, const SensorModel& fit, int threads, OfModelsRun& shared)
       : judged_(std::max<std::size_t>(1, repeats_of(judged))) {
     const bool own = repeats_of(judged) >= 2;
-    const Dataset dataset = own ? judged : repeated_of(models);
-    for (std::size_t repeat = 0; repeat < repeats_of(dataset); ++repeat)
-      repeats_.push_back(evaluate(repeat_of(dataset, repeat), fit, threads));
+    const auto evaluated = [&](const Dataset& dataset) {
+      std::vector<Evaluation> each;
+      for (std::size_t repeat = 0; repeat < repeats_of(dataset); ++repeat)
+        each.push_back(evaluate(repeat_of(dataset, repeat), fit, threads));
+      return each;
+    };
+    if (!own && !shared.repeats) shared.repeats = evaluated(repeated_of(models));
+    repeats_ = own ? evaluated(judged) : *shared.repeats;
     run_ = own ? "the run judged" : "the run of the models, for the run judged has one repeat";
   }
 
@@ -136,10 +141,13 @@ FigureUncertainty difference_uncertainty(const FigureScatter& scatter, double hy
 }  // namespace
 
 std::vector<Figure> measured_figures(const Dataset& judged, const Dataset& models, const SensorModel& fit,
-                                     const Evaluation& evaluation, const ReferenceUncertainty& reference, int threads) {
+                                     const Evaluation& evaluation, const ReferenceUncertainty& reference, int threads,
+                                     OfModelsRun* shared) {
+  OfModelsRun alone;
+  OfModelsRun& of_models = shared != nullptr ? *shared : alone;
   const FigureUncertainty of_errors =
-      error_uncertainty(RepeatScatter(judged, models, fit, threads).errors(), reference);
-  const SweepScatter sweeps(judged, models, fit, threads);
+      error_uncertainty(RepeatScatter(judged, models, fit, threads, of_models).errors(), reference);
+  const SweepScatter sweeps(judged, models, fit, threads, of_models.sweeps);
   const double full = evaluation.full_scale_psi;
   const double hysteresis = full > 0.0 ? reference.limit(ReferencePart::kHysteresis).half_width_psi / full : 0.0;
   const bool any = evaluation.frames > 0 && evaluation.worst_taxel >= 0;

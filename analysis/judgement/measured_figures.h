@@ -1,15 +1,23 @@
 // The figures of an evaluated run that limits may be set for, each with its U.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "analysis/dataset.h"
 #include "analysis/identify/sensor_model.h"
 #include "analysis/judgement/figure.h"
 #include "analysis/statistics/figures/evaluation.h"
+#include "analysis/statistics/figures/sweep_errors.h"
 #include "analysis/statistics/uncertainty/reference_uncertainty.h"
 
 namespace tactbench::analysis {
+
+// What several judged runs need of the models' run, computed when the first one does.
+struct OfModelsRun {
+  std::optional<SweepErrors> sweeps;               // outputs rising
+  std::optional<std::vector<Evaluation>> repeats;  // each by itself
+};
 
 // All but kMpe (mpe.h), kMismatch on every level in both directions. `evaluation` is that of `judged`, `reference` is
 // the one of its run. U by criterion:
@@ -25,6 +33,6 @@ namespace tactbench::analysis {
 // evaluate().
 std::vector<Figure> measured_figures(const Dataset& judged, const Dataset& models, const SensorModel& fit,
                                      const Evaluation& evaluation, const ReferenceUncertainty& reference,
-                                     int threads = 0);
+                                     int threads = 0, OfModelsRun* shared = nullptr);
 
 }  // namespace tactbench::analysis

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,13 +36,16 @@ inline FigureScatter quotient(double s, double dof, std::size_t judged, std::str
 // than two a branch.
 class SweepScatter {
  public:
-  SweepScatter(const Dataset& judged, const Dataset& models, const SensorModel& fit, int threads)
+  // `of_models`: of the models' run, filled in when needed.
+  SweepScatter(const Dataset& judged, const Dataset& models, const SensorModel& fit, int threads,
+               std::optional<SweepErrors>& of_models)
       : fitted_(fit), range_psi_(fit.pressure_psi.back()) {
     SensorModel rising = fit;
     rising.falling = false;
     judged_ = sweep_errors(as_modelled(judged, fit), rising, threads);
     const bool own = most(judged_, true) >= 2 && most(judged_, false) >= 2;
-    sweeps_ = own ? judged_ : sweep_errors(as_modelled(models, fit), rising, threads);
+    if (!own && !of_models) of_models = sweep_errors(as_modelled(models, fit), rising, threads);
+    sweeps_ = own ? judged_ : *of_models;
     run_ = own ? "the run judged" : "the run of the models";
   }
 

@@ -41,7 +41,8 @@ void judge_as_found(analysis::Runs& runs, analysis::ReportInput& input, const st
   analysis::EvidenceRun& own = evidence.runs.emplace_back();
   own.run = found.evaluation.run;
   own.reference = analysis::reference_uncertainty(input.run, input.laboratory.instruments);
-  own.figures = judged_figures(runs, models, found.evaluation, limits, own.reference);
+  analysis::OfModelsRun of_models;
+  own.figures = judged_figures(runs, models, found.evaluation, limits, own.reference, of_models);
   found.judgement = judge(evidence, limits);
   const auto overall = found.judgement.overall;
   if (overall != analysis::Verdict::kFail && overall != analysis::Verdict::kConditionalFail) return;

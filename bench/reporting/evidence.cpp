@@ -126,8 +126,9 @@ analysis::Evidence gather_evidence(analysis::Runs& runs, const analysis::SensorM
   for (const std::int64_t source : sources)
     if (const db::RunRecord& run = runs.record(source); run.is_void())
       evidence.models_void.push_back(analysis::void_of(run));
+  analysis::OfModelsRun of_models;
   const auto measure = [&](EvidenceRun& own, const NamedEvaluation& named) {
-    own.figures = judged_figures(runs, fit, named.evaluation, limits, own.reference);
+    own.figures = judged_figures(runs, fit, named.evaluation, limits, own.reference, of_models);
   };
   bool any = false;
   for (const NamedEvaluation& named : evaluations) {

@@ -8,6 +8,7 @@
 #include "analysis/loop.h"
 #include "analysis/statistics/figures/levels.h"
 #include "analysis/statistics/figures/step_kinds.h"
+#include "analysis/statistics/numbers/moments.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -89,6 +90,17 @@ SweepErrors sweep_errors(const Dataset& dataset, const SensorModel& fit, int thr
     };
   });
   return errors;
+}
+
+std::vector<double> mean_errors(const SweepErrors& errors, std::size_t taxels) {
+  std::vector<double> means;
+  for (const LevelReadings& level : errors.levels)
+    for (std::size_t taxel = 0; taxel < taxels; ++taxel) {
+      std::vector<double> own;
+      for (std::size_t i = 0; i < level.readings; ++i) own.push_back(level.error_psi[i * taxels + taxel]);
+      means.push_back(mean_by_shares(own));
+    }
+  return means;
 }
 
 }  // namespace tactbench::analysis

@@ -35,4 +35,7 @@ struct SweepErrors {
 // of the range's ends; levels are the set-points of `fit`'s grid. `fit` must not be falling, and be of this sensor.
 SweepErrors sweep_errors(const Dataset& dataset, const SensorModel& fit, int threads = 0);
 
+// Mean error of the readings: levels x taxels; NaN without readings.
+std::vector<double> mean_errors(const SweepErrors& errors, std::size_t taxels);
+
 }  // namespace tactbench::analysis

@@ -69,10 +69,7 @@ double BudgetMaker::mean_error(std::size_t level, std::size_t taxel) const {
 }
 
 void BudgetMaker::find_histories(const Dataset& dataset, int threads) {
-  const std::size_t width = fit_.array().size();
-  for (std::size_t level = 0; level < errors_.levels.size(); ++level)
-    for (std::size_t taxel = 0; taxel < width; ++taxel)
-      corrections_.push_back(mean_error(level, taxel));  // NaN without readings
+  corrections_ = mean_errors(errors_, fit_.array().size());
   counted_ = counted_errors(dataset, inputs_.history, fit_, threads);
   std::vector<FrameHistory> reversals = counted_.in(UseCondition::kReversals).histories;
   std::ranges::copy(counted_.in(UseCondition::kSmallReversals).histories, std::back_inserter(reversals));

@@ -215,4 +215,21 @@ Uncertainty assess_uncertainty(const Dataset& measured, const SensorModel& measu
   return out;
 }
 
+std::vector<ConditionUncertainty> reading_conditions(const Dataset& measured, const SensorModel& measured_fit,
+                                                     const db::RunRecord& run, const HistoryRuns& history,
+                                                     const SweepErrors& sweeps, int threads) {
+  SensorModel fit = measured_fit;
+  const Dataset dataset = as_modelled(measured, fit);
+  UncertaintyInputs given;
+  given.history = history;
+  const RisingRuns rising(given, measured_fit);
+  fit.falling = false;
+  const ReferenceUncertainty reference = reference_uncertainty(run);
+  const bool certified = reference.certificate_missing.empty();
+  return counted_uncertainty(counted_errors(dataset, rising.inputs.history, fit, threads), fit,
+                             mean_errors(sweeps, fit.array().size()), sweeps.levels, [&](double psi) {
+                               return certified && reference.holds_at(psi) ? reference.combined_u(psi) : kNan;
+                             });
+}
+
 }  // namespace tactbench::analysis

@@ -141,4 +141,10 @@ struct Uncertainty {
 Uncertainty assess_uncertainty(const Dataset& dataset, const SensorModel& fit, const db::RunRecord& run,
                                const UncertaintyInputs& inputs = {}, int threads = 0);
 
+// Its `conditions` alone, as counted on `history`. `sweeps`: sweep_errors() of `dataset`, which several judged runs
+// share.
+std::vector<ConditionUncertainty> reading_conditions(const Dataset& dataset, const SensorModel& fit,
+                                                     const db::RunRecord& run, const HistoryRuns& history,
+                                                     const SweepErrors& sweeps, int threads = 0);
+
 }  // namespace tactbench::analysis
