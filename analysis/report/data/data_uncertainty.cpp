@@ -68,7 +68,7 @@ UncertaintyJson level_uncertainty_json(const LevelUncertainty& level, bool whole
 }
 
 // Lists of levels x taxels: the levels in the order of `pressure_psi`.
-UncertaintyJson condition_json(const ConditionUncertainty& condition) {
+UncertaintyJson condition_json(const ConditionUncertainty& condition, const ReportInput& input) {
   UncertaintyJson out = {{"name", condition.name},
                          {"valid", condition.valid()},
                          {"rests_on", condition.basis},
@@ -82,6 +82,11 @@ UncertaintyJson condition_json(const ConditionUncertainty& condition) {
   for (const bool up : condition.up) branches.push_back(up ? "up" : "down");
   out["factor"] = condition.factor;
   out["median_expanded_psi"] = condition.median_psi;
+  const std::vector<std::size_t> fitted = input.fit.fitted();
+  const double tolerance_psi = reading_tolerance(input).psi;
+  out["measuring_interval"] = {{"within_psi", tolerance_psi},
+                               {"up", interval_json(measuring_interval(condition, true, tolerance_psi, fitted))},
+                               {"down", interval_json(measuring_interval(condition, false, tolerance_psi, fitted))}};
   out["pressure_psi"] = number_list(condition.pressure_psi);
   out["branch"] = std::move(branches);
   out["taxel_expanded_psi"] = number_list(condition.expanded_psi, 4);
@@ -89,7 +94,7 @@ UncertaintyJson condition_json(const ConditionUncertainty& condition) {
   return out;
 }
 
-UncertaintyJson reading_json(const Uncertainty& uncertainty) {
+UncertaintyJson reading_json(const Uncertainty& uncertainty, const ReportInput& input) {
   UncertaintyJson sources = UncertaintyJson::array(), missing = UncertaintyJson::object(),
                   levels = UncertaintyJson::array();
   for (std::size_t i = 0; i < uncertainty.levels.size(); ++i)
@@ -135,7 +140,7 @@ UncertaintyJson reading_json(const Uncertainty& uncertainty) {
     out["worst_kind"] = uncertainty.condition(*worst).name;
   out["conditions"] = UncertaintyJson::array();
   for (const ConditionUncertainty& condition : uncertainty.conditions)
-    out["conditions"].push_back(condition_json(condition));
+    out["conditions"].push_back(condition_json(condition, input));
   out["levels"] = std::move(levels);
   return out;
 }
@@ -155,7 +160,7 @@ std::string uncertainty_json(const ReportInput& input) {
                       {"factor", figure.u.factor},
                       {"basis", figure.u.basis},
                       {"not_known", figure.u.missing}});
-  return json_text({{"reading", input.uncertainty ? reading_json(*input.uncertainty) : UncertaintyJson()},
+  return json_text({{"reading", input.uncertainty ? reading_json(*input.uncertainty, input) : UncertaintyJson()},
                     {"judged_figures", judged}});
 }
 

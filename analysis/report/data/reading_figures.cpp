@@ -73,8 +73,8 @@ std::vector<ReadingLevel> levels_without_u(const Uncertainty& uncertainty) {
 
 // The longest row of neighbouring levels that all hold.
 template <class Holds>
-PressureSpan longest_span(const std::vector<double>& rising, Holds holds) {
-  PressureSpan best, now;
+MeasuringInterval longest_span(const std::vector<double>& rising, Holds holds) {
+  MeasuringInterval best, now;
   for (const double psi : rising) {
     if (!holds(psi)) {
       now.any = false;
@@ -86,23 +86,14 @@ PressureSpan longest_span(const std::vector<double>& rising, Holds holds) {
   return best;
 }
 
-void find_spans(ReadingFigures& out) {
+void find_headline(ReadingFigures& out) {
   std::map<double, double> both;  // the larger of the two directions
-  std::array<std::vector<double>, 2> rising;
   for (const ReadingLevel& level : out.levels) {
-    rising[level.up ? 1 : 0].push_back(level.pressure_psi);
     double& most = both.try_emplace(level.pressure_psi, 0.0).first->second;
     most = std::max(most, level.within_psi);
   }
   std::vector<double> all;
   for (const auto& [psi, most] : both) all.push_back(psi);
-  for (std::vector<double>& one : rising) std::ranges::sort(one);
-  const auto within = [&](bool up) {
-    return longest_span(rising[up ? 1 : 0],
-                        [&](double psi) { return out.level(psi, up)->within_psi <= out.tolerance_psi; });
-  };
-  out.span_up = within(true);
-  out.span_down = within(false);
   const auto headline = [&](double tolerance_psi) {
     out.headline_psi = tolerance_psi;
     out.headline = longest_span(all, [&](double psi) { return both.at(psi) <= tolerance_psi; });
@@ -126,11 +117,6 @@ WorstTaxel worst_of(const std::vector<ReadingLevel>& levels, const std::string& 
   return worst;
 }
 
-nlohmann::ordered_json span_json(const PressureSpan& span) {
-  return span.any ? nlohmann::ordered_json{{"low_psi", span.low_psi}, {"high_psi", span.high_psi}}
-                  : nlohmann::ordered_json();
-}
-
 }  // namespace
 
 double ReadingLevel::sum_psi(std::size_t taxel) const {
@@ -142,6 +128,13 @@ const ReadingLevel* ReadingFigures::level(double pressure_psi, bool up) const {
   const auto found = std::ranges::find_if(
       levels, [&](const ReadingLevel& own) { return own.up == up && own.pressure_psi == pressure_psi; });
   return found == levels.end() ? nullptr : &*found;
+}
+
+ReadingTolerance reading_tolerance(const ReportInput& input) {
+  const std::vector<JudgedFigure>& judged = input.judgement.figures;
+  const auto mpe = std::ranges::find(judged, Criterion::kMpe, &JudgedFigure::criterion);
+  if (mpe != judged.end()) return {mpe->limit, true};
+  return {kToleratedShare * input.evaluation.full_scale_psi, false};
 }
 
 std::optional<ReadingFigures> reading_figures(const ReportInput& input) {
@@ -171,15 +164,20 @@ std::optional<ReadingFigures> reading_figures(const ReportInput& input) {
     if (const LevelUncertainty* const budget = uncertainty.level(level.pressure_psi, level.up))
       level.mean_expanded_psi = budget->array.mean_expanded_psi;
   out.full_psi = input.evaluation.full_scale_psi;
-  out.tolerance_psi = kToleratedShare * out.full_psi;
-  const std::vector<JudgedFigure>& judged = input.judgement.figures;
-  const auto mpe = std::ranges::find(judged, Criterion::kMpe, &JudgedFigure::criterion);
-  if (mpe != judged.end()) {
-    out.by_mpe = true;
-    out.tolerance_psi = mpe->limit;
-  }
-  if (out.known()) find_spans(out);
+  const ReadingTolerance tolerance = reading_tolerance(input);
+  out.tolerance_psi = tolerance.psi;
+  out.by_mpe = tolerance.is_mpe;
+  if (!out.known()) return out;
+  const std::vector<std::size_t> fitted = input.fit.fitted();
+  out.span_up = measuring_interval(uncertainty.condition(*quoted), true, tolerance.psi, fitted);
+  out.span_down = measuring_interval(uncertainty.condition(*quoted), false, tolerance.psi, fitted);
+  find_headline(out);
   return out;
+}
+
+nlohmann::ordered_json interval_json(const MeasuringInterval& interval) {
+  return interval.any ? nlohmann::ordered_json{{"low_psi", interval.low_psi}, {"high_psi", interval.high_psi}}
+                      : nlohmann::ordered_json();
 }
 
 nlohmann::ordered_json reading_figures_json(const ReadingFigures& figures) {
@@ -201,9 +199,9 @@ nlohmann::ordered_json reading_figures_json(const ReadingFigures& figures) {
           {"full_psi", figures.full_psi},
           {"tolerance_psi", figures.tolerance_psi},
           {"tolerance_is_mpe", figures.by_mpe},
-          {"interval_up", span_json(figures.span_up)},
-          {"interval_down", span_json(figures.span_down)},
-          {"headline", {{"within_psi", figures.headline_psi}, {"interval", span_json(figures.headline)}}},
+          {"interval_up", interval_json(figures.span_up)},
+          {"interval_down", interval_json(figures.span_down)},
+          {"headline", {{"within_psi", figures.headline_psi}, {"interval", interval_json(figures.headline)}}},
           {"worst",
            {{"taxel", figures.worst.taxel},
             {"pressure_psi", figures.worst.pressure_psi},

@@ -9,11 +9,12 @@
 
 #include "analysis/report/report.h"
 #include "analysis/statistics/numbers/moments.h"
+#include "analysis/statistics/uncertainty/measuring_interval.h"
 
 namespace tactbench::analysis {
 
-inline constexpr double kTaxelsWithin = 0.95;    // share of the taxels that statements are about
-inline constexpr double kToleratedShare = 0.02;  // of the full pressure, where the limits state no MPE
+inline constexpr double kTaxelsWithin = kMeasuringShare;  // of the taxels, which statements are about
+inline constexpr double kToleratedShare = 0.02;           // of the full pressure, where the limits state no MPE
 
 struct ReadingLevel {
   double pressure_psi = 0.0;
@@ -29,11 +30,12 @@ struct ReadingLevel {
   [[nodiscard]] double sum_psi(std::size_t taxel) const;  // |error| + U, of |error| alone where U is not known
 };
 
-// Pressures from one level to another; none where no level qualifies.
-struct PressureSpan {
-  bool any = false;
-  double low_psi = 0.0, high_psi = 0.0;
+// The MPE of the limits that judged, else a share of the full pressure.
+struct ReadingTolerance {
+  double psi = 0.0;
+  bool is_mpe = false;
 };
+ReadingTolerance reading_tolerance(const ReportInput& input);
 
 struct WorstTaxel {  // by |error| + U over the kinds of histories measured, their levels and directions
   int taxel = -1;
@@ -45,13 +47,13 @@ struct WorstTaxel {  // by |error| + U over the kinds of histories measured, the
 struct ReadingFigures {
   std::string kind;  // of histories, the worst of those measured; empty: for none is U known, and U is NaN
   double full_psi = 0.0, tolerance_psi = 0.0;
-  bool by_mpe = false;               // the tolerance is the MPE of the limits, else a share of the full pressure
-  std::vector<ReadingLevel> levels;  // up by rising pressure, then down
-  PressureSpan span_up, span_down;   // where 95 % of the taxels are within the tolerance
+  bool by_mpe = false;                   // the tolerance is the MPE of the limits, else a share of the full pressure
+  std::vector<ReadingLevel> levels;      // up by rising pressure, then down
+  MeasuringInterval span_up, span_down;  // where 95 % of the taxels are within the tolerance
   // The tolerance of the headline: the MPE, else the least share of the full pressure that 95 % of the taxels keep in
   // both directions over at least half of the range.
   double headline_psi = 0.0;
-  PressureSpan headline;
+  MeasuringInterval headline;
   WorstTaxel worst;
   [[nodiscard]] bool known() const { return !kind.empty(); }
   [[nodiscard]] const ReadingLevel* level(double pressure_psi, bool up) const;
@@ -59,6 +61,7 @@ struct ReadingFigures {
 
 // None without an assessed U.
 std::optional<ReadingFigures> reading_figures(const ReportInput& input);
+nlohmann::ordered_json interval_json(const MeasuringInterval& interval);  // null: at no level
 nlohmann::ordered_json reading_figures_json(const ReadingFigures& figures);
 
 }  // namespace tactbench::analysis

@@ -14,7 +14,9 @@ namespace {
 using doc::Document;
 using doc::Phrase;
 
-bool inside(const PressureSpan& span, double psi) { return span.any && psi >= span.low_psi && psi <= span.high_psi; }
+bool inside(const MeasuringInterval& span, double psi) {
+  return span.any && psi >= span.low_psi && psi <= span.high_psi;
+}
 
 std::string direction_title(bool up, const char* name) {
   return fmt::format("{} | {}", up ? "increasing" : "decreasing", name);

@@ -270,7 +270,7 @@ std::string summary_text(const ReportInput& input, PressureUnit unit, std::size_
   return to_text(out, unit, width);
 }
 
-std::string span_text(const PressureSpan& span, PressureUnit unit) {
+std::string span_text(const MeasuringInterval& span, PressureUnit unit) {
   if (!span.any) return "nowhere";
   const auto whole = [&](double psi) {
     return doc::fixed_text(unit.of(psi), unit == PressureUnit(PressureUnit::kKilopascal) ? 0 : unit.digits(1));

@@ -50,7 +50,7 @@ Chart panel(const ReadingFigures& readings, bool up, PressureUnit unit) {
   }
   chart.bands = {spread, median};
   chart.curves = {middle};
-  const PressureSpan& span = up ? readings.span_up : readings.span_down;
+  const MeasuringInterval& span = up ? readings.span_up : readings.span_down;
   if (span.any) chart.stretches.push_back({unit.of(span.low_psi), unit.of(span.high_psi), span_text(span, unit)});
   const auto tolerance = [&](double psi, const Stroke& line) {
     const std::string name = fmt::format("{} %: {} {}", doc::fixed_text(100.0 * psi / readings.full_psi, 0),

@@ -37,7 +37,7 @@ doc::Document annex(const PageData& data, const std::string& name);
 // The chart of page 1, one panel a direction.
 doc::Beside readings_chart(const ReadingFigures& readings, PressureUnit unit);
 // "28 to 345 kPa"; "at 28 kPa alone"; "nowhere".
-std::string span_text(const PressureSpan& span, PressureUnit unit);
+std::string span_text(const MeasuringInterval& span, PressureUnit unit);
 std::string title_case(std::string words);
 
 }  // namespace tactbench::analysis
