@@ -228,10 +228,12 @@ class RunLifecycle {
     }
     const std::optional<std::string> way_back = save_lost_store();
     if (const std::optional<Error>& error = ending_.error()) {
-      const std::string kept = fmt::format("{}; run {} kept with {}", proof_.text.in(analysis::PressureUnit::kPsi),
-                                           result_.run, analysis::counted(result_.frames_kept, "frame"));
+      result_.error_state = proof_.text;
+      result_.error_state +=
+          fmt::format("; run {} kept with {}", result_.run, analysis::counted(result_.frames_kept, "frame"));
       StopRequest::keep();
-      result_.error = error->with_rig_state(kept, safe).with_remedy(way_back.value_or(error->remedy()));
+      result_.error = error->with_rig_state(result_.error_state.in(analysis::PressureUnit::kPsi), safe)
+                          .with_remedy(way_back.value_or(error->remedy()));
     }
     notify_.tell(ending_.error() ? "failed" : "done", result_.run, reason);
   }

@@ -50,8 +50,9 @@ struct RunResult {
   db::Outcome outcome = db::Outcome::kIncomplete;
   db::SafeState safe = db::SafeState::kUnknown;
   analysis::PressureText safe_text;
-  int frames = 0;                // stored by this process
-  std::int64_t frames_kept = 0;  // of the run in the store, including earlier processes
+  analysis::PressureText error_state;  // with an error: the proof, and what is kept of the run
+  int frames = 0;                      // stored by this process
+  std::int64_t frames_kept = 0;        // of the run in the store, including earlier processes
   int most_exchanges_a_step = 0;
   int branches_redone = 0;
   double process_seconds = 0.0;

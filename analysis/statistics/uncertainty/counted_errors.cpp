@@ -238,8 +238,8 @@ class Counting {
 
   [[nodiscard]] static std::string basis(const Counted& evidence, const ConditionUncertainty& out) {
     std::string words =
-        fmt::format("{}, {} readings of each taxel, {} {}", counted(out.histories, "history", "histories"),
-                    out.readings, evidence.runs.size() == 1 ? "run" : "runs", fmt::join(evidence.runs, ", "));
+        fmt::format("{} of {}, {} readings of each taxel", counted(out.histories, "history", "histories"),
+                    counted(evidence.runs.size(), "run"), out.readings);
     if (static_cast<std::size_t>(out.condition) >= kHistoryKinds) {
       std::vector<std::string> kinds;
       for (const UseCondition kind : evidence.kinds) kinds.emplace_back(name_of(kind));

@@ -50,17 +50,31 @@ analysis::SensorModel models_for(analysis::Runs& runs, const ModelNamed& named) 
   return fit.fitted().empty() ? analysis::SensorModel{} : fit;
 }
 
+// By their places, "held-out run B": the same runs have other numbers in another store, and a report's content names
+// none.
+std::vector<std::string> titles_of(const std::vector<std::int64_t>& held_out) {
+  std::vector<std::string> titles;
+  for (std::size_t i = 0; i < held_out.size(); ++i) {
+    std::string place;
+    for (std::size_t rest = i + 1; rest > 0; rest = (rest - 1) / 26)
+      place.insert(place.begin(), static_cast<char>('A' + (rest - 1) % 26));
+    titles.push_back(held_out.size() == 1 ? std::string("held-out run") : "held-out run " + place);
+  }
+  return titles;
+}
+
 // A run without a full loop is not evaluated and has no compensated figures.
 std::vector<NamedEvaluation> evaluations_for(analysis::Runs& runs, const analysis::SensorModel& fit, std::int64_t run,
                                              const std::vector<std::int64_t>& held_out) {
   std::vector<NamedEvaluation> evaluations;
   if (fit.taxels.empty()) return evaluations;
   try {
-    if (run == fit.run) return evaluate_runs(runs, fit, held_out);
+    const std::vector<std::string> titles = titles_of(held_out);
+    if (run == fit.run) return evaluate_runs(runs, fit, held_out, titles);
     evaluations.push_back(
         {fmt::format("run {}, models of run {}", run, fit.run), analysis::evaluate(runs.dataset(run), fit)});
-    for (const std::int64_t other : held_out)
-      evaluations.push_back({fmt::format("held-out run {}", other), analysis::evaluate(runs.dataset(other), fit)});
+    for (std::size_t i = 0; i < held_out.size(); ++i)
+      evaluations.push_back({titles[i], analysis::evaluate(runs.dataset(held_out[i]), fit)});
   } catch (const analysis::AnalysisError& error) {
     if (error.id() != "TB-ANALYSIS-NO-LOOP" || !held_out.empty()) throw;  // nothing was evaluated before
   }

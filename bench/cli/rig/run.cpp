@@ -66,7 +66,8 @@ CarriedOut carry_out(RunRequest& request, db::RunStore& store, const std::string
                   clock_text(band.p10_s), clock_text(band.p90_s), basis);
   if (!session.quiet) progress.note(fmt::format("estimated, h:mm:ss of process time: {}", estimated));
   RunResult result = characterize(request, store, progress);
-  if (result.error) throw *result.error;
+  if (result.error)
+    throw result.error->with_rig_state(result.error_state.in(session.unit()), result.safe == db::SafeState::kVerified);
   return {std::move(result), estimated};
 }
 

@@ -43,7 +43,8 @@ TEST_CASE("each verb takes the options that scripts give it") {
       {"demo", "--seed --sensor-seed -o --output --replace --timing#"},
       {"init", "--operator --rig --replace --force --json"},
       {"calibrate",
-       "--bench --operator --recipe --held-out-recipe --limits --lab --model --type --run --held-out --lot --order "
+       "--bench --operator --recipe --held-out-recipe --minutes --limits --lab --model --type --run --held-out --lot "
+       "--order "
        "--meta --set --seed "
        "--sensor-seed --on-event --yes --no-seating#"},
       {"recipes list", "--json"},
@@ -105,8 +106,7 @@ TEST_CASE("each verb takes the options that scripts give it") {
       {"live", "--bench --model --set --frames --interval --scans --csv --replace --void-too#"},
       {"simulate", "--bench --set --rate --write-bench --replace --for --json"},
       {"nightly",
-       "--jobs --junit --metrics --html --replace --stores --list --only --seed --seeds --limit --stop-on-red "
-       "--units#"},
+       "--jobs --junit --metrics --html --replace --stores --list --only --seed --seeds --limit --stop-on-red#"},
       {"baseline accept", "--reason --by#"},
       {"baseline list", "--db --json -q --quiet"},
       {"trend", "--sensor --subject --figure --html --replace --check --units#"},

@@ -70,7 +70,7 @@ TEST_CASE("show, list, export, run, tag and report use the same keys and values 
 
   REQUIRE(call(folder, {"fit", "1"}).code == 0);
   const json report = document_of(folder, {"report", "1"});
-  CHECK(report["version"] == 2);
+  CHECK(report["version"] == 3);
   const json& reported = report["identification"]["run"];
   check_within(without(tagged, {"tags", "notes"}), reported);
   CHECK_FALSE(reported.contains("tags"));

@@ -52,9 +52,9 @@ TEST_CASE("U of an error in one mount is no U of the sensor mounted anew or a mo
   const json same =
       answer(folder, {"fit", "1", "--model", "elam", "--held-out", "2", "--limits", "limits.toml"}, 0)["judgement"];
   CHECK(same["overall"] == "pass");
-  REQUIRE(same["trajectories"].size() == 1);
-  CHECK(same["trajectories"][0]["run"] == 2);
-  CHECK(same["trajectories"][0]["other_dwell"] == false);
+  REQUIRE(same["runs"].size() == 1);
+  CHECK(same["runs"][0]["run"] == 2);
+  CHECK(same["runs"][0]["trajectory"]["other_dwell"] == false);
   for (const char* source : {"re-mounting", "time"}) CHECK(leaves_open(same, source));
   (void)answer(
       folder,
@@ -67,11 +67,11 @@ TEST_CASE("U of an error in one mount is no U of the sensor mounted anew or a mo
     return -1.0;
   };
   const json &verdicts = data["results"]["verdicts"], &figures = data["sections"]["uncertainty"]["judged_figures"];
-  const double value = of_run(verdicts, "2", "value"), expanded = of_run(figures, "2", "expanded");
+  const double value = of_run(verdicts, "A", "value"), expanded = of_run(figures, "A", "expanded");
   CHECK(expanded > 0.05);
   CHECK(expanded < 0.12);
-  CHECK(of_run(verdicts, "3", "value") > value + 3.0 * expanded);
-  CHECK(of_run(verdicts, "4", "value") > value + 6.0 * expanded);
+  CHECK(of_run(verdicts, "B", "value") > value + 3.0 * expanded);
+  CHECK(of_run(verdicts, "C", "value") > value + 6.0 * expanded);
   // Judged, too, they decide, and are no longer missing.
   const json& judgement = data["results"]["judgement"];
   CHECK(judgement["overall"] == "fail");

@@ -151,7 +151,7 @@ TEST_CASE("a report of a defective sensor names the planted defects and no other
   check_left_out(judged, analysis::load_dataset(store, bad));
 
   // As found: the models of the good run, over the same taxels; those of the exchanged rows fit no more.
-  CHECK(judged.data["sections"]["compensation"]["as_found"]["fitted_taxels"] == 253);
+  CHECK(judged.data["sections"]["as_found"]["fitted_taxels"] == 253);
   REQUIRE(judged.input.more.previous.has_value());
   const analysis::Evaluation& found = judged.input.more.previous->evaluation;
   for (const std::size_t taxel : {kDeadTaxel, kStuckTaxel, kSaturatedTaxel})
