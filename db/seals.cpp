@@ -37,7 +37,7 @@ Digest HashChain::approvals(const std::vector<ReportRecord>& reports) {
     for (const std::string* text : {&r.number, &r.content_sha256, &r.approved_by, &r.approved_utc, &r.replaces}) {
       add(*text);
     }
-    add(r.reason);
+    if (!r.reason.empty()) add("reason: " + r.reason);  // no number begins so
     for (const ReportRecord::Evidence& one : r.evidence) add("evidence: " + one.content_sha256);
   }
   return finish();

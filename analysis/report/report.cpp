@@ -139,8 +139,9 @@ Report render_report(const ReportInput& input) {
   const PageData data{input, reading_figures(input), issue};
   page.body = to_html(body_of(data), input.unit);
   // Whose report the file holds: another one of the same run is written over it, one of another store's run is not.
-  page.json = fmt::format("{},\"identification\":{{\"run_uuid\":{},\"approvals\":{}}}}}", head,
-                          json_text(input.run.uuid), approvals_json(input));
+  const std::string short_data = fmt::format("{},\"identification\":{{\"run_uuid\":{},\"approvals\":{}}}}}", head,
+                                             json_text(input.run.uuid), approvals_json(input));
+  page.json = short_data;
   report.html = page_of(page);
   return report;
 }

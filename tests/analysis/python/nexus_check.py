@@ -66,7 +66,7 @@ def check_names_and_units(path):
         with xarray.open_dataset(path, engine="h5netcdf", group=group) as table:
             assert list(table.dims) == [dimension], (group, table.dims)
     bare = {"branch", "step", "status", "exchanges", "wrench", "wrench_raw", "frame", "sequence", "repeat", "ordinal", "attempt",
-            "void", "value", "expanded", "limit"}
+            "void", "value", "expanded", "limit", "taxel_share"}
     with h5py.File(path) as file:
         def check(name, item):
             if isinstance(item, h5py.Dataset) and item.dtype.kind in "fiu" and not h5py.h5ds.is_scale(item.id):

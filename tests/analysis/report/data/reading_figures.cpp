@@ -31,6 +31,8 @@ ConditionUncertainty kind_of(UseCondition condition, double median_psi) {
 ReportInput read_at_levels() {
   ReportInput input;
   input.evaluation.full_scale_psi = 60.0;
+  input.fit.taxels.resize(kSome);
+  for (ModelTaxel& taxel : input.fit.taxels) taxel.status = TaxelStatus::kFitted;
   ConditionUncertainty worse = kind_of(UseCondition::kHeld, 1.0), better = kind_of(UseCondition::kFullSweeps, 0.5);
   for (const double psi : {0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0}) {
     add_level(worse, psi, true, psi == 20.0 ? 0.04 : 0.03);
