@@ -38,7 +38,8 @@ TEST_CASE("plan lists what is shipped, and refuses another name") {
   const TemporaryFolder folder;
   CHECK(call(folder, {"plan"}).code == 0);
   std::set<std::string> names;
-  for (const json& recipe : json::parse(call(folder, {"plan", "--json"}).out)["recipes"]) names.insert(recipe["name"]);
+  const json shipped_ones = json::parse(call(folder, {"plan", "--json"}).out);
+  for (const json& recipe : shipped_ones["recipes"]) names.insert(recipe["name"].get<std::string>());
   for (const char* shipped : {"production", "verification", "random-reversal", "ring"}) CHECK(names.contains(shipped));
   CHECK(call(folder, {"plan", "produktion"}).code == 2);
   CHECK(call(folder, {"run", "produktion", "--bench", "simulated.toml", "--sensor", "S", "--operator", "o"}).code == 2);
