@@ -7,6 +7,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "db/run_store.h"
+
 namespace tactbench::analysis {
 namespace {
 

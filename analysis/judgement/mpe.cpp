@@ -1,5 +1,7 @@
 #include "analysis/judgement/mpe.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>

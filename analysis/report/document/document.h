@@ -129,14 +129,14 @@ struct Figure {
 struct Document;
 // Documents side by side; `shares` of the width, as many.
 struct Beside {
-  std::vector<Document> parts = {};
+  std::vector<Document> parts;
   std::vector<int> shares = {};
   bool ruled = false;  // a line above and below
 };
 // The verdict of page 1, framed.
 struct Framed {
   Look look = Look::kPlain;
-  std::vector<Document> parts = {};
+  std::vector<Document> parts;
 };
 struct NewPage {};
 
