@@ -50,4 +50,11 @@ std::string requirement_name(const JudgedFigure& figure, PressureUnit unit) {
   return in_words(figure.criterion) + (array ? "" : ", " + in_words(figure.scope, unit));
 }
 
+std::vector<DecisionRule> rules_of(const Judgement& judgement) {
+  std::vector<DecisionRule> rules;
+  for (const JudgedFigure& figure : judgement.figures)
+    if (std::ranges::find(rules, figure.rule) == rules.end()) rules.push_back(figure.rule);
+  return rules;
+}
+
 }  // namespace tactbench::analysis

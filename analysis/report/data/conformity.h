@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "analysis/report/document/document.h"
 #include "analysis/report/report.h"
@@ -17,5 +18,7 @@ const Evaluation* evaluation_of(const ReportInput& input, std::int64_t run);
 doc::Phrase figure_phrase(Criterion criterion, double value, double expanded = 0.0);
 // "non-uniformity, 275.8 kPa decreasing".
 std::string requirement_name(const JudgedFigure& figure, PressureUnit unit);
+// Those that its figures were judged by, each once, in the order of the figures.
+std::vector<DecisionRule> rules_of(const Judgement& judgement);
 
 }  // namespace tactbench::analysis

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -132,8 +133,10 @@ const ReadingLevel* ReadingFigures::level(double pressure_psi, bool up) const {
 
 ReadingTolerance reading_tolerance(const ReportInput& input) {
   const std::vector<JudgedFigure>& judged = input.judgement.figures;
-  const auto mpe = std::ranges::find(judged, Criterion::kMpe, &JudgedFigure::criterion);
-  if (mpe != judged.end()) return {mpe->limit, true};
+  double tightest = std::numeric_limits<double>::infinity();
+  for (const JudgedFigure& own : judged)
+    if (own.criterion == Criterion::kMpe) tightest = std::min(tightest, own.limit);
+  if (std::isfinite(tightest)) return {tightest, true};
   return {kToleratedShare * input.evaluation.full_scale_psi, false};
 }
 

@@ -30,7 +30,7 @@ struct ReadingLevel {
   [[nodiscard]] double sum_psi(std::size_t taxel) const;  // |error| + U, of |error| alone where U is not known
 };
 
-// The MPE of the limits that judged, else a share of the full pressure.
+// The tightest MPE of the limits that judged, else a share of the full pressure.
 struct ReadingTolerance {
   double psi = 0.0;
   bool is_mpe = false;

@@ -101,10 +101,10 @@ Document verdict_words(const ReportInput& input, PressureUnit unit) {
   const auto warn = [&](const std::string& words) {
     out.add(doc::Paragraph{{doc::Words{"▲ " + words + ".", doc::Look::kDoubt}}});
   };
-  for (const JudgedFigure& worse : judgement.stored_worse)
-    if (&worse == &judgement.stored_worse.front())
-      warn(fmt::format("A stored verdict on these models is worse: {}, {}",
-                       to_string(*worst_of(judgement.stored_worse)), title_of_judged(input, worse.run)));
+  if (const auto worst = std::ranges::max_element(judgement.stored_worse, {}, &JudgedFigure::verdict);
+      worst != judgement.stored_worse.end())
+    warn(fmt::format("A stored verdict on these models is worse: {}, {}", to_string(worst->verdict),
+                     title_of_judged(input, worst->run)));
   for (const Remark& remark : judgement.remarks) warn(title_case(in_words(remark, unit)));
   return out;
 }
@@ -265,8 +265,10 @@ std::string summary_text(const ReportInput& input, PressureUnit unit, std::size_
   if (is_simulated(input)) out.add(doc::Paragraph{{"SIMULATED: not a measurement of a real sensor"}});
   out.add(verdict_words(input, unit));
   out.add(runs_words(input, unit));
-  if (!input.judgement.figures.empty())
-    out.add(doc::Paragraph{{"decision rule (ILAC-G8): ", to_string(input.judgement.figures.front().rule)}});
+  std::string rules;
+  for (const DecisionRule rule : rules_of(input.judgement))
+    rules += (rules.empty() ? "" : ", ") + std::string(to_string(rule));
+  if (!rules.empty()) out.add(doc::Paragraph{{"decision rule (ILAC-G8): ", rules}});
   return to_text(out, unit, width);
 }
 

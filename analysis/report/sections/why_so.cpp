@@ -98,9 +98,7 @@ doc::Table budget(const ReportInput& input, const LevelUncertainty& level) {
 Document decision_rule(const Judgement& judgement) {
   Document out;
   out.add(doc::Heading{3, "Decision rule", {}});
-  std::vector<DecisionRule> rules;
-  for (const JudgedFigure& figure : judgement.figures)
-    if (std::ranges::find(rules, figure.rule) == rules.end()) rules.push_back(figure.rule);
+  const std::vector<DecisionRule> rules = rules_of(judgement);
   if (rules.empty()) out.add(doc::Paragraph{{"none: nothing was judged"}});
   for (const DecisionRule rule : rules)
     out.add(doc::Paragraph{{title_case(rule_in_words(rule)) + "."}, doc::Paragraph::kNote});

@@ -38,7 +38,6 @@ class BudgetMaker {
   void add_history(Budget& budget, std::size_t taxel) const;
   void add_given(Budget& budget) const;
   void finish(Budget& budget) const;
-  [[nodiscard]] double mean_error(std::size_t level, std::size_t taxel) const;
   [[nodiscard]] bool assessed(UncertaintySource source) const;
 
   const SensorModel& fit_;

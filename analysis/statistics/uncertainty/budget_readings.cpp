@@ -64,10 +64,6 @@ double known_square(const Budget& budget) {
 
 }  // namespace
 
-double BudgetMaker::mean_error(std::size_t level, std::size_t taxel) const {
-  return mean_by_shares(errors_of(errors_.levels[level], taxel, fit_.array().size()));
-}
-
 void BudgetMaker::find_histories(const Dataset& dataset, int threads) {
   corrections_ = mean_errors(errors_, fit_.array().size());
   counted_ = counted_errors(dataset, inputs_.history, fit_, threads);

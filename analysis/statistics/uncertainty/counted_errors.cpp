@@ -198,7 +198,7 @@ class Counting {
     return std::sqrt(own.squares / own.dof / static_cast<double>(needed.each.size()));
   }
 
-  [[nodiscard]] std::string why_not(const Counted& evidence, const Needed& needed, double open) const {
+  [[nodiscard]] std::string why_not(const CountedEvidence& evidence, const Needed& needed, double open) const {
     const std::size_t count = evidence.histories.size();
     if (count == 0) return "no held-out history of this kind was measured";
     if (count < kLeastHistories) return "one history alone cannot check U: measure a second one";
@@ -210,7 +210,7 @@ class Counting {
   }
 
   ConditionUncertainty of(std::size_t which, const Needed& needed, const Scatter& scatter) const {
-    const Counted& evidence = counted_.made_in[which];
+    const CountedEvidence& evidence = counted_.made_in[which];
     ConditionUncertainty out;
     const double open = open_of(needed, scatter), factor = needed.all * std::exp(kUpperQuartile * open);
     const std::string why = why_not(evidence, needed, open);
@@ -236,7 +236,7 @@ class Counting {
     return out;
   }
 
-  [[nodiscard]] static std::string basis(const Counted& evidence, const ConditionUncertainty& out) {
+  [[nodiscard]] static std::string basis(const CountedEvidence& evidence, const ConditionUncertainty& out) {
     std::string words =
         fmt::format("{} of {}, {} readings of each taxel", counted(out.histories, "history", "histories"),
                     counted(evidence.runs.size(), "run"), out.readings);
@@ -261,7 +261,7 @@ class Counting {
   std::array<Windows, kUseConditions> windows_;
 };
 
-void add(Counted& evidence, KindHistories one, bool of_same_unit) {
+void add(CountedEvidence& evidence, KindHistories one, bool of_same_unit) {
   if (of_same_unit && !evidence.histories.empty() && evidence.histories.back().run == one.history.run) {
     std::vector<std::size_t>& frames = evidence.histories.back().frames;
     frames.insert(frames.end(), one.history.frames.begin(), one.history.frames.end());

@@ -25,7 +25,7 @@ struct HistoryRuns {
 
 // What was counted under one condition. In the state of the calibration a history is one of its kind; in another state
 // all histories of a run are one, because they share that state.
-struct Counted {
+struct CountedEvidence {
   std::vector<FrameHistory> histories;
   std::vector<UseCondition> kinds;                                 // of the histories, each once
   std::vector<std::int64_t> runs;                                  // each once
@@ -34,11 +34,11 @@ struct Counted {
 
 struct CountedErrors {
   std::vector<FrameErrors> runs;  // that the histories point into
-  std::array<Counted, kUseConditions> made_in;
+  std::array<CountedEvidence, kUseConditions> made_in;
   CountedErrors() = default;
   CountedErrors(CountedErrors&&) = default;
   CountedErrors& operator=(CountedErrors&&) = default;
-  [[nodiscard]] const Counted& in(UseCondition condition) const {
+  [[nodiscard]] const CountedEvidence& in(UseCondition condition) const {
     return made_in[static_cast<std::size_t>(condition)];
   }
 };

@@ -180,7 +180,7 @@ Budget BudgetMaker::budget(std::size_t taxel, std::size_t level) const {
   budget.pressure_psi = errors_.levels[level].pressure_psi;
   budget.up = errors_.levels[level].up;
   budget.readings = errors_.levels[level].readings;
-  budget.error_psi = mean_error(level, taxel);
+  budget.error_psi = corrections_[level * fit_.array().size() + taxel];
   budget.contributions.reserve(kUncertaintySources);
   add_reference(budget);
   add_voltages(budget, taxel);

@@ -9,7 +9,7 @@ namespace tactbench::analysis {
 
 // Overdue, or else beyond what the reference's certificate covers.
 struct Untraced {
-  std::string overdue_since;                     // "2026-01-31"; empty: in date
+  std::string overdue_since = {};                // "2026-01-31"; empty: in date
   double run_low_psi = 0.0, run_high_psi = 0.0;  // levels of the run
   double low_psi = 0.0, high_psi = 0.0;          // covered
   bool below = false, above = false;             // where the run goes beyond

@@ -55,10 +55,8 @@ analysis::SensorModel models_for(analysis::Runs& runs, const ModelNamed& named) 
 std::vector<std::string> titles_of(const std::vector<std::int64_t>& held_out) {
   std::vector<std::string> titles;
   for (std::size_t i = 0; i < held_out.size(); ++i) {
-    std::string place;
-    for (std::size_t rest = i + 1; rest > 0; rest = (rest - 1) / 26)
-      place.insert(place.begin(), static_cast<char>('A' + (rest - 1) % 26));
-    titles.push_back(held_out.size() == 1 ? std::string("held-out run") : "held-out run " + place);
+    const std::string letter(1 + i / 26, static_cast<char>('A' + i % 26));  // A to Z, AA to ZZ, AAA
+    titles.push_back(held_out.size() == 1 ? "held-out run" : "held-out run " + letter);
   }
   return titles;
 }

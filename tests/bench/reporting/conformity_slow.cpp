@@ -123,6 +123,7 @@ TEST_CASE("the report's uncertainty is the one recomputed from the store") {
   CHECK(data["reading"]["reference"]["largest_u_psi"] == 0.025);
   const auto measured = analysis::measured_figures(stored.judged, stored.dataset, stored.fit, stored.evaluation,
                                                    analysis::reference_uncertainty(stored.store.run(2)));
+  REQUIRE(data["judged_figures"].size() == stored.store.verdicts(2).size());
   REQUIRE(data["judged_figures"].size() > 4);
   for (std::size_t i = 0; i < 4; ++i) CHECK(data["judged_figures"][i]["expanded"] == measured[i].u.expanded);
 }
