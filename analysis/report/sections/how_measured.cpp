@@ -87,7 +87,7 @@ doc::Beside trajectories(const ReportInput& input) {
   for (std::size_t i = 0; i < shown; ++i) {
     const AppliedPressures& own = input.applied[i];
     Chart chart{.title = "Pressure applied over time: " + own.title,
-                .width = shown > 3 ? 168.0 : 222.0,
+                .width = shown > 3 ? 140.0 : 222.0,
                 .height = 130.0,
                 .x = {"min"},
                 .y = {i == 0 ? input.unit.symbol() : "", 0.0, {}}};
@@ -150,8 +150,7 @@ doc::Table repeatability(const ReportInput& input) {
   const Behaviour& b = input.behaviour;
   doc::Table table{.id = "repeatability",
                    .caption = "Repeatability, zero and noise of the output",
-                   .columns = {{"figure"}, {"increasing", true}, {"decreasing", true}},
-                   .dense = true};
+                   .columns = {{"figure"}, {"increasing", true}, {"decreasing", true}}};
   const auto largest = [&](double LevelRepeatability::*member) {
     double most = kNan;
     for (const LevelRepeatability& level : b.repeatability)
@@ -205,16 +204,20 @@ doc::Table not_assessed(const PageData& data) {
   };
   const ReportInput& input = data.input;
   for (const Source source : input.judgement.not_assessed) add(to_string(source), why_not_assessed(source));
+  // "re-mounting" of the judgement is both contributions of that name to U.
+  const auto listed = [&](const std::string& name) {
+    return std::ranges::any_of(input.judgement.not_assessed,
+                               [&](Source own) { return name.starts_with(to_string(own)); });
+  };
   if (!input.uncertainty)
     add("uncertainty of a reading",
         input.fit.taxels.empty() ? "no models were made from this run" : "not assessed on this run");
   else
     for (std::size_t i = 0; i < kUncertaintySources; ++i)
       if (const std::string& why = input.uncertainty->missing[i]; !why.empty())
-        add(text_of(static_cast<UncertaintySource>(i)).name, why);
+        if (const std::string name = text_of(static_cast<UncertaintySource>(i)).name; !listed(name)) add(name, why);
   doc::Table table = doc::pairs("Not assessed, and not in any U", {rows.begin(), rows.end()});
   table.id = "not-assessed";
-  table.dense = true;
   return table;
 }
 
