@@ -139,7 +139,7 @@ void check_frame(const db::FrameRecord& frame, const Dataset& dataset, int frame
       fmt::format("run {}: frame {} of branch {} does not fit the run (rows x columns x scans {} x {} x {}, {})",
                   dataset.run, frame.ordinal, frame.branch, frame.rows, frame.columns, frame.scans,
                   counted(frame.counts.size(), "count")),
-      "check the store: tactbench db check");
+      "check the store: tactbench verify");
 }
 
 double temperature_in(const db::EventRecord& event, std::int64_t run) {
@@ -148,7 +148,7 @@ double temperature_in(const db::EventRecord& event, std::int64_t run) {
   if (std::from_chars(event.detail.data(), end, celsius).ec == std::errc() && std::isfinite(celsius)) return celsius;
   throw AnalysisError("TB-ANALYSIS-FRAME",
                       fmt::format("run {}: the temperature \"{}\" is not a number", run, event.detail),
-                      "check the store: tactbench db check");
+                      "check the store: tactbench verify");
 }
 
 // No recipe has more; a damaged number must not request so much memory.
@@ -198,7 +198,7 @@ Dataset load_dataset(const StoredRun& stored) {
     throw AnalysisError("TB-ANALYSIS-FRAME",
                         fmt::format("run {}: sequence {} states a repeat of {}", run, sequence.name,
                                     counted(sequence.frames_per_repeat, "frame")),
-                        "check the store: tactbench db check");
+                        "check the store: tactbench verify");
   }
   std::map<std::pair<int, int>, Slots> repeats;  // by sequence, repeat
   Gathered all(taxels);
@@ -207,7 +207,7 @@ Dataset load_dataset(const StoredRun& stored) {
     if (branch == branches.end() || !lengths.contains(branch->second.sequence))
       throw AnalysisError("TB-ANALYSIS-FRAME",
                           fmt::format("run {}: a frame does not belong to any branch of the run", run),
-                          "check the store: tactbench db check");
+                          "check the store: tactbench verify");
     if (branch->second.is_void) continue;
     const int length = lengths[branch->second.sequence];
     check_frame(frame, dataset, length);

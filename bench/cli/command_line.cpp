@@ -5,8 +5,10 @@
 #include <array>
 #include <cctype>
 #include <cstdio>
+#include <initializer_list>
 #include <utility>
 
+#include "bench/cli/help.h"
 #include "bench/cli/rig/key_pages.h"
 #include "bench/cli/rig/page_beside.h"
 #include "bench/cli/session.h"
@@ -19,16 +21,15 @@ namespace tactbench::bench {
 
 namespace {
 
-constexpr const char* kFooter = R"(
-Exit codes: 0 pass, 1 a criterion failed, 2 usage or configuration (nothing touched), 3 device or link,
-  4 stopped by operator, interlock or limit, 5 store, 6 inconclusive, 7 safe state not verified,
-  70 internal error, 128 + N ended by signal N after the safe state (129 hang-up, 130 Ctrl-C twice, 131 quit,
-  143 terminated). Ctrl-C once: pause at the end of the branch; twice: stop now.
-  However a run ends, it vents, retracts, proves the safe state and keeps all frames.
-Not to be typed each time: --db and --bench by TACTBENCH_DB, TACTBENCH_BENCH, a fleet by TACTBENCH_FLEET; bench, db,
-  operator, recipe, limits, units and fleet by the file tactbench.toml in the working folder. The command line precedes the
-  environment, and that the file.
-First steps:  tactbench demo;  tactbench init;  tactbench plan descending ascending)";
+constexpr const char* kFooter =
+    R"(Exit codes: 0 pass, 1 a criterion failed, 2 usage or configuration (nothing touched), 3 device or link, 4 stopped by operator, interlock or limit, 5 store, 6 inconclusive, 7 safe state not verified, 70 internal error, 128 + N ended by signal N after the safe state. Ctrl-C once: pause at the end of the branch; twice: stop now. However a run ends, it vents, retracts, proves the safe state and keeps all frames.
+What need not be typed: --db and --bench by TACTBENCH_DB and TACTBENCH_BENCH, a fleet by TACTBENCH_FLEET; bench, db, operator, recipe, limits, lab, units and fleet by the file tactbench.toml in the working folder; bench.toml is the bench where it lies there. The command line precedes the environment, and that the file.)";
+
+constexpr const char* kGreeting =
+    "tactbench controls a test bench for tactile arrays, keeps every sample and compensates hysteresis.\n\n"
+    "  tactbench demo                 the paper's characterization on a simulated rig, in ten seconds\n"
+    "  tactbench init --operator me   files of your own bench in this folder; then: tactbench calibrate SERIAL\n"
+    "  tactbench --help               all verbs\n";
 
 // For a misspelled verb CLI11 reports only "a subcommand is required".
 void check_verb(const CLI::App& app, int argc, char** argv) {
@@ -83,14 +84,17 @@ Error usage_error(const CLI::App& app, const CLI::ParseError& error) {
   }
   const std::string name = unknown->substr(0, unknown->find('='));
   const std::string near = sequences::nearest_word(name, known);
+  if (words == "tactbench fit" && (name == "--limits" || name == "--held-out" || name == "--lab"))
+    return {"TB-USAGE", fmt::format("{} judges, and fit only makes the model", name), "command line",
+            "then: tactbench judge MODEL RUN... --limits FILE"};
   return {"TB-USAGE", fmt::format("there is no option '{}' of '{}'", name, words), "command line",
           near.empty() ? fmt::format("{} --help lists what is taken", words) : fmt::format("did you mean '{}'?", near)};
 }
 
 // Verbs that talk to instruments, or to a run that uses them.
 bool may_touch_devices(const std::string& verb) {
-  constexpr std::array kVerbs{"run",   "calibrate", "resume", "rig",   "devices",  "live",    "demo",
-                              "pause", "stop",      "abort",  "panic", "simulate", "dead-man"};
+  constexpr std::array kVerbs{"run",   "calibrate", "resume", "devices",  "live",    "demo",
+                              "pause", "stop",      "panic",  "simulate", "dead-man"};
   return std::find(kVerbs.begin(), kVerbs.end(), verb) != kVerbs.end();
 }
 
@@ -101,11 +105,30 @@ int report(const Error& error, const Session& session, bool devices) {
   return static_cast<int>(error.code());
 }
 
+void add_verbs(CLI::App& app, Session& session) {
+  const auto group = [&](const char* name, std::initializer_list<void (*)(CLI::App&, Session&)> verbs) {
+    const std::size_t before = app.get_subcommands({}).size();
+    for (const auto add : verbs) add(app, session);
+    const std::vector<CLI::App*> all = app.get_subcommands({});
+    for (std::size_t i = before; i < all.size(); ++i)
+      if (!all[i]->get_group().empty()) all[i]->group(name);
+  };
+  group("Every day", {add_demo, add_init, add_calibrate, add_page, add_status, add_report, add_runs});
+  group("Measure", {add_plan, add_run, add_live, add_devices, add_simulate});
+  group("A live run", {add_control});
+  group("Models", {add_fit, add_judge, add_compare, add_predict, add_model});
+  group("Store", {add_sensors, add_verify, add_db, add_fleet});
+  group("Laboratory", {add_trend, add_nightly, add_config, add_selfcheck});
+  add_key_reference(app);
+  add_dead_man(app, session);
+  add_error_reference(app);
+}
+
 }  // namespace
 
 int run_command_line(int argc, char** argv) {
   keep_standard_files();
-  const bool devices = argc > 1 && may_touch_devices(argv[1]);
+  const bool devices = std::any_of(argv + 1, argv + argc, may_touch_devices);
   if (devices) outlive_readers();
   db::tell_warnings_to(
       [](const std::string& text) { tty::print(stderr, "warning: {}\n", one_line(text, kLongestText)); });
@@ -113,46 +136,21 @@ int run_command_line(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     session.json = session.json || word == "--json";
-    if (word == "--help" || word == "-h") session.profile.only_for_help();
+    if (word.starts_with("--help") || word == "-h" || word == "--version") session.profile.only_for_help();
   }
   CLI::App app("tactbench: controls a test bench for tactile arrays, keeps every sample, compensates hysteresis",
                "tactbench");
   app.set_version_flag("--version", fmt::format("tactbench {} (commit {}; {})", build_info().version, commit_text(),
                                                 build_info().build));
-  app.footer(kFooter);
   app.require_subcommand(1);
-  add_demo(app, session);
-  add_init(app, session);
-  add_plan(app, session);
-  add_recipes(app, session);
-  add_run(app, session);
-  add_calibrate(app, session);
-  add_control(app, session);
-  add_status(app, session);
-  add_page(app, session);
-  add_fit(app, session);
-  add_import(app, session);
-  add_predict(app, session);
-  add_model(app, session);
-  add_report(app, session);
-  add_reports(app, session);
-  add_runs(app, session);
-  add_verify(app, session);
-  add_db(app, session);
-  add_fleet(app, session);
-  add_sensors(app, session);
-  add_devices(app, session);
-  add_live(app, session);
-  add_simulate(app, session);
-  add_nightly(app, session);
-  add_baseline(app, session);
-  add_trend(app, session);
-  add_rig(app, session);
-  add_config(app, session);
-  add_selfcheck(app, session);
-  add_key_reference(app);
-  add_dead_man(app, session);
-  add_error_reference(app);
+  set_help(app);
+  add_global_options(app, session);
+  add_verbs(app, session);
+  app.footer(kFooter);  // which verbs would inherit
+  if (argc == 1) {
+    tty::print("{}", kGreeting);
+    return 0;
+  }
   try {
     check_verb(app, argc, argv);
     app.parse(argc, argv);

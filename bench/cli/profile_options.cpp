@@ -32,10 +32,6 @@ CLI::Option* ProfileOptions::add(CLI::App& verb, const std::string& names, Profi
   return declare(verb, option, key, [&values](const ProfileValue& given) { values = given.values; });
 }
 
-CLI::Option* ProfileOptions::add_bench(CLI::App& verb, std::string& value) {
-  return add(verb, "--bench", ProfileKey::kBench, value, "bench file")->required();
-}
-
 CLI::Option* ProfileOptions::add_operator(CLI::App& verb, std::string& value) {
   return add(verb, "--operator", ProfileKey::kOperator, value, "who runs it; recorded")->required();
 }
@@ -48,7 +44,7 @@ CLI::Option* ProfileOptions::declare(CLI::App& verb, CLI::Option* option, Profil
   return option;
 }
 
-const OperatorProfile& ProfileOptions::values() {
+const OperatorProfile& ProfileOptions::values() const {
   if (values_) return *values_;
   try {
     values_ = read_operator_profile(file_);

@@ -27,12 +27,11 @@ class ProfileOptions {
                    const std::string& about);
   CLI::Option* add(CLI::App& verb, const std::string& names, ProfileKey key, std::vector<std::string>& values,
                    const std::string& about);
-  // --bench and --operator as most verbs have them: required.
-  CLI::Option* add_bench(CLI::App& verb, std::string& value);
+  // --operator as most verbs have it: required.
   CLI::Option* add_operator(CLI::App& verb, std::string& value);
 
   // The values of the working folder and the environment, read once. Throws sequences::FileError.
-  const OperatorProfile& values();
+  [[nodiscard]] const OperatorProfile& values() const;
   // For --help: a profile that cannot be read counts as none.
   void only_for_help() { for_help_ = true; }
 
@@ -49,7 +48,7 @@ class ProfileOptions {
 
   std::string file_ = kProfileFile;
   std::vector<Declared> declared_;
-  std::optional<OperatorProfile> values_;
+  mutable std::optional<OperatorProfile> values_;
   bool for_help_ = false;
 };
 

@@ -127,30 +127,38 @@ void check_operator(const std::string& name) {
   throw Error("TB-USAGE", "--operator is empty", "--operator", "give a name: it is recorded");
 }
 
-void add_manner(CLI::App& verb, Session& session) {
-  verb.add_flag("--json", session.json, "one JSON document on standard output, also for errors");
-  verb.add_flag("-q,--quiet", session.quiet, "no progress line");
+std::string Session::bench_file(const char* otherwise) const {
+  if (!bench.empty()) {
+    const auto given = profile.values().find(ProfileKey::kBench);
+    const bool found = given != profile.values().end() && given->second.origin == kBenchHereOrigin;
+    if (found && !typed("--bench") && !quiet && !json) tty::print(stderr, "bench: {} of this folder\n", bench);
+    return bench;
+  }
+  if (otherwise != nullptr) return otherwise;
+  throw Error("TB-USAGE", "no bench file is named, and this folder has no bench.toml", "--bench",
+              "name it: --bench FILE; or write one: tactbench init");
 }
 
-void add_units(CLI::App& verb, Session& session) {
+void Session::take_db_only_as_typed() {
+  if (!typed("--db")) db = kUsualStore;
+}
+
+void add_global_options(CLI::App& app, Session& session) {
+  app.fallthrough();
+  session.profile.add(app, "--db", ProfileKey::kDb, session.db, "run store, one SQLite file per bench")
+      ->capture_default_str();
+  session.profile.add(app, "--bench", ProfileKey::kBench, session.bench,
+                      "bench file; of a live run also the id of its bench [bench.toml, if it is here]");
   session.profile
-      .add(verb, "--units", ProfileKey::kUnits, session.units,
-           "unit of the pressures printed, all of them gauge: kPa, bar or psi; files, CSV and --json keep psi. A "
-           "pressure "
-           "that is typed may have a unit behind it (20kPa)")
+      .add(
+          app, "--units", ProfileKey::kUnits, session.units,
+          "unit of the pressures printed, all gauge; files, CSV and JSON keep psi. A pressure that is typed may have a "
+          "unit behind it (20kPa)")
       ->check(CLI::IsMember({"kPa", "bar", "psi"}, CLI::ignore_case))
       ->default_str("psi");
-}
-
-void add_common(CLI::App& verb, Session& session) {
-  session.profile.add(verb, "--db", ProfileKey::kDb, session.db, "run store, one SQLite file per bench")
-      ->capture_default_str();
-  add_manner(verb, session);
-}
-
-void add_common_typed(CLI::App& verb, Session& session) {
-  verb.add_option("--db", session.db, "run store, one SQLite file per bench")->capture_default_str();
-  add_manner(verb, session);
+  app.add_flag("--json", session.json, "one JSON document on standard output, also for errors");
+  app.add_flag("-q,--quiet", session.quiet, "the result alone");
+  session.typed = [&app](const char* option) { return app.count(option) > 0; };
 }
 
 void add_replace(CLI::App& verb, Session& session) {

@@ -25,18 +25,31 @@ namespace tactbench::bench {
 
 struct NamedEvaluation;
 
+inline constexpr const char* kUsualStore = "runs.db";
+inline constexpr const char* kShippedBench = "simulated.toml";  // where a simulated one serves as well
+
 struct Session {
   bool json = false;
   bool quiet = false;
-  bool replace = false;   // --replace: bench/common/output_file.h
-  bool void_too = false;  // include void runs, where the verb offers it
-  std::string db = "runs.db";
-  std::string fleet;  // the fleet that `db` is a copy of, in words; empty: a bench's own store
-  std::string units;  // --units or `units` of the profile: kPa, bar or psi; empty: not given
+  bool replace = false;          // --replace: bench/common/output_file.h
+  bool void_too = false;         // include void runs, where the verb offers it
+  std::string db = kUsualStore;  // --db, else of TACTBENCH_DB or tactbench.toml
+  std::string bench;             // --bench, else of TACTBENCH_BENCH or tactbench.toml, else bench.toml if it is here
+  std::string fleet;             // the fleet that `db` is a copy of, in words; empty: a bench's own store
+  std::string units;             // --units or `units` of the profile: kPa, bar or psi; empty: not given
+  std::function<bool(const char* option)> typed = [](const char*) { return false; };  // of add_global_options()
   // Of what a verb prints: psi where none is given, as recipes, bench and limits files, CSV and JSON have it.
   [[nodiscard]] analysis::PressureUnit unit() const;
   // Of a report's page: kPa where none is given, for SI leads in documents.
   [[nodiscard]] analysis::PressureUnit page_unit() const;
+  // The bench file; one that nobody named is named on standard error. Throws Error TB-USAGE where there is none, but
+  // for a shipped one that may stand in.
+  [[nodiscard]] std::string bench_file(const char* otherwise = nullptr) const;
+  // As typed, else empty: the id of a bench, or its file, of verbs that only ask for a live run.
+  [[nodiscard]] std::string typed_bench() const { return typed("--bench") ? bench : std::string(); }
+  [[nodiscard]] std::string typed_db() const { return typed("--db") ? db : std::string(); }
+  // What a demonstration or a night keeps does not belong into the store of one's own runs.
+  void take_db_only_as_typed();
   ProfileOptions profile;
   ExitCode code = ExitCode::kPass;
 };
@@ -62,24 +75,24 @@ nlohmann::ordered_json evaluation_json(const NamedEvaluation& named);
 // One file a verb.
 void add_init(CLI::App& app, Session& session);
 void add_plan(CLI::App& app, Session& session);
-void add_recipes(CLI::App& app, Session& session);
 void add_run(CLI::App& app, Session& session);
 void add_calibrate(CLI::App& app, Session& session);
 void add_control(CLI::App& app, Session& session);
 void add_status(CLI::App& app, Session& session);
 void add_fit(CLI::App& app, Session& session);
-void add_import(CLI::App& app, Session& session);
+void add_import(CLI::App& runs, Session& session);
+void add_judge(CLI::App& app, Session& session);
+void add_compare(CLI::App& app, Session& session);
+void add_rig_check(CLI::App& devices, Session& session);
 void add_predict(CLI::App& app, Session& session);
 void add_model(CLI::App& app, Session& session);
 void add_report(CLI::App& app, Session& session);
-void add_reports(CLI::App& app, Session& session);
 void add_runs(CLI::App& app, Session& session);
 void add_db(CLI::App& app, Session& session);
 void add_verify(CLI::App& app, Session& session);
 void add_sensors(CLI::App& app, Session& session);
 void add_demo(CLI::App& app, Session& session);
 void add_devices(CLI::App& app, Session& session);
-void add_model_list(CLI::App& model, Session& session);
 void add_run_remarks(CLI::App& runs, Session& session);
 void add_run_export(CLI::App& runs, Session& session);
 void add_run_copy(CLI::App& runs, Session& session);
@@ -90,28 +103,21 @@ void add_calibrate_reference(CLI::App& devices, Session& session);
 void add_simulate(CLI::App& app, Session& session);
 void add_live(CLI::App& app, Session& session);
 void add_nightly(CLI::App& app, Session& session);
-void add_baseline(CLI::App& app, Session& session);
+void add_baseline(CLI::App& trend, Session& session);
 void add_trend(CLI::App& app, Session& session);
-void add_rig(CLI::App& app, Session& session);
 void add_config(CLI::App& app, Session& session);
 void add_selfcheck(CLI::App& app, Session& session);
 void add_error_reference(CLI::App& app);
 void add_dead_man(CLI::App& app, Session& session);
 void add_fleet(CLI::App& app, Session& session);
 
-// A part of the command line of its own.
-
 // Throws Error TB-USAGE for an empty or blank name.
 void check_operator(const std::string& name);
 
-// --units on a verb that prints pressures.
-void add_units(CLI::App& verb, Session& session);
-// --db, --json, -q on a verb.
-void add_common(CLI::App& verb, Session& session);
-// The same where --db is valid only as typed: what a demonstration or a night keeps does not belong into the store of
-// one's own runs.
-void add_common_typed(CLI::App& verb, Session& session);
-void add_manner(CLI::App& verb, Session& session);  // --json and -q alone
+// --db, --bench, --units, --json and -q, which every verb takes.
+void add_global_options(CLI::App& app, Session& session);
+// Group of options that --help leaves out and --help-all shows.
+inline constexpr const char* kRareOptions = "Rarely needed";
 // --replace on a verb that writes files (bench/common/output_file.h).
 void add_replace(CLI::App& verb, Session& session);
 // --void-too on a verb that uses runs as evidence (bench/reporting/named_runs.h).

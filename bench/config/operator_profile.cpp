@@ -120,6 +120,9 @@ OperatorProfile read_operator_profile(const std::string& path) {
     const char* const value = variable.empty() ? nullptr : std::getenv(variable.c_str());
     if (value != nullptr && !db::is_blank(value)) profile[key] = {{value}, variable};
   }
+  const std::filesystem::path here = std::filesystem::path(path).replace_filename(kBenchHere);
+  if (!profile.contains(ProfileKey::kBench) && std::filesystem::is_regular_file(here, unreadable))
+    profile[ProfileKey::kBench] = {{here.string()}, kBenchHereOrigin};
   return profile;
 }
 

@@ -12,6 +12,8 @@
 namespace tactbench::bench {
 
 inline constexpr const char* kProfileFile = "tactbench.toml";
+inline constexpr const char* kBenchHere = "bench.toml";  // beside it: the bench file where none is named
+inline constexpr const char* kBenchHereOrigin = "found in this folder";
 
 enum class ProfileKey { kBench, kDb, kOperator, kRecipe, kLimits, kLab, kFleet, kUnits };
 inline constexpr std::array kProfileKeys = {ProfileKey::kBench,  ProfileKey::kDb,     ProfileKey::kOperator,
@@ -23,11 +25,12 @@ std::string variable_of(ProfileKey key);
 
 struct ProfileValue {
   std::vector<std::string> values;  // one; of kRecipe one or more, which stand in one text with commas between
-  std::string origin;               // "TACTBENCH_DB", or "tactbench.toml:2"
+  std::string origin;               // "TACTBENCH_DB", "tactbench.toml:2", or kBenchHereOrigin
 };
 using OperatorProfile = std::map<ProfileKey, ProfileValue>;  // without the keys that nothing gives
 
-// The values of the environment and of the file at `path`, which may be absent; a blank variable counts as unset.
+// The values of the environment and of the file at `path`, which may be absent; a blank variable counts as unset. A
+// bench.toml in the same folder is the bench where neither names one.
 // Throws sequences::FileError: TB-FILE-KEY for an unknown key, with its line and the nearest known key.
 OperatorProfile read_operator_profile(const std::string& path = kProfileFile);
 // The file's values alone, from a text; `name` stands for the file in error messages.

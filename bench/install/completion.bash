@@ -20,12 +20,12 @@ _tactbench() {
   elif [[ $current == -* ]]; then
     words=$(grep -oE '^  -[^ ]+' <<<"$help" | tr ',' ' ')
   else
-    words=$(sed -n '/^Subcommands:/,$s/^  \([a-z][^ ]*\)  .*/\1/p' <<<"$help")
+    words=$(sed -n 's/^  \([a-z][^ ]*\)  .*/\1/p' <<<"$help")
     if [[ -z $words ]]; then
       files=1
       words=$(grep -oE '^  [a-z][a-z-]* TEXT:\{[^}]*' <<<"$help" | sed 's/.*{//' | tr ',' ' ')
       if [[ $help == *$'\n  recipe TEXT'* || $help == *$'\n  suite TEXT'* ]]; then
-        words+=" nightly $("${COMP_WORDS[0]}" recipes list 2>/dev/null | sed -n '2,$s/^\([a-z-]*\)  .*/\1/p')"
+        words+=" nightly $("${COMP_WORDS[0]}" plan 2>/dev/null | sed -n '2,$s/^\([a-z-]*\)  .*/\1/p')"
       fi
     fi
   fi

@@ -1,4 +1,4 @@
-// Live values of a bench's instruments in the terminal, read-only: `devices watch`.
+// Live values of a bench's instruments in the terminal, read-only: `live` without a model.
 #pragma once
 
 #include "analysis/pressure_unit.h"

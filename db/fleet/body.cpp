@@ -23,7 +23,7 @@ std::string pack_run(const RunStore& store, std::int64_t run, const std::string&
     throw FleetError(FleetCause::kStore, "TB-FLEET-LARGE",
                      fmt::format("run {} takes {} MB, and the fleet keeps runs up to {} MB", run,
                                  plain.size() / 1'000'000, kLargestStore / 1'000'000),
-                     "it stays in the store: take a snapshot of that (tactbench db snapshot)");
+                     "it stays in the store: take a snapshot of that (tactbench runs copy --to FILE)");
   std::ifstream(path, std::ios::binary).read(plain.data(), static_cast<std::streamsize>(plain.size()));
   std::filesystem::remove(path);
   uLongf size = compressBound(plain.size());

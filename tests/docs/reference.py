@@ -27,27 +27,22 @@ def printed(program, verb):
 
 
 def help_of(program, path):
-    return subprocess.run([program, *path, "--help"], capture_output=True, text=True, check=True,
+    return subprocess.run([program, *path, "--help-all"], capture_output=True, text=True, check=True,
                           env={"PATH": os.environ["PATH"], "TACTBENCH_SHARE": ROOT, "COLUMNS": "100"}).stdout
 
 
 def verbs_page(program):
-    page = ("# Verbs\n\nMade from `tactbench VERB --help` by `tests/docs/reference.py`. Every verb also takes `--help`; what all verbs have in "
-            "common, exit codes\nand first steps, stands in `tactbench --help` and in [rules](rules.md#exit-codes).\n")
+    page = ("# Verbs\n\nMade from `tactbench VERB --help` by `tests/docs/reference.py`. What all verbs have in "
+            "common, and exit codes,\nstand in `tactbench --help` and in [rules](rules.md#exit-codes).\n")
 
     def add(path):
         nonlocal page
-        text = re.split(r"\n\s*\n?Exit codes: 0 pass, ", help_of(program, path))[0]
-        lines = text.rstrip().split("\n")
-        subverbs = []
-        if "Subcommands:" in lines:
-            at = lines.index("Subcommands:")
-            subverbs = re.findall(r"^  (\S+)", "\n".join(lines[at + 1:]), re.M)
+        lines = help_of(program, path).rstrip().split("\n")
+        subverbs = re.findall(r"^  ([a-z][a-z-]*)  +\S", "\n".join(lines), re.M)
         if path:
             usage = next(i for i, line in enumerate(lines) if line.startswith("Usage: "))
-            about = " ".join(lines[:usage]).strip()
-            kept = [line for line in lines[usage + 1:] if "--help" not in line]
-            kept = [line for i, line in enumerate(kept) if line != "Options:" or kept[i + 1:i + 2] not in ([""], [])]
+            about = " ".join(lines[:usage]).strip().rstrip(".")
+            kept = [line for line in lines[usage + 1:] if not line.startswith("Of every verb:")]
             page += f"\n## {' '.join(path)}\n{about[:1].upper()}{about[1:]}.\n\n```text\n{lines[usage][7:]}\n" + "\n".join(kept).rstrip() + "\n```\n"
         for verb in subverbs:
             add([*path, verb])

@@ -121,7 +121,7 @@ def roles(server, lab):
 
 
 def refused_runs(server, lab):
-    """What `db check` refuses is not sent, and holds up nothing else; a server that spoils a body keeps nothing of it."""
+    """What `verify` refuses is not sent, and holds up nothing else; a server that spoils a body keeps nothing of it."""
     server.new_fleet(lab, "bad")
     to = server.conninfo("bad")
     uuids = {run["run"]: run["uuid"] for run in lab.json("runs", "list")["runs"]}
@@ -279,7 +279,7 @@ with tempfile.TemporaryDirectory(prefix="tactbench-fleet-") as laboratory, serve
     no_tls(bench)
     for case in (roles, refused_runs, clock_ahead, registered_twice):
         case(shared, bench)
-    bench.run("db", "check")
+    bench.run("verify")
     shared.new_database("latin", more="ENCODING 'LATIN1' LOCALE 'C'")
     expect("TB-FLEET-TEXT" in bench.run("fleet", "migrate", "--to", shared.conninfo("latin"), code=5), "encoding")
 print("nobody was believed, and nothing was lost")

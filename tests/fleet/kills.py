@@ -69,6 +69,6 @@ with tempfile.TemporaryDirectory(prefix="tactbench-fleet-") as folder, Server() 
     for uuid in own:
         expect(lab.json("verify", uuid, "--from", server.conninfo(f"fleet_{i - 1}"))["holds"], uuid)
     expect(hit >= kills // 3, f"only {hit} kills came while a push was under way")
-    lab.run("db", "check")
+    lab.run("verify")
 print(f"{i - servers} kills of the push and {servers} of the server ({hit} of them in mid-push, {partly} between two runs): "
       "nothing lost, nothing doubled, hashes equal")

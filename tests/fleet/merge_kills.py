@@ -1,5 +1,5 @@
 """SIGKILL of `runs merge` at random moments; then the merge again: the store is row by row that of a merge which was left alone,
-nothing is doubled, and db check finds it sound, also right after each kill. The parts: a night of three shards, and a bench's
+nothing is doubled, and verify finds it sound, also right after each kill. The parts: a night of three shards, and a bench's
 store with runs, fits, tags, a void and a baseline, and a copy of that store with one more fit.
 
     merge_kills.py PROGRAM KILLS SEED
@@ -52,7 +52,7 @@ with tempfile.TemporaryDirectory(prefix="tactbench-merge-") as folder:
         lab.run("fit", run, "--db", "bench.db")
     lab.run("runs", "void", RUNS, "--reason", "gauge closed", "--by", "me", "--db", "bench.db")
     lab.run("sensors", "add", "S-2", "--type", "sensor.toml", "--db", "bench.db")
-    lab.run("baseline", "accept", "1-8", "--db", "bench.db", "--by", "me", "--reason", "as made")
+    lab.run("trend", "accept", "1-8", "--db", "bench.db", "--by", "me", "--reason", "as made")
     shutil.copy(os.path.join(folder, "bench.db"), os.path.join(folder, "later.db"))
     lab.run("fit", 4, "--model", "monotone", "--db", "later.db")
     with open(os.path.join(folder, "parts.toml"), "w") as file:
@@ -87,10 +87,10 @@ with tempfile.TemporaryDirectory(prefix="tactbench-merge-") as folder:
             hit += under_way
             there = 0
             if os.path.exists(db) and os.path.getsize(db) > 0:
-                checked = lab.run("db", "check", "--db", db, code=None)
+                checked = lab.run("verify", "--db", db, code=None)
                 if "TB-STORE-OPEN" in checked.stderr:  # before its first run
                     lab.run("db", "migrate", "--db", db)
-                    checked = lab.run("db", "check", "--db", db, code=None)
+                    checked = lab.run("verify", "--db", db, code=None)
                 expect(checked.returncode == 0 and "sound" in checked.stdout, ("what a killed merge leaves", checked))
                 there = len(lab.json("runs", "list", "--all", "--db", db)["runs"])
                 partly += 0 < there < len(whole["runs"])
@@ -98,12 +98,12 @@ with tempfile.TemporaryDirectory(prefix="tactbench-merge-") as folder:
                 whole_s *= 1.1 if under_way else 0.9
         merged(db)
         expect(not difference(whole, rows_of(db)), (i, "table, rows, rows of the killed:", difference(whole, rows_of(db))))
-        expect("sound" in lab.run("db", "check", "--db", db), "the store is sound")
+        expect("sound" in lab.run("verify", "--db", db), "the store is sound")
         again = merged(db)
         expect((again["runs"], again["fits"], again["baselines"]) == (0, 0, 0) and again["nights"][0]["there"], again)
         expect(not difference(whole, rows_of(db)), "merging once more changes nothing")
         i += 1
     for part in PARTS:
-        expect("sound" in lab.run("db", "check", "--db", part), "the parts are as they were")
+        expect("sound" in lab.run("verify", "--db", part), "the parts are as they were")
     expect(hit >= kills // 2 and partly > 0, f"only {hit} kills came while a merge was under way, {partly} between two runs")
 print(f"{hit} kills of a merge ({partly} of them between two runs): the same store as without, nothing doubled")

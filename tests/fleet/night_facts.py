@@ -13,7 +13,7 @@ def facts(program, folder, db):
         return json.loads(done.stdout)
     runs = said("runs", "list", "--all")["runs"]
     return ([(run["run"], run["content_sha256"], run["verdict"], run["tags"]) for run in runs], said("trend")["subjects"],
-            said("baseline", "list")["baselines"])
+            said("trend", "baselines")["baselines"])
 
 
 def page(path):

@@ -117,5 +117,5 @@ with tempfile.TemporaryDirectory(prefix="tactbench-fleet-") as folder, \
         expect(content_of(server, "tactile") == own and len(own) == 3, "both agree")
     after = lab.json("runs", "list")
     expect(after["runs"][:2] == before["runs"], "the store is what it was")
-    lab.run("db", "check")
+    lab.run("verify")
 print("every refusal was clear, and nothing was lost")

@@ -92,6 +92,12 @@ Finished call(const TemporaryFolder& folder, const std::vector<std::string>& wor
   return run_program(program_path(), words, folder.path());
 }
 
+Finished call(const TemporaryFolder& folder, const std::vector<std::string>& first,
+              const std::vector<std::string>& second) {
+  const Finished done = call(folder, first);
+  return done.code == 0 ? call(folder, second) : done;
+}
+
 std::string read_file(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
   if (!stream) throw std::runtime_error("cannot read " + path);

@@ -36,6 +36,9 @@ class TemporaryFolder {
 
 // Runs the program under test (tests/support/paths.h) with these arguments in that folder.
 Finished call(const TemporaryFolder& folder, const std::vector<std::string>& words);
+// Two of them: `first` has to succeed, else its end is returned.
+Finished call(const TemporaryFolder& folder, const std::vector<std::string>& first,
+              const std::vector<std::string>& second);
 
 std::string read_file(const std::string& path);
 void write_file(const std::string& path, const std::string& text);

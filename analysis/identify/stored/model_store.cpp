@@ -44,7 +44,7 @@ bool is_whole(const SensorModel& fit) {
 [[noreturn]] void malformed(const db::FitRecord& record, const std::string& what) {
   throw AnalysisError(
       "TB-MODEL-STORED", fmt::format("fit {} of run {} cannot be read: {}", record.fit, record.run, what),
-      fmt::format("fit the run again: tactbench fit {}; tactbench db check lists what else is damaged", record.run));
+      fmt::format("fit the run again: tactbench fit {}; tactbench verify lists what else is damaged", record.run));
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ class Compensator(_streams.Compensator):
     def load(cls, path, run=None, fit=None, volts_per_count=None, scans=None, void_too=False, **options):
         """The stream of a stored model of a whole array.
 
-        path: a model's document, or a store with the number of a run; fit: of that run, as `tactbench model list` shows (None:
+        path: a model's document, or a store with the number of a run; fit: of that run, as `tactbench runs show` shows (None:
         the newest dynamic model or ELAM, else the newest). volts_per_count: of the scanner that the frames come from, for
         counts(); None: that of the run's, which a document does not state. scans: how many are averaged into a frame that is
         given (None: as many as in those that were fitted); a frame of fewer has more noise. options: of Compensator,
@@ -88,7 +88,7 @@ def _document_of(store, run, fit, void_too):
     found = [row for row in found if fit is None or row["fit"] == fit]
     if not found:
         which = "fit" if fit is None else f"fit {fit}"
-        raise TactbenchError(f"run {run} of {store.path} has no {which}: tactbench model list {run} shows them, tactbench fit {run} "
+        raise TactbenchError(f"run {run} of {store.path} has no {which}: tactbench runs show {run} shows them, tactbench fit {run} "
                              "makes one")
     name = f"fit {found[0]['fit']} of {store.path}"
     try:

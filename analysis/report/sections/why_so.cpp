@@ -144,7 +144,7 @@ doc::Table integrity(const PageData& data) {
   const auto short_hash = [](const std::string& hash) { return doc::code_words(hash.substr(0, 16)); };
   doc::Table table =
       doc::pairs("Data and integrity", {{"all data", doc::code_words("tactbench report RUN --format json")},
-                                        {"check a copy", doc::code_words("tactbench reports verify FILE")},
+                                        {"check a copy", doc::code_words("tactbench report verify FILE")},
                                         {"run, SHA-256", short_hash(input.run.content_sha256)},
                                         {"models", short_hash(input.fit.taxels.empty() ? "" : model_sha256(input.fit))},
                                         {"limits file", short_hash(input.judgement.limits_sha256)},

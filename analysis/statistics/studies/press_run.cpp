@@ -21,7 +21,7 @@ std::vector<double> frame_volts(const db::FrameRecord& frame, double volts_a_cou
     throw AnalysisError("TB-ANALYSIS-FRAME",
                         fmt::format("frame {} of branch {} does not hold {} x {} x {} counts", frame.ordinal,
                                     frame.branch, frame.rows, frame.columns, frame.scans),
-                        "check the store: tactbench db check");
+                        "check the store: tactbench verify");
   std::vector<double> volts = db::scan_means(frame.counts, scans);
   for (double& value : volts) value *= volts_a_count;
   return volts;

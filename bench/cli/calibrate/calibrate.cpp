@@ -16,14 +16,13 @@ void add_calibrate(CLI::App& app, Session& session) {
   ProfileOptions& profile = session.profile;
   CLI::App* verb = app.add_subcommand(
       "calibrate",
-      "from a serial number to a verdict: registers the sensor if it is new, measures it twice, the second "
-      "time to judge by and to count its uncertainty, fits, judges, writes the report, and prints PASS, FAIL or "
-      "INCONCLUSIVE");
+      "from a serial number to a verdict and a report\n"
+      "Registers the sensor if it is new, measures it twice, the second time to judge by and to count its uncertainty, "
+      "fits, judges, writes the report, and prints PASS, FAIL or INCONCLUSIVE.");
   verb->footer(
       "Exit code: 0 pass or conditional pass, 1 fail, 6 inconclusive or conditional fail; otherwise as of the stage "
       "that failed, which names the commands that continue.");
   verb->add_option("serial", options->serial, "the sensor's serial number")->required();
-  profile.add_bench(*verb, options->bench);
   profile.add_operator(*verb, options->operator_name);
   CLI::Option* recipe = profile
                             .add(*verb, "--recipe", ProfileKey::kRecipe, options->recipes,
@@ -65,9 +64,12 @@ void add_calibrate(CLI::App& app, Session& session) {
                    "shell command for the events done, failed, waiting of both runs (see run --help)");
   verb->add_flag("--yes", options->assume_yes, "answer operator prompts with yes");
   verb->add_flag("--no-seating", options->no_seating, "skip the seating check");
-  add_units(*verb, session);
-  add_common(*verb, session);
-  verb->callback([options, &session] { calibrate(*options, session); });
+  for (const char* const name : {"--run", "--held-out", "--held-out-recipe", "--meta", "--on-event", "--no-seating"})
+    verb->get_option(name)->group(kRareOptions);
+  verb->callback([options, &session] {
+    options->bench = session.bench_file();
+    calibrate(*options, session);
+  });
 }
 
 }  // namespace tactbench::bench

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <iterator>
 #include <memory>
@@ -163,22 +164,36 @@ void copy_runs(std::vector<std::int64_t> runs, const std::string& file, const Se
                              {"verdicts_left_behind", left}});
 }
 
+// Also while a run is written.
+void snapshot_db(const std::string& file, const Session& session) {
+  const db::RunStore store = db::RunStore::open_read_only(session.db);
+  store.snapshot(file);
+  const auto bytes = std::filesystem::file_size(file);
+  if (session.json) {
+    print_json("runs.copy", {{"store", session.db}, {"to", file}, {"bytes", bytes}});
+  } else {
+    tty::print("{}: copy of all of {}, {} bytes\n", file, session.db, bytes);
+  }
+}
+
 }  // namespace
 
 void add_run_copy(CLI::App& runs, Session& session) {
   auto names = std::make_shared<std::vector<std::string>>();
   auto file = std::make_shared<std::string>();
   auto from = std::make_shared<std::string>();
-  CLI::App* verb =
-      runs.add_subcommand("copy", "copy ended runs with their models, verdicts and remarks into another store");
+  CLI::App* verb = runs.add_subcommand("copy", "copy runs with models, verdicts and remarks, or the whole store");
   verb->footer(
       "A verdict is copied with the judged run; when only the models' run is copied, a note names the verdicts left "
       "behind.");
-  verb->add_option("runs", *names, "run numbers; with --from also UUIDs")->required()->take_all();
+  verb->add_option("runs", *names,
+                   "numbers of ended runs; with --from also UUIDs; none: the whole store into a new "
+                   "file, also while a run is written")
+      ->take_all();
   add_from(*verb, *from);
   verb->add_option("--to", *file, "the other store; made if it does not exist")->required();
-  add_common(*verb, session);
   verb->callback([names, file, from, &session] {
+    if (names->empty()) return snapshot_db(*file, session);
     std::vector<std::int64_t> numbers;
     if (from->empty()) {
       for (const std::string& name : *names) numbers.push_back(run_number(name));
@@ -205,7 +220,6 @@ void add_run_export(CLI::App& runs, Session& session) {
       ->capture_default_str();
   verb->add_option("-o,--output", options->output, "file to write")->required();
   add_replace(*verb, session);
-  add_common(*verb, session);
   verb->callback([options, &session] { export_run(*options, session); });
 }
 

@@ -49,7 +49,6 @@ void add_fleet(CLI::App& app, Session& session) {
   auto to = std::make_shared<std::string>();
   CLI::App* migrate = group->add_subcommand("migrate", "make the fleet's tables, views and roles in a database");
   add_fleet_option(*migrate, "--to", *to, session);
-  migrate->add_flag("--json", session.json, "one JSON document on standard output");
   migrate->callback([to, &session] { migrate_fleet(*to, session); });
   add_fleet_push(*group, session);
   add_fleet_status(*group, session);

@@ -98,11 +98,10 @@ void add_fleet_push(CLI::App& group, Session& session) {
       ->capture_default_str();
   verb->footer(
       "Each run is checked, sent in one transaction, read back, and kept when it is what was sent. A run that is not "
-      "what was stored (tactbench db check) is not sent; the others are. The store is only read: a run that is being "
+      "what was stored (tactbench verify) is not sent; the others are. The store is only read: a run that is being "
       "carried out does not notice.\n"
       "Exit codes: 0 all is there, 3 the server cannot be reached, refuses the login or was lost, 5 it cannot take a "
       "run.");
-  add_common(*verb, session);
   verb->callback([options, &session] { push(*options, session); });
 }
 

@@ -51,7 +51,7 @@ ListedRun listed_run(const fleet::FleetRun& run, const Json& facts) {
 
 // The keys of `runs list --json`.
 Json row_of(const fleet::FleetRun& run, Json facts) {
-  for (const char* more : {"fits", "verdicts", "figures", "reports", "rests_on", "sensor_type"}) facts.erase(more);
+  for (const char* more : {"fits", "verdicts", "figures", "report", "rests_on", "sensor_type"}) facts.erase(more);
   facts["run"] = run.run;
   return facts;
 }
@@ -110,7 +110,6 @@ void trend_fleet(const ReadOptions& options, const TrendOptions& trend_options, 
 CLI::App* add_reader(CLI::App& group, const char* name, const char* about, ReadOptions& options, Session& session) {
   CLI::App* verb = group.add_subcommand(name, about);
   add_fleet_option(*verb, "--from", options.from, session);
-  verb->add_flag("--json", session.json, "one JSON document on standard output");
   verb->add_flag("-q,--quiet", session.quiet, "only results");
   return verb;
 }
@@ -138,7 +137,6 @@ void add_fleet_readers(CLI::App& group, Session& session) {
       add_reader(group, "show", "everything stored about a run of the fleet, as runs show", *options, session);
   show->add_option("run", options->run, "the fleet's number of the run, or its UUID or the beginning of it")
       ->required();
-  add_units(*show, session);
   show->callback([options, &session] { show_fleet(*options, session); });
   CLI::App* over_time = add_reader(group, "trend", "figures of the fleet over time, as trend", *options, session);
   add_choice(*over_time, *options);

@@ -59,7 +59,6 @@ void add_fleet_status(CLI::App& group, Session& session) {
   CLI::App* verb = group.add_subcommand("status", "how far the store is behind the fleet");
   add_fleet_option(*verb, "--to", *to, session);
   verb->footer("Exit codes: 0 the server was reached, also when something waits, 3 it was not, 5 it takes nothing.");
-  add_common(*verb, session);
   verb->callback([to, &session] { status(*to, session); });
 }
 

@@ -257,7 +257,7 @@ class Fit {
       add_fitted_json(fitted_.front(), json);
     }
     if (on_bench_) json["outlying_samples"] = runs_->dataset(histories_.run).outlying;
-    print_json("fit", json);
+    print_json(options_.verb, json);
   }
 
   void print() {

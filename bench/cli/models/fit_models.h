@@ -15,7 +15,8 @@
 namespace tactbench::bench {
 
 struct FitModelsOptions {
-  std::string source;  // run or table
+  std::string source;        // run or table
+  std::string verb = "fit";  // of the JSON document
   // models: empty: the dynamic model, or ELAM of what that does not take. score: sequences of the source, runs, tables;
   // empty: what was not fitted.
   std::vector<std::string> models, fit, score;
@@ -42,7 +43,7 @@ struct JudgedFit {
 // bench; nothing to score. Sets session.code by the judgement.
 JudgedFit fit_and_judge(const FitModelsOptions& options, Session& session);
 
-// fit --check MODEL: how well the model describes a later run.
+// model check: how well the model describes a later run.
 void check_model(const std::string& model, const FitModelsOptions& options, Session& session);
 
 }  // namespace tactbench::bench

@@ -1,13 +1,17 @@
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "bench/cli/models/live_words.h"
 #include "bench/cli/runs/source.h"
 #include "bench/common/output_file.h"
 #include "bench/common/overrides.h"
 #include "bench/common/standard_streams.h"
+#include "bench/instruments/watch.h"
 
 namespace tactbench::bench {
 
@@ -16,9 +20,10 @@ namespace {
 constexpr double kBetweenLines = 0.25;  // seconds
 
 struct LiveVerbOptions {
-  std::string bench, model, csv;
+  std::string model, csv;
   std::vector<std::string> set;
   LiveOptions live;
+  std::optional<double> interval_s;
 };
 
 class CsvFile {
@@ -48,7 +53,12 @@ class CsvFile {
 };
 
 void live(const LiveVerbOptions& options, const Session& session) {
-  const BenchConfig config = read_bench(find_config(options.bench), split_overrides(options.set).bench);
+  const BenchConfig config = read_bench(find_config(session.bench_file()), split_overrides(options.set).bench);
+  if (options.model.empty())
+    return watch_devices(config, {.interval_s = options.interval_s.value_or(WatchOptions().interval_s),
+                                  .count = options.live.frames,
+                                  .terminal = ::isatty(STDOUT_FILENO) != 0,
+                                  .unit = session.unit()});
   const analysis::SensorModel model = load_model(options.model, session);
   if (!options.csv.empty()) check_output(options.csv, kind_of_file(kFramesHead), session.replace);
   CsvFile csv(options.csv);
@@ -83,25 +93,27 @@ void live(const LiveVerbOptions& options, const Session& session) {
 
 void add_live(CLI::App& app, Session& session) {
   auto options = std::make_shared<LiveVerbOptions>();
-  CLI::App* verb = app.add_subcommand("live", "read the tactile array and print compensated frames until Ctrl-C");
-  session.profile.add_bench(*verb, options->bench);
-  verb->add_option("--model", options->model, "a .json that fit -o wrote, or RUN or RUN:FIT of the store")->required();
+  CLI::App* verb =
+      app.add_subcommand("live", "live values of the instruments; with --model compensated frames of the array");
+  verb->add_option("--model", options->model, "a .json that fit -o wrote, or RUN or RUN:FIT of the store");
   verb->add_option("--set", options->set, "override table.key=value of the bench file")->take_all();
   verb->add_option("--frames", options->live.frames, "end after so many; 0: at Ctrl-C")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  verb->add_option("--interval", options->live.interval_s, "seconds between two requests")
-      ->check(CLI::Range(0.0, 60.0))
-      ->capture_default_str();
+  verb->add_option("--interval", options->interval_s,
+                   "seconds between two readings [0.01 of frames, 0.5 of instruments]")
+      ->check(CLI::Range(0.0, 60.0));
   verb->add_option("--scans", options->live.scans, "averaged into a frame")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   verb->add_option("--csv", options->csv, "write every frame there: frame,time_s,taxel,pressure,uncertainty,status");
   add_replace(*verb, session);
   add_void_too(*verb, session);
-  add_units(*verb, session);
-  add_common(*verb, session);
-  verb->callback([options, &session] { live(*options, session); });
+  verb->footer("Read-only, until Ctrl-C.");
+  verb->callback([options, &session] {
+    options->live.interval_s = options->interval_s.value_or(options->live.interval_s);
+    live(*options, session);
+  });
 }
 
 }  // namespace tactbench::bench

@@ -164,7 +164,7 @@ void check_model(const std::string& name, const FitModelsOptions& options, Sessi
   if (session.json) {
     nlohmann::ordered_json json = drift_json(drift);
     json["outside_validity"] = analysis::outside_validity(model, histories);
-    print_json("fit.check", json);
+    print_json("model.check", json);
     return;
   }
   tty::print("{} of {} on {}: {}\n", analysis::label_of(model), model.source, histories.source,
@@ -185,32 +185,34 @@ void check_model(const std::string& name, const FitModelsOptions& options, Sessi
 }
 
 void add_model(CLI::App& app, Session& session) {
-  CLI::App* model = app.add_subcommand("model", "list, show, compare, write out or adjust stored models");
+  CLI::App* model = app.add_subcommand("model", "show, check, adjust, compare or write out stored models");
   model->require_subcommand(1);
   const char* what = "a .json that fit -o wrote, or RUN or RUN:FIT of the store";
   auto first = std::make_shared<std::string>(), second = std::make_shared<std::string>();
   auto output = std::make_shared<std::string>();
-  add_model_list(*model, session);
   CLI::App* show_verb = model->add_subcommand("show", "what a model is, and its parameters");
   show_verb->add_option("model", *first, what)->required();
   add_void_too(*show_verb, session);
-  add_units(*show_verb, session);
-  add_common(*show_verb, session);
   show_verb->callback([first, &session] { show(*first, session); });
+  auto checked = std::make_shared<FitModelsOptions>();
+  CLI::App* check_verb = model->add_subcommand(
+      "check", "is a model still good on a run or table? says if zero, gain or a new fit is needed");
+  check_verb->add_option("model", *first, what)->required();
+  check_verb->add_option("source", checked->source, "run number or table")->required();
+  add_table_options(*check_verb, checked->table);
+  add_void_too(*check_verb, session);
+  check_verb->callback([first, checked, &session] { check_model(*first, *checked, session); });
   CLI::App* diff_verb =
       model->add_subcommand("diff", "how the parameters of two models of one kind differ; exit code 1 when they do");
   diff_verb->add_option("first", *first, what)->required();
   diff_verb->add_option("second", *second, what)->required();
   add_void_too(*diff_verb, session);
-  add_units(*diff_verb, session);
-  add_common(*diff_verb, session);
   diff_verb->callback([first, second, &session] { diff_models(*first, *second, session); });
   CLI::App* export_verb = model->add_subcommand("export", "write a model as its JSON document");
   export_verb->add_option("model", *first, what)->required();
   export_verb->add_option("-o,--output", *output, "file to write")->required();
   add_replace(*export_verb, session);
   add_void_too(*export_verb, session);
-  add_common(*export_verb, session);
   export_verb->callback([first, output, &session] {
     write_output(*output, analysis::to_text(load_model(*first, session)), session.replace);
   });
@@ -225,7 +227,6 @@ void add_model(CLI::App& app, Session& session) {
   add_replace(*adjust_verb, session);
   add_table_options(*adjust_verb, options->table);
   add_void_too(*adjust_verb, session);
-  add_common(*adjust_verb, session);
   adjust_verb->callback([options, &session] { adjust(*options, session); });
 }
 

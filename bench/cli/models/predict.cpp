@@ -258,10 +258,6 @@ CLI::App* add_verb(CLI::App& app, Session& session, const std::shared_ptr<Predic
   verb->add_option("--taxel", options->taxel, "of a model of many, where the table has no column taxel: N, or mean")
       ->check(CLI::NonNegativeNumber | CLI::IsMember({"mean"}));
   add_void_too(*verb, session);
-  add_units(*verb, session);
-  verb->get_option("--units")->description(
-      "unit of the pressures in messages, all of them gauge: kPa, bar or psi; the table keeps its own");
-  add_common(*verb, session);
   return verb;
 }
 
@@ -269,20 +265,20 @@ CLI::App* add_verb(CLI::App& app, Session& session, const std::shared_ptr<Predic
 
 void add_predict(CLI::App& app, Session& session) {
   auto predict = std::make_shared<PredictOptions>(), compensate = std::make_shared<PredictOptions>();
-  add_verb(app, session, predict, "predict", "outputs of a model along the inputs of a table: adds a column predicted")
+  add_verb(app, session, predict, "predict", "a model's outputs along the inputs of a table: a column predicted")
       ->callback([predict, &session] { apply<Predictor>(*predict, session, analysis::TableNeeds::kInput); });
   CLI::App* verb = add_verb(
       app, session, compensate, "compensate",
-      "inputs that a model's inverse reads from the outputs of a table: adds columns compensated, uncertainty "
-      "(standard; nan where it is not known: the model has no noise, or the output lies far outside the loop) and "
-      "flags "
-      "(flat; range: an output that the taxel cannot give, the input is the loop's end or nan; "
-      "bad: the row holds no output, and what follows is as without it; unknown: the recording begins in mid-branch, "
-      "and the input is midway between all that its history may be). Of a table with one column a taxel (--map "
-      "output=3-18, or what runs export wrote) "
-      "each "
-      "taxel's, with its number, as compensated_0; flags of a taxel without a model say why. A model that undoes lag "
-      "and creep needs a column time_s, in seconds");
+      "pressures (inputs) from the outputs of a table, by a model's inverse\n"
+      "Adds columns compensated, uncertainty (standard; nan where it is not known: the model has no noise, or the "
+      "output "
+      "lies far outside the loop) and flags (flat; range: an output that the taxel cannot give, the input is the "
+      "loop's "
+      "end or nan; bad: the row holds no output, and what follows is as without it; unknown: the recording begins in "
+      "mid-branch, and the input is midway between all that its history may be). Of a table with one column a taxel "
+      "(--map output=3-18, or what runs export wrote) each taxel's, with its number, as compensated_0; flags of a "
+      "taxel "
+      "without a model say why. A model that undoes lag and creep needs a column time_s, in seconds.");
   verb->add_option("--conditioned", compensate->conditioned_s,
                    "dynamic: seconds for which the pressure went over its range just before the first row")
       ->check(CLI::Range(0.0, 1e9))

@@ -135,17 +135,17 @@ void add_nightly_options(CLI::App& verb, NightlyOptions& options, Session& sessi
                   "puts the parts together and compares")
       ->type_name("K/N");
   verb.add_option("--result", options.result)->group("");
-  add_common_typed(verb, session);
-  verb.get_option("--db")->description("keep the night in this store, and compare it with the baselines");
+  verb.footer("--db FILE, as typed, keeps the night in that store and compares it with the baselines.");
 }
 
 void add_nightly(CLI::App& app, Session& session) {
   auto options = std::make_shared<NightlyOptions>();
-  CLI::App* verb = app.add_subcommand(
-      "nightly", "carry out a suite of scenarios on simulated rigs and compare the results with the expected ones");
+  CLI::App* verb =
+      app.add_subcommand("nightly", "a suite of scenarios on simulated rigs, compared with what is expected");
   add_nightly_options(*verb, *options, session);
-  verb->callback([options, verb, &session] {
-    options->keeps = verb->count("--db") > 0;
+  verb->callback([options, &session] {
+    options->keeps = session.typed("--db");
+    session.take_db_only_as_typed();
     nightly(*options, session);
   });
 }

@@ -243,8 +243,7 @@ void demo(const DemoOptions& options, Session& session) {
 
 void add_demo(CLI::App& app, Session& session) {
   auto options = std::make_shared<DemoOptions>();
-  CLI::App* verb = app.add_subcommand(
-      "demo", "the paper's whole characterization on the simulated rig, models, held-out runs, verdicts and report");
+  CLI::App* verb = app.add_subcommand("demo", "the paper's characterization on the simulated rig, with a report");
   verb->footer(
       "Exit code 0 when it completed, whatever the verdict on the simulated sensor; Ctrl-C once ends it (130).");
   verb->add_option("--seed", options->seed, "noise")->capture_default_str();
@@ -263,9 +262,10 @@ void add_demo(CLI::App& app, Session& session) {
   verb->add_option("--rate", options->rate, "process seconds in a real second, at most (default: as many as it can)")
       ->check(CLI::Range(1.0, 1e6));
   verb->add_flag("--timing", options->timing, "print the time of each stage");
-  add_units(*verb, session);
-  add_common_typed(*verb, session);
-  verb->callback([options, &session] { demo(*options, session); });
+  verb->callback([options, &session] {
+    session.take_db_only_as_typed();
+    demo(*options, session);
+  });
 }
 
 }  // namespace tactbench::bench

@@ -180,7 +180,7 @@ WrittenReport one_run(db::RunStore& store, analysis::Runs& runs, const ReportOpt
     input.annexes.assign(analysis::kAnnexes.begin(), analysis::kAnnexes.end());
   WrittenReport out;
   out.report = analysis::render_report(input);
-  const bool signing = !options.approve_by.empty();
+  const bool signing = !options.signed_by.empty();
   check_reason(input.approvals, out.report.number, options.reason, signing);
   // A signed report has a file of its own, named by its number.
   const std::string numbered = "run-" + out.report.number;
@@ -191,7 +191,7 @@ WrittenReport one_run(db::RunStore& store, analysis::Runs& runs, const ReportOpt
     pause_progress();  // it may ask
     check_signature(input.judgement, input.run.run, input.run.origin, options.without_verdict, session);
     const std::vector<db::ReportRecord> before = store.reports(input.run.run);
-    store.add_report({input.run.run, out.report.number, out.report.content_sha256, options.approve_by, utc_now(),
+    store.add_report({input.run.run, out.report.number, out.report.content_sha256, options.signed_by, utc_now(),
                       before.empty() ? "" : before.back().number, options.reason,
                       evidence_of(runs, input, options.extras.studies)});
     input.approvals = store.reports(input.run.run);
@@ -222,7 +222,7 @@ WrittenReport write_reports(ReportOptions options, Session& session) {
   check_report_options(options);
   if (!options.lab.empty()) options.extras.laboratory = read_laboratory(find_config(options.lab));
   db::RunStore store =
-      options.approve_by.empty() ? db::RunStore::open_read_only(session.db) : db::RunStore::open(session.db);
+      options.signed_by.empty() ? db::RunStore::open_read_only(session.db) : db::RunStore::open(session.db);
   if (!options.output.empty()) check_output(options.output, kind_written(options), session.replace);
   analysis::Runs runs(store);
   check_report_runs(runs, options, session);
@@ -279,23 +279,21 @@ void report_runs(const ReportOptions& options, Session& session) {
 void add_report(CLI::App& app, Session& session) {
   auto options = std::make_shared<ReportOptions>();
   CLI::App* verb = app.add_subcommand("report",
-                                      "write the calibration report of a run (a test report when it states no "
-                                      "uncertainty), a comparison of two runs, or a page on many, as one file");
-  add_report_options(*verb, *options, session.profile);
-  add_replace(*verb, session);
-  verb->add_option(
-      "-o,--output", options->output,
-      "file to write (default: reports/run-N.html in the store's folder, with the report's number when signed)");
-  add_units(*verb, session);
-  verb->get_option("--units")
-      ->description(
-          "unit of the pressures on the page and in the terminal, all of them gauge: kPa, bar or psi, psi beside it "
-          "(of "
-          "psi kPa); the data in the file stay in psi (otherwise by tactbench.toml)")
-      ->default_str("page kPa, terminal psi");
-  add_void_too(*verb, session);
-  add_common(*verb, session);
-  verb->callback([options, &session] { report_runs(*options, session); });
+                                      "a run's calibration report; list, sign or verify reports\n"
+                                      "A test report where the run states no uncertainty; also a comparison of two "
+                                      "runs, or a page on many. One file.");
+  add_report_options(*verb, *options, session);
+  verb->add_flag("--compare", options->compare, "one page on two runs: as found and as left, or two sensors");
+  verb->add_flag("--batch", options->batch, "one page on many runs: yield, ranks, distributions, outliers");
+  verb->callback([options, verb, &session] {
+    if (verb->get_subcommands().empty()) report_runs(*options, session);
+  });
+  CLI::App* sign = verb->add_subcommand("sign", "sign a run's report: it gets a file named by its number");
+  auto signed_one = std::make_shared<ReportOptions>();
+  add_report_options(*sign, *signed_one, session);
+  add_sign_options(*sign, *signed_one);
+  sign->callback([signed_one, &session] { report_runs(*signed_one, session); });
+  add_reports_list(*verb, session);
 }
 
 }  // namespace tactbench::bench

@@ -34,13 +34,14 @@ void check_report_options(const ReportOptions& options) {
   const auto refuse = [](const std::string& what, const std::string& remedy) {
     throw Error("TB-USAGE", what, "report", remedy);
   };
+  if (options.runs.empty()) refuse("no run is named", "e.g. tactbench report 3; tactbench runs list shows all");
   if (options.compare && options.batch) refuse("--compare and --batch cannot be combined", "give one of them");
   if (options.compare && options.runs.size() != 2)
     refuse(fmt::format("--compare takes two runs, not {}", options.runs.size()), "tactbench report --compare 1 2");
   const bool several = options.compare || options.batch;
-  if (several && (!options.approve_by.empty() || !options.reason.empty() || !options.held_out.empty() ||
-                  !options.extras.previous.empty() || !options.extras.studies.empty() || !options.annexes.empty()))
-    refuse("--approve-by, --reason, --held-out, --previous, --studies and --annex belong to the report of one run",
+  if (several && (!options.held_out.empty() || !options.extras.previous.empty() || !options.extras.studies.empty() ||
+                  !options.annexes.empty()))
+    refuse("--held-out, --previous, --studies and --annex belong to the report of one run",
            "report each run by itself, then compare");
   if (!options.issued.empty() && !analysis::is_date(options.issued))
     refuse(fmt::format("'{}' is not a date", options.issued), "write it as 2026-01-31");
@@ -64,7 +65,7 @@ void check_models_of_array(analysis::Runs& runs, const analysis::SensorModel& fi
                 fmt::format("a report cannot use {} {}{}: {}", named.fit == 0 ? "the models of run" : "fit", named.run,
                             named.fit == 0 ? "" : fmt::format(":{}", named.fit), why),
                 "--model",
-                "name a fit of the whole array of a run that the bench made (tactbench model list shows the fits), or "
+                "name a fit of the whole array of a run that the bench made (tactbench runs show lists them), or "
                 "make one: tactbench fit RUN");
   };
   if (runs.record(named.run).origin == "imported") refuse("it came from an imported table");
@@ -75,11 +76,10 @@ void check_report_runs(analysis::Runs& runs, const ReportOptions& options, const
   const std::int64_t run = options.runs.front();
   for (const std::int64_t own : options.runs)
     if (runs.record(own).origin == "imported")
-      throw Error(
-          "TB-USAGE", fmt::format("run {} came from a table: there are no reports of tables", own), "report",
-          fmt::format("tactbench model list {0} names its models, model show what each holds; tactbench fit {0} "
-                      "makes more",
-                      own));
+      throw Error("TB-USAGE", fmt::format("run {} came from a table: there are no reports of tables", own), "report",
+                  fmt::format("tactbench runs show {0} names its models, model show what each holds; tactbench fit {0} "
+                              "makes more",
+                              own));
   if (options.compare || options.batch) {
     (void)named_runs(runs, options.runs, {"report --compare and --batch"}, session.void_too);
     return;
@@ -101,47 +101,23 @@ void check_report_runs(analysis::Runs& runs, const ReportOptions& options, const
   (void)named_runs(runs, studied, {"--studies", model_run != run ? model_run : 0}, session.void_too);
 }
 
-void add_report_options(CLI::App& verb, ReportOptions& options, ProfileOptions& profile) {
+void add_report_options(CLI::App& verb, ReportOptions& options, Session& session) {
   verb.add_option("runs", options.runs,
                   "the run; further runs of the same sensor add creep and temperature to the uncertainty")
-      ->required()
       ->take_all();
   verb.add_option("--held-out", options.held_out,
                   "runs of the same sensor to correct with the models and to judge, each by itself: the worst "
-                  "verdict counts (default: those that the fit was judged on)")
+                  "verdict counts (default: those that the models were judged on)")
       ->take_all();
-  verb.add_option(
-      "--previous", options.extras.previous,
-      "previous models: the report adds this run's as-found figures with them (a .json file, or RUN[:FIT])");
-  verb.add_option("--studies", options.extras.studies,
-                  "further runs of the sensor: under objects, at several rates, held (recognised by their recipes), "
-                  "at another temperature (recognised by their thermometer), re-mounted (RUN:mount), turned in the "
-                  "chamber (RUN:90, RUN:180, RUN:270); held levels and temperature enter the uncertainty")
-      ->take_all();
-  verb.add_option("--model", options.model,
-                  "use the models of this run, or RUN:FIT (default: the run's own: its newest dynamic model or ELAM)");
+  verb.add_option("--limits", options.limits,
+                  "judge by this limits file, without storing (default: the limits that the models were judged by)");
+  session.profile.add(verb, "--lab", ProfileKey::kLab, options.lab,
+                      "laboratory file: facts that no instrument knows (init writes one)");
   verb.add_option("--format", options.format, "html, pdf (needs chromium or weasyprint), or json: the data alone")
       ->check(CLI::IsMember({"html", "pdf", "json"}))
       ->capture_default_str();
-  verb.add_option("--limits", options.limits,
-                  "judge by this limits file, without storing (default: the limits that the fit was judged by)");
-  profile.add(verb, "--lab", ProfileKey::kLab, options.lab,
-              "laboratory file: facts that no instrument knows (init writes one)");
-  verb.add_option("--approve-by", options.approve_by,
-                  "store this person's approval of the report, which gets a file named by its number and is not "
-                  "overwritten; a changed report names the number that it replaces, and why (--reason)")
-      ->check([](const std::string& name) { return std::string(db::is_blank(name) ? "the name is empty" : ""); });
-  verb.add_option("--reason", options.reason,
-                  "what changed since the signed report that this one replaces, and why; printed on page 1, and needed "
-                  "to sign it")
-      ->check([](const std::string& text) { return std::string(db::is_blank(text) ? "the reason is empty" : ""); });
-  verb.add_flag("--without-verdict", options.without_verdict, "approve a report that has no verdict");
-  verb.add_option("--issued-at", options.issued, "date of issue, as 2026-01-31 (default: the day of the approval)");
-  verb.add_option("--paper", options.paper, "a4 or letter")
-      ->check(CLI::IsMember({"a4", "letter"}))
-      ->capture_default_str();
-  verb.add_option("--pdf-with", options.pdf_with, "chromium, or weasyprint, which attaches the data")
-      ->check(CLI::IsMember({"chromium", "weasyprint"}));
+  verb.add_option("-o,--output", options.output,
+                  "file to write (default: reports/run-N.html in the store's folder, by its number when signed)");
   std::vector<std::string> annexes(analysis::kAnnexes.begin(), analysis::kAnnexes.end());
   annexes.emplace_back("all");
   verb.add_option(
@@ -149,8 +125,41 @@ void add_report_options(CLI::App& verb, ReportOptions& options, ProfileOptions& 
           "what the six pages leave out: maps of every level, taxels, models, parameters, events, hashes, or all")
       ->delimiter(',')
       ->check(CLI::IsMember(std::move(annexes)));
-  verb.add_flag("--compare", options.compare, "one page on two runs: as found and as left, or two sensors");
-  verb.add_flag("--batch", options.batch, "one page on many runs: yield, ranks, distributions, outliers");
+  verb.add_option("--previous", options.extras.previous,
+                  "previous models: the report adds this run's as-found figures with them (a .json file, or RUN[:FIT])")
+      ->group(kRareOptions);
+  verb.add_option("--studies", options.extras.studies,
+                  "further runs of the sensor: under objects, at several rates, held (recognised by their recipes), "
+                  "at another temperature (recognised by their thermometer), re-mounted (RUN:mount), turned in the "
+                  "chamber (RUN:90, RUN:180, RUN:270); held levels and temperature enter the uncertainty")
+      ->take_all()
+      ->group(kRareOptions);
+  verb.add_option("--model", options.model,
+                  "use the models of this run, or RUN:FIT (default: the run's own: its newest dynamic model or ELAM)")
+      ->group(kRareOptions);
+  verb.add_option("--paper", options.paper, "a4 or letter")
+      ->check(CLI::IsMember({"a4", "letter"}))
+      ->capture_default_str()
+      ->group(kRareOptions);
+  verb.add_option("--pdf-with", options.pdf_with, "chromium, or weasyprint, which attaches the data")
+      ->check(CLI::IsMember({"chromium", "weasyprint"}))
+      ->group(kRareOptions);
+  add_replace(verb, session);
+  add_void_too(verb, session);
+  verb.footer("Pressures on the page are in kPa with psi, in the terminal in psi, or as --units says.");
+}
+
+void add_sign_options(CLI::App& verb, ReportOptions& options) {
+  const auto filled = [](const std::string& text) { return std::string(db::is_blank(text) ? "it is empty" : ""); };
+  verb.add_option("--by", options.signed_by, "who signs; the signed report is not overwritten")
+      ->required()
+      ->check(filled);
+  verb.add_option("--reason", options.reason,
+                  "what changed since the signed report that this one replaces, and why; printed on page 1, and needed "
+                  "to sign it")
+      ->check(filled);
+  verb.add_option("--issued-at", options.issued, "date of issue, as 2026-01-31 (default: today)");
+  verb.add_flag("--without-verdict", options.without_verdict, "sign a report that has no verdict");
 }
 
 }  // namespace tactbench::bench

@@ -13,15 +13,15 @@ namespace tactbench::bench {
 struct ReportOptions {
   std::vector<std::int64_t> runs, held_out;
   std::string model;  // RUN or RUN:FIT; empty: the run's own
-  std::string format = "html", limits, lab, output, approve_by, reason, issued, paper = "a4", pdf_with;
+  std::string format = "html", limits, lab, output, signed_by, reason, issued, paper = "a4", pdf_with;
   std::vector<std::string> annexes;  // of analysis::kAnnexes, or "all"
   bool compare = false, batch = false, without_verdict = false;
   ReportExtras extras;
 };
 
-// Those of the verb itself, without --units, --replace and the ones that all verbs have. `options` outlives the
-// parsing.
-void add_report_options(CLI::App& verb, ReportOptions& options, ProfileOptions& profile);
+// Those of a report, and further those of signing one. `options` outlives the parsing.
+void add_report_options(CLI::App& verb, ReportOptions& options, Session& session);
+void add_sign_options(CLI::App& verb, ReportOptions& options);
 
 // The run and fit (0: the standing one, of its dynamic model and ELAM the newer) whose models are used; {`run`, 0}
 // where none is named.

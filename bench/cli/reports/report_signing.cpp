@@ -20,10 +20,9 @@ void check_signature(const analysis::Judgement& judgement, std::int64_t run, con
     }
     throw Error(
         "TB-REPORT-NO-VERDICT", "the report has no verdict, and signing it was not confirmed",
-        fmt::format("--approve-by, run {}", run),
-        fmt::format(
-            "judge first: tactbench fit {} --held-out RUN --limits limits.toml; or sign anyway with --without-verdict",
-            run));
+        fmt::format("report sign {}", run),
+        fmt::format("judge first: tactbench judge {} RUN --limits limits.toml; or sign anyway with --without-verdict",
+                    run));
   }
   if (exit_code_of(judgement.overall) == ExitCode::kPass) return;
   std::string word = analysis::verdict_word(judgement.overall);
@@ -44,7 +43,7 @@ void check_reason(const std::vector<db::ReportRecord>& before, const std::string
     throw Error("TB-REPORT-REASON",
                 fmt::format("report {} would replace the signed report {}, and no reason is stated", number,
                             before.back().number),
-                "report --approve-by", "state what changed and why: --reason TEXT");
+                "report sign", "state what changed and why: --reason TEXT");
 }
 
 }  // namespace tactbench::bench

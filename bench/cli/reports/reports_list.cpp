@@ -1,4 +1,4 @@
-// reports list, reports verify: the reports that somebody signed.
+// report list, report verify: the reports that somebody signed.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -55,30 +55,24 @@ void list(std::int64_t only, const Session& session) {
       if (!report.reason.empty()) tty::print("    reason: {}\n", one_line(report.reason, kLongestText));
     }
   }
-  if (session.json) return print_json("reports.list", {{"reports", json}});
-  if (json.empty()) tty::print("no report is signed: tactbench report RUN --approve-by NAME signs one\n");
+  if (session.json) return print_json("report.list", {{"reports", json}});
+  if (json.empty()) tty::print("no report is signed: tactbench report sign RUN --by NAME signs one\n");
 }
 
 }  // namespace
 
-void add_reports(CLI::App& app, Session& session) {
-  CLI::App* group = app.add_subcommand("reports", "the reports that were signed");
-  group->require_subcommand(1);
+void add_reports_list(CLI::App& report, Session& session) {
   auto run = std::make_shared<std::int64_t>(0);
-  CLI::App* verb = group->add_subcommand("list", "signed reports by run: number, date, who signed, which it replaces");
+  CLI::App* verb = report.add_subcommand("list", "the signed reports: number, date, who signed, which it replaces");
   verb->add_option("run", *run, "of this run alone")->check(CLI::PositiveNumber);
-  add_common(*verb, session);
   verb->callback([run, &session] { list(*run, session); });
   auto named = std::make_shared<std::string>();
-  CLI::App* verify = group->add_subcommand(
-      "verify",
-      "tell whether a report was signed and its file is unchanged, and whether the runs that it rests on still count");
+  CLI::App* verify =
+      report.add_subcommand("verify", "is a report signed, its file unchanged, and its evidence still good?");
   verify->add_option("report", *named, "number of the report, or a file")->required();
   verify->footer(
       "Exit codes: 0 signed and unchanged; 1 changed, not signed in this store, or its evidence fell (a run that it "
-      "rests on is void "
-      "or was changed); 6 it cannot be told.");
-  add_common(*verify, session);
+      "rests on is void or was changed); 6 it cannot be told.");
   verify->callback([named, &session] { verify_report(*named, session); });
 }
 

@@ -101,7 +101,7 @@ void tell(const std::string& number, const std::optional<KnownReport>& known, co
       json["replaced_by"] = known->next.number;
       json["replaced_because"] = known->next.reason;
     }
-    return print_json("reports.verify", json);
+    return print_json("report.verify", json);
   }
   if (known)
     tty::print("report {}: of run {}, sensor {}{}; signed by {}, {}\n", number, known->run.run,
@@ -138,7 +138,7 @@ void keep_file_of_signed(const std::string& path, const std::string& number, std
   try {
     db::RunStore::open(session.db).add_note(run, fmt::format("{} {}", utc_now(), line));
   } catch (const db::StoreError& error) {  // an archive that only can be read
-    tty::print(stderr, "warning: {} is not known to `reports verify`: {}\n", path, error.what());
+    tty::print(stderr, "warning: {} is not known to `report verify`: {}\n", path, error.what());
   }
 }
 
@@ -146,8 +146,8 @@ void verify_report(const std::string& named, Session& session) {
   const db::RunStore store = db::RunStore::open_read_only(session.db);
   const bool is_file = std::filesystem::is_regular_file(named);
   if (!is_file && !is_number(named))
-    throw Error("TB-USAGE", fmt::format("'{}' is neither a file nor the number of a report", named), "reports verify",
-                "a number is as in 1-2ccd46bc: tactbench reports list shows those that were signed");
+    throw Error("TB-USAGE", fmt::format("'{}' is neither a file nor the number of a report", named), "report verify",
+                "a number is as in 1-2ccd46bc: tactbench report list shows those that were signed");
   const std::string number = is_file ? signed_report_in(named, store) : named;
   const std::optional<KnownReport> known = number.empty() ? std::optional<KnownReport>() : known_report(store, number);
   std::vector<Finding> findings;

@@ -1,4 +1,4 @@
-// reports verify: whether a file is a report that somebody signed, unchanged since.
+// report verify: whether a file is a report that somebody signed, unchanged since.
 #pragma once
 
 #include <cstdint>
@@ -19,5 +19,8 @@ void keep_file_of_signed(const std::string& path, const std::string& number, std
 // pass where a file is unchanged and its run counts, criterion failed where something was changed or the run is void,
 // inconclusive where that cannot be told. Throws Error TB-USAGE for what is neither, StoreError.
 void verify_report(const std::string& named, Session& session);
+
+// The verbs list and verify of `report`.
+void add_reports_list(CLI::App& report, Session& session);
 
 }  // namespace tactbench::bench

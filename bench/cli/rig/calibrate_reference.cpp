@@ -243,7 +243,6 @@ void add_calibrate_reference(CLI::App& devices, Session& session) {
   CLI::App* verb = devices.add_subcommand(
       "calibrate-reference",
       "approach levels upward and downward, ask for a hand gauge's readings, write the reference's correction");
-  session.profile.add_bench(*verb, options->bench);
   verb->add_option("--gauge", options->gauge, "the hand gauge: model, serial, certificate; recorded")->required();
   verb->add_option("--uncertainty", options->uncertainty_psi, "the gauge's expanded uncertainty, k = 2, at most 10 psi")
       ->required()
@@ -261,10 +260,11 @@ void add_calibrate_reference(CLI::App& devices, Session& session) {
   verb->footer(
       "Pressures of options: a number in psi, or with its unit (20kPa, 0.2bar). The gauge's readings: in the unit of "
       "--units, which the question names, or with their own.");
-  add_units(*verb, session);
   add_replace(*verb, session);
-  verb->add_flag("--json", session.json, "one JSON document on standard output");
-  verb->callback([options, &session] { calibrate(*options, session); });
+  verb->callback([options, &session] {
+    options->bench = session.bench_file();
+    calibrate(*options, session);
+  });
 }
 
 }  // namespace tactbench::bench

@@ -16,7 +16,6 @@ namespace tactbench::bench {
 namespace {
 
 struct ConfigOptions {
-  std::string bench = "simulated.toml";
   std::vector<std::string> set;
   bool origin = false;
 };
@@ -43,10 +42,11 @@ nlohmann::ordered_json settings_json(const std::vector<sequences::Setting>& sett
 
 void show(const ConfigOptions& options, Session& session) {
   std::vector<sequences::Setting> shown = profile_settings(session.profile.values());
-  const BenchConfig config = read_bench(find_config(options.bench), split_overrides(options.set).bench);
+  const BenchConfig config =
+      read_bench(find_config(session.bench_file(kShippedBench)), split_overrides(options.set).bench);
   if (session.json) {
     print_json(
-        "config.show",
+        "config",
         {{"bench", config.file}, {"profile", settings_json(shown)}, {"settings", settings_json(config.settings)}});
     return;
   }
@@ -69,17 +69,12 @@ void show(const ConfigOptions& options, Session& session) {
 
 void add_config(CLI::App& app, Session& session) {
   auto options = std::make_shared<ConfigOptions>();
-  CLI::App* verb = app.add_subcommand(
-      "config",
-      "show every value of a bench file, defaults included, and what tactbench.toml and the environment give");
-  verb->require_subcommand(1);
-  CLI::App* show_verb = verb->add_subcommand("show", "all keys with the values in force");
-  session.profile.add(*show_verb, "--bench", ProfileKey::kBench, options->bench, "bench file")->capture_default_str();
-  show_verb->add_option("--set", options->set, "override table.key=value")->take_all();
-  show_verb->add_flag("--origin", options->origin,
-                      "show the source of each value: file and line, variable of the environment, --set, default");
-  show_verb->add_flag("--json", session.json, "one JSON document on standard output");
-  show_verb->callback([options, &session] { show(*options, session); });
+  CLI::App* verb = app.add_subcommand("config", "every value of a bench file in force, defaults included");
+  verb->add_option("--set", options->set, "override table.key=value")->take_all();
+  verb->add_flag("--origin", options->origin,
+                 "show the source of each value: file and line, variable of the environment, --set, default");
+  verb->footer("Also what tactbench.toml and the environment give.");
+  verb->callback([options, &session] { show(*options, session); });
 }
 
 }  // namespace tactbench::bench

@@ -21,7 +21,7 @@ namespace {
 
 struct ControlOptions : NamedRun {  // bench of `resume`: a file
   std::string on_event;
-  bool assume_yes = false;
+  bool assume_yes = false, abort = false;
 };
 
 // The answer of the run that took the command; throws when it did not.
@@ -98,44 +98,36 @@ void resume(const ControlOptions& options, Session& session) {
   say(options, session, Command::kResume, found);
 }
 
-CLI::App* add_command(CLI::App& app, Session& session, const std::shared_ptr<ControlOptions>& options, Command command,
-                      const char* what) {
-  CLI::App* verb = app.add_subcommand(to_string(command), what);
-  add_named_run(*verb, session, options, command == Command::kResume);
-  verb->add_flag("--json", session.json, "one JSON document on standard output");
-  verb->add_flag("-q,--quiet", session.quiet, "no progress line");
-  return verb;
-}
-
 }  // namespace
 
 void add_control(CLI::App& app, Session& session) {
-  const auto plain = [&](Command command, const char* what) {
+  const auto add = [&](Command command, const char* what) {
     auto options = std::make_shared<ControlOptions>();
-    CLI::App* verb = add_command(app, session, options, command, what);
-    verb->add_option("--bench", options->bench, "id of the bench, or its bench file; only this bench is queried");
-    verb->callback([options, &session, command] { say(*options, session, command, candidates(*options, session)); });
+    CLI::App* verb = app.add_subcommand(to_string(command), what);
+    add_named_run(*verb, *options);
+    if (command == Command::kStop)
+      verb->add_flag("--abort", options->abort, "something seems wrong: the run's outcome is aborted, not stopped");
+    if (command == Command::kResume) {
+      verb->add_option("--on-event", options->on_event,
+                       "shell command for the events done, failed, waiting (see run --help)");
+      verb->add_flag("--yes", options->assume_yes, "answer operator prompts with yes");
+    }
+    verb->callback([options, &session, command] {
+      take_typed(*options, session);
+      if (command == Command::kResume) return resume(*options, session);
+      say(*options, session, options->abort ? Command::kAbort : command, candidates(*options, session));
+    });
   };
-  plain(Command::kPause,
-        "a live run continues to the end of its branch, vents, retracts and waits (as Ctrl-C once); state paused");
-  auto options = std::make_shared<ControlOptions>();
-  CLI::App* verb =
-      add_command(app, session, options, Command::kResume,
-                  "a paused run continues; an interrupted or ended run is opened again: the sensor is conditioned and "
-                  "the interrupted branch repeated from its turning point; the incomplete one is kept as void");
-  verb->add_option("--bench", options->bench, "bench file, for a run that has ended; without it the stored one");
-  verb->add_option("--on-event", options->on_event,
-                   "shell command for the events done, failed, waiting (see run --help)");
-  verb->add_flag("--yes", options->assume_yes, "answer operator prompts with yes");
-  add_units(*verb, session);
-  verb->callback([options, &session] { resume(*options, session); });
-  plain(Command::kStop,
-        "a live run ends now: vents, retracts, proves the safe state; outcome stopped (as Ctrl-C twice)");
-  plain(Command::kAbort, "as stop, when something seems wrong; outcome aborted");
-  plain(
-      Command::kPanic,
-      "vents and halts at once, past the sequencer, over the dead-man's own connection, which latches a trip; outcome "
-      "aborted. Not an emergency stop: that is a switch that takes air and power away");
+  add(Command::kPause, "pause at the end of the branch: vented, retracted (as Ctrl-C once)");
+  add(Command::kResume,
+      "continue a paused run, or open an ended one again\n"
+      "Of an interrupted or ended run the sensor is conditioned and the interrupted branch repeated from its turning "
+      "point; the incomplete one is kept as void. --bench: another bench file than the stored one.");
+  add(Command::kStop, "end a run now: vents, retracts, proves the safe state (as Ctrl-C twice)");
+  add(Command::kPanic,
+      "vent and halt at once, past the sequencer; latches a trip\n"
+      "It goes over the dead-man's own connection; outcome aborted. Not an emergency stop: that is a switch that takes "
+      "air and power away.");
 }
 
 }  // namespace tactbench::bench

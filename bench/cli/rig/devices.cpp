@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <memory>
@@ -14,7 +13,6 @@
 #include "bench/guard/trip.h"
 #include "bench/instruments/check.h"
 #include "bench/instruments/scan.h"
-#include "bench/instruments/watch.h"
 
 namespace tactbench::bench {
 
@@ -22,13 +20,11 @@ namespace {
 
 struct DevicesOptions {
   std::vector<std::string> modbus, set;
-  std::string bench, operator_name;
-  double interval_s = 0.5;
-  long count = 0;
+  std::string operator_name;
 };
 
-BenchConfig bench_of(const DevicesOptions& options) {
-  return read_bench(find_config(options.bench), split_overrides(options.set).bench);
+BenchConfig bench_of(const DevicesOptions& options, const Session& session) {
+  return read_bench(find_config(session.bench_file()), split_overrides(options.set).bench);
 }
 
 void scan(const DevicesOptions& options, const Session& session) {
@@ -47,7 +43,7 @@ void scan(const DevicesOptions& options, const Session& session) {
 }
 
 void check(const DevicesOptions& options, Session& session) {
-  const BenchConfig config = bench_of(options);
+  const BenchConfig config = bench_of(options, session);
   Rig rig(config);
   for (const std::string& place : placeholders_of(config)) tty::print(stderr, "warning: not filled in: {}\n", place);
   const std::vector<DeviceCheck> checks = check_devices(rig, utc_now().substr(0, 10));
@@ -72,15 +68,10 @@ void check(const DevicesOptions& options, Session& session) {
   if (session.json) print_json("devices.check", {{"bench", config.id}, {"devices", list}});
 }
 
-void watch(const DevicesOptions& options, const Session& session) {
-  const BenchConfig config = bench_of(options);
-  watch_devices(config, {options.interval_s, options.count, isatty(STDOUT_FILENO) != 0, session.unit()});
-}
-
 // Talks to no instrument: a person has inspected the rig.
 void reset(const DevicesOptions& options, const Session& session) {
   check_operator(options.operator_name);
-  const BenchConfig config = bench_of(options);
+  const BenchConfig config = bench_of(options, session);
   const TripFile file(config.id);
   const std::optional<Trip> trip = file.read();
   if (trip) file.reset(*trip, options.operator_name);
@@ -101,39 +92,23 @@ void reset(const DevicesOptions& options, const Session& session) {
 void add_devices(CLI::App& app, Session& session) {
   auto options = std::make_shared<DevicesOptions>();
   CLI::App* verb =
-      app.add_subcommand("devices", "the bench's instruments: scan, check, watch, reset, calibrate-reference");
+      app.add_subcommand("devices", "the bench's instruments: scan, check, test, reset, calibrate-reference");
   verb->require_subcommand(1);
-
   CLI::App* scan_verb = verb->add_subcommand("scan", "list serial ports, HID devices, NI-DAQmx devices, Modbus hosts");
   scan_verb->add_option("--modbus", options->modbus, "HOST or HOST:PORT to query; may be repeated")->take_all();
-  scan_verb->add_flag("--json", session.json, "one JSON document on standard output");
   scan_verb->callback([options, &session] { scan(*options, session); });
-
-  CLI::App* check_verb = verb->add_subcommand("check",
-                                              "open each instrument read-only, identify it, read zero; exit code 3 "
-                                              "when one is absent or wrong, 0 with the word "
-                                              "warning for one that is overdue for calibration");
-  CLI::App* watch_verb = verb->add_subcommand("watch", "live values, read-only, until Ctrl-C");
-  for (CLI::App* each : {check_verb, watch_verb}) {
-    session.profile.add_bench(*each, options->bench);
-    each->add_option("--set", options->set, "override table.key=value of the bench file")->take_all();
-    add_units(*each, session);
-  }
-  check_verb->add_flag("--json", session.json, "one JSON document on standard output");
+  CLI::App* check_verb =
+      verb->add_subcommand("check",
+                           "open each instrument read-only, identify it, read zero\n"
+                           "Exit code 3 when one is absent or wrong, 0 with the word warning for one "
+                           "that is overdue for calibration.");
   check_verb->callback([options, &session] { check(*options, session); });
-  watch_verb->add_option("--interval", options->interval_s, "seconds between two readings")
-      ->check(CLI::Range(0.05, 60.0))
-      ->capture_default_str();
-  watch_verb->add_option("--count", options->count, "end after this many readings; 0: never")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  watch_verb->callback([options, &session] { watch(*options, session); });
   CLI::App* reset_verb = verb->add_subcommand("reset", "show a trip that refuses runs, and remove it");
-  session.profile.add_bench(*reset_verb, options->bench);
-  reset_verb->add_option("--set", options->set, "override table.key=value of the bench file")->take_all();
   reset_verb->add_option("--operator", options->operator_name, "who has inspected the rig; logged")->required();
-  reset_verb->add_flag("--json", session.json, "one JSON document on standard output");
   reset_verb->callback([options, &session] { reset(*options, session); });
+  for (CLI::App* each : {check_verb, reset_verb})
+    each->add_option("--set", options->set, "override table.key=value of the bench file")->take_all();
+  add_rig_check(*verb, session);
   add_calibrate_reference(*verb, session);
 }
 

@@ -28,7 +28,7 @@ std::string profile_text(const std::string& operator_name) {
       "# What need not be typed with every verb, for the folder in which tactbench is started. The command line "
       "precedes\n"
       "# the environment (TACTBENCH_BENCH, TACTBENCH_DB, TACTBENCH_FLEET), and that precedes this file: tactbench "
-      "config show --origin.\n"
+      "config --origin.\n"
       "bench = \"bench.toml\"\ndb = \"runs.db\"\noperator = {}\nrecipe = \"production\"\n"
       "limits = \"limits.toml\"\nlab = \"lab.toml\"\n# units = \"kPa\"\n",
       nlohmann::json(operator_name).dump());
@@ -100,7 +100,7 @@ void init(const InitOptions& options, const Session& session) {
 void add_init(CLI::App& app, Session& session) {
   auto options = std::make_shared<InitOptions>();
   CLI::App* verb =
-      app.add_subcommand("init", "write a commented bench.toml, sensor.toml, limits.toml and lab.toml to start from");
+      app.add_subcommand("init", "write commented bench.toml, sensor.toml, limits.toml, lab.toml to start from");
   verb->add_option("folder", options->folder, "where to")->capture_default_str();
   verb->add_option("--operator", options->operator_name,
                    "also write tactbench.toml, with this name: bench, store, operator, recipe and limits then need not "
@@ -108,7 +108,6 @@ void add_init(CLI::App& app, Session& session) {
       ->check([](const std::string& name) { return std::string(db::is_blank(name) ? "the name is empty" : ""); });
   verb->add_flag("--rig", options->rig, "bench.toml describes the paper's rig (hardware) instead of the simulated one");
   verb->add_flag("--replace,--force", session.replace, "overwrite existing files");
-  verb->add_flag("--json", session.json, "one JSON document on standard output");
   verb->callback([options, &session] { init(*options, session); });
 }
 

@@ -121,12 +121,13 @@ LiveRun only_one(const Candidates& found, const NamedRun& named, const std::stri
                                    : "live: " + listed(found.others));
 }
 
-void add_named_run(CLI::App& verb, Session& session, const std::shared_ptr<NamedRun>& named, bool profile) {
-  verb.add_option("run", named->run, "its number; may be omitted when one run is live");
-  const char* const about = "run store, one SQLite file per bench";
-  CLI::Option* const db = profile ? session.profile.add(verb, "--db", ProfileKey::kDb, session.db, about)
-                                  : verb.add_option("--db", session.db, about);
-  db->each([named](const std::string&) { named->db_given = true; });
+void add_named_run(CLI::App& verb, NamedRun& named) {
+  verb.add_option("run", named.run, "its number; may be omitted when one run is live");
+}
+
+void take_typed(NamedRun& named, const Session& session) {
+  named.db_given = session.typed("--db");
+  named.bench = session.typed_bench();
 }
 
 }  // namespace tactbench::bench

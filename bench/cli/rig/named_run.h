@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -43,8 +42,8 @@ std::string bench_id_of(const std::string& bench);  // of a bench file's name, o
 std::string silent_text(const SilentBench& silent);
 std::string listed(const std::vector<LiveRun>& runs, const std::vector<SilentBench>& silent = {});
 
-// RUN and --db on a verb. `profile`: the store may come from the operator's profile; never for what ends a run, which
-// no file may keep from it.
-void add_named_run(CLI::App& verb, Session& session, const std::shared_ptr<NamedRun>& named, bool profile);
+void add_named_run(CLI::App& verb, NamedRun& named);
+// --db and --bench as typed alone: no file may keep a command from the run that it is meant for.
+void take_typed(NamedRun& named, const Session& session);
 
 }  // namespace tactbench::bench

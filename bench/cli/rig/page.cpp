@@ -99,10 +99,9 @@ void add_page(CLI::App& app, Session& session) {
   PageOptions& page = options->page;
   page.http.port = kUsualPort;
   CLI::App* verb = app.add_subcommand("page",
-                                      "what the bench does, in a browser: prints an address, and serves it until "
-                                      "Ctrl-C. A process of its own that reads "
-                                      "the store and follows the live run; a run never waits for it");
-  verb->add_option("--bench", page.bench, "id of the bench, or its bench file: only this bench's runs");
+                                      "the bench in a browser: prints an address, serves it until Ctrl-C\n"
+                                      "A process of its own that reads the store and follows the live run; a run never "
+                                      "waits for it.");
   session.profile.add(*verb, "--operator", ProfileKey::kOperator, page.operator_name,
                       "who commands from the page: the address then lets its holder pause, resume, stop, abort, panic "
                       "and answer prompts under this name; without it the page only shows");
@@ -123,8 +122,11 @@ void add_page(CLI::App& app, Session& session) {
       ->take_all();
   verb->add_option("--night", page.night, "page that `nightly --html` wrote, shown in the view of the nights");
   verb->add_option("--beside", page.beside, "process of a run: ends once that has ended and nobody looks")->group("");
-  add_common(*verb, session);
-  verb->callback([options, &session] { serve(*options, session); });
+  for (const char* const name : {"--listen", "--tls", "--name", "--night"}) verb->get_option(name)->group(kRareOptions);
+  verb->callback([options, &session] {
+    options->page.bench = session.typed_bench();
+    serve(*options, session);
+  });
 }
 
 void start_page_beside(const std::string& db, const std::string& bench_id, const std::string& operator_name) {

@@ -27,8 +27,8 @@ namespace {
 
 struct PlanOptions {
   std::vector<std::string> recipes, set;
-  std::string bench = "simulated.toml", limits;
-  bool steps = false, parameters = false;
+  std::string limits, copy;
+  bool steps = false, parameters = false, print = false;
 };
 
 struct Plan {
@@ -242,7 +242,12 @@ void print_plan(const Plan& plan, const TimeEstimate& time, bool steps, analysis
 }
 
 void plan(const PlanOptions& options, Session& session) {
-  if (options.recipes.empty()) return list_plannable(session);
+  if (options.recipes.empty()) return list_recipes(session);
+  if (options.print || !options.copy.empty()) {
+    if (options.recipes.size() != 1) throw Error("TB-USAGE", "--print and --copy take one recipe", "plan", "name one");
+    return options.print ? print_recipe(options.recipes.front(), session)
+                         : copy_recipe(options.recipes.front(), options.copy, session);
+  }
   const SplitOverrides overrides = split_overrides(options.set);
   Plan plan;
   plan.recipes = read_recipes(options.recipes, overrides.recipe);
@@ -250,7 +255,7 @@ void plan(const PlanOptions& options, Session& session) {
     list_parameters(plan.recipes, session.json);
     return;
   }
-  plan.bench = read_bench(find_config(options.bench), overrides.bench);
+  plan.bench = read_bench(find_config(session.bench_file(kShippedBench)), overrides.bench);
   check_recipes(plan.recipes, plan.bench);
   plan.steps = sequences::compile(plan.recipes);
   plan.margins = margins(plan.steps, plan.bench);
@@ -278,12 +283,9 @@ void plan(const PlanOptions& options, Session& session) {
 
 void add_plan(CLI::App& app, Session& session) {
   auto options = std::make_shared<PlanOptions>();
-  CLI::App* verb =
-      app.add_subcommand("plan", "compile recipes without touching a device: steps, extremes, margins, time, bytes");
+  CLI::App* verb = app.add_subcommand("plan", "check recipes without a device: levels, margins, time; none: list them");
   verb->add_option("recipe", options->recipes,
                    "recipe files or names of shipped ones (descending, ring, ...); none: lists the shipped ones");
-  session.profile.add(*verb, "--bench", ProfileKey::kBench, options->bench, "bench file, for its limits and devices")
-      ->capture_default_str();
   verb->add_option(
           "--set", options->set,
           "override table.key=value, or recipe.key=value (a parameter or a key); a pressure in the key's unit, or with "
@@ -293,9 +295,10 @@ void add_plan(CLI::App& app, Session& session) {
                    "limits file: list levels to be judged that are not measured; exit code 6 when there are any");
   verb->add_flag("--steps", options->steps, "list every step in the order of the run");
   verb->add_flag("--parameters", options->parameters, "list the recipes' parameters instead");
-  session.profile.add(*verb, "--db", ProfileKey::kDb, session.db, "store to learn times from")->capture_default_str();
-  add_units(*verb, session);
-  verb->add_flag("--json", session.json, "one JSON document on standard output");
+  verb->add_flag("--print", options->print, "print the recipe's file instead, with its comments");
+  verb->add_option("--copy", options->copy, "begin a recipe of your own as a copy of this one: NAME, or NAME.toml")
+      ->type_name("NAME");
+  add_replace(*verb, session);
   verb->callback([options, &session] { plan(*options, session); });
 }
 

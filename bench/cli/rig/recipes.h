@@ -1,4 +1,4 @@
-// The shipped recipes, for `recipes` and for `plan` without a name.
+// Recipes as files: the shipped ones, and copies of them.
 #pragma once
 
 #include <string>
@@ -17,7 +17,10 @@ struct ShippedRecipe {
 // In the order of their names; a shipped file that is no recipe, such as a suite, is left out.
 std::vector<ShippedRecipe> shipped_recipes();
 
-// For `plan` without names: name and title of each.
-void list_plannable(const Session& session);
+// What `plan` prints of recipes without planning: all shipped ones, a line each; one's file; and the file that it
+// begins as a copy, NAME.toml. Throw sequences::FileError, and Error TB-FILE-EXISTS.
+void list_recipes(const Session& session);
+void print_recipe(const std::string& name, const Session& session);
+void copy_recipe(const std::string& name, const std::string& file, const Session& session);
 
 }  // namespace tactbench::bench

@@ -43,7 +43,7 @@ std::string conclusion(const std::string& rig, const std::string& standard) {
              standard_moved = standard == "outside" || standard == "shifted";
   if (rig == "no baseline" || standard == "no baseline")
     return fmt::format(
-        "not judged: accept a baseline of at least {} checks (tactbench baseline accept RUNS --reason --by)",
+        "not judged: accept a baseline of at least {} checks (tactbench trend accept RUNS --reason --by)",
         analysis::kLeastStartUp);
   if (rig_moved && standard_moved)
     return "the rig changed, and the standard's figures with it: do not calibrate sensors on it";
@@ -95,11 +95,11 @@ nlohmann::ordered_json checked_json(const CheckedSubject& subject) {
 }
 
 void check_rig(const RigCheckOptions& options, Session& session) {
-  const std::int64_t steps = run_of_check(options, {"rig-check"}, "rig check: steps and holds", session);
+  const std::int64_t steps = run_of_check(options, {"rig-check"}, "devices test: steps and holds", session);
   const std::int64_t standard =
-      run_of_check(options, options.standard_recipes, "rig check: the check standard", session);
+      run_of_check(options, options.standard_recipes, "devices test: the check standard", session);
   std::int64_t pressed = 0;
-  if (options.press) pressed = run_of_check(options, {"ring"}, "rig check: force and stage", session);
+  if (options.press) pressed = run_of_check(options, {"ring"}, "devices test: force and stage", session);
   db::RunStore store = db::RunStore::open(session.db);
   const analysis::StoredRun stepped = analysis::read_run(store, store.run(steps));
   const db::RunRecord& record = stepped.record;
@@ -139,15 +139,13 @@ void check_rig(const RigCheckOptions& options, Session& session) {
 
 }  // namespace
 
-void add_rig(CLI::App& app, Session& session) {
-  CLI::App* group = app.add_subcommand("rig", "checks of the rig itself");
-  group->require_subcommand(1);
+void add_rig_check(CLI::App& devices, Session& session) {
   auto options = std::make_shared<RigCheckOptions>();
-  CLI::App* verb = group->add_subcommand(
-      "check",
-      "steps and holds of the chamber, reference against feedback, and a check-standard sensor, each compared with its "
-      "baseline; with --press also the force sensor's zero and the stage's repeatability");
-  session.profile.add_bench(*verb, options->run.bench);
+  CLI::App* verb = devices.add_subcommand(
+      "test",
+      "measure the rig itself and compare it with its baseline\n"
+      "Steps and holds of the chamber, reference against feedback, and a check-standard sensor; with --press also the "
+      "force sensor's zero and the stage's repeatability.");
   verb->add_option("--standard", options->run.sensor, "serial of the sensor that is used only for these checks")
       ->required();
   session.profile.add_operator(*verb, options->run.operator_name);
@@ -159,9 +157,10 @@ void add_rig(CLI::App& app, Session& session) {
       ->take_all();
   verb->add_option("--seed", options->run.seeds.seed, "simulation: seed of noise and faults");
   verb->add_option("--sensor-seed", options->run.seeds.sensor_seed, "simulation: seed of the array");
-  add_units(*verb, session);
-  add_common(*verb, session);
-  verb->callback([options, &session] { check_rig(*options, session); });
+  verb->callback([options, &session] {
+    options->run.bench = session.bench_file();
+    check_rig(*options, session);
+  });
 }
 
 }  // namespace tactbench::bench

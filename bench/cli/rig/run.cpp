@@ -192,13 +192,11 @@ void resume_run(std::int64_t number, const ResumeOptions& options, Session& sess
 
 void add_run(CLI::App& app, Session& session) {
   auto options = std::make_shared<RunOptions>();
-  CLI::App* verb =
-      app.add_subcommand("run", "carry out recipes on a bench and store every frame; prints the run's number");
+  CLI::App* verb = app.add_subcommand("run", "carry out recipes on a bench and store every frame");
   session.profile
       .add(*verb, "recipe", ProfileKey::kRecipe, options->recipes,
-           "recipe files, or names of shipped ones (tactbench recipes list)")
+           "recipe files, or names of shipped ones (tactbench plan lists them)")
       ->required();
-  session.profile.add_bench(*verb, options->bench);
   verb->add_option("--sensor", options->sensor, "serial of a registered sensor (tactbench sensors add)")->required();
   session.profile.add_operator(*verb, options->operator_name);
   verb->add_option("--purpose", options->purpose, "why; recorded");
@@ -227,9 +225,12 @@ void add_run(CLI::App& app, Session& session) {
   verb->add_flag("--page", options->page,
                  "start `tactbench page` beside the run: its address is printed; it ends when the run has ended and "
                  "nobody looks");
-  add_units(*verb, session);
-  add_common(*verb, session);
-  verb->callback([options, &session] { show_run_result(begin_and_carry_out(*options, session), session); });
+  for (const char* const name : {"--specimen-state", "--no-seating", "--purpose", "--on-event"})
+    verb->get_option(name)->group(kRareOptions);
+  verb->callback([options, &session] {
+    options->bench = session.bench_file();
+    show_run_result(begin_and_carry_out(*options, session), session);
+  });
 }
 
 }  // namespace tactbench::bench

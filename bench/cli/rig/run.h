@@ -1,4 +1,4 @@
-// Shared by `run`, `resume` and `rig check`: carries out a run, or opens a stored one again.
+// Shared by `run`, `resume` and `devices test`: carries out a run, or opens a stored one again.
 #pragma once
 
 #include <cstdint>

@@ -18,7 +18,7 @@ namespace tactbench::bench {
 namespace {
 
 struct SimulateOptions {
-  std::string bench = "simulated.toml", write_bench;
+  std::string bench, write_bench;
   std::vector<std::string> set;
   double rate = 1.0;
   double for_s = 0.0;
@@ -103,8 +103,6 @@ void simulate(const SimulateOptions& options, const Session& session) {
 void add_simulate(CLI::App& app, Session& session) {
   auto options = std::make_shared<SimulateOptions>();
   CLI::App* verb = app.add_subcommand("simulate", "serve the whole simulated rig on real wires, for any client");
-  session.profile.add(*verb, "--bench", ProfileKey::kBench, options->bench, "simulated bench file")
-      ->capture_default_str();
   verb->add_option("--set", options->set, "override table.key=value, such as module.port=1502")->take_all();
   verb->add_option("--rate", options->rate, "ratio of process time to real time")
       ->check(CLI::Range(0.1, 100.0))
@@ -114,8 +112,10 @@ void add_simulate(CLI::App& app, Session& session) {
   verb->add_option("--for", options->for_s, "end after this many seconds of real time; 0: at Ctrl-C")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  verb->add_flag("--json", session.json, "one JSON document on standard output, then serve");
-  verb->callback([options, &session] { simulate(*options, session); });
+  verb->callback([options, &session] {
+    options->bench = session.bench_file(kShippedBench);
+    simulate(*options, session);
+  });
 }
 
 }  // namespace tactbench::bench

@@ -119,7 +119,7 @@ bool show_ended(const NamedRun& named, const Candidates& found, Session& session
 void watch_live(const NamedRun& named, Session& session) {
   const Candidates found = candidates(named, session);
   if (show_ended(named, found, session)) return;
-  const LiveRun live = only_one(found, named, "watch", true);
+  const LiveRun live = only_one(found, named, "status --watch", true);
   if (live.denied) refuse_word("TB-RUN-DENIED", denied_text(live), live.name, "watch it as one of these users");
   const StopRequest stop;
   WatchRunOptions options;
@@ -140,31 +140,19 @@ void watch_live(const NamedRun& named, Session& session) {
 }  // namespace
 
 void add_status(CLI::App& app, Session& session) {
-  auto asked = std::make_shared<NamedRun>();
-  CLI::App* status = app.add_subcommand(
-      "status",
-      "what the live runs do: state, phase, pressures, time left, frames, last events; when none is live, how the last "
-      "run of the store ended. Reads only; exit code 0 in both cases");
-  add_named_run(*status, session, asked, true);
-  status->add_option("--bench", asked->bench, "id of the bench, or its bench file; only this bench is queried");
-  add_units(*status, session);
-  status->add_flag("--json", session.json, "one JSON document on standard output");
-  status->callback([asked, &session] { show_status(*asked, session); });
-
-  auto watched = std::make_shared<NamedRun>();
-  CLI::App* verb =
-      app.add_subcommand("watch",
-                         "follows a live run until it ends, with the array's last frame as a heat map; plain lines "
-                         "where standard output is "
-                         "no terminal. Ctrl-C ends the watching, not the run. Exit code: as the run ended");
-  add_named_run(*verb, session, watched, true);
-  verb->add_option("--bench", watched->bench, "id of the bench, or its bench file; only this bench is queried");
-  add_units(*verb, session);
-  verb->footer(
-      "NO_COLOR=1 draws the heat map in characters. Exit code: 0 completed (or Ctrl-C), 1 a check refused the run, 3 "
-      "it\n"
-      "failed or its process died, 4 stopped or aborted, 5 store, 7 safe state not verified.");
-  verb->callback([watched, &session] { watch_live(*watched, session); });
+  auto named = std::make_shared<NamedRun>();
+  auto follow = std::make_shared<bool>(false);
+  CLI::App* verb = app.add_subcommand("status", "what live runs do; when none is live, how the last one ended");
+  add_named_run(*verb, *named);
+  verb->add_flag(
+      "--watch", *follow,
+      "follow it until it ends, with the array's last frame as a heat map; plain lines where standard output "
+      "is no terminal. Ctrl-C ends the watching, not the run. The exit code is that of the run");
+  verb->footer("Reads only. NO_COLOR=1 draws the heat map in characters.");
+  verb->callback([named, follow, &session] {
+    take_typed(*named, session);
+    *follow ? watch_live(*named, session) : show_status(*named, session);
+  });
 }
 
 }  // namespace tactbench::bench

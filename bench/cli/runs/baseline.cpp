@@ -97,7 +97,7 @@ void accept_baseline(const BaselineOptions& options, const Session& session) {
   }
   if (few)
     tty::print("fewer than {} runs: charts find small shifts later (docs/nights.md)\n", analysis::kRecommendedStartUp);
-  if (session.json) print_json("baseline.accept", {{"store", session.db}, {"baselines", json}});
+  if (session.json) print_json("trend.accept", {{"store", session.db}, {"baselines", json}});
 }
 
 void list_baselines(const Session& session) {
@@ -115,24 +115,23 @@ void list_baselines(const Session& session) {
                  analysis::counted(baseline.runs.size(), "run"), one_line(baseline.accepted_utc),
                  one_line(baseline.accepted_by), one_line(baseline.reason));
   }
-  if (session.json) return print_json("baseline.list", {{"store", session.db}, {"baselines", json}});
+  if (session.json) return print_json("trend.baselines", {{"store", session.db}, {"baselines", json}});
   if (json.empty())
     tty::print(
-        "no baseline is accepted: tactbench baseline accept RUNS --reason TEXT --by NAME accepts runs whose figures "
+        "no baseline is accepted: tactbench trend accept RUNS --reason TEXT --by NAME accepts runs whose figures "
         "tactbench trend lists, at least {}\n",
         analysis::kLeastStartUp);
 }
 
 }  // namespace
 
-void add_baseline(CLI::App& app, Session& session) {
-  CLI::App* group = app.add_subcommand("baseline", "reference runs with which later ones are compared");
-  group->require_subcommand(1);
+void add_baseline(CLI::App& trend, Session& session) {
   auto options = std::make_shared<BaselineOptions>();
-  CLI::App* accept = group->add_subcommand(
-      "accept",
-      "compare later figures of each subject with the spread of these runs, at least 8, better 20; replaces the "
-      "previous baseline");
+  CLI::App* accept =
+      trend.add_subcommand("accept",
+                           "accept runs as the baseline of later ones\n"
+                           "Later figures of each subject are compared with the spread of these runs, at "
+                           "least 8, better 20. Replaces the previous baseline.");
   accept
       ->add_option("runs", options->runs,
                    "numbers and ranges, e.g. 1-88 90; runs without figures are skipped, runs that repeat another "
@@ -140,10 +139,8 @@ void add_baseline(CLI::App& app, Session& session) {
       ->required();
   accept->add_option("--reason", options->reason, "why these runs serve as reference")->required();
   accept->add_option("--by", options->by, "name of the person who accepts them")->required();
-  add_common(*accept, session);
   accept->callback([options, &session] { accept_baseline(*options, session); });
-  CLI::App* list = group->add_subcommand("list", "list the accepted baselines; a subject's last one counts");
-  add_common(*list, session);
+  CLI::App* list = trend.add_subcommand("baselines", "list the accepted baselines; a subject's last one counts");
   list->callback([&session] { list_baselines(session); });
 }
 

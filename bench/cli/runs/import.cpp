@@ -107,12 +107,12 @@ void import(const ImportOptions& options, const Session& session) {
 
 }  // namespace
 
-void add_import(CLI::App& app, Session& session) {
+void add_import(CLI::App& runs, Session& session) {
   auto options = std::make_shared<ImportOptions>();
-  CLI::App* verb = app.add_subcommand("import",
-                                      "make a run of a table with columns sequence,step,input,output[,taxel], or of "
-                                      "what runs export writes (history in "
-                                      "row order)");
+  CLI::App* verb = runs.add_subcommand("import",
+                                       "make a run of a table of input and output\n"
+                                       "Columns sequence, step, input, output and perhaps taxel, or what runs export "
+                                       "writes; history in row order.");
   verb->add_option("file", options->file,
                    "text with commas, semicolons, tabs or blanks between the columns; a line names them, the next may "
                    "hold units")
@@ -120,7 +120,6 @@ void add_import(CLI::App& app, Session& session) {
   add_table_options(*verb, options->table);
   session.profile.add(*verb, "--operator", ProfileKey::kOperator, options->operator_name, "who imports it");
   verb->add_option("--purpose", options->purpose, "what it is");
-  add_common(*verb, session);
   verb->callback([options, &session] { import(*options, session); });
 }
 

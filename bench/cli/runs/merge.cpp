@@ -66,8 +66,7 @@ void merge_and_report(const MergeOptions& options, Session& session) {
 
 void add_run_merge(CLI::App& runs, Session& session) {
   auto options = std::make_shared<MergeOptions>();
-  CLI::App* verb = runs.add_subcommand(
-      "merge", "take from several stores what this one (--db) does not have: runs, figures, nights, baselines");
+  CLI::App* verb = runs.add_subcommand("merge", "take from several stores what this one (--db) does not have");
   verb->footer(
       "A night of which these stores hold all parts (nightly --shard K/N) becomes the night of one machine: the same "
       "numbers of runs, figures and comparisons. Merging again changes nothing. Exit codes as of nightly: 1 a scenario "
@@ -75,9 +74,12 @@ void add_run_merge(CLI::App& runs, Session& session) {
   verb->add_option("stores", options->parts, "the stores, which stay as they are")->required()->take_all();
   add_night_files(*verb, options->files);
   add_replace(*verb, session);
-  add_common_typed(*verb, session);
-  verb->get_option("--db")->required()->description("the store that they are taken into; made if it does not exist");
-  verb->callback([options, &session] { merge_and_report(*options, session); });
+  verb->callback([options, &session] {
+    if (!session.typed("--db"))
+      throw Error("TB-USAGE", "the store that they are taken into is not named", "--db",
+                  "--db FILE; it is made if it does not exist");
+    merge_and_report(*options, session);
+  });
 }
 
 }  // namespace tactbench::bench

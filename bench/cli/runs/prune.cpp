@@ -127,8 +127,10 @@ void add_db_prune(CLI::App& db, Session& session) {
       "--shrink", options->shrink,
       "give the file's free space back afterwards; needs as much again meanwhile, and no other program in the "
       "store");
-  add_common_typed(*verb, session);
-  verb->callback([options, &session] { prune(*options, session); });
+  verb->callback([options, &session] {
+    session.take_db_only_as_typed();
+    prune(*options, session);
+  });
 }
 
 }  // namespace tactbench::bench

@@ -150,7 +150,6 @@ void add_run_diff(CLI::App& runs, Session& session) {
       runs.add_subcommand("diff", "show the differences between two runs (exit 1), or that there are none (0)");
   verb->add_option("a", numbers->first, "run number")->required();
   verb->add_option("b", numbers->second, "run number")->required();
-  add_common(*verb, session);
   verb->callback([numbers, &session] { diff_runs(numbers->first, numbers->second, session); });
 }
 

@@ -76,19 +76,16 @@ void add_run_remarks(CLI::App& runs, Session& session) {
   tag->add_option("run", remark->run, "run number")->required();
   tag->add_option("tags", remark->tags, "words of letters, digits and . _ : / + -")->required()->take_all();
   tag->add_flag("--remove", remark->remove, "take them away");
-  add_common(*tag, session);
   tag->callback([remark, &session] { tag_run(*remark, session); });
   CLI::App* note = runs.add_subcommand("note", "add a line to a run's notes, with the time");
   note->add_option("run", remark->run, "run number")->required();
   note->add_option("text", remark->text, "text of the note")->required();
-  add_common(*note, session);
   note->callback([remark, &session] { note_run(*remark, session); });
   CLI::App* nullify =
       runs.add_subcommand("void", "declare a run void permanently: it no longer counts; nothing is deleted");
   nullify->add_option("run", remark->run, "run number")->required();
   nullify->add_option("--reason", remark->text, "why")->required();
   nullify->add_option("--by", remark->by, "name of the person who declares it")->required();
-  add_common(*nullify, session);
   nullify->callback([remark, &session] { void_run(*remark, session); });
 }
 

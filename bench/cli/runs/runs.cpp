@@ -179,6 +179,7 @@ void show_run(std::int64_t number, const Session& session, bool all_events) {
   const std::vector<db::EventRecord> events = store.events(number);
   const std::vector<db::CheckRecord> checks = store.checks(number);
   const std::optional<db::PrunedRecord> pruned = store.pruned(number);
+  const std::vector<db::FitRecord> fits = store.fits(number);
   if (session.json) {
     nlohmann::ordered_json json = analysis::run_json(run);
     json["frames"] = store.frame_count(number);
@@ -199,6 +200,14 @@ void show_run(std::int64_t number, const Session& session, bool all_events) {
                                 {"verdict", check.verdict},
                                 {"detail", analysis::ordered_json_or_null(check.detail_json)}});
     }
+    json["models"] = nlohmann::ordered_json::array();
+    for (const db::FitRecord& fit : fits)
+      json["models"].push_back({{"model", fmt::format("{}:{}", number, fit.fit)},
+                                {"fit", fit.fit},
+                                {"kind", fit.model},
+                                {"fitted_taxels", fit.fitted},
+                                {"created", fit.created_utc},
+                                {"program", fit.program_version}});
     json["verdict"] = word;
     json["rests_on_means_alone"] = means_alone;
     json["verdicts"] = verdicts_json(verdicts, run.origin);
@@ -242,6 +251,9 @@ void show_run(std::int64_t number, const Session& session, bool all_events) {
   line("frames", pruned ? fmt::format("none: {} were removed on {}, by the rule: {}", pruned->frames,
                                       pruned->pruned_utc, pruned->rule)
                         : std::to_string(store.frame_count(number)));
+  for (const db::FitRecord& fit : fits)
+    line("model", fmt::format("{}:{}: {}, {}, {}", number, fit.fit, fit.model, analysis::counted(fit.fitted, "taxel"),
+                              fit.created_utc));
   for (const db::CheckRecord& check : checks) {
     line("check", fmt::format("{:9.3f} s  {} {}: {}", static_cast<double>(check.time_ns) * 1e-9, check.kind,
                               check.verdict, check_line(check)));
@@ -272,24 +284,21 @@ void add_runs_list_options(CLI::App& verb, RunsListOptions& options) {
 }
 
 void add_runs(CLI::App& app, Session& session) {
-  CLI::App* runs =
-      app.add_subcommand("runs", "list, show, compare, export, copy, merge, tag, note or void stored runs");
+  CLI::App* runs = app.add_subcommand("runs", "list, show, void, export, import, copy stored runs");
   runs->require_subcommand(1);
   auto options = std::make_shared<RunsListOptions>();
   CLI::App* list_verb = runs->add_subcommand("list", "one line a run");
   add_runs_list_options(*list_verb, *options);
-  add_common(*list_verb, session);
   list_verb->callback([options, &session] { list_runs(*options, session); });
   auto number = std::make_shared<std::int64_t>(0);
   CLI::App* show_verb = runs->add_subcommand("show", "everything stored about a run");
   auto all_events = std::make_shared<bool>(false);
   show_verb->add_option("run", *number, "run number")->required();
-  add_units(*show_verb, session);
   show_verb->add_flag("--events", *all_events, "all events, also commands to actuators and readings");
-  add_common(*show_verb, session);
   show_verb->callback([number, all_events, &session] { show_run(*number, session, *all_events); });
   add_run_remarks(*runs, session);
   add_run_export(*runs, session);
+  add_import(*runs, session);
   add_run_copy(*runs, session);
   add_run_merge(*runs, session);
   add_run_diff(*runs, session);

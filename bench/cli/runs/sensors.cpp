@@ -85,14 +85,11 @@ void add_sensors(CLI::App& app, Session& session) {
   add_verb->add_option("--type", options->type_file, "sensor type file")->capture_default_str();
   add_verb->add_option("--scanner", options->scanner, "serial of the scanner it is read with (default: any)");
   add_verb->add_option("--note", options->note, "anything worth knowing");
-  add_common(*add_verb, session);
   add_verb->callback([options, &session] { add(*options, session); });
   CLI::App* list_verb = sensors->add_subcommand("list", "one line a sensor");
-  add_common(*list_verb, session);
   list_verb->callback([&session] { list_sensors(session); });
   CLI::App* show_verb = sensors->add_subcommand("show", "one sensor, its type file and its runs");
   show_verb->add_option("serial", options->serial, "the sensor's serial number")->required();
-  add_common(*show_verb, session);
   show_verb->callback([options, &session] { show_sensor(options->serial, session); });
 }
 

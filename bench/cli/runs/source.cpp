@@ -52,34 +52,35 @@ analysis::TableLayout layout_of(const TableOptions& options) {
   return layout;
 }
 
+constexpr const char* kTableOptions = "Of a table";
+
 void add_layout_options(CLI::App& verb, TableOptions& options) {
-  verb.add_option(
-      "--map", options.map,
-      "of a table: meaning of the columns, as input=COL,output=COL,sequence=COL,taxel=COL,time=COL (numbers "
-      "from 1, or names, in double quotes where they hold a comma); output=3-18, output=s* and "
-      "output=s0+s1 are one column a taxel");
-  verb.add_flag("--no-header", options.no_header, "of a table: no line names the columns; --map numbers them");
-  verb.add_option("--skip-lines", options.skip_lines,
-                  "of a table: pass over so many lines at its beginning, whatever they hold");
+  verb.add_option("--map", options.map,
+                  "meaning of the columns, as input=COL,output=COL,sequence=COL,taxel=COL,time=COL (numbers "
+                  "from 1, or names, in double quotes where they hold a comma); output=3-18, output=s* and "
+                  "output=s0+s1 are one column a taxel");
+  verb.add_flag("--no-header", options.no_header, "no line names the columns; --map numbers them");
+  verb.add_option("--skip-lines", options.skip_lines, "pass over so many lines at its beginning, whatever they hold");
+  for (const char* const name : {"--map", "--no-header", "--skip-lines"}) verb.get_option(name)->group(kTableOptions);
 }
 
 void add_table_options(CLI::App& verb, TableOptions& options) {
   add_layout_options(verb, options);
-  verb.add_option("--input-unit", options.input_unit, "of a table: unit of its inputs, for display");
+  verb.add_option("--input-unit", options.input_unit, "unit of its inputs, for display");
   verb.add_option("--noise", options.noise,
-                  "of a table: standard deviation of its outputs (default: estimated from differences of neighbours "
+                  "standard deviation of its outputs (default: estimated from differences of neighbours "
                   "within the branches that are fitted); the dead band of compensation is six of them")
       ->check(CLI::NonNegativeNumber);
-  verb.add_option(
-          "--turn", options.turn,
-          "of a table, in units of its inputs: an input that goes back by more has turned (default: seven times "
-          "the inputs' own noise, and 0.1 % of their span at least)")
+  verb.add_option("--turn", options.turn,
+                  "in units of its inputs: an input that goes back by more has turned (default: seven times "
+                  "the inputs' own noise, and 0.1 % of their span at least)")
       ->check(CLI::NonNegativeNumber);
-  verb.add_flag(
-      "--skip-bad-rows", options.skip_bad_rows,
-      "of a table: leave out rows with blank cells, without numbers, with too few or too many fields, or with "
-      "a number far from both its neighbours, and say which");
-  verb.add_option("--output-unit", options.output_unit, "of a table: unit of its outputs, for display");
+  verb.add_flag("--skip-bad-rows", options.skip_bad_rows,
+                "leave out rows with blank cells, without numbers, with too few or too many fields, or with "
+                "a number far from both its neighbours, and say which");
+  verb.add_option("--output-unit", options.output_unit, "unit of its outputs, for display");
+  for (const char* const name : {"--input-unit", "--output-unit", "--noise", "--turn", "--skip-bad-rows"})
+    verb.get_option(name)->group(kTableOptions);
 }
 
 bool names_run(const std::string& source) {

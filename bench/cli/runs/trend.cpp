@@ -28,7 +28,7 @@ std::vector<std::string> chosen_subjects(const TrendOptions& options, const db::
   }
   if (!chosen.empty()) return chosen;
   throw Error("TB-TREND-NONE", "there are no such figures", store.path(),
-              subjects.empty() ? std::string("fit, nightly --db and rig check store figures")
+              subjects.empty() ? std::string("fit, nightly --db and devices test store figures")
                                : fmt::format("there are: {}", fmt::join(subjects, ", ")));
 }
 
@@ -126,7 +126,7 @@ void trend(const TrendOptions& options, Session& session) {
       tty::print(
           stderr,
           "warning: nothing was compared: no figure has a value after a baseline of enough runs; accept one with "
-          "tactbench baseline accept\n");
+          "tactbench trend accept\n");
   }
   if (!options.html.empty())
     write_output(options.html, trend_page("Figures over time", origin, subjects), session.replace);
@@ -151,17 +151,19 @@ void add_trend_options(CLI::App& verb, TrendOptions& options, Session& session) 
   verb.add_flag(
       "--check", options.check,
       "exit 1 when the newest value of a figure is outside its band, 6 when one has shifted or none was compared");
-  add_units(verb, session);
 }
 
 void add_trend(CLI::App& app, Session& session) {
   auto options = std::make_shared<TrendOptions>();
   CLI::App* verb = app.add_subcommand("trend",
-                                      "figures of a sensor, a rig or a scenario run by run, with the band and the "
-                                      "moving average of its accepted baseline");
+                                      "figures run by run beside their baseline; accept baselines\n"
+                                      "Of a sensor, a rig or a scenario, with the band and the moving average of the "
+                                      "accepted baseline.");
   add_trend_options(*verb, *options, session);
-  add_common(*verb, session);
-  verb->callback([options, &session] { trend(*options, session); });
+  verb->callback([options, verb, &session] {
+    if (verb->get_subcommands().empty()) trend(*options, session);
+  });
+  add_baseline(*verb, session);
 }
 
 }  // namespace tactbench::bench

@@ -8,6 +8,7 @@
 #include "bench/cli/runs/from_fleet.h"
 #include "bench/cli/session.h"
 #include "bench/reporting/verification.h"
+#include "db/run_store.h"
 
 namespace tactbench::bench {
 
@@ -89,20 +90,67 @@ void verify(std::int64_t number, Session& session) {
   tty::print("{}\n", first.empty() ? well : fmt::format("NOT verified; first difference: {}", first));
 }
 
+void verify_store(Session& session) {
+  const std::string& path = session.db;
+  const db::RunStore store = db::RunStore::open_read_only(path);
+  const std::vector<std::string> structure = store.check_structure();
+  auto list = nlohmann::ordered_json::array();
+  int sound = 0, differ = 0, open = 0, pruned = 0;
+  if (!session.json) {
+    for (const std::string& line : structure) tty::print("  file    {}\n", line);
+  }
+  for (const db::RunRecord& run : store.runs()) {
+    const db::ContentCheck content = store.check_content(run.run);
+    const std::vector<std::string> beside = store.check_seals(run.run);
+    const bool ended = run.outcome != db::Outcome::kIncomplete, holds = content.holds() && beside.empty();
+    ++(!holds ? differ : ended ? sound : open);
+    pruned += content.pruned ? 1 : 0;
+    list.push_back({{"run", run.run},
+                    {"ended", ended},
+                    {"holds", holds},
+                    {"pruned", content.pruned.has_value()},
+                    {"frames", content.frames},
+                    {"difference", content.difference},
+                    {"beside", beside}});
+    if (session.json) continue;
+    if (!content.holds()) tty::print("  run {:<4}{}\n", run.run, content.difference);
+    for (const std::string& line : beside) tty::print("  run {:<4}{}\n", run.run, line);
+  }
+  const bool well = structure.empty() && differ == 0;
+  if (!well) session.code = ExitCode::kStore;
+  if (session.json) {
+    print_json("verify.store", {{"store", path}, {"holds", well}, {"structure", structure}, {"runs", list}});
+    return;
+  }
+  tty::print("{}: structure {}; {}, {} not, {} not ended (no hash yet)\n", path,
+             structure.empty() ? "sound" : "DAMAGED",
+             analysis::counted(sound, "run as it was stored", "runs as they were stored"), differ, open);
+  if (pruned > 0)
+    tty::print("of {} the frames were removed by a rule (db prune): they were not checked\n",
+               analysis::counted(pruned, "run"));
+  if (!well)
+    tty::print("keep a copy of the file and use the last snapshot; tactbench verify RUN shows more about a run\n");
+}
+
 }  // namespace
 
 void add_verify(CLI::App& app, Session& session) {
   auto run = std::make_shared<std::string>();
   auto from = std::make_shared<std::string>();
-  CLI::App* verb = app.add_subcommand(
-      "verify", "recompute a run's content hash and its analysis from the raw frames; name the first difference");
-  verb->add_option("run", *run, "run number; with --from also a UUID")->required();
+  CLI::App* verb = app.add_subcommand("verify",
+                                      "is a run, or the whole store, as it was stored?\n"
+                                      "Of a run the content hash and the analysis are recomputed from the raw frames, "
+                                      "and the first difference is named; "
+                                      "of the store the file's structure, every run's content hash, and the hashes of "
+                                      "its fits, verdicts, approvals and "
+                                      "voids.");
+  verb->add_option("run", *run, "run number; with --from also a UUID; none: the whole store");
   add_from(*verb, *from);
   verb->footer(
       "Exit codes: 0 all as stored, 1 a recomputed fit or verdict differs, 5 content, fits, verdicts, approvals or "
       "voids were changed, 6 not ended, or the frames were removed by a rule (db prune).");
-  add_common(*verb, session);
   verb->callback([run, from, &session] {
+    if (run->empty()) return verify_store(session);
     if (from->empty()) return verify(run_number(*run), session);
     FromFleet fleet(session, *from);
     const db::fleet::FleetRun named = run_named(fleet.link(), *run);

@@ -74,7 +74,7 @@ TEST_CASE("demo: Ctrl-C ends it during or after the runs and leaves no partial f
   std::set<std::string> left;
   for (const auto& file : std::filesystem::directory_iterator(folder.path())) left.insert(file.path().filename());
   CHECK(left == std::set<std::string>{"runs.db", "runs.db-lock"});
-  CHECK(call(folder, {"db", "check"}).code == 0);
+  CHECK(call(folder, {"verify"}).code == 0);
   const json first = json::parse(call(folder, {"runs", "show", "1", "--json"}).out);
   CHECK(first["sensor"] == (in_run ? "SIM-HARSH-0012" : "SIM-0001"));
   CHECK(first["specimen"] == (in_run ? "harsh" : "paper"));

@@ -35,7 +35,7 @@ TEST_CASE("from init to a report by hand") {
   check_members(second, R"({"schema": "tactbench.run", "run": 2, "branches_redone": 0})");
   CHECK((second["process_seconds"] > 42.0 && second["most_exchanges_a_step"] > 0));  // 42 frames, a second's dwell each
   CHECK_FALSE(second["time_spent"].get<std::string>().empty());
-  const json fitted = json::parse(well(call(folder, {"fit", "1", "--held-out", "2", "--json"})).out);
+  const json fitted = json::parse(well(call(folder, {"fit", "1"}, {"judge", "1", "2", "--json"})).out);
   CHECK(fitted["schema"] == "tactbench.fit");
   CHECK(fitted["fitted_taxels"] == 256);
   CHECK(fitted["evaluations"].size() == 2);

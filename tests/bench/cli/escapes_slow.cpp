@@ -60,7 +60,7 @@ TEST_CASE("escape sequences in arguments and stored texts are printed visibly, n
               .code == 0);
   CHECK_THAT(terminal.run(joined_words({"devices", "check", "--bench", "bench.toml"}, set)).out,
              Catch::Contains("r\\x1b]0;t\\x07"));
-  CHECK_THAT(terminal.run(joined_words({"config", "show", "--origin", "--bench", "bench.toml"}, set)).out,
+  CHECK_THAT(terminal.run(joined_words({"config", "--origin", "--bench", "bench.toml"}, set)).out,
              Catch::Contains("a\\x1b[31m"));
   CHECK(terminal.run({"runs", "note", "1", evil}).code == 0);
   CHECK(terminal.run({"runs", "void", "1", "--reason", evil, "--by", evil}).code == 0);

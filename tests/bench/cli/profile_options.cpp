@@ -19,7 +19,8 @@ namespace {
 struct ProgramOfTwoVerbs {
   explicit ProgramOfTwoVerbs(const std::string& profile) {
     if (!profile.empty()) tests::write_file(folder.path("tactbench.toml"), profile);
-    for (const char* name : {"run", "watch"}) options.add_bench(*app.add_subcommand(name), bench_file);
+    for (const char* name : {"run", "watch"})
+      options.add(*app.add_subcommand(name), "--bench", ProfileKey::kBench, bench_file, "bench file")->required();
     options.add(*app.get_subcommand("run"), "recipe", ProfileKey::kRecipe, recipes, "recipes")->required();
     app.require_subcommand(1);
   }

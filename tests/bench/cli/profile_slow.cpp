@@ -51,16 +51,16 @@ TEST_CASE("the environment's store precedes the file's, and a typed one both, wh
   CHECK_THAT(call(folder, {"nightly", "--help"}).out, !Catch::Contains("environment.db"));
 }
 
-TEST_CASE("config show says where each value of the profile comes from") {
+TEST_CASE("config says where each value of the profile comes from") {
   const TemporaryFolder folder;
   write_file(folder.path("tactbench.toml"), "operator = \"me\"\nbench = \"no-such.toml\"\n");
   const SetVariable bench("TACTBENCH_BENCH", "simulated.toml");
-  const Finished shown = call(folder, {"config", "show", "--origin"});
+  const Finished shown = call(folder, {"config", "--origin"});
   INFO(shown.err);
   REQUIRE(shown.code == 0);
   CHECK_THAT(shown.out, Catch::Contains("profile.bench = \"simulated.toml\"") && Catch::Contains("# TACTBENCH_BENCH") &&
                             Catch::Contains("profile.operator = \"me\"") && Catch::Contains("# tactbench.toml:1"));
-  const json list = json::parse(call(folder, {"config", "show", "--json"}).out).at("profile");
+  const json list = json::parse(call(folder, {"config", "--json"}).out).at("profile");
   REQUIRE(list.size() == 2);
   CHECK(list.at(0) == json{{"key", "profile.bench"}, {"value", "\"simulated.toml\""}, {"origin", "TACTBENCH_BENCH"}});
 }
@@ -73,7 +73,7 @@ TEST_CASE("a wrong profile is an error with its line, but keeps nobody from help
   CHECK_THAT(list.err,
              Catch::Contains("[TB-FILE-KEY]") && Catch::Contains("tactbench.toml:2") && Catch::Contains("'operator'"));
   CHECK(call(folder, {"runs", "list", "--help"}).code == 0);
-  CHECK(call(folder, {"recipes", "show", "production"}).code == 0);  // needs none of it
+  CHECK(call(folder, {"plan", "production", "--print"}).code == 0);  // needs none of it
   for (const char* command : {"pause", "stop", "abort", "panic"})
     CHECK_THAT(call(folder, {command}).err, Catch::Contains("[TB-RUN-NOT-LIVE]"));
 }
@@ -85,7 +85,7 @@ TEST_CASE("fit judges held-out runs by the profile's limits, and nothing else by
   for (const char* seed : {"1", "2"}) measure_small(folder, seed);
   write_file(folder.path("tactbench.toml"), "limits = \"hard.toml\"\n");
   well(call(folder, {"fit", "1"}));
-  CHECK_THAT(well(call(folder, {"fit", "1", "--held-out", "2"}), 1).err, Catch::Contains("tactbench.toml:1"));
+  CHECK_THAT(well(call(folder, {"fit", "1"}, {"judge", "1", "2"}), 1).err, Catch::Contains("tactbench.toml:1"));
   well(call(folder, {"report", "1"}), 1);
-  well(call(folder, {"fit", "1", "--held-out", "2", "--model", "elam,poly"}));
+  well(call(folder, {"fit", "1", "--model", "elam, poly"}, {"judge", "1", "2"}));
 }

@@ -112,7 +112,7 @@ TEST_CASE("a verb reads the frames of each run once") {
                                 "5", "-o", page}) == RunsRead{1, 2, 3, 4, 5});
   CHECK(frames_read_by(folder, {"report", "--compare", "1", "2", "-o", folder.path("c.html")}) == RunsRead{1, 2});
   CHECK(frames_read_by(folder, {"model", "show", "1"}).empty());
-  CHECK(frames_read_by(folder, {"fit", "1", "--check", "2"}) == RunsRead{1});
+  CHECK(frames_read_by(folder, {"model", "check", "2", "1"}) == RunsRead{1});
   // Once for the hash of what is stored, once for what follows from it.
   CHECK(frames_read_by(folder, {"verify", "2"}) == RunsRead{1, 1, 2, 2});
 }

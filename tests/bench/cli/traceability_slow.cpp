@@ -48,7 +48,7 @@ TEST_CASE(
   CHECK_THAT(call(folder, {"runs", "show", "1"}).out, Catch::Contains("TB-CALIBRATION"));
 
   run_recipe(folder, "small.toml", overdue);
-  CHECK(call(folder, {"fit", "1", "--held-out", "2", "--limits", "far.toml"}).code == 6);
+  CHECK(call(folder, {"fit", "1"}, {"judge", "1", "2", "--limits", "far.toml"}).code == 6);
   CHECK(call(folder, {"verify", "1"}).code == 0);
   CHECK(call(folder, {"verify", "2"}).code == 0);
   const json report = report_json(folder, {"1"}, 6);
@@ -58,7 +58,7 @@ TEST_CASE(
 
   // The same run in date: U is smaller, and the verdict a pass.
   for (int i = 0; i < 2; ++i) run_recipe(folder, "small.toml", {"--set", "reference.due=2199-01-31"});
-  REQUIRE(call(folder, {"fit", "3", "--held-out", "4", "--limits", "far.toml"}).code == 0);
+  REQUIRE(call(folder, {"fit", "3"}, {"judge", "3", "4", "--limits", "far.toml"}).code == 0);
   CHECK(expanded_mean_error(report_json(folder, {"3"}, 0)) < expanded_mean_error(report));
 }
 
@@ -67,7 +67,7 @@ TEST_CASE(
   const TemporaryFolder folder;
   prepare_traced_run(folder);
   for (int i = 0; i < 2; ++i) run_recipe(folder, "small.toml");
-  REQUIRE(call(folder, {"fit", "1", "--held-out", "2", "--limits", "far.toml"}).code == 0);
+  REQUIRE(call(folder, {"fit", "1"}, {"judge", "1", "2", "--limits", "far.toml"}).code == 0);
   const json before = report_json(folder, {"1"}, 0);
   write_file(
       folder.path("lab.toml"),
@@ -85,7 +85,7 @@ TEST_CASE(
   REQUIRE(call(folder, {"report", "1", "--lab", "lab.toml"}).code == 6);
   CHECK_THAT(read_file(folder.path("reports/run-1.html")), Catch::Contains("PTB-30123-26"));
   // fit sees the same dates, and what it found is kept.
-  CHECK(call(folder, {"fit", "1", "--held-out", "2", "--limits", "far.toml", "--lab", "lab.toml"}).code == 6);
+  CHECK(call(folder, {"fit", "1"}, {"judge", "1", "2", "--limits", "far.toml", "--lab", "lab.toml"}).code == 6);
   CHECK(report_json(folder, {"1"}, 6)["results"]["verdicts"][0]["verdict"] == "inconclusive");
   CHECK(call(folder, {"verify", "1"}).code == 0);
   CHECK(call(folder, {"verify", "2"}).code == 0);
@@ -165,7 +165,7 @@ TEST_CASE("pressures beyond the certificate: warned of by plan and run, no pass,
     for (int i = 0; i < 2; ++i) run_recipe(folder, "small.toml", range);
     const std::string models = std::to_string(run), judged = std::to_string(run + 1);
     CHECK_THAT(call(folder, {"runs", "show", models}).out, Catch::Contains("TB-CALIBRATION"));
-    CHECK(call(folder, {"fit", models, "--held-out", judged, "--limits", "far.toml"}).code == 6);
+    CHECK(call(folder, {"fit", models}, {"judge", models, judged, "--limits", "far.toml"}).code == 6);
     const json report = report_json(folder, {models}, 6);
     for (const json& verdict : report["results"]["verdicts"])
       CHECK((verdict["verdict"] == "inconclusive") == (verdict["unit"] == "psi"));
@@ -195,5 +195,5 @@ TEST_CASE("hardware: FILL-IN in the bench file keeps every device closed") {
   CHECK(json::parse(call(folder, {"runs", "list", "--json"}).out)["runs"].empty());
   const Finished plan = call(folder, {"plan", "production", "--bench", "bench.toml"});
   CHECK(plan.code == 0);  // touches nothing
-  CHECK(call(folder, {"config", "show", "--bench", "bench.toml"}).code == 0);
+  CHECK(call(folder, {"config", "--bench", "bench.toml"}).code == 0);
 }

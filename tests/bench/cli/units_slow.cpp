@@ -45,7 +45,7 @@ TEST_CASE("units of the profile, a run, its verdicts and its report") {
     CHECK_THAT(run.out, Catch::Contains("vented") && Catch::Contains("kPa"));
     CHECK_FALSE(shows_psi(run.out));
   }
-  const Finished fit = call(folder, {"fit", "1", "--held-out", "2", "-q"});
+  const Finished fit = call(folder, {"fit", "1", "-q"}, {"judge", "1", "2", "-q"});
   CHECK_THAT(fit.out, Catch::Contains("8.27 kPa") && Catch::Contains("275.8 kPa"));
   CHECK_FALSE(shows_psi(fit.out));
   CHECK_THAT(call(folder, {"runs", "show", "1"}).out, Catch::Contains("0.345 kPa"));
@@ -64,13 +64,13 @@ TEST_CASE("units of the profile, a run, its verdicts and its report") {
   CHECK(call(folder, {"plan", "production"}).code == 2);
 }
 
-TEST_CASE("rig check and resume print kPa, and numbers that are those in psi") {
+TEST_CASE("devices test and resume print kPa, and numbers that are those in psi") {
   const TemporaryFolder folder;
   REQUIRE(call(folder, {"init", "--operator", "tester"}).code == 0);
   REQUIRE(call(folder, {"sensors", "add", "S-1"}).code == 0);
   write_file(folder.path("small.toml"), small_loop_text(20, 2));
   const auto check = [&](const char* unit) {
-    return call(folder, {"rig", "check", "--standard", "S-1", "--recipe", "small.toml", "-q", "--units", unit}).out;
+    return call(folder, {"devices", "test", "--standard", "S-1", "--recipe", "small.toml", "-q", "--units", unit}).out;
   };
   // One number behind a figure's name.
   const auto figure = [](const std::string& text, const std::string& name) {

@@ -10,6 +10,7 @@ Finished verb_here(AddVerb add, std::vector<std::string> words) {
   bench::Session session;
   CLI::App app("of a test", "tactbench");
   app.require_subcommand(1);
+  bench::add_global_options(app, session);
   add(app, session);
   std::ranges::reverse(words);
   Finished finished;

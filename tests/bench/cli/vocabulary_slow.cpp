@@ -89,7 +89,8 @@ TEST_CASE("show, list, export, run, tag and report use the same keys and values 
 TEST_CASE("fit and report have the same keys and values for figures and verdicts") {
   const TemporaryFolder folder;
   measure_twice(folder);
-  const json fitted = answer_of(folder, {"fit", "1", "--held-out", "2", "--limits", "wide.toml"});
+  well(call(folder, {"fit", "1"}));
+  const json fitted = answer_of(folder, {"judge", "1", "2", "--limits", "wide.toml"});
   const json results = document_of(folder, {"report", "1"})["results"];
   const std::vector<std::string> numbers = {"title", "run", "model_run", "shown"};
   REQUIRE(fitted["evaluations"].size() == 2);

@@ -73,7 +73,7 @@ TEST_CASE("progress of an import: its stages and their share, while the table an
   const TemporaryFolder folder;
   db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   TableThroughPipe table(folder.path("t.csv"));
-  InTerminal importing(folder.path(), {"import", "t.csv"}, 100, 24);
+  InTerminal importing(folder.path(), {"runs", "import", "t.csv"}, 100, 24);
   REQUIRE(importing.shows("(1 of 3)"));
   {
     db::sqlite::Connection other(folder.path("runs.db"), db::sqlite::Access::kReadWrite);

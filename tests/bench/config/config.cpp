@@ -141,7 +141,7 @@ TEST_CASE("dates are refused unless they are dates, each at its key") {
   CHECK_THROWS_AS(read_bench(kBench, {{"force.calibrated", "2026-01-31"}, {"force.due", "2026-01-31"}}), FileError);
 }
 
-TEST_CASE("force sensor and stage take certificate, dates and U, and config show knows them") {
+TEST_CASE("force sensor and stage take certificate, dates and U, and config knows them") {
   const BenchConfig config = read_bench(kBench, {{"force.certificate", "F-1"},
                                                  {"force.expanded_uncertainty_n", "0.1"},
                                                  {"stage.certificate", "Z-1"},

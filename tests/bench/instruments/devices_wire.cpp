@@ -140,7 +140,7 @@ TEST_CASE(
   CHECK(of(checks, "force sensor").state == State::kOk);
 }
 
-TEST_CASE("devices watch: as many looks as asked, each with all instruments, in the reader's unit") {
+TEST_CASE("live: as many looks as asked, each with all instruments, in the reader's unit") {
   const auto watched = [](bool terminal, analysis::PressureUnit unit) {
     bench::WatchOptions options;
     options.interval_s = 0.01;

@@ -68,7 +68,7 @@ TEST_CASE("status: what a run does is told while it conditions, measures and ask
   const json conditioning = rig.live_when([](const json& one) { return begins(one, "conditioning"); });
   INFO(rig.log());
   REQUIRE(conditioning.is_object());
-  const auto watching = rig.start({"watch"});  // into the log
+  const auto watching = rig.start({"status", "--watch"});  // into the log
   CHECK_THAT(conditioning["phase"].get<std::string>(), Catch::EndsWith(" of 10"));
   CHECK(conditioning["run"] == 1);
   CHECK(conditioning["bench"] == rig.bench_id);
@@ -101,8 +101,8 @@ TEST_CASE("status: what a run does is told while it conditions, measures and ask
   CHECK(after["last_run"]["outcome"] == "completed");
   CHECK(after["last_run"]["frames"] == 15);
   CHECK(rig.run({"status"}).code == 0);
-  CHECK(rig.run({"watch", "1"}).code == 0);
-  CHECK(rig.run({"watch"}).code == 2);
+  CHECK(rig.run({"status", "--watch", "1"}).code == 0);
+  CHECK(rig.run({"status", "--watch"}).code == 2);
   CHECK(rig.run({"status", "9"}).code == 2);
 }
 
@@ -111,7 +111,7 @@ TEST_CASE("watch: in a terminal the array is painted in place, Ctrl-C ends the w
   const auto run = rig.start_run_of({"long.toml"});
   REQUIRE(rig.live_when([](const json& one) { return one["frames"] > 0; }).is_object());
   {
-    InTerminal watch(rig.folder.path(), {"watch"}, 80, 24, "");
+    InTerminal watch(rig.folder.path(), {"status", "--watch"}, 80, 24, "");
     CHECK(watch.shows("\x1b[48;5;"));  // the array in colours
     CHECK(watch.shows("\x1b[23F"));    // 6 lines and 17 of the map, painted over
     CHECK_THAT(watch.shown(), Catch::Contains("\x1b[48;5;") && Catch::Contains("hottest row "));
@@ -120,13 +120,13 @@ TEST_CASE("watch: in a terminal the array is painted in place, Ctrl-C ends the w
     CHECK_THAT(watch.shown(), Catch::Contains("tactbench stop 1"));
   }
   CHECK(rig.status()["runs"][0]["state"] == "running");
-  InTerminal plain(rig.folder.path(), {"watch", "1"}, 100, 40, "1");
+  InTerminal plain(rig.folder.path(), {"status", "--watch", "1"}, 100, 40, "1");
   CHECK(plain.shows("run 1"));
   CHECK(plain.shown().find("\x1b[48") == std::string::npos);
   CHECK(rig.run({"stop"}).code == 0);
   CHECK(plain.wait() == 4);
   CHECK(run->wait() == 4);
-  CHECK(rig.run({"watch", "1"}).code == 4);
+  CHECK(rig.run({"status", "--watch", "1"}).code == 4);
 }
 
 TEST_CASE("status: a stopped process is named, a killed one has left its run, and watch ends with it") {

@@ -88,9 +88,8 @@ TEST_CASE("a night in three parts, merged, is the night in one: runs, figures, m
   CHECK_THAT(read_file(folder.path("three.xml")), Catch::Contains("tests=\"16\" failures=\"8\" errors=\"0\""));
   // The next night is compared with the merged one as with the other, on the same baseline.
   for (const char* db : {"one.db", "three.db"}) {
-    REQUIRE(call(folder, {"baseline", "accept", "1-24", "--db", db, "--by", "K. Lee", "--reason", "as made"}).code ==
-            0);
-    CHECK(call(folder, {"db", "check", "--db", db}).code == 0);
+    REQUIRE(call(folder, {"trend", "accept", "1-24", "--db", db, "--by", "K. Lee", "--reason", "as made"}).code == 0);
+    CHECK(call(folder, {"verify", "--db", db}).code == 0);
   }
   CHECK(call(folder, {"trend", "--db", "one.db"}).out == call(folder, {"trend", "--db", "three.db"}).out);
   const auto next = [&](const std::string& db) {
@@ -131,6 +130,6 @@ TEST_CASE("stores of several benches are merged: runs once each, and fits that w
   const db::RunStore all = db::RunStore::open_read_only(folder.path("all.db"));
   CHECK((all.runs().size() == 2 && all.fits(1).size() == 2 && all.run(2).is_void()));
   CHECK(call(folder, {"verify", "1", "--db", "all.db"}).code == 0);
-  CHECK(call(folder, {"db", "check", "--db", "all.db"}).code == 0);
+  CHECK(call(folder, {"verify", "--db", "all.db"}).code == 0);
   CHECK(call(folder, {"runs", "merge", "a.db", "--db", "new.db", "--html", "x.html"}).code == 2);  // no night
 }

@@ -65,8 +65,8 @@ TEST_CASE("nights are kept in one store, compared with a baseline, and changes a
   REQUIRE(seeds.code == 0);
   CHECK(night_json(seeds).at("scenarios").at(3).at("name") == "short-seed-4");
   CHECK(night_json(seeds).at("scenarios").at(3).at("runs").at(0).at("run") == 4);
-  CHECK(call({"baseline", "accept", "1-8", "--db", "nights.db", "--by", "K. Lee"}).code == 2);
-  REQUIRE(call({"baseline", "accept", "1-8", "--db", "nights.db", "--by", "K. Lee", "--reason", "as made"}).code == 0);
+  CHECK(call({"trend", "accept", "1-8", "--db", "nights.db", "--by", "K. Lee"}).code == 2);
+  REQUIRE(call({"trend", "accept", "1-8", "--db", "nights.db", "--by", "K. Lee", "--reason", "as made"}).code == 0);
   const Finished same = call({"nightly", "./suite.toml", "--db", "nights.db", "--json", "--html", "night.html"});
   INFO(same.err << same.out);
   CHECK(same.code == 0);
@@ -95,5 +95,5 @@ TEST_CASE("nights are kept in one store, compared with a baseline, and changes a
   CHECK(trend.code == 1);
   CHECK(night_json(trend).at("subjects").at(0).at("figures").at(0).at("values").size() == 11);
   CHECK(call({"trend", "--subject", "nightly/none", "--db", "nights.db"}).code == 2);
-  CHECK(call({"db", "check", "--db", "nights.db"}).code == 0);
+  CHECK(call({"verify", "--db", "nights.db"}).code == 0);
 }

@@ -78,7 +78,7 @@ TEST_CASE("decision rules end with their exit codes, warn, are stored and verifi
   CHECK(stored.store.verdicts(2).empty());  // judged anew, not stored
 
   write_limits(folder, "four-way", value - half);
-  const Finished fit = call(folder, {"fit", "1", "--held-out", "2", "--limits", "near.toml"});
+  const Finished fit = call(folder, {"fit", "1"}, {"judge", "1", "2", "--limits", "near.toml"});
   CHECK(fit.code == 6);
   CHECK(stored.store.verdicts(2).front().rule == "four-way");
   const Finished verify = call(folder, {"verify", "2"});
@@ -86,10 +86,10 @@ TEST_CASE("decision rules end with their exit codes, warn, are stored and verifi
   CHECK(verify.code == 0);
   CHECK(call(folder, {"report", "1"}).code == 6);
   write_limits(folder, "report-only", value);
-  CHECK(call(folder, {"fit", "1", "--held-out", "2", "--limits", "near.toml"}).code == 0);
+  CHECK(call(folder, {"fit", "1"}, {"judge", "1", "2", "--limits", "near.toml"}).code == 0);
   CHECK(stored.store.verdicts(2).size() == 4);  // what was found before stays
   write_limits(folder, "strict", value);
-  const Finished wrong = call(folder, {"fit", "1", "--held-out", "2", "--limits", "near.toml"});
+  const Finished wrong = call(folder, {"fit", "1"}, {"judge", "1", "2", "--limits", "near.toml"});
   CHECK(wrong.code == 2);
   CHECK_THAT(wrong.err, Catch::Contains("[TB-FILE-VALUE]") && Catch::Contains("near.toml:3"));
 }
@@ -98,7 +98,7 @@ TEST_CASE("the report's uncertainty is the one recomputed from the store") {
   const TemporaryFolder folder;
   carry_out_run(folder);
   // 8 psi is no level of this run.
-  REQUIRE(call(folder, {"fit", "1", "--held-out", "2", "--limits", "limits.toml", "-q"}).code == 6);
+  REQUIRE(call(folder, {"fit", "1", "-q"}, {"judge", "1", "2", "--limits", "limits.toml", "-q"}).code == 6);
   REQUIRE(call(folder, {"report", "1", "-q", "--format", "json", "-o", "r.json"}).code == 6);
   const json data = json::parse(read_file(folder.path("r.json")))["sections"]["uncertainty"];
   const FromStore stored(folder);

@@ -28,6 +28,9 @@ class VerdictBench {
   }
 
   Finished call(const Words& words) const { return tactbench::tests::call(folder_, words); }
+  Finished call(const Words& first, const Words& second) const {
+    return tactbench::tests::call(folder_, first, second);
+  }
   [[nodiscard]] std::string path(const std::string& name) const { return folder_.path(name); }
   [[nodiscard]] std::string text(const std::string& name) const { return read_file(folder_.path(name)); }
 
@@ -94,18 +97,12 @@ TEST_CASE("every held-out run is judged, the worst one decides, and it stays wit
   // Without a verdict nobody signs unasked; the draft of that moment is no signed report.
   REQUIRE(bench.call({"fit", "1"}).code == 0);
   REQUIRE(bench.call({"report", "1"}).code == 0);
-  bench.refused({"report", "1", "--approve-by", "C. Chief"}, "TB-REPORT-NO-VERDICT");
-  const json bare = bench.answer({"report", "1", "--approve-by", "C. Chief", "--without-verdict"}, 0);
+  bench.refused({"report", "sign", "1", "--by", "C. Chief"}, "TB-REPORT-NO-VERDICT");
+  const json bare = bench.answer({"report", "sign", "1", "--by", "C. Chief", "--without-verdict"}, 0);
   const std::string bare_path = bare["path"];
   CHECK_THAT(bare_path, Catch::EndsWith("run-" + bare["number"].get<std::string>() + ".html"));
   const std::string bare_page = bench.text(bare_path);
 
-  // The training run alone is no evidence.
-  const json own = bench.answer({"fit", "1", "--limits", "limits-a.toml"}, 6);
-  CHECK(own["judgement"]["overall"] == "inconclusive");
-  CHECK_FALSE(own["judgement"]["not_judged"].get<std::string>().empty());
-  for (const json& verdict : own["verdicts"]) CHECK(verdict["verdict"] == "inconclusive");
-  CHECK(bench.listed(1) == "simulated inconclusive");
   CHECK(bench.call({"verify", "1"}).code == 0);
 
   // Whatever the order of arguments, judged anew and stored.
@@ -116,7 +113,7 @@ TEST_CASE("every held-out run is judged, the worst one decides, and it stays wit
     CHECK(report["judgement"]["decided_by"] == json::array({4}));
     CHECK(report["judgement"]["runs"].size() == 3);
     CHECK(report["verdicts"].size() == 12);
-    const json fit = bench.answer(joined({"fit", "1", "--limits", "limits-a.toml", "--held-out"}, order), 1);
+    const json fit = bench.answer(joined({"judge", "1", "--limits", "limits-a.toml"}, order), 1);
     CHECK(fit["judgement"]["decided_by"] == json::array({4}));
   }
 
@@ -133,13 +130,13 @@ TEST_CASE("every held-out run is judged, the worst one decides, and it stays wit
   CHECK(picked["judgement"]["stored_worse"][0]["run"] == 4);
   CHECK(bench.call({"report", "1", "--held-out", "2", "3", "4", "--limits", "limits-b.toml", "-o", "both.html"}).code ==
         1);
-  CHECK(bench.call({"fit", "1", "--held-out", "2", "3", "4", "--limits", "limits-b.toml"}).code == 1);
+  CHECK(bench.call({"fit", "1"}, {"judge", "1", "2", "3", "4", "--limits", "limits-b.toml"}).code == 1);
   CHECK(bench.listed(1) == "simulated fail");
   CHECK(bench.listed(4) == "simulated fail");
   CHECK(bench.call({"verify", "4"}).code == 0);
 
   // A signature under a fail says so; no signed file is written over, whatever it is called.
-  CHECK(bench.call({"report", "1", "--approve-by", "C. Chief", "--reason", "judged by other limits"}).code == 1);
+  CHECK(bench.call({"report", "sign", "1", "--by", "C. Chief", "--reason", "judged by other limits"}).code == 1);
   CHECK(bench.text(bare_path) == bare_page);
   bench.refused({"report", "1", "-o", bare_path}, "TB-REPORT-SIGNED");
   std::filesystem::copy_file(bench.path(bare_path), bench.path("renamed.txt"));
@@ -160,14 +157,15 @@ TEST_CASE("void runs, a run's own models and a run named twice are refused where
   bench.measure("S-1", "3");
   bench.measure("S-2", "5");
   bench.measure("S-2", "6");
-  // Held-out runs that do not match the models: nothing is stored.
-  bench.refused({"fit", "1", "--held-out", "1"}, "TB-RUN-OWN");
-  bench.refused({"fit", "1", "--held-out", "2", "2"}, "TB-RUN-TWICE");
-  CHECK(bench.call({"fit", "1", "--held-out", "5"}).code == 6);  // another sensor
-  CHECK(tactbench::db::RunStore::open_read_only(bench.path("runs.db")).fits(1).empty());
-  REQUIRE(bench.call({"fit", "1", "--held-out", "2", "--limits", "limits-a.toml"}).code == 0);
+  REQUIRE(bench.call({"fit", "1"}).code == 0);
+  // Runs that do not match the model: nothing is stored.
+  bench.refused({"judge", "1", "1"}, "TB-RUN-OWN");
+  bench.refused({"judge", "1", "2", "2"}, "TB-RUN-TWICE");
+  CHECK(bench.call({"judge", "1", "5", "--limits", "limits-a.toml"}).code == 6);  // another sensor
+  CHECK(tactbench::db::RunStore::open_read_only(bench.path("runs.db")).verdicts_of_models(1).empty());
+  REQUIRE(bench.call({"judge", "1", "2", "--limits", "limits-a.toml"}).code == 0);
   REQUIRE(bench.call({"fit", "3"}).code == 0);
-  REQUIRE(bench.call({"fit", "4", "--held-out", "5", "--limits", "limits-a.toml"}).code == 0);
+  REQUIRE(bench.call({"fit", "4"}, {"judge", "4", "5", "--limits", "limits-a.toml"}).code == 0);
 
   bench.refused({"fit", "1", "--model", "monotone", "--score", "1"}, "TB-RUN-OWN");
   bench.refused({"fit", "1", "--model", "monotone", "--score", "2,02"}, "TB-RUN-TWICE");
@@ -187,14 +185,14 @@ TEST_CASE("void runs, a run's own models and a run named twice are refused where
 
   REQUIRE(bench.call({"runs", "void", "3", "--reason", "door open", "--by", "me"}).code == 0);
   for (const Words& words :
-       {Words{"fit", "3"}, Words{"fit", "3", "--model", "monotone"}, Words{"fit", "1", "--held-out", "2"},
-        Words{"fit", "1", "--model", "monotone", "--score", "2"}, Words{"fit", "2", "--check", "1"},
+       {Words{"fit", "3"}, Words{"fit", "3", "--model", "monotone"}, Words{"judge", "1", "2"},
+        Words{"fit", "1", "--model", "monotone", "--score", "2"}, Words{"model", "check", "1", "2"},
         Words{"report", "1", "--held-out", "2"}, Words{"report", "1", "--studies", "2:mount"},
         Words{"report", "1", "2"}, Words{"report", "1", "--previous", "3"}, Words{"report", "1", "--model", "3"},
         Words{"report", "--batch", "1", "3"}, Words{"report", "--compare", "1", "3"}, Words{"model", "show", "3"},
         Words{"model", "diff", "1", "3"}, Words{"model", "export", "3", "-o", "m.json"},
         Words{"live", "--bench", "bench.toml", "--model", "3"}, Words{"predict", "3", "none.csv"},
-        Words{"baseline", "accept", "3", "--by", "me", "--reason", "as made"}})
+        Words{"trend", "accept", "3", "--by", "me", "--reason", "as made"}})
     bench.refused(words, "TB-RUN-VOID");
 
   // By one's own word they count, and page, JSON and text say so beside the verdict.
@@ -210,10 +208,10 @@ TEST_CASE("void runs, a run's own models and a run named twice are refused where
 
   // The verdict of a fit stands on the row of its models; one row a sensor.
   bench.measure_drifted("S-2", "7");
-  REQUIRE(bench.call({"fit", "4", "--held-out", "6", "--limits", "limits-a.toml"}).code == 1);
+  REQUIRE(bench.call({"fit", "4"}, {"judge", "4", "6", "--limits", "limits-a.toml"}).code == 1);
   REQUIRE(bench.call({"runs", "void", "1", "--reason", "again", "--by", "me"}).code == 0);
   bench.measure("S-1", "8");
   bench.measure("S-1", "9");
-  REQUIRE(bench.call({"fit", "7", "--held-out", "8", "--limits", "limits-a.toml"}).code == 0);
+  REQUIRE(bench.call({"fit", "7"}, {"judge", "7", "8", "--limits", "limits-a.toml"}).code == 0);
   REQUIRE(bench.call({"report", "--batch", "4", "5", "7", "8", "-o", "batch.html"}).code == 1);
 }

@@ -169,7 +169,7 @@ const bool registered = [] {
                                           {"trend_of_all", "trend"},
                                           {"report", "report {0} -o report.html --replace"},
                                           {"verify", "verify {0}"},
-                                          {"db_check", "db check"}})
+                                          {"db_check", "verify"}})
     benchmark::RegisterBenchmark(("large_store/" + name).c_str(), verb, words)
         ->Arg(2000)
         ->Arg(20000)

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bench/common/build_info.h"
+#include "db/run_store.h"
 #include "tests/bench/cli/small_bench.h"
 
 using namespace tactbench;
@@ -41,7 +42,10 @@ struct FolderOfRuns {
     return nlohmann::json::parse(finished.out);
   }
   std::size_t models() const {
-    return nlohmann::json::parse(call(folder, {"model", "list", "--json"}).out).at("models").size();
+    const db::RunStore store = db::RunStore::open_read_only(folder.path("runs.db"));
+    std::size_t count = 0;
+    for (const db::RunRecord& run : store.runs()) count += store.fits(run.run).size();
+    return count;
   }
   TemporaryFolder folder;
 };

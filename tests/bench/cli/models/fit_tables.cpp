@@ -1,4 +1,5 @@
 // `fit` of tables of one taxel: what it says of its data, what it scores on, what it keeps, in words and as JSON.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -34,7 +35,10 @@ struct FolderOfTables {
     write_file(folder.path("t.csv"), "input,output\n" + rows_of_play("", kLoops));
   }
   Finished fit(FitTableWords words) const {
-    words.insert(words.begin(), "fit");
+    const auto models = std::ranges::find(words, "--model");
+    const bool several = models != words.end() && models[1].find(',') != std::string::npos;
+    if (several) *models = "--models";
+    words.insert(words.begin(), several ? "compare" : "fit");
     return model_verb(folder, std::move(words));
   }
   nlohmann::json told(FitTableWords words) const {
@@ -54,7 +58,7 @@ TEST_CASE("fit of a table: the models' numbers and scores in the order of their 
   const nlohmann::json told =
       of.told({"s.csv", "--fit", "full", "--model", "poly,monotone", "--input-unit", "psi", "--output-unit", "V"});
   CHECK(of.told({"t.csv"}).at("models").at(0).at("model") == "elam");  // where none is named
-  check_members(told, R"({"schema": "tactbench.fit", "source": "s.csv", "origin": "imported"})");
+  check_members(told, R"({"schema": "tactbench.compare", "source": "s.csv", "origin": "imported"})");
   CHECK((told.at("input_unit") == "psi" && told.at("output_unit") == "V"));
   CHECK(told.at("falling") == false);
   CHECK(told.at("fitted") == nlohmann::json{"full"});
@@ -105,8 +109,9 @@ TEST_CASE("fit of a table: a model that it cannot carry is left out, and what is
 
 TEST_CASE("fit of an imported run: its number and its models are stored, and the dynamic model is not made of it") {
   const FolderOfTables of;
-  REQUIRE(verb_here(bench::add_import, {"import", of.folder.path("t.csv"), "--db", of.folder.path("runs.db")}).code ==
-          0);
+  REQUIRE(
+      verb_here(bench::add_runs, {"runs", "import", of.folder.path("t.csv"), "--db", of.folder.path("runs.db")}).code ==
+      0);
   CHECK(of.fit({"1", "--model", "dynamic"}).code == 2);
   CHECK(of.told({"1"}).at("models").at(0).at("model") == "elam");
   const nlohmann::json told = of.told({"1", "--model", "poly,monotone", "--score", of.folder.path("s.csv")});
@@ -185,9 +190,9 @@ TEST_CASE("fit of a table: a model that errs more than a straight line on what w
 TEST_CASE("a table's run has no report, and is not told that it has no models") {
   const FolderOfTables of;
   const std::string store = of.folder.path("runs.db");
-  REQUIRE(verb_here(bench::add_import, {"import", of.folder.path("t.csv"), "--db", store}).code == 0);
+  REQUIRE(verb_here(bench::add_runs, {"runs", "import", of.folder.path("t.csv"), "--db", store}).code == 0);
   REQUIRE(of.fit({"1", "--model", "monotone"}).code == 0);
   const Finished refused = verb_here(bench::add_report, {"report", "1", "--db", store});
   check_refusal(refused, 2, "TB-USAGE");
-  CHECK_THAT(refused.err, Catch::Contains("tactbench model list 1"));
+  CHECK_THAT(refused.err, Catch::Contains("tactbench runs show 1"));
 }

@@ -64,9 +64,9 @@ struct FolderOfLines {
 
 TEST_CASE("fit --check: the mean over the taxels, and the five worst of six, worst first") {
   const FolderOfLines of(moved_table(0.08));  // 1 % of full scale for the first taxel to 6 % for the last
-  well(of.say({"fit", "t.csv", "--check", "m.json"}));
-  const nlohmann::json as_json = nlohmann::json::parse(of.say({"fit", "t.csv", "--check", "m.json", "--json"}).out);
-  CHECK(as_json.at("schema") == "tactbench.fit.check");
+  well(of.say({"model", "check", "m.json", "t.csv"}));
+  const nlohmann::json as_json = nlohmann::json::parse(of.say({"model", "check", "m.json", "t.csv", "--json"}).out);
+  CHECK(as_json.at("schema") == "tactbench.model.check");
   CHECK(as_json.at("verdict") == "re-zero enough");
   CHECK(as_json.at("as_is_fs").get<double>() == Approx(0.035));
   CHECK(as_json.at("tolerance_fs").get<double>() == Approx(0.01));
@@ -87,10 +87,10 @@ TEST_CASE("fit --check: the mean over the taxels, and the five worst of six, wor
 
 TEST_CASE("fit --check: what no zero and no gain makes good ends with exit code 1, a gain that does with 0") {
   const FolderOfLines noisy(moved_table(0.0, 0.4));  // 5 % of full scale, now up, now down
-  CHECK(noisy.say({"fit", "t.csv", "--check", "m.json"}).code == 1);
-  CHECK(noisy.say({"fit", "t.csv", "--check", "m.json", "--json"}).code == 1);
+  CHECK(noisy.say({"model", "check", "m.json", "t.csv"}).code == 1);
+  CHECK(noisy.say({"model", "check", "m.json", "t.csv", "--json"}).code == 1);
   const FolderOfLines steeper(moved_table(0.0, 0.0, 1.25));
-  const Finished gain = steeper.say({"fit", "t.csv", "--check", "m.json"});
+  const Finished gain = steeper.say({"model", "check", "m.json", "t.csv"});
   CHECK(gain.code == 0);
   CHECK(gain.out.find("validity") == std::string::npos);
 }
@@ -136,7 +136,7 @@ TEST_CASE("model show --json prints the model's document, and model export write
 TEST_CASE("model adjust needs --zero or --gain, and fit --check tells what lies outside the validity") {
   const FolderOfLines of(moved_table(0.08) + "0,70,8.8\n");
   check_refusal(of.say({"model", "adjust", "m.json", "t.csv", "-o", "c.json"}), 2, "TB-USAGE", "model adjust");
-  const nlohmann::json told = nlohmann::json::parse(of.say({"fit", "t.csv", "--check", "m.json", "--json"}).out);
+  const nlohmann::json told = nlohmann::json::parse(of.say({"model", "check", "m.json", "t.csv", "--json"}).out);
   CHECK(told.at("outside_validity").size() == 1);
 }
 

@@ -23,9 +23,10 @@ inline Finished model_verb(const TemporaryFolder& folder, std::vector<std::strin
     for (const char* end : {".json", ".csv", ".toml"})
       if (word.ends_with(end) && !word.starts_with('/')) word = folder.path(word);
   words.insert(words.end(), {"--db", folder.path("runs.db")});
-  Finished finished = verb_here(verb == "fit"     ? bench::add_fit
-                                : verb == "model" ? bench::add_model
-                                                  : bench::add_predict,
+  Finished finished = verb_here(verb == "fit"       ? bench::add_fit
+                                : verb == "compare" ? bench::add_compare
+                                : verb == "model"   ? bench::add_model
+                                                    : bench::add_predict,
                                 std::move(words));
   finished.out = without_folder(finished.out, folder);
   finished.err = without_folder(finished.err, folder);

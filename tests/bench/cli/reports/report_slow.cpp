@@ -114,7 +114,7 @@ TEST_CASE("the same run gives the same bytes, and a signature keeps the number")
   for (const char* name : {"a.html", "b.html"}) REQUIRE(call(folder, {"report", "2", "-o", name}).code == 0);
   CHECK(read_file(folder.path("a.html")) == read_file(folder.path("b.html")));
   const json first = json::parse(call(folder, {"report", "2", "--json"}).out);
-  const std::vector<std::string> sign = {"report", "2", "--json", "--without-verdict", "--approve-by", "C. Chief"};
+  const std::vector<std::string> sign = {"report", "sign", "2", "--json", "--without-verdict", "--by", "C. Chief"};
   CHECK(json::parse(call(folder, sign).out)["number"] == first["number"]);
 }
 

@@ -22,7 +22,7 @@ struct RunsToReport {
     for (const char* seed : {"1", "2", "3", "4"})
       well(call(folder, {"run", "small.toml", "--bench", "simulated.toml", "--sensor",
                          std::string(seed) == "4" ? "S-2" : "S-1", "--operator", "t", "-q", "--seed", seed}));
-    const Finished fit = call(folder, {"fit", "1", "--model", "elam", "--held-out", "2", "--limits", "limits.toml"});
+    const Finished fit = call(folder, {"fit", "1", "--model", "elam"}, {"judge", "1", "2", "--limits", "limits.toml"});
     REQUIRE((fit.code == 0 || fit.code == 6));
   }
   Finished report(std::vector<std::string> words) const {
@@ -108,27 +108,27 @@ TEST_CASE("report: signed once it keeps its number, its file and what replaced i
   of.refused({"3", "--approve-by", "K. Lee"}, "[TB-REPORT-NO-VERDICT]");  // nobody is asked: no terminal
   // A file of somebody else ends it before anything is signed.
   of.refused({"3", "--approve-by", "K. Lee", "--without-verdict", "-o", "small.toml"}, "small.toml");
-  CHECK(Told::parse(call(of.folder, {"reports", "list", "--json"}).out).at("reports").empty());
+  CHECK(Told::parse(call(of.folder, {"report", "list", "--json"}).out).at("reports").empty());
   REQUIRE(of.report({"3", "--approve-by", "K. Lee", "--without-verdict"}).code == 0);
   const std::string number = of.told({"3"}).at("number"), path = "reports/run-" + number + ".html";
   CHECK_FALSE(of.exists("reports/run-3.html"));
   const std::string page = read_file(of.folder.path(path));
-  CHECK(call(of.folder, {"reports", "verify", number}).code == 0);
+  CHECK(call(of.folder, {"report", "verify", number}).code == 0);
   const Finished again = of.report({"3"});
   CHECK(of.told({"3"}).at("written") == false);
   CHECK(read_file(of.folder.path(path)) == page);
   // A file that was changed since does not become the signed one by another call.
   write_file(of.folder.path(path), page + "<!-- more -->");
   CHECK(of.report({"3"}).out == again.out);
-  CHECK(call(of.folder, {"reports", "verify", number}).code == 1);
+  CHECK(call(of.folder, {"report", "verify", number}).code == 1);
   write_file(of.folder.path(path), page);
-  CHECK(call(of.folder, {"reports", "verify", number}).code == 0);
+  CHECK(call(of.folder, {"report", "verify", number}).code == 0);
   const Finished twice = of.report({"3", "--approve-by", "M. Ito", "--without-verdict"});
   CHECK(twice.code == 5);
   CHECK(twice.out.empty());
   of.refused({"3", "--reason", "x"}, "[TB-REPORT-REASON]");
   CHECK(of.report({"3", "2", "--approve-by", "M. Ito", "--without-verdict", "--reason", "one more"}).code == 0);
-  const Told listed = Told::parse(call(of.folder, {"reports", "list", "3", "--json"}).out).at("reports");
+  const Told listed = Told::parse(call(of.folder, {"report", "list", "3", "--json"}).out).at("reports");
   REQUIRE(listed.size() == 2);
   CHECK(listed.at(0).at("replaces") == "");
   CHECK(listed.at(1).at("replaces") == number);
@@ -139,15 +139,15 @@ TEST_CASE("report: signed once it keeps its number, its file and what replaced i
 TEST_CASE("report: without a verdict a person at the terminal is asked whether to sign") {
   const RunsToReport of;
   const auto answer = [&](const std::string& typed) {
-    InTerminal terminal(of.folder.path(), {"report", "3", "--approve-by", "K. Lee"}, 100, 30);
+    InTerminal terminal(of.folder.path(), {"report", "sign", "3", "--by", "K. Lee"}, 100, 30);
     REQUIRE(terminal.shows("y/n"));
     terminal.type(typed);
     return terminal.wait();
   };
   for (const char* no : {"n\n", "\n", "yep\n"}) CHECK(answer(no) == 2);
-  CHECK(Told::parse(call(of.folder, {"reports", "list", "--json"}).out).at("reports").empty());
+  CHECK(Told::parse(call(of.folder, {"report", "list", "--json"}).out).at("reports").empty());
   CHECK(answer("y\n") == 0);
-  CHECK(Told::parse(call(of.folder, {"reports", "list", "--json"}).out).at("reports").size() == 1);
+  CHECK(Told::parse(call(of.folder, {"report", "list", "--json"}).out).at("reports").size() == 1);
 }
 
 TEST_CASE("report: models and further runs that it cannot use") {
@@ -171,7 +171,7 @@ TEST_CASE("report: models and further runs that it cannot use") {
                                                                  {"--batch", "1", "3"}})
     of.refused(words, "[TB-RUN-VOID]");
   write_file(of.folder.path("own.csv"), "input,output\n0,0\n1,1\n2,2\n3,3\n2,2.5\n1,1.5\n0,0.1\n");
-  CHECK(call(of.folder, {"import", "own.csv"}).code == 0);
+  CHECK(call(of.folder, {"runs", "import", "own.csv"}).code == 0);
   CHECK(call(of.folder, {"fit", "5", "--model", "elam"}).code == 0);
   of.refused({"1", "--model", "5:2"}, "[TB-USAGE]\n  at: --model\n");
   CHECK(call(of.folder, {"fit", "2", "--model", "elam", "--mean-taxel"}).code == 0);

@@ -1,4 +1,4 @@
-// reports list and reports verify of a store whose signed reports are known row by row.
+// report list and report verify of a store whose signed reports are known row by row.
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -33,8 +33,8 @@ struct SignedStore : OpenStoreHere {
                       {{2, store.run(2).content_sha256}, {1, store.run(1).content_sha256}}});
   }
   Finished reports(std::vector<std::string> words) const {
-    words.insert(words.begin(), "reports");
-    return say(bench::add_reports, words);
+    words.insert(words.begin(), "report");
+    return say(bench::add_report, words);
   }
   // The file of a report where `report` puts it, and its hash in the notes of the run.
   std::string write_report_file(std::int64_t run, const std::string& name, const std::string& number) {
@@ -49,7 +49,7 @@ struct SignedStore : OpenStoreHere {
 
 }  // namespace
 
-TEST_CASE("reports list: each signed report with its run, who signed it, what it replaces and why") {
+TEST_CASE("report list: each signed report with its run, who signed it, what it replaces and why") {
   SignedStore store;
   CHECK_THAT(store.reports({"list", "3"}).err, Catch::Contains("[TB-STORE-NOT-FOUND]"));
   const std::string file = store.write_report_file(2, "run-2-0000000c.pdf", "2-0000000c");
@@ -70,13 +70,13 @@ TEST_CASE("reports list: each signed report with its run, who signed it, what it
   CHECK(nlohmann::json::parse(store.reports({"list", "1", "--json"}).out).at("reports").size() == 2);
 }
 
-TEST_CASE("reports verify: what is neither a file nor a number, and numbers that nobody signed") {
+TEST_CASE("report verify: what is neither a file nor a number, and numbers that nobody signed") {
   SignedStore store;
   for (const char* word : {"what", "1-0000000", "1-0000000aa", "-0000000a", "a-0000000a", "1-0000000g", "1-0000000A",
                            "10000000a", "", "1-"}) {
     INFO(word);
-    check_refusal(verb_here(bench::add_reports, {"reports", "verify", "--db", store.path, "--", word}), 2, "TB-USAGE",
-                  "reports verify");
+    check_refusal(verb_here(bench::add_report, {"report", "verify", "--db", store.path, "--", word}), 2, "TB-USAGE",
+                  "report verify");
   }
   CHECK(store.reports({"verify", "1234567890-09afaf90"}).code == 1);
   const auto told = nlohmann::json::parse(store.reports({"verify", "1-ffffffff", "--json"}).out);
@@ -85,7 +85,7 @@ TEST_CASE("reports verify: what is neither a file nor a number, and numbers that
   CHECK_FALSE(told.contains("run"));
 }
 
-TEST_CASE("reports verify: a file that is unchanged, changed, of another time, or not there") {
+TEST_CASE("report verify: a file that is unchanged, changed, of another time, or not there") {
   SignedStore store;
   // The states of the files of a report, and the exit code.
   const auto states = [&](const std::string& named) {
@@ -118,7 +118,7 @@ TEST_CASE("reports verify: a file that is unchanged, changed, of another time, o
         "serial corrected");
 }
 
-TEST_CASE("reports verify: a void run and a changed store outweigh an unchanged file") {
+TEST_CASE("report verify: a void run and a changed store outweigh an unchanged file") {
   SignedStore store;
   const std::string page = store.write_report_file(2, "run-2-0000000c.html", "2-0000000c");
   store.store.void_run(2, "gauge closed", "K. Lee", kUtc);
@@ -135,7 +135,7 @@ TEST_CASE(
   SignedStore store;
   const std::string page = store.write_report_file(2, "run-2-0000000c.html", "2-0000000c");
   const auto evidence = [&](const std::string& in) {
-    return nlohmann::json::parse(verb_here(bench::add_reports, {"reports", "verify", page, "--json", "--db", in}).out)
+    return nlohmann::json::parse(verb_here(bench::add_report, {"report", "verify", page, "--json", "--db", in}).out)
         .at("evidence")
         .at("state");
   };

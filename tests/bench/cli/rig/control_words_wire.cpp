@@ -57,7 +57,7 @@ TEST_CASE("commands: the answer of the one live run, or why it is refused") {
   CHECK(told.at("schema") == "tactbench.stop");
   CHECK((told.at("run") == 3 && told.at("bench") == "live" && told.at("store") == of.folder.path("live.db")));
   CHECK((told.at("state") == "running" && told.at("step") == 3 && told.at("steps") == 40));
-  of.taken({"abort", "3"});
+  of.taken({"stop", "--abort", "3"});
   of.taken({"panic", "--bench", "live"});
   of.refused({"pause", "4"}, "TB-RUN-NOT-LIVE");
 }
@@ -165,16 +165,16 @@ TEST_CASE("watch: an ended run is told only where nothing else is meant, and one
     (void)store_example(store);
     (void)begin_example(store);
   }
-  CHECK(of.give({"watch", "1"}).code == 0);
+  CHECK(of.give({"status", "--watch", "1"}).code == 0);
   {
     const SilentRun silent("a-frozen", "/run/1");
-    check_refusal(of.give({"watch", "1"}), 2, "TB-RUN-SILENT");
+    check_refusal(of.give({"status", "--watch", "1"}), 2, "TB-RUN-SILENT");
   }
-  const Finished ended = of.give({"watch", "2"});
+  const Finished ended = of.give({"status", "--watch", "2"});
   CHECK(ended.code == 3);  // its process died
   const bench::RunLock lock(path);
   lock.take_new(2);
-  const Finished carried_out = of.give({"watch", "2"});
+  const Finished carried_out = of.give({"status", "--watch", "2"});
   CHECK(carried_out.code == 2);
   CHECK(carried_out.out.empty());
   CHECK_THAT(carried_out.err, Catch::Contains("[TB-RUN-NOT-LIVE]"));

@@ -54,10 +54,9 @@ TEST_CASE("devices reset: a person is named") {
                 "--operator");
 }
 
-TEST_CASE("devices watch prints the pressures, places, forces and the array once a look") {
+TEST_CASE("live prints the pressures, places, forces and the array once a look") {
   const TemporaryFolder folder;
-  const Finished seen =
-      call(folder, {"devices", "watch", "--bench", "simulated.toml", "--count", "2", "--interval", "0.05"});
+  const Finished seen = call(folder, {"live", "--bench", "simulated.toml", "--count", "2", "--interval", "0.05"});
   CHECK(seen.code == 0);
   for (const char* name : {"\nfeedback  ", "\nreference ", "\nforce     "}) {
     INFO(name << " in " << seen.out);

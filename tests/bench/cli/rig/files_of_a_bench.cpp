@@ -1,4 +1,4 @@
-// What init, recipes, config show and devices reset write and tell, and what they refuse.
+// What init, recipes, config and devices reset write and tell, and what they refuse.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
@@ -52,65 +52,47 @@ TEST_CASE("init writes the files of each kind of bench, and none over another") 
   check_refusal(init("file/sub", {}), 2, "TB-FILE-WRITE");
 }
 
-TEST_CASE("recipes new: names of letters, digits, hyphens and underscores, and where the copy goes") {
+TEST_CASE("plan --copy: names of letters, digits, hyphens and underscores, and a copy with all comments") {
   const TemporaryFolder folder;
-  const auto make = [&](const std::vector<std::string>& more) {
-    return verb_here(bench::add_recipes, joined_words({"recipes", "new"}, more));
+  const auto copy = [&](const std::string& recipe, const std::string& file, std::vector<std::string> more = {}) {
+    more.insert(more.begin(), {"plan", recipe, "--copy", folder.path(file)});
+    return verb_here(bench::add_plan, more);
   };
-  const std::string path = folder.path("out.toml");
-  CHECK(make({"aZ09-_", "--from", "noise", "-o", path}).code == 0);
-  const std::string copy = read_file(path), shipped = read_file(bench::find_recipe("noise"));
-  CHECK(copy.size() == shipped.size() + 1);  // the name alone, and with all comments
-  CHECK(copy.starts_with(shipped.substr(0, shipped.find("\nname"))));
-  CHECK_THAT(copy, Catch::Contains("\nname = \"aZ09-_\"\n"));
-  for (const char* name : {"", "a b", "a.b", "a/b", "\xC3\xA4"}) {
-    check_refusal(make({name, "-o", folder.path("none.toml")}), 2, "TB-USAGE", "recipes new");
-  }
-  const Finished again = make({"b", "-o", path});
-  CHECK_THAT(again.err, Catch::Contains("[TB-FILE-EXISTS]"));
-  CHECK(make({"c", "--from", "nois", "-o", folder.path("c.toml")}).code == 2);
-  const nlohmann::json told = nlohmann::json::parse(make({"b", "-o", path, "--replace", "--json"}).out);
-  CHECK(told.at("name") == "b");
-  CHECK(told.at("from") == "production");
-  CHECK(told.at("path") == path);
-  std::string text = read_file(path);
-  text.replace(text.find("name = \"b\""), 10, "name=\"b\"");
+  CHECK(copy("noise", "aZ09-_").code == 0);
+  const std::string made = read_file(folder.path("aZ09-_.toml")), shipped = read_file(bench::find_recipe("noise"));
+  CHECK(made.size() == shipped.size() + 1);  // the name alone
+  CHECK(made.starts_with(shipped.substr(0, shipped.find("\nname"))));
+  CHECK_THAT(made, Catch::Contains("\nname = \"aZ09-_\"\n"));
+  for (const char* name : {"a b", "a.b", "\xC3\xA4", ".toml"})
+    check_refusal(copy("noise", name), 2, "TB-USAGE", "plan --copy");
+  CHECK_THAT(copy("noise", "aZ09-_.toml").err, Catch::Contains("[TB-FILE-EXISTS]"));
+  CHECK(copy("nois", "c").code == 2);
+  const nlohmann::json said = nlohmann::json::parse(copy("noise", "aZ09-_", {"--replace", "--json"}).out);
+  CHECK((said.at("name") == "aZ09-_" && said.at("from") == "noise"));
+  std::string text = made;
+  text.replace(text.find("name = \"aZ"), 8, "name=\"");
   write_file(folder.path("odd.toml"), text);
-  CHECK_THAT(make({"c", "--from", folder.path("odd.toml"), "-o", folder.path("c.toml")}).err,
-             Catch::Contains("[TB-USAGE]") && Catch::Contains("\n  at: --from\n"));
+  CHECK_THAT(copy(folder.path("odd.toml"), "c").err, Catch::Contains("[TB-USAGE]"));
 }
 
-TEST_CASE("recipes check tells a good one's steps, frames and highest load, and goes on after a wrong one") {
+TEST_CASE("plan: a recipe's steps and frames, and its file") {
   const TemporaryFolder folder;
   // 2 steps of conditioning, and a frame at 0, 5, 10, 5 and 0 psi, twice.
-  write_file(folder.path("two.toml"),
+  const std::string path = folder.path("two.toml");
+  write_file(path,
              "schema = 1\nname = \"two\"\nunit = \"psi\"\nturning_points = [0, 10, 0]\nstep = 5\nrepeats = 2\n"
              "dwell_s = 3\n[conditioning]\ncycles = 1\npeak = 20\n");
-  const Finished checked =
-      verb_here(bench::add_recipes, {"recipes", "check", folder.path("none.toml"), folder.path("two.toml"), "ring"});
-  CHECK(checked.code == 2);
-  CHECK_THAT(checked.err, Catch::Contains("none.toml") && Catch::Contains("\n  try: "));
-  const Finished as_json =
-      verb_here(bench::add_recipes, {"recipes", "check", folder.path("two.toml"), folder.path("none.toml"), "--json"});
-  CHECK(as_json.code == 2);
-  CHECK(as_json.err.empty());
-  const nlohmann::json told = nlohmann::json::parse(as_json.out);
-  CHECK(told.at("bench") == "simulated-rig");
-  REQUIRE(told.at("recipes").size() == 2);
-  CHECK(told.at("recipes").at(1).at("good") == false);
-  CHECK(told.at("recipes").at(1).at("file") == folder.path("none.toml"));
-  CHECK(told.at("recipes").at(1).at("error").at("exit_code") == 2);
-  const nlohmann::json& two = told.at("recipes").at(0);
-  check_members(two, R"({"steps": 12, "frames": 10, "highest": "20.0 psi", "repeats": 2, "good": true})");
-  const Finished shown = verb_here(bench::add_recipes, {"recipes", "show", folder.path("two.toml")});
-  CHECK(shown.out == "# " + folder.path("two.toml") + "\n" + read_file(folder.path("two.toml")));
-  CHECK(nlohmann::json::parse(verb_here(bench::add_recipes, {"recipes", "show", folder.path("two.toml"), "--json"}).out)
-            .at("text") == read_file(folder.path("two.toml")));
+  check_refusal(verb_here(bench::add_plan, {"plan", folder.path("none.toml")}), 2, "TB-FILE-MISSING");
+  const nlohmann::json planned = nlohmann::json::parse(verb_here(bench::add_plan, {"plan", path, "--json"}).out);
+  check_members(planned, R"({"steps": 12, "frames": 10, "highest_psi": 20.0, "bench": "simulated-rig"})");
+  CHECK(verb_here(bench::add_plan, {"plan", path, "--print"}).out == "# " + path + "\n" + read_file(path));
+  CHECK(nlohmann::json::parse(verb_here(bench::add_plan, {"plan", path, "--print", "--json"}).out).at("text") ==
+        read_file(path));
 }
 
-TEST_CASE("recipes list knows the shipped recipes, and leaves out the suite beside them") {
+TEST_CASE("plan knows the shipped recipes, and leaves out the suite beside them") {
   const nlohmann::json recipes =
-      nlohmann::json::parse(verb_here(bench::add_recipes, {"recipes", "list", "--json"}).out).at("recipes");
+      nlohmann::json::parse(verb_here(bench::add_plan, {"plan", "--json"}).out).at("recipes");
   const auto named = [&](const char* name) {
     return std::ranges::find_if(recipes, [&](const nlohmann::json& recipe) { return recipe.at("name") == name; });
   };
@@ -119,12 +101,12 @@ TEST_CASE("recipes list knows the shipped recipes, and leaves out the suite besi
   CHECK(named("production")->at("recipes").size() == 3);
   CHECK(named("production")->at("highest") == "60.0 psi");
   CHECK(named("nightly") == recipes.end());
-  CHECK(verb_here(bench::add_recipes, {"recipes", "show", "produktion"}).code == 2);
+  CHECK(verb_here(bench::add_plan, {"plan", "produktion", "--print"}).code == 2);
 }
 
-TEST_CASE("config show: each value, and where it comes from") {
+TEST_CASE("config: each value, and where it comes from") {
   const auto show = [](const std::vector<std::string>& more) {
-    return verb_here(bench::add_config, joined_words({"config", "show", "--bench", "simulated.toml"}, more));
+    return verb_here(bench::add_config, joined_words({"config", "--bench", "simulated.toml"}, more));
   };
   const Finished plain = show({"--set", "bench.location=\"here\""});
   CHECK(plain.code == 0);

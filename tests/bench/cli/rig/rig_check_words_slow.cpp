@@ -1,4 +1,4 @@
-// rig check: its document, each state of rig and standard with the conclusion of both, and its exit codes;
+// devices test: its document, each state of rig and standard with the conclusion of both, and its exit codes;
 // held against baselines that are written into the store.
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -31,9 +31,10 @@ class CheckedRig {
   }
   // With seeds of its own each time.
   Finished check(const std::vector<std::string>& more = {}) {
-    return call(folder, joined_words({"rig", "check", "--bench", "simulated.toml", "--standard", "STD-1", "--operator",
-                                      "t", "--recipe", "small.toml", "-q", "--yes", "--seed", std::to_string(++seed_)},
-                                     more));
+    return call(folder,
+                joined_words({"devices", "test", "--bench", "simulated.toml", "--standard", "STD-1", "--operator", "t",
+                              "--recipe", "small.toml", "-q", "--yes", "--seed", std::to_string(++seed_)},
+                             more));
   }
   // Accepts eight runs as the subject's baseline, so that these figures lie at this place of it.
   void accept(const std::string& subject, const Told& figures, PlaceInBand place) {
@@ -63,7 +64,7 @@ class CheckedRig {
 
 }  // namespace
 
-TEST_CASE("rig check: what is concluded of rig and standard together") {
+TEST_CASE("devices test: what is concluded of rig and standard together") {
   CheckedRig rig;
   const Told first = Told::parse(rig.check({"--press", "--json"}).out);
   check_members(first, R"({"schema": "tactbench.rig.check", "bench": "simulated-rig", "origin": "simulated"})");
@@ -82,7 +83,7 @@ TEST_CASE("rig check: what is concluded of rig and standard together") {
   }
   CHECK(checks.at(1).at("figures").size() == 4);
   CHECK(Told::parse(call(rig.folder, {"runs", "show", "3", "--json"}).out).at("purpose") ==
-        "rig check: force and stage");
+        "devices test: force and stage");
   const auto accept = [&](std::size_t subject, PlaceInBand place) {
     rig.accept(subjects[subject], checks.at(subject).at("figures"), place);
   };
@@ -122,12 +123,12 @@ TEST_CASE("rig check: what is concluded of rig and standard together") {
 }
 
 // By eight checks as they are, and by faults of the rig and of the standard itself.
-TEST_CASE("rig check separates a changed rig from a changed standard") {
+TEST_CASE("devices test separates a changed rig from a changed standard") {
   const TemporaryFolder folder;
   REQUIRE(call(folder, {"sensors", "add", "STD-1", "--type", "sensor.toml"}).code == 0);
   // The state of the chamber and of the standard.
   const auto states = [&](const std::string& seed, int code, const std::vector<std::string>& more = {}) {
-    const Told checks = Told::parse(well(call(folder, joined_words({"rig", "check", "--bench", "simulated.toml",
+    const Told checks = Told::parse(well(call(folder, joined_words({"devices", "test", "--bench", "simulated.toml",
                                                                     "--standard", "STD-1", "--operator", "t", "--seed",
                                                                     seed, "--json", "-q", "--set", "recipe.repeats=2"},
                                                                    more)),
@@ -138,11 +139,12 @@ TEST_CASE("rig check separates a changed rig from a changed standard") {
     return std::pair<std::string, std::string>(checks.at(0).at("state"), checks.at(1).at("state"));
   };
   for (const char* seed : {"1", "2", "3", "4", "5", "6", "7", "8"}) CHECK(states(seed, 0).first == "no baseline");
-  well(call(folder, {"baseline", "accept", "1-16", "--by", "K. Lee", "--reason", "after service"}));
+  well(call(folder, {"trend", "accept", "1-16", "--by", "K. Lee", "--reason", "after service"}));
   const std::pair<std::string, std::string> unchanged = {"within", "within"}, standard_changed = {"within", "outside"};
   CHECK(states("9", 0) == unchanged);
   const std::string chamber = states("10", 1, {"--set", "simulation.chamber.hysteresis_share=0.01"}).first;
   CHECK((chamber == "outside" || chamber == "shifted"));
   CHECK(states("11", 1, {"--set", R"(simulation.defect=[{kind="dead",row=3,column=4}])"}) == standard_changed);
-  CHECK(call(folder, {"rig", "check", "--bench", "simulated.toml", "--standard", "none", "--operator", "t"}).code == 2);
+  CHECK(call(folder, {"devices", "test", "--bench", "simulated.toml", "--standard", "none", "--operator", "t"}).code ==
+        2);
 }

@@ -46,7 +46,7 @@ TEST_CASE("status: the last run of the store, of a bench, or the one that is nam
 
 TEST_CASE("watch: of a named run that has ended it says how, with that run's exit code") {
   const StoreOfStatus store;
-  CHECK(store.status({"watch", "1"}).code == 0);
-  CHECK(store.status({"watch", "2"}).code == 3);
-  check_refusal(store.status({"watch", "--bench", "no-such-bench"}), 2, "TB-RUN-NOT-LIVE");
+  CHECK(store.status({"status", "--watch", "1"}).code == 0);
+  CHECK(store.status({"status", "--watch", "2"}).code == 3);
+  check_refusal(store.status({"status", "--watch", "--bench", "no-such-bench"}), 2, "TB-RUN-NOT-LIVE");
 }

@@ -1,4 +1,4 @@
-// What baseline accept, runs merge and nightly make of stores, and what they refuse where those lack what they need.
+// What trend accept, runs merge and nightly make of stores, and what they refuse where those lack what they need.
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -23,9 +23,9 @@ struct StoreOfFigures : StoreHere {
     }
   }
   Finished accept(std::vector<std::string> runs, const std::vector<std::string>& more = {}) const {
-    runs.insert(runs.begin(), {"baseline", "accept", "--db", path, "--by", "K. Lee", "--reason", "as made"});
+    runs.insert(runs.begin(), {"trend", "accept", "--db", path, "--by", "K. Lee", "--reason", "as made"});
     runs.insert(runs.end(), more.begin(), more.end());
-    return verb_here(bench::add_baseline, runs);
+    return verb_here(bench::add_trend, runs);
   }
 
  private:
@@ -34,7 +34,7 @@ struct StoreOfFigures : StoreHere {
 
 }  // namespace
 
-TEST_CASE("baseline accept: what is no run or range is refused, and so are runs without figures") {
+TEST_CASE("trend accept: what is no run or range is refused, and so are runs without figures") {
   StoreOfFigures store;
   store.add("rig/a", 1);
   {
@@ -56,10 +56,10 @@ TEST_CASE("baseline accept: what is no run or range is refused, and so are runs 
   store.open().void_run(2, "by hand", "K. Lee", kUtc);
   CHECK_THAT(store.accept({"2"}).err, Catch::Contains("[TB-RUN-VOID]"));
   CHECK(store.accept({"2", "--void-too"}).code == 2);
-  CHECK(store.told<nlohmann::json>(bench::add_baseline, {"baseline", "list"}).at("baselines").empty());
+  CHECK(store.told<nlohmann::json>(bench::add_trend, {"trend", "baselines"}).at("baselines").empty());
 }
 
-TEST_CASE("baseline accept: each subject has its own runs of a range") {
+TEST_CASE("trend accept: each subject has its own runs of a range") {
   StoreOfFigures store;
   store.add("rig/a", 8);          // runs 1 to 8
   store.add("nightly/short", 7);  // 9 to 15
@@ -76,7 +76,7 @@ TEST_CASE("baseline accept: each subject has its own runs of a range") {
   check_members(one, R"({"baseline": 4, "subject": "rig/a", "counted": 20})");
   CHECK(one.at("runs").size() == 20);
   CHECK(one.at("runs").at(8) == 17);
-  const auto listed = store.told<nlohmann::json>(bench::add_baseline, {"baseline", "list"});
+  const auto listed = store.told<nlohmann::json>(bench::add_trend, {"trend", "baselines"});
   CHECK(listed.at("baselines").size() == 4);
   CHECK(listed.at("baselines").at(0).at("accepted_by") == "K. Lee");
   CHECK(listed.at("baselines").at(0).at("reason") == "as made");

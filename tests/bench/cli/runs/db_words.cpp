@@ -20,33 +20,33 @@ struct StoreForDb : StoreHere {
     db::RunStore store = open();
     (void)store_example(store);
   }
-  Finished db(std::vector<std::string> words) const {
-    words.insert(words.begin(), "db");
-    return say(bench::add_db, words);
+  Finished copy_to(const std::string& file, std::vector<std::string> more = {}) const {
+    more.insert(more.begin(), {"runs", "copy", "--to", file});
+    return say(bench::add_runs, more);
   }
 };
 
 }  // namespace
 
-TEST_CASE("db snapshot: a copy with its length, never over a file that exists") {
+TEST_CASE("runs copy of a whole store: a copy with its length, never over a file that exists") {
   const StoreForDb of;
   const std::string copy = of.folder.path("copy.db"), second = of.folder.path("second.db");
-  CHECK(of.db({"snapshot", copy}).code == 0);
+  CHECK(of.copy_to(copy).code == 0);
   CHECK(db::RunStore::open_read_only(copy).run(1).content_sha256 ==
         db::RunStore::open_read_only(of.path).run(1).content_sha256);
-  check_refusal(of.db({"snapshot", copy}), 2, "TB-STORE-EXISTS");
-  const Told told = Told::parse(of.db({"snapshot", second, "--json"}).out);
-  CHECK(told == Told{{"schema", "tactbench.db.snapshot"},
+  check_refusal(of.copy_to(copy), 2, "TB-STORE-EXISTS");
+  const Told told = Told::parse(of.copy_to(second, {"--json"}).out);
+  CHECK(told == Told{{"schema", "tactbench.runs.copy"},
                      {"version", 1},
                      {"store", of.path},
-                     {"snapshot", second},
+                     {"to", second},
                      {"bytes", std::filesystem::file_size(second)}});
 }
 
 TEST_CASE("db migrate: a store of this program's schema stays as it is") {
   const StoreForDb of;
-  CHECK(of.db({"migrate"}).code == 0);
-  const Told told = Told::parse(of.db({"migrate", "--json"}).out);
+  CHECK(of.say(bench::add_db, {"db", "migrate"}).code == 0);
+  const Told told = Told::parse(of.say(bench::add_db, {"db", "migrate", "--json"}).out);
   CHECK(told.at("store") == of.path);
   CHECK(told.at("schema_before") == db::kSchemaVersion);
   CHECK(told.at("backup") == "");
@@ -55,7 +55,7 @@ TEST_CASE("db migrate: a store of this program's schema stays as it is") {
 TEST_CASE("db: a missing store is refused, and not made") {
   const TemporaryFolder folder;
   const std::string none = folder.path("none.db");
-  check_refusal(verb_here(bench::add_db, {"db", "check", none}), 5, "TB-STORE-OPEN");
+  check_refusal(verb_here(bench::add_verify, {"verify", "--db", none}), 5, "TB-STORE-OPEN");
   check_refusal(verb_here(bench::add_db, {"db", "migrate", "--db", none}), 5, "TB-STORE-OPEN");
   CHECK_FALSE(std::filesystem::exists(none));
 }
@@ -76,7 +76,7 @@ TEST_CASE("db migrate: a store whose making was cut off becomes one") {
   CHECK_FALSE(std::filesystem::exists(folder.path("cut.db") + ".schema-0.backup"));
 }
 
-TEST_CASE("db check: each run that differs, and runs that have not ended") {
+TEST_CASE("verify: each run that differs, and runs that have not ended") {
   const StoreForDb of;
   {
     db::RunStore store = of.open();
@@ -85,8 +85,8 @@ TEST_CASE("db check: each run that differs, and runs that have not ended") {
   }
   db::sqlite::Connection(of.path, db::sqlite::Access::kReadWrite)
       .execute("UPDATE frames SET status = 9 WHERE frame = 1000000002");
-  CHECK(of.db({"check"}).code == 5);
-  const Told told = Told::parse(of.db({"check", "--json"}).out);
+  CHECK(of.say(bench::add_verify, {"verify"}).code == 5);
+  const Told told = Told::parse(of.say(bench::add_verify, {"verify", "--json"}).out);
   CHECK(told.at("holds") == false);
   CHECK(told.at("structure").empty());
   REQUIRE(told.at("runs").size() == 3);

@@ -22,8 +22,8 @@ const std::string kRowsOfTwo =
 struct TableToImport {
   explicit TableToImport(const std::string& text) { write_file(file, text); }
   Finished import(std::vector<std::string> more = {}) const {
-    more.insert(more.begin(), {"import", file, "--db", path});
-    return verb_here(bench::add_import, more);
+    more.insert(more.begin(), {"runs", "import", file, "--db", path});
+    return verb_here(bench::add_runs, more);
   }
   [[nodiscard]] db::RunStore store() const { return db::RunStore::open_read_only(path); }
   TemporaryFolder folder;

@@ -1,4 +1,4 @@
-// The store's verbs as a person uses them: verify, db check, snapshot, migrate, runs tag, note, void, list.
+// The store's verbs as a person uses them: verify, verify, snapshot, migrate, runs tag, note, void, list.
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -18,7 +18,7 @@ namespace {
 void prepare_store(const TemporaryFolder& folder) {
   begin_bench(folder);
   for (const char* seed : {"1", "2"}) measure_small(folder, seed);
-  well(call(folder, {"fit", "1", "--model", "elam", "--held-out", "2", "--limits", "wide.toml"}));
+  well(call(folder, {"fit", "1", "--model", "elam"}, {"judge", "1", "2", "--limits", "wide.toml"}));
 }
 
 void change(const TemporaryFolder& folder, const std::string& sql) {
@@ -62,21 +62,21 @@ TEST_CASE("verify recomputes content, models and verdicts, and names what was ch
   CHECK(json::parse(call(folder, {"verify", "1", "--json"}).out)["content"]["holds"] == false);
   CHECK(call(folder, {"verify", "2"}).code == 5);
   CHECK_THAT(first_difference("2"), Catch::Contains("frame 4"));
-  CHECK(call(folder, {"db", "check"}).code == 5);
+  CHECK(call(folder, {"verify"}).code == 5);
   check_refusal(call(folder, {"verify", "7"}), 2, "TB-STORE-NOT-FOUND");
   change(folder, "UPDATE runs SET outcome = 'incomplete', state = 'running', content_sha256 = '' WHERE run = 2");
   check_refusal(call(folder, {"verify", "2"}), 6, "TB-VERIFY-NOT-ENDED");
 }
 
-TEST_CASE("verify and db check report deleted verdicts, fits and approvals with exit code 5") {
+TEST_CASE("verify and verify report deleted verdicts, fits and approvals with exit code 5") {
   const TemporaryFolder folder;
   prepare_store(folder);
-  REQUIRE(call(folder, {"report", "1", "--approve-by", "C. Chief"}).code == 0);
-  CHECK(call(folder, {"db", "check"}).code == 0);
+  REQUIRE(call(folder, {"report", "sign", "1", "--by", "C. Chief"}).code == 0);
+  CHECK(call(folder, {"verify"}).code == 0);
   change(folder, "DELETE FROM verdicts; DELETE FROM reports");
   CHECK(call(folder, {"verify", "2"}).code == 5);
-  CHECK(call(folder, {"db", "check"}).code == 5);
-  const json document = json::parse(call(folder, {"db", "check", "--json"}).out);
+  CHECK(call(folder, {"verify"}).code == 5);
+  const json document = json::parse(call(folder, {"verify", "--json"}).out);
   CHECK(document["runs"][1]["holds"] == false);
   CHECK(document["runs"][1]["difference"] == "");
   CHECK(document["runs"][1]["beside"].size() == 1);
@@ -88,7 +88,7 @@ TEST_CASE("a store with foreign objects is checked and read, not written") {
   check_refusal(call(folder, {"runs", "note", "1", std::string(10'001, 'x')}), 2, "TB-STORE-TOO-LONG");
   check_refusal(call(folder, {"runs", "note", "1", " "}), 2, "TB-STORE-BLANK");
   change(folder, "CREATE TRIGGER evil AFTER INSERT ON runs BEGIN DELETE FROM verdicts; END");
-  CHECK(call(folder, {"db", "check"}).code == 5);
+  CHECK(call(folder, {"verify"}).code == 5);
   CHECK(call(folder, {"runs", "list"}).code == 0);
   check_refusal(call(folder, {"runs", "note", "1", "x"}), 5, "TB-STORE-FOREIGN");
   check_refusal(
@@ -171,7 +171,7 @@ TEST_CASE("runs are compared, and copied into another store") {
   check_refusal(call(folder, {"runs", "export", "9", "-o", "x"}), 2, "TB-STORE-NOT-FOUND");
   well(call(folder, {"runs", "copy", "2", "1", "--to", "archive.db"}));
   for (const char* run : {"1", "2"}) CHECK(call(folder, {"verify", run, "--db", "archive.db"}).code == 0);
-  CHECK(call(folder, {"db", "check", "archive.db"}).code == 0);
+  CHECK(call(folder, {"verify", "archive.db"}).code == 0);
   CHECK(call(folder, {"runs", "copy", "1", "--to", "models.db"}).code == 0);
   check_refusal(call(folder, {"runs", "copy", "1", "--to", "archive.db"}), 2, "TB-STORE-EXISTS");
   check_refusal(call(folder, {"runs", "copy", "9", "--to", "new.db"}), 2, "TB-STORE-NOT-FOUND");

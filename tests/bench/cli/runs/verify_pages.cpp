@@ -1,4 +1,4 @@
-// verify and db check of runs without models: as stored, changed, pruned, not ended.
+// verify and verify of runs without models: as stored, changed, pruned, not ended.
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 #include <string>

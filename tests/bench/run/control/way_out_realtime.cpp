@@ -150,10 +150,10 @@ TEST_CASE("end of run: a stopped reader of standard error does not delay it") {
   desk.check_row(db::Outcome::kCompleted);
 }
 
-TEST_CASE("end of run: devices watch ends when the reader of its output ends") {
+TEST_CASE("end of run: live ends when the reader of its output ends") {
   const Desk desk;
   Pipe pipe(desk.folder.path("out"));
-  const auto watch = desk.start({"devices", "watch", "--bench", "bench.toml", "--interval", "0.05"}, ">out");
+  const auto watch = desk.start({"live", "--bench", "bench.toml", "--interval", "0.05"}, ">out");
   REQUIRE(comes_true([&] { return pipe.has_words(); }));
   pipe.close_reader();
   CHECK(watch->wait() == 0);

@@ -1,0 +1,75 @@
+// judge: a stored model on further runs of its sensor.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "analysis/identify/stored/model_document.h"
+#include "bench/cli/judgement_words.h"
+#include "bench/cli/models/fit_words.h"
+#include "bench/cli/reports/report_options.h"
+#include "bench/common/long_work.h"
+#include "bench/config/config.h"
+#include "bench/config/config_laboratory.h"
+#include "bench/reporting/evaluation.h"
+#include "bench/reporting/named_runs.h"
+#include "db/run_store.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+struct JudgeOptions {
+  std::string model, limits, lab;
+  std::vector<std::int64_t> runs;
+};
+
+void judge(const JudgeOptions& options, Session& session) {
+  if (!options.limits.empty()) (void)read_limits(find_config(options.limits));  // before an hour of anything
+  const analysis::Laboratory laboratory =
+      options.lab.empty() ? analysis::Laboratory() : read_laboratory(find_config(options.lab));
+  const ModelNamed named = model_named(options.model, 0);
+  (void)db::RunStore::open_read_only(session.db).run(named.run);  // no store is made for a wrong name
+  db::RunStore store = db::RunStore::open(session.db);
+  analysis::Runs runs(store);
+  const analysis::SensorModel model = load_model(options.model, session);
+  check_models_of_array(runs, model, named);
+  (void)named_runs(runs, options.runs, {"judge", named.run}, session.void_too);
+  check_independent_of_dynamics(store, model, options.runs);
+  LongWork progress("judge", session.quiet || session.json, {{"figures", 1.0}});
+  progress.begin("figures");
+  FittedRun fitted{&model, evaluate_runs(runs, model, options.runs), {}};
+  if (!options.limits.empty()) {
+    fitted.judgement = judge_and_store(store, runs, model, fitted.evaluations, options.limits, session.void_too,
+                                       laboratory.instruments)
+                           .judgement;
+    session.code = exit_code_of(fitted.judgement.overall);
+    warn_of_conditional(fitted.judgement.figures);
+  }
+  if (!session.json) return tty::print("{}", fitted_text(fitted, session.unit()));
+  nlohmann::ordered_json json;
+  add_fitted_json(fitted, json);
+  print_json("judge", json);
+}
+
+}  // namespace
+
+void add_judge(CLI::App& app, Session& session) {
+  auto options = std::make_shared<JudgeOptions>();
+  CLI::App* verb = app.add_subcommand("judge",
+                                      "how good a model is on further runs, by limits; stores the verdict\n"
+                                      "Of several runs the worst verdict counts. Without limits only errors are shown. "
+                                      "The run that a model comes from is no evidence.");
+  verb->add_option("model", options->model, "RUN whose model is judged, or RUN:FIT")->required();
+  verb->add_option("runs", options->runs, "runs of the same sensor that the model was not made from")
+      ->required()
+      ->take_all();
+  session.profile.add(*verb, "--limits", ProfileKey::kLimits, options->limits, "limits file that judges");
+  session.profile.add(*verb, "--lab", ProfileKey::kLab, options->lab,
+                      "laboratory file: a reference that is overdue by its dates makes verdicts inconclusive");
+  add_void_too(*verb, session);
+  verb->callback([options, &session] { judge(*options, session); });
+}
+
+}  // namespace tactbench::bench
