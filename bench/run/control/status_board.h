@@ -15,7 +15,7 @@ class StatusBoard {
   StatusBoard(Control& control, Progress& progress) : control_(control), progress_(progress) {}
   // To be changed freely; publish() then tells it. Readings come from the sequencer (Control::see).
   [[nodiscard]] RunStatus& now() { return now_; }
-  void publish() { control_.publish(now_); }
+  void publish();
   // What the run does from now on, in words, published and shown.
   void phase(const std::string& words);
   // To be called often: renews the progress line when that is due.
@@ -29,6 +29,7 @@ class StatusBoard {
   Control& control_;
   Progress& progress_;
   RunStatus now_;
+  Pace pace_;
 };
 
 }  // namespace tactbench::bench

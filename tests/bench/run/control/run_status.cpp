@@ -105,6 +105,18 @@ TEST_CASE("status board: a phase reaches those who ask") {
   board.phase("warming up");
   CHECK(control.status().run == 7);
   CHECK(control.status().phase == "warming up");
+  // Without an estimate the time left is by the pace so far; with one it stays.
+  board.now().steps = 100;
+  board.now().rate = 150.0;
+  board.publish();
+  CHECK(control.status().left_s == 0.0);
+  board.now().step = 10;
+  board.publish();
+  CHECK((control.status().left_s > 0.0 && control.status().left_high_s == 0.0));
+  board.now().left_s = 50.0;
+  board.now().left_high_s = 60.0;
+  board.publish();
+  CHECK(control.status().left_s == 50.0);
 }
 
 TEST_CASE("pace: the time left by the pace so far, anew after a way back or a rest of more than a minute") {
