@@ -62,10 +62,9 @@ bool has_reference(const db::RunRecord& run) {
   });
 }
 
-std::string valid_until(const ReportInput& input) {
-  const Laboratory& lab = input.laboratory;
+std::string valid_until(const Laboratory& lab, const std::string& measured_utc) {
   if (!lab.valid_until.empty() || lab.recalibrate_after_months <= 0) return lab.valid_until;
-  const auto day = day_of(input.run.started_utc);
+  const auto day = day_of(measured_utc);
   if (!day) return {};
   std::chrono::year_month_day until =
       std::chrono::year_month_day(*day) + std::chrono::months(lab.recalibrate_after_months);

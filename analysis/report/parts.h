@@ -25,7 +25,7 @@ std::string model_sha256(const SensorModel& fit);  // of all parameters and patt
 // A pressure reference that is a device of its own, not the regulator's feedback.
 bool has_reference(const db::RunRecord& run);
 // By the laboratory file: a date, or so many months after the measurement; empty: not stated.
-std::string valid_until(const ReportInput& input);
+std::string valid_until(const Laboratory& lab, const std::string& measured_utc);
 // The operator's entry, else as the run stored it with the scanner.
 std::string cable_of(const ReportInput& input);
 // As typed with the run, else by the laboratory file; both where they differ.

@@ -12,6 +12,7 @@
 #include "analysis/documents/run_json.h"
 #include "bench/common/error_table.h"
 #include "bench/common/for_people.h"
+#include "bench/reporting/judgement.h"
 
 namespace tactbench::bench {
 
@@ -46,7 +47,8 @@ std::string readings_text(const RunStatus& status, analysis::PressureUnit unit) 
 }
 
 std::string left_text(const RunStatus& status) {
-  if (status.left_high_s <= 0.0) return "time left not known";
+  if (status.left_high_s <= 0.0)
+    return status.left_s > 0.0 ? fmt::format("about {} left", clock_text(status.left_s)) : "time left not known yet";
   const std::string prompts =
       status.prompts_left == 0 ? "" : fmt::format(" + {}", analysis::counted(status.prompts_left, "prompt"));
   return fmt::format("{} left{} ({} to {})", clock_text(status.left_s), prompts, clock_text(status.left_low_s),
@@ -76,7 +78,8 @@ bool shows_progress(const db::EventRecord& event) {
 }
 
 StoredRun stored_run(const db::RunStore& store, std::int64_t run) {
-  StoredRun stored{store.run(run), store.frame_count(run), {}};
+  StoredRun stored{store.run(run), store.frame_count(run), {}, 0};
+  if (stored.record.outcome == db::Outcome::kCompleted) stored.report = reporting_run(store, standing(store, run), run);
   store.newest_events(run, [&](const db::EventRecord& event) {
     if (shows_progress(event)) stored.events.push_back(event);
     return stored.events.size() < kEvents;
@@ -183,10 +186,11 @@ nlohmann::ordered_json stored_json(const StoredRun& run, std::optional<bool> car
   return json;
 }
 
-std::string next_command(const db::RunRecord& run, const std::string& db) {
+std::string next_command(const StoredRun& run, const std::string& db) {
   const std::string store = db == "runs.db" ? "" : " --db " + db;
-  const bool done = run.outcome == db::Outcome::kCompleted;
-  return fmt::format("tactbench {} {}{}", done ? "fit" : "resume", run.run, store);
+  if (run.report != 0) return fmt::format("tactbench report {}{}", run.report, store);
+  const bool done = run.record.outcome == db::Outcome::kCompleted;
+  return fmt::format("tactbench {} {}{}", done ? "fit" : "resume", run.record.run, store);
 }
 
 ExitCode exit_code_of(const db::RunRecord& run) {

@@ -21,6 +21,7 @@ struct StoredRun {
   db::RunRecord record;
   std::int64_t frames = 0;
   std::vector<db::EventRecord> events;  // the last that show how it goes, oldest first
+  std::int64_t report = 0;              // of a completed run: reporting_run() of bench/reporting/judgement.h
 };
 
 // Throws StoreError: TB-STORE-NOT-FOUND.
@@ -47,7 +48,7 @@ nlohmann::ordered_json view_json(const RunView& view);
 std::vector<std::string> stored_lines(const StoredRun& run, std::optional<bool> carried_out);
 nlohmann::ordered_json stored_json(const StoredRun& run, std::optional<bool> carried_out);
 // The command to type after a run that has ended; `db`: the store, as it is to be typed.
-std::string next_command(const db::RunRecord& run, const std::string& db);
+std::string next_command(const StoredRun& run, const std::string& db);
 // As the run itself should have ended, from what is stored: 0 completed, 1 a check refused it, 3 device, process or
 // another failure, 4 stopped or aborted, 5 store, 7 the safe state was not verified.
 ExitCode exit_code_of(const db::RunRecord& run);

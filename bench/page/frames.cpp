@@ -29,7 +29,7 @@ double psi_or_n(const db::SeenFrame& frame) { return frame.wrench ? -frame.wrenc
 
 // The whole array's models of that run; none: it has none that stream.
 std::optional<analysis::SensorModel> models_of(const db::RunStore& store, std::int64_t run) {
-  const std::optional<db::FitRecord> record = store.latest_fit(run);
+  const std::optional<db::FitRecord> record = store.standing_fit(run);
   if (!record) return std::nullopt;
   analysis::SensorModel model = analysis::load_model(fmt::format("{}:{}", run, record->fit), &store);
   if (model.fitted().empty()) return std::nullopt;
@@ -109,51 +109,60 @@ bool RunFrames::advance() {
   look_.frames_after(position_, kFramesACall, [&](const db::SeenFrame& frame) {
     if (position_ == 0) basis_ = array_basis(store_, run_);  // the seating check comes before the first frame
     position_ = frame.position;
-    view_ = view_of_frame(*basis_, frame);
-    if (compensated_ && !frame.wrench) compensated_->see(frame, view_->volts);
-    newest_ = frame;
+    newest_ = Seen{frame, view_of_frame(*basis_, frame), {}, {}};
+    if (compensated_ && !frame.wrench) {
+      compensated_->see(frame, newest_->view.volts);
+      newest_->pressure_psi = compensated_->pressure_psi();
+      newest_->status = compensated_->status();
+    }
+    const bool same = peak_ && peak_->frame.wrench.has_value() == frame.wrench.has_value();
+    if (!frame.is_void && (!same || psi_or_n(frame) >= psi_or_n(peak_->frame))) peak_ = newest_;
     newer = true;
   });
-  if (!newer && !view_) {
-    view_ = newest_array(store_, run_);  // of the seating check
-    newer = view_.has_value();
+  if (!newer && !newest_ && !seated_) {
+    seated_ = newest_array(store_, run_);
+    newer = seated_.has_value();
   }
   return newer;
 }
 
-nlohmann::json RunFrames::picture() const {
-  if (!view_ || !basis_) return {};
+nlohmann::json RunFrames::picture(bool at_peak) const {
+  at_peak = at_peak && peak_;
+  const std::optional<Seen>& seen = at_peak ? peak_ : newest_;
+  if (!basis_ || (!seen && !seated_)) return {};
+  const ArrayView& view = seen ? seen->view : *seated_;
   std::vector<std::uint16_t> counts, hundredths;
-  for (const double volts : view_->volts) counts.push_back(rounded(volts / basis_->volts_per_count));
+  for (const double volts : view.volts) counts.push_back(rounded(volts / basis_->volts_per_count));
   nlohmann::json told = {{"run", run_.run},
-                         {"position", position_},
-                         {"title", view_->title},
-                         {"rows", view_->rows},
-                         {"columns", view_->columns},
+                         {"position", seen ? seen->frame.position : 0},
+                         {"last", position_},
+                         {"peak", at_peak},
+                         {"title", view.title},
+                         {"rows", view.rows},
+                         {"columns", view.columns},
                          {"volts_per_count", basis_->volts_per_count},
-                         {"full_scale_v", view_->full_scale_v},
+                         {"full_scale_v", view.full_scale_v},
                          {"counts", base64(counts)},
-                         {"dead", view_->dead},
-                         {"dead_known", view_->dead_are_known},
-                         {"saturated", view_->saturated}};
-  if (!newest_) return told;
-  told.update({{"time_s", static_cast<double>(newest_->time_ns) * 1e-9},
-               {"setpoint_psi", newest_->setpoint_psi},
-               {"feedback_psi", newest_->feedback_psi},
-               {"reference_psi", newest_->reference_psi},
-               {"flags", newest_->flags},
-               {"void", newest_->is_void}});
-  if (newest_->wrench)
-    told["press"] = {{"target_n", newest_->wrench->target_n},
-                     {"wrench", newest_->wrench->wrench},
-                     {"place_mm", newest_->wrench->place_mm}};
-  if (compensated_ && !newest_->wrench) {
-    for (const float psi : compensated_->pressure_psi())
-      hundredths.push_back(rounded(100.0 * static_cast<double>(psi)));
+                         {"dead", view.dead},
+                         {"dead_known", view.dead_are_known},
+                         {"saturated", view.saturated}};
+  if (!seen) return told;
+  const db::SeenFrame& frame = seen->frame;
+  told.update({{"time_s", static_cast<double>(frame.time_ns) * 1e-9},
+               {"setpoint_psi", frame.setpoint_psi},
+               {"feedback_psi", frame.feedback_psi},
+               {"reference_psi", frame.reference_psi},
+               {"flags", frame.flags},
+               {"void", frame.is_void}});
+  if (frame.wrench)
+    told["press"] = {
+        {"target_n", frame.wrench->target_n}, {"wrench", frame.wrench->wrench}, {"place_mm", frame.wrench->place_mm}};
+  if (!seen->pressure_psi.empty()) {
+    for (const float psi : seen->pressure_psi) hundredths.push_back(rounded(100.0 * static_cast<double>(psi)));
     told["psi"] = base64(hundredths);
     told["model"] = compensated_->words();
     const auto bits = [&](std::uint16_t bit) {
-      return std::ranges::count_if(compensated_->status(), [bit](std::uint16_t one) { return (one & bit) != 0; });
+      return std::ranges::count_if(seen->status, [bit](std::uint16_t one) { return (one & bit) != 0; });
     };
     told["unknown"] = bits(analysis::kTaxelUnknown);
     told["out_of_range"] = bits(analysis::kTaxelOutOfRange);
@@ -163,14 +172,16 @@ nlohmann::json RunFrames::picture() const {
 
 nlohmann::json loop_points(const db::RunStore& store, std::int64_t run, int taxel, std::int64_t after) {
   const db::RunRecord record = store.run(run);
-  nlohmann::json x = nlohmann::json::array(), y = x;
+  nlohmann::json x = nlohmann::json::array(), y = x, set = x, t = x;
   nlohmann::json told = {{"run", run}, {"taxel", taxel}, {"last", after}, {"axis", "psi"}};
   const std::optional<ArrayBasis> basis = array_basis(store, record);
   db::RunLook look(store, run);
   if (basis) {
     look.frames_after(std::max(after, look.before_newest(kLoopPoints)), kLoopPoints, [&](const db::SeenFrame& frame) {
       told["last"] = frame.position;
-      if (frame.wrench) told["axis"] = "N";
+      const char* axis = frame.wrench ? "N" : "psi";
+      if (told["axis"] != axis) x = y = set = t = nlohmann::json::array();  // a run may have both
+      told["axis"] = axis;
       const std::vector<double> means = db::mean_counts(frame);
       if (frame.is_void || taxel >= static_cast<int>(means.size())) return;
       double counts = 0.0;
@@ -180,11 +191,12 @@ nlohmann::json loop_points(const db::RunStore& store, std::int64_t run, int taxe
         for (const double mean : means) counts += mean / static_cast<double>(means.size());
       }
       x.push_back(std::round(1000.0 * psi_or_n(frame)) / 1000.0);
+      set.push_back(std::round(1000.0 * (frame.wrench ? frame.wrench->target_n : frame.setpoint_psi)) / 1000.0);
+      t.push_back(std::round(1e-7 * static_cast<double>(frame.time_ns)) / 100.0);
       y.push_back(std::round(100000.0 * counts * basis->volts_per_count) / 100000.0);
     });
   }
-  told["x"] = x;
-  told["y"] = y;
+  told.update({{"x", x}, {"y", y}, {"set", set}, {"t", t}});
   return told;
 }
 

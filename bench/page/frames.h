@@ -41,9 +41,10 @@ class RunFrames {
   // True: there is a newer picture than at the last call. Reads a bounded number of frames a call.
   bool advance();
   [[nodiscard]] std::int64_t position() const { return position_; }
-  // The picture for the page: texts of base64 hold little-endian 16-bit numbers, row-major: `counts`, and `psi` in
-  // hundredths, where models are there. Null before the first frame and the seating check.
-  [[nodiscard]] nlohmann::json picture() const;
+  // The picture for the page, the newest or, where there is one, that at the highest load: texts of base64 hold
+  // little-endian 16-bit numbers, row-major: `counts`, and `psi` in hundredths, where models are there. Null before the
+  // first frame and the seating check.
+  [[nodiscard]] nlohmann::json picture(bool at_peak = false) const;
 
  private:
   const db::RunStore& store_;
@@ -53,12 +54,19 @@ class RunFrames {
   std::unique_ptr<CompensatedRun> compensated_;
   bool models_sought_ = false;
   std::int64_t position_ = 0;
-  std::optional<db::SeenFrame> newest_;
-  std::optional<ArrayView> view_;
+  struct Seen {
+    db::SeenFrame frame;
+    ArrayView view;
+    std::vector<float> pressure_psi;  // empty: without models
+    std::vector<std::uint16_t> status;
+  };
+  std::optional<Seen> newest_, peak_;
+  std::optional<ArrayView> seated_;  // of the seating check, before the first frame
 };
 
 // Samples for a loop: of one taxel, or the array's mean for taxel -1, behind frame `after`, without void branches; x in
-// psi, or in N for frames taken under an object; y in volts. At most the newest few thousand. `taxel` outside the
+// psi, or in N for frames taken under an object, `set` wanted; y in volts; t in s. Of one quantity, the newest frame's;
+// at most the newest few thousand. `taxel` outside the
 // array: no points.
 nlohmann::json loop_points(const db::RunStore& store, std::int64_t run, int taxel, std::int64_t after);
 

@@ -1,45 +1,62 @@
 #include "bench/page/lists.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "analysis/documents/run_json.h"
-#include "bench/reporting/judgement.h"
+#include "analysis/report/parts.h"
 #include "bench/run/control/locks.h"
 
 namespace tactbench::bench {
 
+using nlohmann::ordered_json;
+
 namespace {
 
-std::string verdict_of_run(const db::RunStore& store, const db::RunRecord& run) {
-  const Standing stands = standing(store, run.run);
-  if (!stands.verdict) return "-";
-  return (run.origin == "simulated" ? "simulated " : "") + std::string(analysis::to_string(*stands.verdict)) +
-         (stands.rests_on_means_alone ? ", of means alone" : "");
-}
-
-std::set<std::string> subjects_of(const db::RunStore& store) {
-  std::set<std::string> subjects;
-  for (const db::FigureRecord& figure : store.figures("")) subjects.insert(figure.subject);
-  return subjects;
+std::string decided_words(const analysis::JudgedFigure& figure) {
+  if (figure.run == figure.model_run) return "judged on the models' own run alone: a held-out run is needed";
+  constexpr auto kPsi = analysis::PressureUnit::kPsi;
+  using Kind = analysis::Scope::Kind;
+  return fmt::format("{}{}{}{}: {}, limit {}, on run {}",
+                     passes(figure.verdict) ? "closest to its limit: " : "decided by: ", in_words(figure.criterion),
+                     figure.scope.kind == Kind::kArray ? "" : " at " + in_words(figure.scope, kPsi),
+                     figure.scope.kind == Kind::kSpan ? " of the taxels" : "",
+                     figure_text(figure.criterion, figure.value, kPsi),
+                     figure_text(figure.criterion, figure.limit, kPsi), figure.run);
 }
 
 }  // namespace
 
-nlohmann::ordered_json runs_list(const db::RunStore& store) {
+ordered_json verdict_json(const Standing& stands) {
+  const analysis::JudgedFigure* deciding = stands.deciding();
+  if (deciding == nullptr) return {};
+  return {{"word", to_string(*stands.verdict)},
+          {"of_means", stands.rests_on_means_alone},
+          {"models_of", stands.models_run()},
+          {"decided", decided_words(*deciding)}};
+}
+
+ordered_json calibration_verdict_json(const db::RunStore& store, const Standing& of_run, std::int64_t run) {
+  const std::int64_t models = of_run.models_run();
+  return verdict_json(models == 0 || models == run ? of_run : standing(store, models));
+}
+
+ordered_json runs_list(const db::RunStore& store) {
   const std::vector<db::RunRecord> runs = store.runs();
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  ordered_json list = ordered_json::array();
   for (auto run = runs.rbegin(); run != runs.rend() && list.size() < kListedRuns; ++run) {
-    const nlohmann::ordered_json whole = analysis::run_json(store.run(run->run));
-    nlohmann::ordered_json row;
+    const ordered_json whole = analysis::run_json(store.run(run->run));
+    ordered_json row;
     for (const char* key : {"run", "started_utc", "ended_utc", "sensor", "operator", "purpose", "origin", "outcome",
                             "reason", "safe_state", "bench", "recipes", "tags", "void"})
       row[key] = whole.at(key);
+    const Standing stands = standing(store, run->run);
     row["frames"] = store.frame_count(run->run);
-    row["verdict"] = verdict_of_run(store, *run);
-    row["fitted"] = store.latest_fit(run->run).has_value();
+    row["verdict"] = verdict_json(stands);
+    row["report"] = reporting_run(store, stands, run->run);
     if (run->outcome == db::Outcome::kIncomplete) row["lives"] = is_carried_out(store.path(), run->run).value_or(false);
     list.push_back(std::move(row));
   }
@@ -47,18 +64,26 @@ nlohmann::ordered_json runs_list(const db::RunStore& store) {
   return {{"runs", std::move(list)}, {"left_out", left_out}};
 }
 
-nlohmann::ordered_json sensors_list(const db::RunStore& store) {
-  const std::set<std::string> subjects = subjects_of(store);
-  std::map<std::string, nlohmann::ordered_json> runs;
-  for (const db::RunRecord& run : store.runs()) {
-    nlohmann::ordered_json& own = runs.try_emplace(run.sensor_serial, nlohmann::ordered_json::array()).first->second;
-    own.insert(own.begin(), run.run);
-  }
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+ordered_json sensors_list(const db::RunStore& store, const analysis::Laboratory& laboratory, const std::string& today) {
+  const std::vector<std::string> subjects = store.subjects();
+  const std::vector<db::RunRecord> runs = store.runs();
+  ordered_json list = ordered_json::array();
   for (const db::SensorRecord& sensor : store.sensors()) {
-    nlohmann::ordered_json row = analysis::sensor_json(sensor);
-    const auto own = runs.find(sensor.serial);
-    row["runs"] = own == runs.end() ? nlohmann::ordered_json::array() : own->second;
+    ordered_json row = analysis::sensor_json(sensor);
+    row["runs"] = ordered_json::array();
+    row["verdict"] = nullptr;
+    for (auto run = runs.rbegin(); run != runs.rend(); ++run) {
+      if (run->sensor_serial != sensor.serial) continue;
+      row["runs"].push_back(run->run);
+      if (!row["verdict"].is_null()) continue;
+      row["verdict"] = calibration_verdict_json(store, standing(store, run->run), run->run);
+      if (row["verdict"].is_null()) continue;
+      const std::string due = valid_until(laboratory, run->started_utc);
+      row["origin"] = run->origin;
+      row["calibrated"] = analysis::date_of(run->started_utc);
+      row["due"] = due;
+      row["overdue"] = !due.empty() && due < today;
+    }
     row["figures"] = std::ranges::any_of(
         subjects, [&](const std::string& subject) { return subject.starts_with("sensor/" + sensor.serial + "/"); });
     list.push_back(std::move(row));
@@ -66,11 +91,9 @@ nlohmann::ordered_json sensors_list(const db::RunStore& store) {
   return {{"sensors", std::move(list)}};
 }
 
-nlohmann::ordered_json nights_list(const db::RunStore& store) {
-  nlohmann::ordered_json subjects = nlohmann::ordered_json::array();
-  for (const std::string& subject : subjects_of(store))
-    if (subject.starts_with("nightly/")) subjects.push_back(subject);
-  return {{"subjects", std::move(subjects)}};
+std::size_t kept_nights(const db::RunStore& store) {
+  const auto nightly = [](const std::string& subject) { return subject.starts_with("nightly/"); };
+  return static_cast<std::size_t>(std::ranges::count_if(store.subjects(), nightly));
 }
 
 }  // namespace tactbench::bench

@@ -1,20 +1,30 @@
-// The store's runs and sensors for the page, as `tactbench runs list --json` and `sensors list --json` tell them.
+// The store's runs and sensors for the page, with what was judged of them.
 #pragma once
 
 #include <cstddef>
 #include <nlohmann/json_fwd.hpp>
+#include <string>
 
+#include "analysis/report/laboratory.h"
+#include "bench/reporting/judgement.h"
 #include "db/run_store.h"
 
 namespace tactbench::bench {
 
 inline constexpr std::size_t kListedRuns = 500;  // the newest
 
-// Newest first, void ones too; `left_out`: older ones.
+// word of_means models_of decided: the verdict, whether by mean errors alone, the run whose models were judged, and the
+// deciding figure in words. Null without a verdict.
+nlohmann::ordered_json verdict_json(const Standing& stands);
+// Of all that the models were judged on by which `run` was judged, or that were made from it.
+nlohmann::ordered_json calibration_verdict_json(const db::RunStore& store, const Standing& of_run, std::int64_t run);
+// Newest first, void ones too; `left_out`: older ones. `report`: reporting_run().
 nlohmann::ordered_json runs_list(const db::RunStore& store);
-// With the numbers of each sensor's runs, newest first, and whether figures of it are kept.
-nlohmann::ordered_json sensors_list(const db::RunStore& store);
-// Whether the store keeps figures of nights, and of which subjects.
-nlohmann::ordered_json nights_list(const db::RunStore& store);
+// With the numbers of each sensor's runs, newest first; its last calibration's verdict, day, and the day until which it
+// counts by `laboratory`, overdue on `today` (2026-01-31); and whether figures of it are kept.
+nlohmann::ordered_json sensors_list(const db::RunStore& store, const analysis::Laboratory& laboratory,
+                                    const std::string& today);
+// Of how many scenarios the store keeps figures.
+std::size_t kept_nights(const db::RunStore& store);
 
 }  // namespace tactbench::bench

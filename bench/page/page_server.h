@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/report/laboratory.h"
 #include "bench/page/access.h"
 #include "bench/page/http/http_server.h"
 
@@ -16,9 +17,10 @@ namespace tactbench::bench {
 
 struct PageOptions {
   std::string db = "runs.db";
-  std::string bench;               // id; empty: any whose run writes to the store
-  std::string operator_name;       // empty: nobody may command
-  std::string night;               // a page that `nightly --html` wrote; empty: none
+  std::string bench;          // id; empty: any whose run writes to the store
+  std::string operator_name;  // empty: nobody may command
+  std::string night;          // a page that `nightly --html` wrote; empty: none
+  analysis::Laboratory laboratory;
   std::vector<std::string> names;  // further names of this server that a browser may use, without the port
   HttpOptions http;
   std::int64_t beside = 0;  // a process; 0: none. Once it has ended and nobody looks any more, serve() returns.

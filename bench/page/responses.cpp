@@ -30,9 +30,9 @@ constexpr std::array kOwnFiles = {
     OwnFile{"/store.js", "store.js", "text/javascript; charset=utf-8"},
     OwnFile{"/icon.svg", "icon.svg", "image/svg+xml"},
 };
-constexpr std::array<std::string_view, 10> kReadPlaces = {
-    "/events",      "/loop",         "/runs",        "/sensors",     "/nights",
-    "/make/report", "/make/compare", "/make/sensor", "/make/nights", "/make/night"};
+constexpr std::array<std::string_view, 9> kReadPlaces = {"/events",      "/loop",        "/runs",
+                                                         "/sensors",     "/make/report", "/make/compare",
+                                                         "/make/sensor", "/make/nights", "/make/night"};
 
 // The page runs its own script and style alone, talks to this server alone, and nobody frames it.
 constexpr const char* kPagePolicy =

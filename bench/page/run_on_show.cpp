@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "bench/common/error_table.h"
 #include "bench/common/for_people.h"
+#include "bench/page/lists.h"
 #include "bench/run/control/locks.h"
 
 namespace tactbench::bench {
@@ -26,7 +28,9 @@ bool tells(const db::EventRecord& event) {
 }
 
 std::string readings_words(const RunReadings& now) {
-  std::string words = fmt::format("feedback {:.1f} psi, reference {:.1f} psi", now.feedback_psi, now.reference_psi);
+  const auto tenths = [](double psi) { return std::round(10.0 * psi) / 10.0 + 0.0; };  // no "-0.0"
+  std::string words =
+      fmt::format("feedback {:.1f} psi, reference {:.1f} psi", tenths(now.feedback_psi), tenths(now.reference_psi));
   if (now.force_n) words += fmt::format(", force {:.2f} N", *now.force_n);
   return words;
 }
@@ -58,7 +62,7 @@ SafeWords safe_words(const LiveRun* live, const StoredRun* stored, const std::op
     if (rests(status.state)) return {"unknown", "not proved: " + readings};
     return {"loaded", "not vented: " + readings};
   }
-  if (stored == nullptr) return {"unknown", "no run"};
+  if (stored == nullptr) return {"none", ""};
   const db::RunRecord& run = stored->record;
   if (run.outcome == db::Outcome::kIncomplete || run.outcome == db::Outcome::kInterrupted)
     return {"unknown",
@@ -103,14 +107,16 @@ void RunOnShow::look(const LiveRun* live) {
   if (live != nullptr)
     seen = fmt::format("{} {} {}", live->status.run, to_string(live->status.state), live->status.frames);
   const bool other = live != nullptr ? run() != live->status.run : was_live_;  // the end, too, is told as it is stored
+  new_picture_ =
+      new_picture_ || (frames_ && was_live_ != (live != nullptr));  // the newest, or that at the highest load
   was_live_ = live != nullptr;
   const auto since = now - read_;
   if (since >= kReadAgain || (seen != seen_ && (since >= kReadAtMost || other))) {
     seen_ = seen;
     read_ = now;
     read_store(live);
-  } else if (frames_ && live != nullptr && !other &&
-             frames_->position() < live->status.frames + live->status.frames_void) {
+  } else if (frames_ && !other &&
+             frames_->position() < (live != nullptr ? live->status.frames + live->status.frames_void : last_frame_)) {
     look_at_frames();
   }
 }
@@ -153,6 +159,10 @@ void RunOnShow::read_run(std::int64_t run) {
     if (tells(event) && events_.size() < kShownEvents) events_.push_back(event);
     return !newest_safe_ || events_.size() < kShownEvents;
   });
+  last_frame_ = store_->last_position(run);
+  verdict_ = {};
+  if (record.outcome != db::Outcome::kIncomplete)
+    verdict_ = calibration_verdict_json(*store_, standing(*store_, run), run);
   if (!other) return;
   before_ = 0;
   for (const db::RunRecord& earlier : store_->runs())
@@ -163,7 +173,7 @@ void RunOnShow::read_run(std::int64_t run) {
 
 bool RunOnShow::take_new_picture() { return std::exchange(new_picture_, false); }
 
-nlohmann::json RunOnShow::picture() const { return frames_ ? frames_->picture() : nlohmann::json(); }
+nlohmann::json RunOnShow::picture() const { return frames_ ? frames_->picture(!was_live_) : nlohmann::json(); }
 
 nlohmann::json readings_json(const LiveRun& live) {
   const RunStatus& status = live.status;
@@ -200,7 +210,8 @@ nlohmann::json RunOnShow::state(const LiveRun* live, double silent_s) const {
       told["view"]["answer"] = {{"question", answer->question}, {"text", answer->text}, {"who", answer->who}};
   } else if (stored_) {
     told["view"] = stored_json(*stored_, carried_out_);
-    told["next"] = next_command(stored_->record, db_);
+    told["next"] = next_command(*stored_, db_);
+    told["verdict"] = verdict_;
   }
   told["origin"] = stored_ ? stored_->record.origin : "";
   const bool shown = ours || live == nullptr;

@@ -4,7 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,7 +15,7 @@
 namespace tactbench::bench {
 
 struct SafeWords {
-  std::string state;  // proved | loaded | unknown
+  std::string state;  // proved | loaded | unknown | none
   std::string words;
 };
 // `newest_safe`: the run's newest event of that kind. `live`: null when no process carries the run out.
@@ -55,7 +55,9 @@ class RunOnShow {
   std::vector<db::EventRecord> events_;  // newest first
   std::optional<db::EventRecord> newest_safe_;
   std::optional<bool> carried_out_;
-  std::int64_t before_ = 0;  // the sensor's last completed run before this one
+  nlohmann::json verdict_;       // of an ended run: calibration_verdict_json()
+  std::int64_t last_frame_ = 0;  // its position, as stored
+  std::int64_t before_ = 0;      // the sensor's last completed run before this one
   std::optional<RunFrames> frames_;
   bool new_picture_ = false;
   RealClock::time_point read_{};

@@ -107,6 +107,19 @@ Standing standing(const db::RunStore& store, std::int64_t run) {
   return out;
 }
 
+const JudgedFigure* Standing::deciding() const {
+  const JudgedFigure* found = nullptr;
+  for (const JudgedFigure& figure : figures)
+    if (figure.verdict == verdict && (found == nullptr || figure.use_of_limit() > found->use_of_limit()))
+      found = &figure;
+  return found;
+}
+
+std::int64_t reporting_run(const db::RunStore& store, const Standing& of, std::int64_t run) {
+  if (const std::int64_t models = of.models_run(); models != 0) return models;
+  return store.standing_fit(run) ? run : 0;
+}
+
 Judgement judgement_on(const db::RunStore& store, std::int64_t run) {
   Judgement out;
   std::vector<JudgedFigure> rows = standing(store, run).figures;

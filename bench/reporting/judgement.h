@@ -39,7 +39,14 @@ struct Standing {
   std::vector<analysis::JudgedFigure> figures;
   std::optional<analysis::Verdict> verdict;  // fail if any is, else the worst one by the newest limits
   bool rests_on_means_alone = false;         // it passes, and none of those limits is on single readings
+  // The run whose models the newest of them is by; 0: none.
+  [[nodiscard]] std::int64_t models_run() const { return figures.empty() ? 0 : figures.back().model_run; }
+  // Of those with that verdict the furthest beyond its limit, or the closest to it; null without a verdict.
+  [[nodiscard]] const analysis::JudgedFigure* deciding() const;
 };
 Standing standing(const db::RunStore& store, std::int64_t run);
+// The run whose report tells of this one: that of the models it was judged by, else its own where it has models; 0:
+// neither.
+std::int64_t reporting_run(const db::RunStore& store, const Standing& of, std::int64_t run);
 
 }  // namespace tactbench::bench

@@ -57,7 +57,8 @@ try {
     await one.shown('press');
     for (const name of ['Fz', 'Tz', 'z']) await one.says('press-values', name);
     await one.says('trace-title', 'Force');
-    await one.page.waitForFunction(() => document.getElementById('loop').getAttribute('aria-label').match(/[1-9]\d* frames/));
+    // The loop of forces alone: that of the pressures before has other axes.
+    await one.page.waitForFunction(() => /force.*: run \d+, [1-9]\d* frames$/.test(document.getElementById('loop').getAttribute('aria-label')));
     running.kill('SIGTERM');
     await running.ended;
   });
@@ -86,6 +87,7 @@ try {
     const watched = await viewer(browser, demo.said.match(/page: (http\S+)/)[1]);
     await watched.says('state', 'running');
     await watched.shown('simulated');
+    await watched.page.waitForFunction(() => /\d:\d\d:\d\d/.test(document.getElementById('left').textContent));
     await watched.says('picture-title', 'frame ');
     assert.deepEqual(watched.complaints, []);
     assert.ok(existsSync(join(bench.folder, 'demo.db')));

@@ -138,7 +138,7 @@ doc::Paragraph statements(const PageData& data) {
         "not known from this report. ");
   if (!has_reference(input.run) && !input.history.presses)
     words.add("An error of the regulator’s feedback is contained in the models and cannot be seen in any error here. ");
-  const std::string until = valid_until(input);
+  const std::string until = valid_until(input.laboratory, input.run.started_utc);
   words.add(until.empty() ? "No interval of recalibration is stated. "
                           : "Valid until " + until + ", as the laboratory states. ");
   words.add("This report may be reproduced only in full.");

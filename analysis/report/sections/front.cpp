@@ -54,7 +54,7 @@ doc::Beside facts(const PageData& data) {
   Phrase when(doc::Words{date_of(input.run.started_utc), doc::Look::kStrong});
   if (data.readings) when.add("\n0 to ").add(doc::both_units(data.readings->full_psi)).add(" gauge");
   fact(states_uncertainty(input) ? "Calibrated" : "Measured", when);
-  const std::string until = valid_until(input);
+  const std::string until = valid_until(input.laboratory, input.run.started_utc);
   fact("Valid until", until.empty() ? Phrase("not stated by the laboratory") : Phrase(doc::strong(until)));
   return out;
 }

@@ -16,6 +16,8 @@
 #include "bench/common/child_process.h"
 #include "bench/common/private_files.h"
 #include "bench/common/stop_request.h"
+#include "bench/config/config.h"
+#include "bench/config/config_laboratory.h"
 #include "bench/page/page_server.h"
 
 namespace tactbench::bench {
@@ -26,6 +28,7 @@ constexpr std::uint16_t kUsualPort = 8765;
 
 struct PageVerbOptions {
   PageOptions page;
+  std::string lab;
   std::vector<std::string> tls;
   bool port_given = false;
 };
@@ -39,6 +42,7 @@ void check(PageVerbOptions& options) {
     throw Error("TB-FILE-MISSING", "there is no such file", page.night,
                 "name the page that `tactbench nightly --html` wrote");
   }
+  if (!options.lab.empty()) page.laboratory = read_laboratory(find_config(options.lab));
   if (!options.tls.empty()) {
     page.http.certificate = options.tls[0];
     page.http.key = options.tls[1];
@@ -121,6 +125,8 @@ void add_page(CLI::App& app, Session& session) {
   verb->add_option("--name", page.names, "further names under which browsers may reach it, without the port")
       ->take_all();
   verb->add_option("--night", page.night, "page that `nightly --html` wrote, shown in the view of the nights");
+  session.profile.add(*verb, "--lab", ProfileKey::kLab, options->lab,
+                      "laboratory file: until when a calibration counts");
   verb->add_option("--beside", page.beside, "process of a run: ends once that has ended and nobody looks")->group("");
   for (const char* const name : {"--listen", "--tls", "--name", "--night"}) verb->get_option(name)->group(kRareOptions);
   verb->callback([options, &session] {

@@ -45,7 +45,7 @@ void print_lines(const std::vector<std::string>& lines) {
 
 void print_ended(const EndedRun& ended, const Session& session) {
   print_lines(stored_lines(ended.run, ended.carried_out));
-  if (ended.carried_out != true) tty::print("next: {}\n", next_command(ended.run.record, session.db));
+  if (ended.carried_out != true) tty::print("next: {}\n", next_command(ended.run, session.db));
 }
 
 std::string denied_text(const LiveRun& live) {
@@ -133,7 +133,7 @@ void watch_live(const NamedRun& named, Session& session) {
                options.terminal ? "\n" : "", live.status.run, live.status.run);
     return;
   }
-  tty::print("next: {}\n", next_command(ended->record, db));
+  tty::print("next: {}\n", next_command(*ended, db));
   session.code = exit_code_of(ended->record);
 }
 

@@ -44,12 +44,12 @@ export const clock = (seconds) => {
 
 const timeTicks = [1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 1200, 1800, 3600, 7200, 14400];
 
-// series: {x, y, colour, width, dash, dot}. x and y: {low, high, label, time}.
+// series: {x, y, colour, width, dash, dot}. x and y: {low, high, label, time}; without its label the x axis is another chart's.
 export function lines(canvas, { x, y, series, empty }) {
   const drawn = context(canvas);
   if (!drawn) return;
   const { c, width, height } = drawn;
-  const left = 44, right = 10, top = 8, bottom = 34;
+  const left = 44, right = 10, top = 8, bottom = x.label ? 34 : 6;
   const w = width - left - right, h = height - top - bottom;
   const px = (v) => left + (w * (v - x.low)) / (x.high - x.low);
   const py = (v) => top + h - (h * (v - y.low)) / (y.high - y.low);
@@ -58,7 +58,7 @@ export function lines(canvas, { x, y, series, empty }) {
   c.lineWidth = 1;
   c.textBaseline = 'middle';
   c.textAlign = 'right';
-  for (const t of ticks(y.low, y.high, Math.max(2, Math.floor(h / 46)))) {
+  for (const t of ticks(y.low, y.high, Math.max(4, Math.floor(h / 30)))) {
     c.beginPath();
     c.moveTo(left, Math.round(py(t)) + 0.5);
     c.lineTo(left + w, Math.round(py(t)) + 0.5);
@@ -73,12 +73,12 @@ export function lines(canvas, { x, y, series, empty }) {
     across = [];
     for (let t = Math.ceil(x.low / step) * step; t <= x.high; t += step) across.push(t);
   }
-  for (const t of across) {
+  for (const t of x.label ? across : []) {
     const label = x.time ? clock(t) : String(+t.toPrecision(4));
     const half = c.measureText(label).width / 2;
     c.fillText(label, Math.min(Math.max(px(t), left + half), left + w - half), top + h + 5);
   }
-  c.fillText(x.label, left + w / 2, height - 13);
+  if (x.label) c.fillText(x.label, left + w / 2, height - 13);
   c.save();
   c.translate(9, top + h / 2);
   c.rotate(-Math.PI / 2);

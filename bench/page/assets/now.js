@@ -2,24 +2,42 @@
 import { colourBar, lines, map } from './draw.js';
 import { ask, command } from './link.js';
 import { showProgress, showReadings, showState, tell } from './panels.js';
-import { $, now, number, numbers, put, reading } from './seen.js';
+import { $, h, line, now, number, numbers, put, reading, renew } from './seen.js';
 
 const kSpan = 60000; // ms of real time in the trace
-const kMostPoints = 2400;
+const kMostPoints = 6000;
 
+// What is wanted and what is measured: of a live run the last minute's readings, else all frames of the store.
+function traced() {
+  const { state, readings, loop } = now;
+  if (state && state.live) {
+    const force = readings != null && readings.target_n != null;
+    const points = now.trace.filter((p) => (p.target != null) === force);
+    const all = (key) => points.map((p) => p[key]);
+    return { unit: force ? 'N' : 'psi', t: all('t'), settled: all('settled'), want: all(force ? 'target' : 'set'), got: all(force ? 'force' : 'ref'), feed: force ? [] : all('feed') };
+  }
+  const { axis, t, set, x } = loop || { axis: 'psi', t: [], set: [], x: [] };
+  return { unit: axis, t, settled: t.map(() => true), want: set, got: x, feed: [] };
+}
+
+// Set-point and reference are one line to the eye: their difference has a chart of its own.
 function drawTrace() {
-  const { trace } = now;
-  const force = now.readings != null && now.readings.target_n != null;
-  const points = trace.filter((p) => (p.target != null) === force);
-  const x = points.map((p) => p.t);
-  const ys = force ? [['target', 'setpoint'], ['force', 'reference']] : [['set', 'setpoint'], ['feed', 'feedback'], ['ref', 'reference']];
-  const high = Math.max(force ? 1 : 10, ...ys.flatMap(([key]) => points.map((p) => p[key] ?? 0)));
+  const { unit, t, settled, want, got, feed } = traced();
+  const x = { low: t.length > 1 ? t[0] : 0, high: t.length > 1 ? Math.max(t[t.length - 1], t[0] + 1) : 60, time: true };
+  const high = Math.max(unit === 'N' ? 1 : 10, ...want, ...got.map((v) => v ?? 0));
   lines($('trace'), {
-    x: { low: x.length > 1 ? x[0] : 0, high: x.length > 1 ? Math.max(x[x.length - 1], x[0] + 1) : 60, label: 'process time', time: true },
-    y: { low: 0, high: high * 1.08, label: force ? 'N' : 'psi' },
-    series: ys.map(([key, colour], i) => ({ x, y: points.map((p) => p[key]), colour, width: i === 0 ? 1.5 : 2, dash: key === 'feed' ? [5, 3] : [] })),
-    empty: 'no reading yet',
+    x, y: { low: 0, high: high * 1.08, label: unit }, empty: now.state && now.state.live ? 'no reading yet' : 'no frame stored',
+    series: [{ x: t, y: want, colour: 'setpoint', width: 5 }, { x: t, y: got, colour: 'reference' }],
   });
+  const off = (values) => values.map((v, i) => (v == null || !settled[i] ? null : v - want[i]));
+  const series = [...(feed.length ? [['feedback', off(feed)]] : []), ['reference', off(got)]];
+  const most = series.map(([, values]) => Math.max(0, ...values.map(Math.abs)));
+  const top = Math.max(unit === 'N' ? 0.05 : 0.1, ...most) * 1.15;
+  lines($('off'), { x: { ...x, label: 'process time' }, y: { low: -top, high: top, label: '' }, series: series.map(([colour, y]) => ({ x: t, y, colour, width: 1.5 })) });
+  const names = { reference: unit === 'N' ? 'measured − level' : 'reference − set-point', feedback: 'feedback − set-point' };
+  const texts = series.map(([colour], i) => [colour, `${names[colour]}: at most ${most[i].toFixed(2)} ${unit}${feed.length && i === series.length - 1 ? ' (settled)' : ''}`]);
+  if (!now.state || !now.state.live) texts.unshift(['setpoint', unit === 'N' ? 'level' : 'set-point']);
+  renew($('off-legend'), t.length ? texts : [], () => (t.length ? texts.map(([colour, text]) => h('span', {}, line(colour), text)) : []));
 }
 
 function taxelWords() {
@@ -52,7 +70,7 @@ function showPicture() {
   $('show-raw').setAttribute('aria-pressed', String(!now.compensated));
   $('show-psi').setAttribute('aria-pressed', String(now.compensated));
   const model = now.compensated ? ` · ${picture.model}${picture.unknown ? `, history of ${picture.unknown} taxels not known yet` : ''}` : '';
-  put($('picture-title'), `${picture.title}${picture.void ? ' (void branch)' : ''}, ${picture.rows} × ${picture.columns} taxels${model}`);
+  put($('picture-title'), `${picture.peak ? 'highest load: ' : ''}${picture.title}${picture.void ? ' (void branch)' : ''}, ${picture.rows} × ${picture.columns} taxels${model}`);
   const values = now.counts.map((v) => v * picture.volts_per_count);
   put($('legend'), [picture.dead_known ? `▨ dead: ${picture.dead.length}` : 'dead taxels: judged under load', `▧ saturated: ${picture.saturated.length}`,
     `mean ${(values.reduce((a, b) => a + b, 0) / values.length).toFixed(3)} V`].join('   '));
@@ -66,33 +84,30 @@ function showPicture() {
   );
 }
 
+// Only loops of one quantity share the axes: this run's, before its first frame the earlier run's.
 function drawLoop() {
-  const { loop, before } = now;
-  const series = [];
-  if (before && before.x.length) series.push({ ...before, colour: 'before', width: 1.5 });
-  if (loop && loop.x.length) series.push({ ...loop, colour: 'reference', width: 2, dot: true });
-  const xs = series.flatMap((one) => one.x), ys = series.flatMap((one) => one.y);
-  const axis = loop ? loop.axis : 'psi';
+  const { loop, before, taxel, picture } = now;
+  const full = (one) => one && one.x.length > 0;
+  const axis = full(loop) ? loop.axis : full(before) ? before.axis : 'psi';
+  const shown = [[before, 'before', 'last completed run of the sensor'], [loop, 'reference', 'this run']].filter(([one]) => full(one) && one.axis === axis);
+  const xs = shown.flatMap(([one]) => one.x), ys = shown.flatMap(([one]) => one.y);
   lines($('loop'), {
     x: { low: 0, high: Math.max(axis === 'N' ? 1 : 10, ...xs) * 1.03, label: axis === 'N' ? 'force in N' : 'reference in psi' },
-    y: { low: Math.min(0, ...ys), high: Math.max(0.2, ...ys) * 1.06, label: 'V' }, series, empty: 'no frame yet',
+    y: { low: Math.min(0, ...ys), high: Math.max(0.2, ...ys) * 1.06, label: 'V' }, empty: 'no frame stored',
+    series: shown.map(([one, colour]) => ({ x: one.x, y: one.y, colour, width: one === loop ? 2 : 1.5, dot: one === loop })),
   });
-  const name = now.taxel < 0 ? 'the mean taxel' : now.picture ? `row ${Math.floor(now.taxel / now.picture.columns)}, column ${now.taxel % now.picture.columns}` : 'a taxel';
+  const name = taxel < 0 ? 'the mean taxel' : picture ? `row ${Math.floor(taxel / picture.columns)}, column ${taxel % picture.columns}` : 'a taxel';
   put($('loop-title'), `Loop of ${name}`);
-  $('loop').setAttribute('aria-label', `Output against pressure of ${name}, ${loop ? loop.x.length : 0} frames${before && before.x.length ? `, over run ${before.run}` : ''}`);
-  const legend = $('loop-legend');
-  const words = `${loop ? `run ${loop.run}` : ''}|${before && before.x.length ? before.run : ''}`;
-  if (legend.dataset.shown === words) return;
-  legend.dataset.shown = words;
-  legend.replaceChildren();
-  for (const [one, colour, text] of [[loop, 'reference', 'this run'], [before && before.x.length ? before : null, 'before', 'last completed run of the sensor']]) {
-    if (!one) continue;
-    const span = document.createElement('span');
-    const line = document.createElement('i');
-    line.className = `of-${colour}`;
-    span.append(line, `${text}, ${one.run}`);
-    legend.append(span);
-  }
+  $('loop').setAttribute('aria-label', `Output against ${axis === 'N' ? 'force' : 'pressure'} of ${name}: ${shown.map(([one]) => `run ${one.run}, ${one.x.length} frames`).join('; ')}`);
+  renew($('loop-legend'), shown.map(([one, colour]) => [one.run, colour]), () => shown.map(([one, colour, text]) => h('span', {}, line(colour), `${text}, ${one.run}`)));
+}
+
+// The newer points behind the known ones; of another quantity they stand alone.
+function joined(known, got) {
+  if (!known || (got.x.length && got.axis !== known.axis)) return got;
+  const out = { ...known, last: got.last };
+  for (const key of ['t', 'set', 'x', 'y']) out[key] = known[key].concat(got[key]).slice(-kMostPoints);
+  return out;
 }
 
 async function askLoop() {
@@ -100,17 +115,18 @@ async function askLoop() {
   if (now.asking || !state || !state.view || Date.now() - now.loopAsked < 500) return;
   const { run } = state.view, { taxel } = now;
   const known = now.loop && now.loop.run === run && now.loop.taxel === taxel ? now.loop : null;
-  if (known && picture && picture.run === run && picture.position <= known.last) return;
+  if (known && picture && picture.run === run && picture.last <= known.last) return;
   now.asking = true;
   now.loopAsked = Date.now();
   try {
     const got = await ask(`/loop?run=${run}&taxel=${taxel}&after=${known ? known.last : 0}`);
     if (taxel === now.taxel) {
-      now.loop = known ? { ...got, x: known.x.concat(got.x).slice(-6000), y: known.y.concat(got.y).slice(-6000) } : got;
+      now.loop = joined(known, got);
       const earlier = state.before;
       if (earlier && (!now.before || now.before.run !== earlier || now.before.taxel !== taxel)) now.before = await ask(`/loop?run=${earlier}&taxel=${taxel}`);
       if (!earlier) now.before = null;
-      now.dirty.loop = true;
+      now.dirty.loop = now.dirty.trace = true;
+      showReadings();
     }
   } catch { /* the next picture asks again */ } finally {
     now.asking = false;
@@ -130,12 +146,17 @@ export function choose(taxel) {
 }
 
 export function take(name, data) {
-  if (name === 'hello') now.hello = data;
+  if (name === 'hello') {
+    now.hello = data;
+    $('night').hidden = !(data.night || data.nights);
+  }
   if (name === 'state') {
     now.state = data;
     if (data.view && now.readings && data.view.run !== now.readings.run) now.readings = null;
     if (data.live && data.view.readings && !now.readings) now.readings = { ...data.view, ...data.view.readings };
     showState();
+    showReadings();
+    now.dirty.trace = true;
   }
   if (name === 'readings') {
     if (now.readings && now.readings.run !== data.run) now.trace = [];
@@ -143,7 +164,7 @@ export function take(name, data) {
     if (data.time_s != null) {
       const at = Date.now();
       const last = now.trace[now.trace.length - 1];
-      if (!last || last.t !== data.time_s) now.trace.push({ at, t: data.time_s, set: data.setpoint_psi, feed: data.feedback_psi, ref: data.reference_psi, target: data.target_n, force: data.force_n });
+      if (!last || last.t !== data.time_s) now.trace.push({ at, t: data.time_s, set: data.setpoint_psi, feed: data.feedback_psi, ref: data.reference_psi, target: data.target_n, force: data.force_n, settled: data.settled || data.target_n != null });
       while (now.trace.length > kMostPoints || (now.trace.length && at - now.trace[0].at > kSpan)) now.trace.shift();
     }
     put($('phase'), data.phase);

@@ -2,10 +2,9 @@
 import { follow, keys, viewersLink } from './link.js';
 import * as now from './now.js';
 import { tell } from './panels.js';
+import { $ } from './seen.js';
 import * as store from './store.js';
 
-const $ = (id) => document.getElementById(id);
-let hello = { night: false };
 let heard = 0;
 let refused = '';
 
@@ -20,7 +19,7 @@ function showView() {
     if (link.dataset.view === (stored ? section : 'now')) link.setAttribute('aria-current', 'page');
     else link.removeAttribute('aria-current');
   }
-  if (stored) store.show(place, hello);
+  if (stored) store.show(place);
   else store.leave();
   now.redraw();
   window.scrollTo(0, 0);
@@ -43,7 +42,6 @@ function age() {
 function take(name, data) {
   heard = Date.now();
   refused = '';
-  if (name === 'hello') hello = data;
   now.take(name, data);
   window.tactbench.events += 1;
 }

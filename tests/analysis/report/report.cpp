@@ -189,14 +189,14 @@ TEST_CASE(
 
 TEST_CASE("a calibration counts until the date of the laboratory, or so many months after the measurement") {
   ReportInput input = example::full_input();  // measured on 2024-05-06
-  CHECK(valid_until(input).empty());
+  CHECK(valid_until(input.laboratory, input.run.started_utc).empty());
   input.laboratory.recalibrate_after_months = 12;
-  CHECK(valid_until(input) == "2025-05-06");
+  CHECK(valid_until(input.laboratory, input.run.started_utc) == "2025-05-06");
   input.run.started_utc = "2024-01-31T00:00:00Z";
   input.laboratory.recalibrate_after_months = 1;
-  CHECK(valid_until(input) == "2024-02-29");
+  CHECK(valid_until(input.laboratory, input.run.started_utc) == "2024-02-29");
   input.laboratory.valid_until = "2026-01-01";
-  CHECK(valid_until(input) == "2026-01-01");
+  CHECK(valid_until(input.laboratory, input.run.started_utc) == "2026-01-01");
   CHECK(contains(render_report(input).html, "2026-01-01"));
 }
 

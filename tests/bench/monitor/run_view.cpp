@@ -74,10 +74,12 @@ TEST_CASE("view: as JSON, the same facts in the words of other verbs") {
 TEST_CASE("view: a run without a process, how it ended, and what to type next") {
   StoredExample example;
   StoredRun run = stored_run(example.store, example.begun.run);
-  CHECK(next_command(run.record, "runs.db") == "tactbench resume 1");
+  CHECK(next_command(run, "runs.db") == "tactbench resume 1");
   example.store.end_run(run.record.run, db::Outcome::kCompleted, "all steps done", db::SafeState::kVerified, kUtc);
   run = stored_run(example.store, example.begun.run);
-  CHECK(next_command(run.record, "other.db") == "tactbench fit 1 --db other.db");
+  CHECK(next_command(run, "other.db") == "tactbench fit 1 --db other.db");
+  run.report = 7;  // judged by the models of run 7
+  CHECK(next_command(run, "runs.db") == "tactbench report 7");
   CHECK_FALSE(stored_json(run, std::nullopt).contains("lives"));
   CHECK(stored_json(run, false)["lives"] == false);
   CHECK_THROWS_AS(stored_run(example.store, 9), db::StoreError);

@@ -153,8 +153,8 @@ TEST_CASE("page responses: each of the page's own files, its type and its text")
 }
 
 TEST_CASE("page responses: each place that needs a right, and documents whose names are the secret") {
-  for (const char* read : {"/events", "/loop", "/runs", "/sensors", "/nights", "/make/report", "/make/compare",
-                           "/make/sensor", "/make/nights", "/make/night"}) {
+  for (const char* read : {"/events", "/loop", "/runs", "/sensors", "/make/report", "/make/compare", "/make/sensor",
+                           "/make/nights", "/make/night"}) {
     INFO(read);
     CHECK(needs_of(read) == PageNeeds::kRead);
     CHECK_FALSE(own_file(read));

@@ -124,8 +124,28 @@ TEST_CASE("page frames: a frame under an object has its force and place, and wor
   CHECK(picture["press"]["target_n"] == 6.0);
   CHECK(picture["press"]["wrench"] == nlohmann::json({0.5, -0.25, -6.25, 0.01, 0.02, 0.03}));
   CHECK(picture["press"]["place_mm"] == nlohmann::json({1.0, 2.0, -3.0}));
-  CHECK(made.loop(0, 0) ==
-        nlohmann::json({{"run", made.number}, {"taxel", 0}, {"last", 1}, {"axis", "N"}, {"x", {6.25}}, {"y", {0.1}}}));
+  CHECK(made.loop(0, 0) == nlohmann::json({{"run", made.number},
+                                           {"taxel", 0},
+                                           {"last", 1},
+                                           {"axis", "N"},
+                                           {"x", {6.25}},
+                                           {"y", {0.1}},
+                                           {"set", {6.0}},
+                                           {"t", {1.5}}}));
+  // Of a run with pressures, too, the loop is of the newest frame's quantity alone.
+  made.add(12.5, {300, 400}, 1, 2);
+  CHECK(made.loop(0, 0)["axis"] == "psi");
+  CHECK(made.loop(0, 0)["x"] == nlohmann::json({12.5}));
+}
+
+TEST_CASE("page frames: at the highest load that counts, when asked for") {
+  FramesByHand made;
+  for (const double psi : {0.0, 40.0, 10.0}) made.add(psi, {static_cast<std::uint16_t>(10.0 * psi)}, 1, 1);
+  bench::RunFrames shown(made.store, made.store.run(made.number));
+  CHECK(shown.advance());
+  const nlohmann::json peak = shown.picture(true), newest = shown.picture();
+  CHECK((peak["reference_psi"] == 40.0 && peak["position"] == 2 && peak["last"] == 3 && peak["peak"] == true));
+  CHECK((newest["reference_psi"] == 10.0 && newest["position"] == 3 && newest["peak"] == false));
 }
 
 TEST_CASE("page frames: at most two hundred frames a call") {
@@ -147,20 +167,24 @@ TEST_CASE(
   made.add(1.2346, {100, 201}, 1, 2);
   made.add(2.0004, {300, 401, 302, 403}, 1, 2);
   made.add(3.0, {500, 600}, 1, 2);
-  const auto told = [&](int taxel, std::int64_t last, const nlohmann::json& x, const nlohmann::json& y) {
-    return nlohmann::json(
-        {{"run", made.number}, {"taxel", taxel}, {"last", last}, {"axis", "psi"}, {"x", x}, {"y", y}});
+  using Values = std::vector<double>;
+  const auto is = [&](int taxel, std::int64_t after, const Values& x, const Values& y) {
+    const nlohmann::json loop = made.loop(taxel, after);
+    CHECK((loop["last"] == 3 && loop["axis"] == "psi" && loop["x"] == x && loop["y"] == y));
+    CHECK((loop["set"].size() == x.size() && loop["t"].size() == x.size()));
   };
-  CHECK(made.loop(-1, 0) == told(-1, 3, {1.235, 2.0, 3.0}, {0.1505, 0.3515, 0.55}));
-  CHECK(made.loop(0, 0) == told(0, 3, {1.235, 2.0, 3.0}, {0.1, 0.301, 0.5}));
-  CHECK(made.loop(1, 0) == told(1, 3, {1.235, 2.0, 3.0}, {0.201, 0.402, 0.6}));
-  CHECK(made.loop(1, 1) == told(1, 3, {2.0, 3.0}, {0.402, 0.6}));
-  CHECK(made.loop(1, 2) == told(1, 3, nlohmann::json::array({3.0}), nlohmann::json::array({0.6})));
-  CHECK(made.loop(1, 3) == told(1, 3, nlohmann::json::array(), nlohmann::json::array()));
-  CHECK(made.loop(2, 0) == told(2, 3, nlohmann::json::array(), nlohmann::json::array()));  // no such taxel
+  is(-1, 0, {1.235, 2.0, 3.0}, {0.1505, 0.3515, 0.55});
+  is(0, 0, {1.235, 2.0, 3.0}, {0.1, 0.301, 0.5});
+  is(1, 0, {1.235, 2.0, 3.0}, {0.201, 0.402, 0.6});
+  is(1, 1, {2.0, 3.0}, {0.402, 0.6});
+  is(1, 2, {3.0}, {0.6});
+  is(1, 3, {}, {});
+  is(2, 0, {}, {});  // no such taxel
+  CHECK(made.loop(0, 0)["set"] == Values{1.485, 2.25, 3.25});
+  CHECK(made.loop(0, 0)["t"] == Values{1.5, 3.0, 4.5});
   // Void branches leave no points, and the place goes on behind them.
   made.store.void_branch(made.branch, "again");
-  CHECK(made.loop(-1, 0) == told(-1, 3, nlohmann::json::array(), nlohmann::json::array()));
+  is(-1, 0, {}, {});
 }
 
 TEST_CASE("page loops: of a run without a scale there are none") {

@@ -50,7 +50,7 @@ TEST_CASE("page words: a viewer gets who it is, the state and the picture at onc
   REQUIRE(reader.send(page.head("GET /events", page.server->access().read_token)));
   REQUIRE(commander.send(page.head("GET /events", page.server->access().command_token)));
   const std::string first = reader.read(20'000, "event: picture");
-  CHECK(event_in(first, "hello") == json({{"operator", ""}, {"commands", true}, {"night", false}}));
+  CHECK(event_in(first, "hello") == json({{"operator", ""}, {"commands", true}, {"night", false}, {"nights", 0}}));
   CHECK(event_in(first, "state")["live"] == false);
   CHECK(event_in(first, "state")["view"]["run"] == 1);
   CHECK(event_in(reader.read(20'000, "\n\nevent: state"), "picture")["run"] == 1);
@@ -66,18 +66,17 @@ TEST_CASE("page words: a viewer gets who it is, the state and the picture at onc
   RawClient other(without.server->port());
   REQUIRE(other.send(without.head("GET /events", without.server->access().read_token)));
   const std::string hello = other.read(20'000, "event: state");
-  CHECK(event_in(hello, "hello") == json({{"operator", ""}, {"commands", false}, {"night", true}}));
+  CHECK(event_in(hello, "hello") == json({{"operator", ""}, {"commands", false}, {"night", true}, {"nights", 0}}));
   CHECK(hello.find("event: picture") == std::string::npos);
 }
 
 TEST_CASE("page words: places that tell of the store, and none without one") {
   WordsPage page;
-  for (const char* path : {"/runs", "/sensors", "/nights", "/loop?run=1", "/make/report?run=1"})
+  for (const char* path : {"/runs", "/sensors", "/loop?run=1", "/make/report?run=1"})
     CHECK(page.data_of(path, 503).contains("error"));
   store_page_run(page.options.db);
   CHECK(page.data_of("/runs")["runs"][0]["run"] == 1);
   CHECK(page.data_of("/sensors")["sensors"][0]["serial"] == "S-1");
-  CHECK(page.data_of("/nights") == json({{"subjects", json::array()}}));
   const json loop = page.data_of("/loop?run=1");
   CHECK(loop["taxel"] == -1);
   CHECK(loop["last"] == 3);

@@ -1,5 +1,5 @@
 // What the page tells of the run on show: its state with each member, the last one of a bench, a store that is not
-// there; the safe state; and the lists of runs, sensors and nights. On runs that are stored by hand.
+// there; the safe state; and the lists of runs and sensors. On runs that are stored by hand.
 #include "bench/page/run_on_show.h"
 
 #include <fmt/format.h>
@@ -86,7 +86,7 @@ TEST_CASE("shown run: of an empty store nothing, with each member, and of a miss
   const ShownStore made;
   const nlohmann::json empty = made.shown();
   CHECK((empty["live"] == false && empty["silent_s"] == 1.5 && empty["store"] == made.path));
-  CHECK((empty["unread"] == "" && empty["safe"]["state"] == "unknown" && empty["events"].empty()));
+  CHECK((empty["unread"] == "" && empty["safe"]["state"] == "none" && empty["events"].empty()));
   RunOnShow none(made.path + ".none", "");
   std::string why;
   CHECK(none.store(&why) == nullptr);
@@ -242,43 +242,64 @@ TEST_CASE("shown run: a store that was replaced is opened anew") {
   CHECK(show.store()->runs().size() == 2);
 }
 
-TEST_CASE("page lists: runs newest first with verdict, frames and fit, sensors with their runs, subjects of nights") {
+TEST_CASE("page lists: runs newest first with verdict and report, sensors with their calibration, nights") {
   ShownStore made;
   CHECK(runs_list(made.store)["runs"].empty());
-  CHECK(nights_list(made.store)["subjects"].empty());
+  CHECK(kept_nights(made.store) == 0);
   (void)made.add();
-  (void)made.add({.origin = "hardware", .frames = 3});
+  (void)made.add({.frames = 3});
   (void)made.add({.sensor = "S-2", .outcome = db::Outcome::kIncomplete});
   db::FitRecord fit;
   fit.run = 1;
   fit.model = "elam";
+  fit.stands = true;
   const std::int64_t number = made.store.add_fit(fit);
-  for (const std::int64_t run : {1, 2}) {
-    db::VerdictRecord row;
-    row.criterion = "mean_compensation_error";
-    row.verdict = run == 1 ? "pass" : "fail";
-    made.store.replace_verdicts(run, run == 1 ? 0 : number, {row});
-  }
+  db::VerdictRecord close, far;
+  close.verdict = far.verdict = "fail";
+  close.value = 2.0;
+  far.value = 3.0;
+  far.criterion = "worst_taxel_error";
+  close.limit = far.limit = 1.0;
+  made.store.replace_verdicts(2, number, {close, far});
   const nlohmann::ordered_json runs = runs_list(made.store);
   CHECK(runs["left_out"] == 0);
   REQUIRE(runs["runs"].size() == 3);
   const auto& all = runs["runs"];
-  CHECK((all[0]["run"] == 3 && all[0]["verdict"] == "-" && all[0]["lives"] == false));
-  CHECK((all[1]["verdict"] == "fail" && all[1]["frames"] == 3 && all[1]["fitted"] == false));
+  CHECK((all[0]["run"] == 3 && all[0]["verdict"].is_null() && all[0]["report"] == 0 && all[0]["lives"] == false));
+  CHECK((all[1]["frames"] == 3 && all[1]["report"] == 1));  // held out: its models' report
   CHECK_FALSE(all[1].contains("lives"));
-  CHECK((all[2]["fitted"] == true && all[2]["sensor"] == "S-1"));
+  CHECK((all[2]["report"] == 1 && all[2]["sensor"] == "S-1"));
+  for (const int row : {1, 2}) {
+    CHECK((all[row]["verdict"]["word"] == "fail" && all[row]["verdict"]["models_of"] == 1));
+    CHECK_THAT(all[row]["verdict"]["decided"].get<std::string>(), Catch::Contains("3 psi"));
+  }
+  CHECK(made.shown("bench-a")["verdict"].is_null());  // of a run that has not ended
+  made.store.end_run(3, db::Outcome::kStopped, "asked", db::SafeState::kVerified, kUtc);
+  (void)made.add({.bench_id = "bench-b"});
+  made.store.replace_verdicts(4, number, {close});
+  const nlohmann::json last = made.shown("bench-b");
+  CHECK(last["next"] == "tactbench report 1 --db " + made.path);
+  CHECK((last["verdict"]["word"] == "fail" && last["verdict"]["models_of"] == 1));
+  CHECK_THAT(last["verdict"]["decided"].get<std::string>(),
+             Catch::Contains("3 psi"));  // of run 2, with the same models
   made.store.replace_figures(2, "sensor/S-2/up", {{"a_psi", 1.0}});
   made.store.replace_figures(2, "nightly/x", {{"a_psi", 1.0}});
-  const nlohmann::ordered_json sensors = sensors_list(made.store)["sensors"];
+  analysis::Laboratory laboratory;
+  laboratory.recalibrate_after_months = 1;
+  const std::string day = made.store.run(4).started_utc.substr(0, 10);
+  const nlohmann::ordered_json sensors = sensors_list(made.store, laboratory, day)["sensors"];
   REQUIRE(sensors.size() == 2);
   CHECK(sensors[0]["serial"] == "S-1");
-  CHECK(sensors[0]["runs"] == nlohmann::ordered_json({2, 1}));
+  CHECK(sensors[0]["runs"] == nlohmann::ordered_json({4, 2, 1}));
+  CHECK(sensors[0]["verdict"]["models_of"] == 1);
+  CHECK((sensors[0]["calibrated"] == day && sensors[0]["due"] > day && sensors[0]["overdue"] == false));
+  CHECK(sensors_list(made.store, laboratory, "2999-01-01")["sensors"][0]["overdue"] == true);
+  CHECK(sensors_list(made.store, {}, "2999-01-01")["sensors"][0]["due"] == "");
   CHECK(sensors[0]["figures"] == false);
+  CHECK((sensors[1]["verdict"].is_null() && !sensors[1].contains("calibrated")));
   CHECK(sensors[1]["runs"] == nlohmann::ordered_json::array({3}));
   CHECK(sensors[1]["figures"] == true);
-  made.store.add_sensor({"S-3", "array", "rows = 3\n", db::sha256_hex("rows = 3\n"), "", "", kUtc});
-  CHECK(sensors_list(made.store)["sensors"][2]["runs"] == nlohmann::ordered_json::array());
-  CHECK(nights_list(made.store) == nlohmann::ordered_json({{"subjects", {"nightly/x"}}}));
+  CHECK(kept_nights(made.store) == 1);
 }
 
 TEST_CASE("page lists: five hundred runs at most, the newest, and the number of those left out") {
@@ -331,7 +352,7 @@ TEST_CASE("page: the safe state of a live run loaded, resting and proved") {
 }
 
 TEST_CASE("page: the safe state of a run that has ended, by its last event or its reason") {
-  CHECK(safe_words(nullptr, nullptr, std::nullopt).state == "unknown");
+  CHECK(safe_words(nullptr, nullptr, std::nullopt).state == "none");
   StoredRun stored;
   stored.record.reason = "all steps done";
   for (const db::Outcome broken : {db::Outcome::kIncomplete, db::Outcome::kInterrupted}) {
