@@ -184,7 +184,6 @@ class RunStore {
 
   // Models and verdicts.
   std::int64_t add_fit(const FitRecord& fit);
-  [[nodiscard]] std::optional<FitRecord> latest_fit(std::int64_t run) const;
   // The newest of those that stand for the run; where none does, the newest.
   [[nodiscard]] std::optional<FitRecord> standing_fit(std::int64_t run) const;
   [[nodiscard]] FitRecord fit(std::int64_t fit) const;

@@ -36,12 +36,6 @@ std::int64_t RunStore::add_fit(const FitRecord& fit) {
   return number;
 }
 
-std::optional<FitRecord> RunStore::latest_fit(std::int64_t run) const {
-  database_->require_run(run);
-  sqlite::Statement row(database_->connection, std::string(kFitColumns) + " WHERE run = ? ORDER BY fit DESC LIMIT 1");
-  return row.bind(run).step() ? std::optional(fit_of(row)) : std::nullopt;
-}
-
 std::optional<FitRecord> RunStore::standing_fit(std::int64_t run) const {
   database_->require_run(run);
   sqlite::Statement row(database_->connection,

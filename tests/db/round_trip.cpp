@@ -119,7 +119,7 @@ TEST_CASE("models and verdicts read back exactly") {
   fit.stands = false;
   const std::int64_t rival = store.add_fit(fit);
   CHECK(store.standing_fit(run)->fit == second);
-  CHECK(store.latest_fit(run)->fit == rival);
+  CHECK(store.fits(run).back().fit == rival);
   const db::FitRecord got = store.fit(first);
   CHECK((got.fit == first && got.run == run && got.model == "elam" && got.stands && got.fitted == 256));
   CHECK((got.document == fit.document && got.made_by == "a build" && got.program_version == "0.1.0"));

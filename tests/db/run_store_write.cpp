@@ -169,7 +169,6 @@ TEST_CASE("a missing run cannot be read, extended or annotated") {
       {"content_hash", [&] { (void)store.content_hash(99); }},
       {"fits", [&] { (void)store.fits(99); }},
       {"fit", [&] { (void)store.fit(99); }},
-      {"latest_fit", [&] { (void)store.latest_fit(99); }},
       {"standing_fit", [&] { (void)store.standing_fit(99); }},
       {"verdicts", [&] { (void)store.verdicts(99); }},
       {"verdicts_of_models", [&] { (void)store.verdicts_of_models(99); }},
