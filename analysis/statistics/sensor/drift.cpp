@@ -67,6 +67,14 @@ TaxelDrift drift_of_taxel(const ModelTaxel& taxel, const Pairs& pairs) {
   return drift;
 }
 
+// U (k = 2) of the mean of changes whose own uncertainties have one cause; the error that the model leaves may stand in
+// for as much of a change (rectangular).
+double expanded_of_mean(const std::vector<double>& changes, const std::vector<double>& uncertainties, double left) {
+  const auto n = static_cast<double>(changes.size());
+  const double scatter = changes.size() > 1 ? sample_deviation(changes) / std::sqrt(n) : 0.0;
+  return 2.0 * std::hypot(mean_of(uncertainties), scatter, left / std::sqrt(3.0));
+}
+
 // Its external loop moves with it.
 void move_taxel(ModelTaxel& taxel, double zero, double gain) {
   if (taxel.fit.model == nullptr) return;
@@ -102,11 +110,18 @@ Drift drift_of(const SensorModel& document, const Histories& measured_histories,
   const Histories& histories = undone ? *undone : measured_histories;
   Drift drift;
   double own_error = 0.0;
+  std::vector<double> zeros, zero_us, gains, gain_us;
   for (const ModelTaxel& taxel : document.taxels) {
     const auto measured = std::ranges::find(histories.taxels, taxel.taxel, &TaxelHistories::taxel);
     const bool array = document.taxels.size() > 1;
     if (!taxel.fitted() || measured == histories.taxels.end() || (array && taxel.taxel == kMeanTaxel)) continue;
-    drift.taxels.push_back(drift_of_taxel(taxel, pairs_of(*taxel.fit.model, measured->score)));
+    const TaxelDrift& own =
+        drift.taxels.emplace_back(drift_of_taxel(taxel, pairs_of(*taxel.fit.model, measured->score)));
+    const double full_scale = (document.falling ? -1.0 : 1.0) * taxel.fit.full_scale;  // falling: outputs are negated
+    zeros.push_back((own.zero - taxel.zero) / full_scale);
+    zero_us.push_back(own.zero_u / taxel.fit.full_scale);
+    gains.push_back(own.gain / taxel.gain - 1.0);
+    gain_us.push_back(own.gain_u / taxel.gain);
     own_error += taxel.fit.mean_error / taxel.fit.full_scale;
   }
   if (drift.taxels.empty())
@@ -120,6 +135,10 @@ Drift drift_of(const SensorModel& document, const Histories& measured_histories,
     drift.zeroed += taxel.zeroed / n;
     drift.adjusted += taxel.adjusted / n;
   }
+  drift.zero = mean_of(zeros);
+  drift.zero_u = expanded_of_mean(zeros, zero_us, drift.adjusted);
+  drift.gain = mean_of(gains);
+  if (mean_of(gain_us) > 0.0) drift.gain_u = expanded_of_mean(gains, gain_us, drift.adjusted);
   drift.tolerance = tolerance > 0.0 ? tolerance : std::max(kLeastTolerance, 2.0 * own_error / n);
   if (drift.as_is > drift.tolerance) drift.verdict = DriftVerdict::kZero;
   if (std::min(drift.as_is, drift.zeroed) > drift.tolerance) drift.verdict = DriftVerdict::kGain;

@@ -23,7 +23,12 @@ struct Drift {
   std::vector<TaxelDrift> taxels;
   double as_is = 0.0, zeroed = 0.0, adjusted = 0.0;  // means over the taxels
   double tolerance = 0.0;                            // share of full scale
+  // Mean change of the taxels' zeros (share of full scale) and gains (of 1) since the fit, and U (k = 2): the taxels'
+  // own uncertainties taken as one common error, the scatter of their changes, and what both leave: `adjusted`, a
+  // change of the pattern beside the model's own error. gain_u 0: the inputs tell no gain.
+  double zero = 0.0, zero_u = 0.0, gain = 0.0, gain_u = 0.0;
   DriftVerdict verdict = DriftVerdict::kGood;
+  [[nodiscard]] bool drifted() const { return verdict != DriftVerdict::kGood; }
 };
 
 // tolerance 0: twice the mean error of the model's own fit, at least 0.5 % of full scale. A gain is fitted where the

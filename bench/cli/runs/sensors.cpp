@@ -1,15 +1,23 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "analysis/counted.h"
 #include "analysis/documents/run_json.h"
-#include "analysis/json_io.h"
+#include "analysis/report/document/printers.h"
+#include "analysis/report/parts.h"
 #include "bench/cli/runs/register_sensor.h"
 #include "bench/cli/session.h"
+#include "bench/common/long_work.h"
+#include "bench/common/screen.h"
 #include "bench/common/utc.h"
 #include "bench/config/config.h"
+#include "bench/config/config_laboratory.h"
+#include "bench/reporting/sensor_state.h"
 #include "db/run_store.h"
 
 namespace tactbench::bench {
@@ -34,44 +42,117 @@ void add(const SensorEntry& entry, const Session& session) {
   }
 }
 
-void list_sensors(const Session& session) {
-  const db::RunStore store = db::RunStore::open_read_only(session.db);
-  nlohmann::ordered_json json = nlohmann::ordered_json::array();
-  if (!session.json) tty::print("{:<16}{:<32}{:<18}{}\n", "serial", "type", "scanner", "note");
-  for (const db::SensorRecord& sensor : store.sensors()) {
-    if (session.json) {
-      json.push_back(analysis::sensor_json(sensor));
-    } else {
-      tty::print("{}{}{}{}\n", cell(sensor.serial, 16), cell(sensor.type, 32),
-                 cell(sensor.scanner_serial.empty() ? "any" : sensor.scanner_serial, 18), one_line(sensor.note));
-    }
-  }
-  if (session.json) print_json("sensors.list", {{"sensors", json}});
+struct SensorsOptions {
+  std::string serial, lab;
+};
+
+analysis::Laboratory laboratory_of(const SensorsOptions& options) {
+  return options.lab.empty() ? analysis::Laboratory() : read_laboratory(find_config(options.lab));
 }
 
-void show_sensor(const std::string& serial, const Session& session) {
+std::string last_date(const SensorState& state) {
+  return state.runs.empty() ? "never" : analysis::date_of(state.runs.back().started_utc);
+}
+
+std::string verdict_cell(const SensorState& state) {
+  return state.verdict ? shown_verdict(*state.verdict->verdict, state.runs.back().origin) : "none";
+}
+
+bool drifted(const SensorState& state) { return state.drift && state.drift->drift.drifted(); }
+
+nlohmann::ordered_json state_json(const db::SensorRecord& sensor, const SensorState& state) {
+  nlohmann::ordered_json json = analysis::sensor_json(sensor);
+  json["runs"] = nlohmann::ordered_json::array();
+  for (const db::RunRecord& run : state.runs) json["runs"].push_back(run.run);
+  json["last_utc"] = state.runs.empty() ? "" : state.runs.back().started_utc;
+  json["verdict"] = analysis::verdict_word(state.verdict ? state.verdict->verdict : std::nullopt);
+  json["judged_run"] = state.judged_run;
+  json["valid_until"] = state.valid_until;
+  if (!state.drift) return json;
+  const analysis::Drift& drift = state.drift->drift;
+  json["drift"] = {{"drifted", drift.drifted()},
+                   {"since_utc", state.drift->since_utc},
+                   {"run", state.drift->run},
+                   {"models_of_run", state.drift->model_run},
+                   {"advice", analysis::to_string(drift.verdict)},
+                   {"as_is_fs", drift.as_is},
+                   {"tolerance_fs", drift.tolerance},
+                   {"zero_fs", drift.zero},
+                   {"zero_expanded_fs", drift.zero_u},
+                   {"gain_change", drift.gain},
+                   {"gain_expanded", drift.gain_u},
+                   {"pattern_fs", drift.adjusted},
+                   {"outside_validity", state.drift->outside}};
+  return json;
+}
+
+void list_sensors(const SensorsOptions& options, const Session& session) {
   const db::RunStore store = db::RunStore::open_read_only(session.db);
-  const std::optional<db::SensorRecord> sensor = store.sensor(serial);
+  const analysis::Laboratory laboratory = laboratory_of(options);
+  LongWork progress("sensors", session.quiet || session.json, {{"drift", 1.0, false}});
+  auto json = nlohmann::ordered_json::array();
+  analysis::doc::Table table{.id = {}, .columns = {{"sensor"}, {"measured"}, {"verdict"}, {"due"}, {"drifted"}}};
+  std::vector<std::string> off;
+  for (const db::SensorRecord& sensor : store.sensors()) {
+    const SensorState state = sensor_state(store, sensor.serial, laboratory);
+    if (drifted(state)) off.push_back(one_line(sensor.serial));
+    if (session.json)
+      json.push_back(state_json(sensor, state));
+    else
+      table.rows.push_back({{one_line(sensor.serial), last_date(state), verdict_cell(state),
+                             state.valid_until.empty() ? "–" : one_line(state.valid_until), short_drift_text(state)}});
+  }
+  progress.end();
+  if (session.json) return print_json("sensors.list", {{"sensors", json}});
+  if (table.rows.empty()) return tty::print("no sensor is registered: tactbench sensors add SERIAL registers one\n");
+  tty::print("drifted: {} of {}{}\n", off.size(), analysis::counted(table.rows.size(), "sensor"),
+             off.empty() ? "" : fmt::format(": {}", fmt::join(off, ", ")));
+  if (session.quiet) return;
+  analysis::doc::Document document;
+  document.add(std::move(table));
+  tty::print("{}", to_text(document, session.unit(), screen_size(STDOUT_FILENO).columns));
+}
+
+void show_sensor(const SensorsOptions& options, const Session& session) {
+  const db::RunStore store = db::RunStore::open_read_only(session.db);
+  const std::optional<db::SensorRecord> sensor = store.sensor(options.serial);
   if (!sensor) {
-    throw Error("TB-SENSOR-UNKNOWN", fmt::format("sensor '{}' is not registered", serial), session.db,
+    throw Error("TB-SENSOR-UNKNOWN", fmt::format("sensor '{}' is not registered", options.serial), session.db,
                 "tactbench sensors list shows the registered ones");
   }
-  nlohmann::ordered_json runs = nlohmann::ordered_json::array();
-  for (const db::RunRecord& run : store.runs()) {
-    if (run.sensor_serial == serial) runs.push_back(run.run);
-  }
+  const SensorState state = sensor_state(store, sensor->serial, laboratory_of(options));
   if (session.json) {
-    nlohmann::ordered_json json = analysis::sensor_json(*sensor);
-    json["runs"] = runs;
+    nlohmann::ordered_json json = state_json(*sensor, state);
     json["type_toml"] = sensor->type_toml;
     print_json("sensors.show", json);
     return;
   }
-  tty::print("sensor {}\n  type     {}\n  scanner  {}\n  note     {}\n  added    {}\n  runs     {}\n\n{}",
-             one_line(sensor->serial), one_line(sensor->type),
-             sensor->scanner_serial.empty() ? "any" : one_line(sensor->scanner_serial),
-             sensor->note.empty() ? "not stated" : one_line(sensor->note, kLongestText), sensor->added_utc,
-             analysis::json_line(runs), sensor->type_toml);
+  const auto typed = [](const std::string& text) { return one_line(analysis::doc::stated(text).text, kLongestText); };
+  analysis::doc::Table facts = analysis::doc::pairs(
+      "sensor " + one_line(sensor->serial),
+      {{"drifted", drift_text(state)},
+       {"measured", last_date(state)},
+       {"verdict", state.verdict ? fmt::format("{} (run {})", verdict_cell(state), state.judged_run) : "none"},
+       {"due", typed(state.valid_until)},
+       {"type", typed(sensor->type)},
+       {"scanner", sensor->scanner_serial.empty() ? "any" : one_line(sensor->scanner_serial)},
+       {"note", typed(sensor->note)},
+       {"added", analysis::date_of(sensor->added_utc)}});
+  if (state.drift)
+    for (const std::string& line : state.drift->outside) facts.rows.push_back({{"caution", line}});
+  analysis::doc::Table runs{.id = {},
+                            .caption = "\nruns",
+                            .columns = {{"run", true}, {"started (UTC)"}, {"outcome"}, {"verdict"}, {"purpose"}}};
+  for (const db::RunRecord& run : state.runs) {
+    const Standing stands = standing(store, run.run);
+    runs.rows.push_back(
+        {{std::to_string(run.run), run.started_utc, std::string(db::to_string(run.outcome)),
+          stands.verdict ? shown_verdict(*stands.verdict, run.origin) : "none", one_line(run.purpose)}});
+  }
+  analysis::doc::Document document;
+  document.add(std::move(facts));
+  if (!runs.rows.empty()) document.add(std::move(runs));
+  tty::print("{}", to_text(document, session.unit(), screen_size(STDOUT_FILENO).columns));
 }
 
 }  // namespace
@@ -86,11 +167,19 @@ void add_sensors(CLI::App& app, Session& session) {
   add_verb->add_option("--scanner", options->scanner, "serial of the scanner it is read with (default: any)");
   add_verb->add_option("--note", options->note, "anything worth knowing");
   add_verb->callback([options, &session] { add(*options, session); });
-  CLI::App* list_verb = sensors->add_subcommand("list", "one line a sensor");
-  list_verb->callback([&session] { list_sensors(session); });
-  CLI::App* show_verb = sensors->add_subcommand("show", "one sensor, its type file and its runs");
-  show_verb->add_option("serial", options->serial, "the sensor's serial number")->required();
-  show_verb->callback([options, &session] { show_sensor(options->serial, session); });
+  auto asked = std::make_shared<SensorsOptions>();
+  const auto add_shared = [asked, &session](CLI::App& verb) {
+    session.profile.add(verb, "--lab", ProfileKey::kLab, asked->lab,
+                        "laboratory file: until when a calibration counts");
+  };
+  CLI::App* list_verb =
+      sensors->add_subcommand("list", "one line a sensor: last run, verdict, when it is due, whether it drifted");
+  add_shared(*list_verb);
+  list_verb->callback([asked, &session] { list_sensors(*asked, session); });
+  CLI::App* show_verb = sensors->add_subcommand("show", "one sensor: whether it drifted and how, verdict, runs");
+  show_verb->add_option("serial", asked->serial, "the sensor's serial number")->required();
+  add_shared(*show_verb);
+  show_verb->callback([asked, &session] { show_sensor(*asked, session); });
 }
 
 }  // namespace tactbench::bench

@@ -80,6 +80,11 @@ TEST_CASE("drift by hand: zero and gain with their uncertainties, and what each 
   CHECK(drift.as_is == Approx(0.175));
   CHECK(drift.zeroed == Approx(0.1));
   CHECK(drift.adjusted == Approx(0.005));
+  // Of the array: zeros of 0.1 and 0.05 of full scale, gains of 2 and 1.
+  CHECK(drift.zero == Approx(0.075));
+  CHECK(drift.zero_u == Approx(2.0 * std::hypot(0.5 * 0.01, 0.025, 0.005 / std::sqrt(3.0))));
+  CHECK(drift.gain == Approx(0.5));
+  CHECK(drift.gain_u == Approx(2.0 * std::hypot(0.5 * std::sqrt(0.02 / 16.0), 0.5, 0.005 / std::sqrt(3.0))));
 }
 
 TEST_CASE("the drift's verdict follows what is left within the tolerance, whose default is twice the fit's error") {

@@ -1,0 +1,39 @@
+// What a store knows of a sensor: when it was measured, what stands of it, until when, and whether it drifted.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/report/laboratory.h"
+#include "analysis/statistics/sensor/drift.h"
+#include "bench/reporting/judgement.h"
+
+namespace tactbench::bench {
+
+// A run checked with models of an earlier one, as `fit --check` does.
+struct SensorDrift {
+  std::int64_t run = 0, model_run = 0;
+  std::string since_utc;  // start of the earliest run from which on all were off; empty: not drifted
+  analysis::Drift drift;
+  std::vector<std::string> outside;  // what of the run lies outside the models' validity, its temperature say
+};
+
+struct SensorState {
+  std::vector<db::RunRecord> runs;  // that are not void, oldest first; without sequences
+  std::optional<Standing> verdict;  // the newest that stands
+  std::int64_t judged_run = 0;      // that it stands for
+  std::string valid_until;          // by the laboratory's rule, from that run on; empty: not known
+  std::optional<SensorDrift> drift;
+};
+
+// `drift`: of the newest run that earlier models can be checked on. Models judged on that run belong to the same
+// calibration, and older ones go before them: what counts is how the sensor was found.
+SensorState sensor_state(const db::RunStore& store, const std::string& serial, const analysis::Laboratory& laboratory);
+
+// "yes, since 2026-11-30: off by 0.75 % of full scale (tolerance 0.50); zero +0.25 ± 0.05 %, gain -0.8 ± 0.1 %, ...".
+std::string drift_text(const SensorState& state);
+// The same in few words, for a table.
+std::string short_drift_text(const SensorState& state);
+
+}  // namespace tactbench::bench
