@@ -1,14 +1,18 @@
 #include "bench/nightly/followed.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <span>
+#include <string_view>
 #include <utility>
 
+#include "analysis/report/overview/overview.h"
 #include "analysis/statistics/control/false_discovery.h"
+#include "analysis/statistics/numbers/moments.h"
 
 namespace tactbench::bench {
 namespace {
@@ -159,23 +163,79 @@ std::string short_baseline(const Followed& followed) {
                      analysis::kLeastStartUp);
 }
 
-std::string sparkline(const std::vector<double>& values, std::size_t width) {
-  static constexpr const char* kBlocks[] = {"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
-  const std::span<const double> shown = std::span(values).last(std::min(width, values.size()));
-  double low = INFINITY, high = -INFINITY;
-  for (const double value : shown) {
-    if (!std::isfinite(value)) continue;
-    low = std::min(low, value);
-    high = std::max(high, value);
+double FollowedFigure::former() const { return values.size() > 1 ? values[values.size() - 2] : analysis::kNan; }
+
+void mark_outliers(std::vector<Followed>& sensors) {
+  std::map<std::pair<std::string, std::string>, std::vector<FollowedFigure*>> alike;
+  for (Followed& followed : sensors) {
+    constexpr std::string_view kOfSensor = "sensor/";
+    if (!followed.subject.starts_with(kOfSensor)) continue;
+    const std::size_t end = followed.subject.find('/', kOfSensor.size());
+    for (FollowedFigure& figure : followed.figures)
+      alike[{followed.subject.substr(std::min(end, followed.subject.size())), figure.name}].push_back(&figure);
   }
-  std::string line;
-  for (const double value : shown) {
-    if (!std::isfinite(value)) {
-      line += "·";
-      continue;
+  for (const auto& [key, figures] : alike) {
+    std::vector<double> newest;
+    for (const FollowedFigure* figure : figures) newest.push_back(figure->values.back());
+    const std::vector<double> scores = analysis::modified_z_scores(newest);
+    for (std::size_t i = 0; i < figures.size(); ++i)
+      figures[i]->outlier = std::abs(scores[i]) > analysis::kOutlierScore;
+  }
+}
+
+FigureWords in_words(const std::string& figure) {
+  static const std::map<std::string, std::string, std::less<>> kUnits = {
+      {"psi", "psi"}, {"kpa", "kPa"}, {"bar", "bar"}, {"mv", "mV"},   {"v", "V"},      {"um", "µm"},
+      {"mm", "mm"},   {"n", "N"},     {"s", "s"},     {"min", "min"}, {"percent", "%"}};
+  std::vector<std::string> words(1);
+  for (const char c : figure) c == '_' ? void(words.emplace_back()) : void(words.back() += c);
+  FigureWords out;
+  const auto take_unit = [&] {
+    const auto unit = words.empty() ? kUnits.end() : kUnits.find(words.back());
+    if (unit == kUnits.end()) return std::string();
+    words.pop_back();
+    return unit->second;
+  };
+  if (words.size() > 2 && words.back() == "fs" && words[words.size() - 2] == "percent") {
+    words.resize(words.size() - 2);
+    out.unit = "% FS";
+  } else {
+    out.unit = take_unit();
+    if (!out.unit.empty() && !words.empty() && words.back() == "per") {
+      words.pop_back();
+      const std::string above = take_unit();
+      out.unit = (above.empty() ? "1" : above) + "/" + out.unit;
     }
-    const double share = high > low ? (value - low) / (high - low) : 0.5;
-    line += kBlocks[std::clamp(static_cast<int>(share * 8.0), 0, 7)];
+  }
+  out.name = fmt::format("{}", fmt::join(words, " "));
+  return out.name.empty() ? FigureWords{figure, {}} : out;
+}
+
+FigureScale scale_of(const FollowedFigure& figure) {
+  if (const auto& band = figure.chart.band) {
+    double width = band->high - band->low;
+    if (figure.chart.constant) width = std::max(0.1 * std::abs(band->mean), 1.0);
+    return {band->low - width, band->high + width};
+  }
+  FigureScale scale{0.0, 0.0};
+  for (const double value : figure.values) {
+    scale.low = std::min(scale.low, value);
+    scale.high = std::max(scale.high, value);
+  }
+  return scale.high > scale.low ? scale : FigureScale{};
+}
+
+std::string sparkline(const std::vector<double>& values, const FigureScale& scale, std::size_t width) {
+  static constexpr const char* kBlocks[] = {"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
+  std::string line;
+  for (const double value : std::span(values).last(std::min(width, values.size()))) {
+    const double share = (value - scale.low) / (scale.high - scale.low);
+    if (!std::isfinite(share))
+      line += "·";
+    else if (share < 0.0 || share > 1.0)
+      line += share < 0.0 ? "↓" : "↑";
+    else
+      line += kBlocks[std::min(static_cast<int>(share * 8.0), 7)];
   }
   return line;
 }

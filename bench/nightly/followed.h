@@ -25,6 +25,9 @@ struct FollowedFigure {
   bool missing = false;   // the newest run has none
   bool outside = false;   // the newest run's value is outside the wide band, or not the constant, or missing
   bool shifted = false;   // the EWMA is reported among the figures judged together
+  bool outlier = false;   // the newest value lies far from those of the other sensors: mark_outliers()
+  // Of the run before the newest; NaN: there is none.
+  [[nodiscard]] double former() const;
 };
 
 struct Followed {
@@ -61,13 +64,31 @@ void judge_together(const std::vector<Followed*>& family);
 // follow() and judge_together() with the subject's own figures.
 Followed follow_alone(const db::RunStore& store, const std::string& subject);
 
+// Sets `outlier` among the sensors that have the same figure under the same recipes and model, five at least, by the
+// rule of a batch page (kOutlierScore).
+void mark_outliers(std::vector<Followed>& sensors);
+
+// "mean_error_psi" -> "mean error", "psi"; "elam_alpha_a1_per_psi" -> "elam alpha a1", "1/psi".
+struct FigureWords {
+  std::string name, unit;  // unit empty: a number
+  [[nodiscard]] std::string text() const { return unit.empty() ? name : name + ", " + unit; }
+};
+FigureWords in_words(const std::string& figure);
+
+// What a plot of a figure's runs spans: with a band three times its width, the band in the middle; without one from 0
+// to the largest value, so that small changes look small.
+struct FigureScale {
+  double low = 0.0, high = 1.0;
+};
+FigureScale scale_of(const FollowedFigure& figure);
+
 // One line per figure outside its band, and one per shifted figure.
 std::vector<std::string> outside_lines(const Followed& followed);
 std::vector<std::string> shift_lines(const Followed& followed);
 // What a baseline that is too short for charts does not judge; empty where it is not.
 std::string short_baseline(const Followed& followed);
 
-// The newest values, at most `width`, as a sparkline of blocks. "" where there are none.
-std::string sparkline(const std::vector<double>& values, std::size_t width);
+// The newest values, at most `width`, as a sparkline of blocks; an arrow for one beyond the scale.
+std::string sparkline(const std::vector<double>& values, const FigureScale& scale, std::size_t width);
 
 }  // namespace tactbench::bench

@@ -31,34 +31,30 @@ table.figures td, table.figures th { font-size: 11px; vertical-align: middle; }
 .dot { fill: #00507d; } .out { fill: #aa1111; }
 )";
 
-// The newest values, the baseline's band behind them, the last one as a dot.
+// The newest values, the baseline's band behind them, the last one as a dot. What is beyond the scale lies at its edge.
 Markup small_plot(const FollowedFigure& figure) {
   const std::size_t count = std::min(kPlotRuns, figure.values.size());
   const std::vector<double> shown(figure.values.end() - static_cast<std::ptrdiff_t>(count), figure.values.end());
-  double low = *std::ranges::min_element(shown), high = *std::ranges::max_element(shown);
-  if (figure.chart.band) {
-    low = std::min(low, figure.chart.band->low);
-    high = std::max(high, figure.chart.band->high);
-  }
-  const double margin = high > low ? 0.08 * (high - low) : std::max(1e-12, std::abs(high));
+  const FigureScale scale = scale_of(figure);
   const auto y = [&](double value) {
-    return CssNumber(kPlotHeight * (1.0 - (value - low + margin) / (high - low + 2.0 * margin)));
+    const double share = std::clamp((value - scale.low) / (scale.high - scale.low), 0.0, 1.0);
+    return CssNumber(3.0 + (kPlotHeight - 6.0) * (1.0 - share));
   };
   const auto x = [&](std::size_t i) {
     return CssNumber(count > 1 ? 4.0 + (kPlotWidth - 8.0) * static_cast<double>(i) / static_cast<double>(count - 1)
                                : 0.5 * kPlotWidth);
   };
-  Markup plot =
-      markup("<svg width=\"{}\" height=\"{}\" role=\"img\"><title>{} over the last {}, {} to {}</title>",
-             CssNumber(kPlotWidth), CssNumber(kPlotHeight), Text(figure.name), Text(analysis::counted(count, "run")),
-             significant(*std::ranges::min_element(shown), 4), significant(*std::ranges::max_element(shown), 4));
+  Markup plot = markup("<svg width=\"{}\" height=\"{}\" role=\"img\"><title>{} over the last {}, {} to {}</title>",
+                       CssNumber(kPlotWidth), CssNumber(kPlotHeight), Text(in_words(figure.name).text()),
+                       Text(analysis::counted(count, "run")), significant(*std::ranges::min_element(shown), 4),
+                       significant(*std::ranges::max_element(shown), 4));
   if (figure.chart.band)
     plot += markup("<path class=\"band\" d=\"M0 {0}H{2}V{1}H0Z\"/>", y(figure.chart.band->high),
                    y(figure.chart.band->low), CssNumber(kPlotWidth));
   plot += markup("<path class=\"line\" d=\"");
   for (std::size_t i = 0; i < count; ++i) plot += markup("{}{} {}", Text(i == 0 ? "M" : "L"), x(i), y(shown[i]));
   plot += markup("\"/><circle class=\"{}\" cx=\"{}\" cy=\"{}\" r=\"2.5\"/></svg>",
-                 Attribute(figure.outside ? "out" : "dot"), x(count - 1), y(shown.back()));
+                 Attribute(figure.outside || figure.outlier ? "out" : "dot"), x(count - 1), y(shown.back()));
   return plot;
 }
 
@@ -66,6 +62,7 @@ Markup figure_state(const FollowedFigure& figure) {
   if (figure.missing) return markup("<span class=\"bad\"><span class=\"sign\">✗</span> missing</span>");
   if (figure.outside) return markup("<span class=\"bad\"><span class=\"sign\">✗</span> outside</span>");
   if (figure.shifted) return markup("<span class=\"doubt\"><span class=\"sign\">▲</span> shifted</span>");
+  if (figure.outlier) return markup("<span class=\"doubt\"><span class=\"sign\">▲</span> unlike other sensors</span>");
   if (!figure.chart.band) return markup("no baseline");
   return markup("<span class=\"good\"><span class=\"sign\">✓</span> within</span>");
 }
@@ -85,11 +82,14 @@ std::string followed_baseline(const Followed& followed) {
 Markup figures_of_subject(const Followed& followed) {
   Markup out = markup(
       "<div class=\"wide\"><table class=\"figures\"><caption>{}{}</caption><thead><tr><th>figure</th><th "
-      "class=\"n\">newest</th><th class=\"n\">baseline</th><th>runs</th><th></th></tr></thead><tbody>\n",
+      "class=\"n\">former</th><th class=\"n\">newest</th><th "
+      "class=\"n\">baseline</th><th>runs</th><th></th></tr></thead><tbody>\n",
       Text(followed.subject), Text(followed_baseline(followed)));
   for (const FollowedFigure& figure : followed.figures) {
-    out += markup("<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td><td class=\"n\">", Text(figure.name),
-                  significant(figure.values.back(), 5));
+    out += markup("<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">",
+                  Text(in_words(figure.name).text()),
+                  figure.values.size() > 1 ? significant(figure.former(), 4) : Text("–"),
+                  significant(figure.values.back(), 4));
     if (figure.chart.band)
       out += markup("{}; {} to {}", significant(figure.chart.band->mean, 5), significant(figure.chart.band->low, 4),
                     significant(figure.chart.band->high, 4));
@@ -116,7 +116,8 @@ Markup page_start(const std::string& title, bool simulated) {
 }
 
 constexpr const char* kBandNote =
-    "Band, for gross changes: prediction interval for one further run of the baseline's kind, from the spread of the "
+    "Plots span three times the baseline's band; without a baseline they begin at 0. Band, for gross changes: "
+    "prediction interval for one further run of the baseline's kind, from the spread of the "
     "accepted runs; one value of a sound figure in 100 000 falls outside. Of a maximum it is taken on the logarithm, "
     "of a constant it has no width. Shifted: the moving average (EWMA) of the runs since the baseline has left the "
     "baseline's mean; of the figures reported so in the 60 runs after a baseline at most 5 % are false on average "

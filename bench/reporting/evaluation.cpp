@@ -80,22 +80,15 @@ std::string follow_sensor(db::RunStore& store, const db::RunRecord& run, const a
   std::string recipes;
   for (const db::SequenceRecord& sequence : run.sequences)
     recipes += fmt::format("{}{}", recipes.empty() ? "" : "+", sequence.name);
-  std::string subject = fmt::format("sensor/{}/{}", run.sensor_serial, recipes);
+  std::string subject = fmt::format("sensor/{}/{}{}", run.sensor_serial, recipes, fit.dynamics ? "/dynamic" : "");
   store.replace_figures(fit.run, subject, analysis::figures_of(fit, own));
   return subject;
 }
 
-void follow_fit(db::RunStore& store, analysis::Runs& runs, const analysis::SensorModel& fit,
-                const analysis::Evaluation& own) {
+void follow_fit(db::RunStore& store, const analysis::SensorModel& fit, const analysis::Evaluation& own) {
   const std::string kind = store.fit(fit.fit).model;
-  const db::RunRecord& run = runs.record(fit.run);
-  if (kind == analysis::kElamFit) {
-    (void)follow_sensor(store, run, fit, own);
-  } else if (kind == analysis::kDynamicModel && !run.sensor_serial.empty()) {
-    const analysis::Dataset& dataset = runs.dataset(fit.run);
-    const analysis::SensorModel elam = analysis::fit_array(dataset);
-    if (!elam.fitted().empty()) (void)follow_sensor(store, run, elam, analysis::evaluate(dataset, elam));
-  }
+  if (kind == analysis::kElamFit || kind == analysis::kDynamicModel)
+    (void)follow_sensor(store, store.run(fit.run), fit, own);
 }
 
 analysis::ReportInput report_input(analysis::Runs& runs, std::int64_t run, const analysis::SensorModel& fit,

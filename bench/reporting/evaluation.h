@@ -32,15 +32,13 @@ std::vector<NamedEvaluation> evaluate_runs(analysis::Runs& runs, const analysis:
 // Prints to standard error how many criteria pass or fail only conditionally.
 void warn_of_conditional(const std::vector<analysis::JudgedFigure>& figures);
 
-// Stores the figures of the fit on its own run `run` under "sensor/SERIAL/RECIPES", for trend and baselines; returns
-// that subject; empty for an imported run, which has no sensor.
+// Stores the figures of the fit on its own run `run` under "sensor/SERIAL/RECIPES", of the dynamic model under
+// ".../dynamic", for trend and baselines; returns that subject; empty for an imported run, which has no sensor.
 std::string follow_sensor(db::RunStore& store, const db::RunRecord& run, const analysis::SensorModel& fit,
                           const analysis::Evaluation& own);
 
-// The figures of a stored fit that stands for its run. Of the dynamic model ELAM's, which charts follow whichever of
-// the two is made; of other fits none.
-void follow_fit(db::RunStore& store, analysis::Runs& runs, const analysis::SensorModel& fit,
-                const analysis::Evaluation& own);
+// The figures of a stored fit that may stand for its run, of ELAM or the dynamic model; of others none.
+void follow_fit(db::RunStore& store, const analysis::SensorModel& fit, const analysis::Evaluation& own);
 
 // A report's input on `run`: models and figures where there are any, verdicts, everything else that is stored.
 // `evaluations` is empty, or its first is the run's own and the others are held out. `extras` null: without model

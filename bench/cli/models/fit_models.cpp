@@ -222,7 +222,7 @@ class Fit {
     if (!options_.output.empty())
       write_output(options_.output, analysis::to_text(rows_.front().document), session_.replace);
     for (FittedRun& fitted : fitted_) {
-      follow_fit(*store_, *runs_, *fitted.model, fitted.evaluations.front().evaluation);
+      follow_fit(*store_, *fitted.model, fitted.evaluations.front().evaluation);
       if (options_.limits.empty()) continue;
       fitted.judgement = judge_and_store(*store_, *runs_, *fitted.model, fitted.evaluations, options_.limits,
                                          session_.void_too, laboratory_.instruments)

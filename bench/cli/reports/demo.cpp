@@ -192,7 +192,7 @@ void demo(const DemoOptions& options, Session& session) {
   const auto names = analysis::model_names();
   const std::vector<ModelRow> models = model_rows({names.begin(), names.end()}, fitted, {}, {}, targets);
   lap("other models, mean taxel");
-  follow_fit(store, runs, fit, evaluations.front().evaluation);
+  follow_fit(store, fit, evaluations.front().evaluation);
   const Judged judged = judge_and_store(store, runs, fit, evaluations, "limits.toml");
   const analysis::Judgement& judgement = judged.judgement;
   std::string number;

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -7,16 +8,18 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/counted.h"
+#include "analysis/report/document/printers.h"
 #include "bench/cli/runs/trend.h"
 #include "bench/cli/session.h"
 #include "bench/common/output_file.h"
+#include "bench/common/screen.h"
 #include "bench/nightly/followed_page.h"
 #include "bench/nightly/followed_units.h"
 
 namespace tactbench::bench {
 namespace {
 
-constexpr std::size_t kTrendWidth = 30;
+constexpr std::size_t kTrendWidth = 20;
 
 std::vector<std::string> chosen_subjects(const TrendOptions& options, const db::RunStore& store) {
   const std::vector<std::string> subjects = store.subjects();
@@ -38,9 +41,9 @@ nlohmann::ordered_json followed_json(const Followed& followed) {
   json["figures"] = nlohmann::ordered_json::array();
   for (const FollowedFigure& figure : followed.figures) {
     const analysis::FigureChart& chart = figure.chart;
-    nlohmann::ordered_json own = {{"name", figure.name},       {"runs", figure.runs},
-                                  {"values", figure.values},   {"missing", figure.missing},
-                                  {"outside", figure.outside}, {"shifted", figure.shifted}};
+    nlohmann::ordered_json own = {{"name", figure.name},       {"runs", figure.runs},       {"values", figure.values},
+                                  {"missing", figure.missing}, {"outside", figure.outside}, {"shifted", figure.shifted},
+                                  {"outlier", figure.outlier}};
     if (chart.band)
       own["baseline"] = {{"runs", chart.band->values},         {"mean", chart.band->mean},
                          {"deviation", chart.band->deviation}, {"low", chart.band->low},
@@ -70,24 +73,34 @@ std::string baseline_text(const Followed& followed) {
 }
 
 std::string judged_text(const FollowedFigure& figure) {
-  const analysis::FigureChart& chart = figure.chart;
-  std::string text;
-  if (chart.band) text = fmt::format("  {:.5g} to {:.5g}", chart.band->low, chart.band->high);
-  if (chart.ewma) text += fmt::format("  average {:.5g}, p {:.1g}", chart.level, chart.probability);
-  if (figure.missing) return text + "  MISSING";
-  if (figure.outside) return text + "  OUTSIDE";
-  if (!figure.shifted) return text;
-  return text + "  shifted" + (chart.slope ? fmt::format(", {:+.2g} a run", *chart.slope) : std::string());
+  if (figure.missing) return "MISSING";
+  if (figure.outside) return "OUTSIDE";
+  if (figure.shifted)
+    return fmt::format("shifted: average {:.4g}{}", figure.chart.level,
+                       figure.chart.slope ? fmt::format(", {:+.2g} a run", *figure.chart.slope) : std::string());
+  if (figure.outlier) return "OUTLIER: unlike the other sensors";
+  return figure.compared ? "within" : "";
 }
 
 void show_followed(const Followed& followed) {
-  tty::print("{}: {}\n", one_line(followed.subject), baseline_text(followed));
+  const auto has_band = [](const FollowedFigure& figure) { return figure.chart.band.has_value(); };
+  const bool banded = std::ranges::any_of(followed.figures, has_band);
+  analysis::doc::Table table{.id = {}, .columns = {{"figure"}, {"former", true}, {"newest", true}, {"runs"}}};
+  if (banded) table.columns.push_back({"band"});
+  table.columns.emplace_back();
   for (const FollowedFigure& figure : followed.figures) {
-    const std::string line = sparkline(figure.values, kTrendWidth);
-    const std::size_t shown = std::min(kTrendWidth, figure.values.size());
-    tty::print("  {:<28} {}{} {:>11.5g}{}\n", one_line(figure.name), line, std::string(kTrendWidth - shown, ' '),
-               figure.values.back(), judged_text(figure));
+    const auto& band = figure.chart.band;
+    std::vector<analysis::doc::Phrase>& cells = table.rows.emplace_back().cells;
+    cells = {in_words(one_line(figure.name)).text(),
+             figure.values.size() > 1 ? fmt::format("{:.4g}", figure.former()) : "–",
+             fmt::format("{:.4g}", figure.values.back()), sparkline(figure.values, scale_of(figure), kTrendWidth)};
+    if (banded) cells.emplace_back(band ? fmt::format("{:.4g} to {:.4g}", band->low, band->high) : "–");
+    cells.emplace_back(judged_text(figure));
   }
+  analysis::doc::Document document;
+  document.add(std::move(table));
+  tty::print("{}: {}\n{}", one_line(followed.subject), baseline_text(followed),
+             to_text(document, analysis::PressureUnit::kPsi, screen_size(STDOUT_FILENO).columns));
 }
 
 }  // namespace
@@ -105,9 +118,12 @@ void trend(const TrendOptions& options, Session& session) {
   std::vector<Followed*> family;
   for (Followed& followed : subjects) family.push_back(&followed);
   judge_together(family);
+  mark_outliers(subjects);
   for (Followed& followed : subjects) {
     if (!options.figure.empty())
-      std::erase_if(followed.figures, [&](const FollowedFigure& figure) { return figure.name != options.figure; });
+      std::erase_if(followed.figures, [&](const FollowedFigure& figure) {
+        return figure.name != options.figure && in_words(figure.name).name != options.figure;
+      });
     figures += followed.figures.size();
     if (origin != "simulated") origin = followed.origin;
   }
@@ -138,6 +154,7 @@ void trend(const TrendOptions& options, Session& session) {
     return;
   }
   if (origin == "simulated") tty::print("SIMULATED DATA\n");
+  if (!compared) tty::print("no baseline to compare with: bars begin at 0\n");
   for (const Followed& followed : subjects) show_followed(in_unit(followed, session.unit()));
   if (!options.html.empty()) tty::print("{}\n", options.html);
 }
@@ -145,7 +162,7 @@ void trend(const TrendOptions& options, Session& session) {
 void add_trend_options(CLI::App& verb, TrendOptions& options, Session& session) {
   verb.add_option("--sensor", options.sensor, "serial; its figures come from `fit`");
   verb.add_option("--subject", options.subject, "subject or its beginning: nightly/paper, rig/bench-1");
-  verb.add_option("--figure", options.figure, "this figure alone");
+  verb.add_option("--figure", options.figure, "this figure alone: \"mean error\" or mean_error_psi");
   verb.add_option("--html", options.html, "write a page with a plot for each figure");
   add_replace(verb, session);
   verb.add_flag(

@@ -200,16 +200,49 @@ TEST_CASE("a figure of the baseline that the newest run lacks is reported") {
   CHECK(outside_lines(follow_alone(store, kSubject)).empty());
 }
 
-TEST_CASE("the sparkline spans the values shown") {
-  CHECK(sparkline({0.0, 7.0, 3.5}, 10) == "▁█▅");
-  CHECK(sparkline({0.0, 7.0, 3.5, 3.5}, 2) == "▅▅");
-  CHECK(sparkline({}, 5).empty());
-  CHECK(sparkline({1.0, std::nan(""), std::numeric_limits<double>::infinity()}, 5) == "▅··");
-  CHECK(sparkline({0, 1, 2, 3, 4, 5, 6, 7, 8}, 9) == "▁▂▃▄▅▆▇██");
-  CHECK(sparkline({0.0, 0.99, 1.01, 8.0}, 4) == "▁▁▂█");
-  CHECK(sparkline({-2.0, -1.0, 0.0}, 3) == "▁▅█");
-  CHECK(sparkline({9.0, 1.0, 2.0}, 2) == "▁█");
-  CHECK(sparkline({1.0, 2.0}, 0).empty());
+TEST_CASE("a sparkline is drawn on its figure's scale: three bands, or from 0") {
+  CHECK(sparkline({0.0, 0.99, 1.01, 8.0, -0.1, 8.1}, {0.0, 8.0}, 9) == "▁▁▂█↓↑");
+  CHECK(sparkline({1.0, std::nan(""), std::numeric_limits<double>::infinity()}, {0.0, 1.0}, 2) == "··");
+  CHECK(sparkline({}, {}, 5).empty());
+  FollowedFigure figure;
+  figure.values = {100.0, 100.01};
+  CHECK(scale_of(figure).low == 0.0);
+  CHECK(scale_of(figure).high == 100.01);
+  figure.values = {-2.0, -1.0};
+  CHECK(scale_of(figure).low == -2.0);
+  CHECK(scale_of(figure).high == 0.0);
+  figure.chart.band = analysis::ControlBand{1.5, 0.25, 1.0, 2.0, 8};
+  CHECK(scale_of(figure).low == 0.0);
+  CHECK(scale_of(figure).high == 3.0);
+  figure.values = {0.0};
+  figure.chart.band.reset();
+  CHECK(scale_of(figure).high > scale_of(figure).low);
+}
+
+TEST_CASE("a figure's name and unit for people") {
+  for (const auto& [key, name, unit] : {std::tuple("mean_error_psi", "mean error", "psi"),
+                                        {"hysteresis_max_percent_fs", "hysteresis max", "% FS"},
+                                        {"elam_alpha_a1_per_psi", "elam alpha a1", "1/psi"},
+                                        {"hold_drift_kpa_per_min", "hold drift", "kPa/min"},
+                                        {"press_stiffness_n_per_mm", "press stiffness", "N/mm"},
+                                        {"unfit_taxels", "unfit taxels", ""},
+                                        {"psi", "psi", ""}}) {
+    CHECK(in_words(key).name == name);
+    CHECK(in_words(key).unit == unit);
+  }
+}
+
+TEST_CASE("a sensor unlike four others of the same recipes is an outlier, of other recipes none") {
+  std::vector<Followed> sensors(6);
+  const double noise[] = {1.1, 1.2, 1.3, 1.15, 31.9, 500.0};
+  for (std::size_t i = 0; i < sensors.size(); ++i) {
+    sensors[i].subject = fmt::format("sensor/S-{}/{}", i, i < 5 ? "loops" : "other");
+    sensors[i].figures.resize(1);
+    sensors[i].figures[0].name = "noisiest_taxel_mv";
+    sensors[i].figures[0].values = {noise[i]};
+  }
+  mark_outliers(sensors);
+  for (std::size_t i = 0; i < sensors.size(); ++i) CHECK(sensors[i].figures[0].outlier == (i == 4));
 }
 
 TEST_CASE("the night's page is well-formed for any names, and lists red scenarios first") {

@@ -98,18 +98,17 @@ TEST_CASE("charted of a sensor: figures of the models that stand for a run, unde
   CHECK(bench::follow_sensor(made.store, run, elam, own).empty());
   const auto subjects = [&] { return made.store.subjects_of(1); };
   CHECK(subjects() == std::vector<std::string>{"sensor/S-1/up+down"});
-  bench::follow_fit(made.store, runs, elam, own);
+  bench::follow_fit(made.store, elam, own);
   CHECK(subjects() == std::vector<std::string>{"sensor/S-1/up", "sensor/S-1/up+down"});
-  const auto figures = made.store.figures_of(1, "sensor/S-1/up");
   made.store.replace_figures(1, "sensor/S-1/up", {});
   analysis::SensorModel other = film_line_model();
   other.fit = analysis::store_fit(made.store, other, "1", "2026-03-01T02:00:00Z");
-  bench::follow_fit(made.store, runs, other, own);
+  bench::follow_fit(made.store, other, own);
   CHECK(made.store.figures_of(1, "sensor/S-1/up").empty());
-  // Of the dynamic model ELAM's.
   const analysis::SensorModel dynamic = bench::fit_run_dynamic(made.store, runs, 1);
   CHECK(dynamic.content_sha256 == made.store.run(1).content_sha256);
   CHECK(dynamic.program_version == bench::build_info().version);
-  bench::follow_fit(made.store, runs, dynamic, {});
-  CHECK(made.store.figures_of(1, "sensor/S-1/up") == figures);
+  const analysis::Evaluation of_dynamic = analysis::evaluate(runs.dataset(1), dynamic);
+  bench::follow_fit(made.store, dynamic, of_dynamic);
+  CHECK(made.store.figures_of(1, "sensor/S-1/up/dynamic").at("mean_error_psi") == of_dynamic.mean_error_psi);
 }

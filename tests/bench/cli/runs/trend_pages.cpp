@@ -106,7 +106,7 @@ TEST_CASE("trend: all that JSON has of a figure") {
   figure.erase("ewma");
   CHECK(figure == Told::parse(R"({"name": "mean_error_psi", "runs": [1, 2, 3, 4, 5, 6, 7, 8, 9],
       "values": [9.0, 11.0, 9.0, 11.0, 9.0, 11.0, 9.0, 11.0, 12.0],
-      "missing": false, "outside": false, "shifted": false})"));
+      "missing": false, "outside": false, "shifted": false, "outlier": false})"));
   CHECK(band.at("runs") == 8);
   CHECK(band.at("mean") == 10.0);
   CHECK(band.at("deviation").get<double>() == Approx(1.0690450));
