@@ -51,6 +51,7 @@ constexpr std::array kBeginnings = {
     Beginning{"<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n<meta http-equiv=\"Content-"
               "Security-Policy\""sv,
               kPageFile},
+    Beginning{"<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" class=\"chart\""sv, kSvgFile},
     Beginning{"<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name="sv, "JUnit XML"},
     Beginning{"# HELP tactbench_"sv, "metrics of tactbench"},
     Beginning{kTalkHead, kTalkFile},

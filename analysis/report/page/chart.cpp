@@ -6,6 +6,7 @@
 
 #include "analysis/report/page/chart_labels.h"
 #include "analysis/report/page/numbers.h"
+#include "analysis/report/page/style.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -315,5 +316,13 @@ Bars bars_of(const std::vector<double>& values, double low, double high, int bin
 }
 
 Markup chart_svg(const Chart& chart) { return ChartDrawing(chart).svg(); }
+
+std::string svg_file(const Chart& chart) {
+  std::string svg = chart_svg(chart).value;
+  const std::string_view start = "<svg ", title_end = "</title>";
+  svg.insert(svg.find(title_end) + title_end.size(),
+             "<style>" + chart_rules().value + "</style><rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>");
+  return svg.insert(start.size(), "xmlns=\"http://www.w3.org/2000/svg\" ") + "\n";
+}
 
 }  // namespace tactbench::analysis

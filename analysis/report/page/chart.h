@@ -69,6 +69,7 @@ struct Chart {
 
 // What lies beyond a fixed axis is drawn at its edge, with a triangle.
 html::Markup chart_svg(const Chart& chart);
+std::string svg_file(const Chart& chart);  // complete in itself
 
 // About `wanted` round numbers (1, 2, 5 x 10^n) within [low, high].
 std::vector<double> nice_ticks(double low, double high, int wanted);

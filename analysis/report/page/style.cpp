@@ -77,7 +77,9 @@ tr:has(+ .total) > * { border-bottom: 1.2px solid #1a2026; }
 .newpage { break-after: page; height: 0; }
 figure { margin: 3px 0 6px; break-inside: avoid; }
 svg { display: block; max-width: 100%; height: auto; }
-svg text { font: 10px "Liberation Sans", Arial, Helvetica, sans-serif; }
+)";
+
+constexpr char kChartRules[] = R"(svg text { font: 10px "Liberation Sans", Arial, Helvetica, sans-serif; }
 svg text:not([fill]) { fill: #1a2026; }
 svg .head { font-weight: bold; font-size: 11px; }
 svg .mid, svg .cell { text-anchor: middle; }
@@ -92,7 +94,9 @@ svg .label { paint-order: stroke; stroke: #fff; stroke-width: 2.4px; stroke-line
 .axis { stroke: #1a2026; stroke-width: .9; fill: none; }
 .cross { stroke: #a11212; stroke-width: 1.1; fill: none; }
 .beyond { fill: #1a2026; }
-@media print {
+)";
+
+constexpr char kPrintRules[] = R"(@media print {
   html { font-size: 11.1px; line-height: 1.28; }
   .dense { font-size: 10.3px; }
   figure { margin-bottom: 3px; }
@@ -125,7 +129,7 @@ html::Markup style_sheet(const StyleOptions& options) {
   if (!std::ranges::all_of(options.state,
                            [&](char c) { return plain(c) || (c >= '0' && c <= '9') || c == ',' || c == '-'; }))
     throw std::invalid_argument("a report's state has letters, digits, blanks, commas and hyphens only");
-  html::Markup out = html::Markup::literal(kRules);
+  html::Markup out = plain_style_sheet();
   out += html::markup(kPaper,
                       html::Text(options.simulated ? "SIMULATED DEVICES - NOT A MEASUREMENT OF A REAL SENSOR" : ""),
                       html::Text(options.number), html::Text(options.document),
@@ -133,6 +137,13 @@ html::Markup style_sheet(const StyleOptions& options) {
   return out;
 }
 
-html::Markup plain_style_sheet() { return html::Markup::literal(kRules); }
+html::Markup plain_style_sheet() {
+  html::Markup out = html::Markup::literal(kRules);
+  out += chart_rules();
+  out += html::Markup::literal(kPrintRules);
+  return out;
+}
+
+html::Markup chart_rules() { return html::Markup::literal(kChartRules); }
 
 }  // namespace tactbench::analysis

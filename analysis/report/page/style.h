@@ -24,4 +24,7 @@ html::Markup style_sheet(const StyleOptions& options);
 // The same without page margins, for pages that are no report.
 html::Markup plain_style_sheet();
 
+// What charts alone need of it, for an SVG file.
+html::Markup chart_rules();
+
 }  // namespace tactbench::analysis

@@ -140,6 +140,7 @@ void add_fit(CLI::App& app, Session& session) {
                    "dynamic: run of recipe creep-levels, which the creep is taken from; may be the same run")
       ->check(CLI::PositiveNumber);
   verb->add_option("-o,--output", options->models.output, "write the one model as a JSON document");
+  verb->add_option("--plot", options->models.plot, "draw the measured loop and the models over it: an SVG file");
   add_replace(*verb, session);
   add_void_too(*verb, session);
   add_table_options(*verb, options->models.table);

@@ -3,10 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <nlohmann/json.hpp>
-#include <sstream>
-#include <utility>
 
 #include "analysis/counted.h"
 #include "analysis/identify/stored/model_document.h"
@@ -16,34 +13,11 @@
 namespace tactbench::bench {
 namespace {
 
-using Range = std::pair<std::int64_t, std::int64_t>;
-
-// Empty: not a list of runs.
-std::vector<Range> ranges_in(const std::string& source) {
-  std::vector<Range> ranges;
-  std::istringstream parts(source);
-  for (std::string part; std::getline(parts, part, ',');) {
-    Range range{0, 0};
-    const char *const begin = part.data(), *const end = begin + part.size();
-    const auto first = std::from_chars(begin, end, range.first);
-    range.second = range.first;
-    const char* last = first.ptr;
-    if (first.ec == std::errc() && last != end && *last == '-') {
-      const auto second = std::from_chars(last + 1, end, range.second);
-      if (second.ec != std::errc()) return {};
-      last = second.ptr;
-    }
-    if (first.ec != std::errc() || last != end || range.first < 1 || range.second < range.first) return {};
-    ranges.push_back(range);
-  }
-  return ranges;
-}
-
 std::vector<std::int64_t> chosen_runs(const std::string& source, const db::RunStore& store, bool void_too) {
-  const std::vector<Range> ranges = ranges_in(source);
+  const std::vector<RunRange> ranges = run_ranges(source);
   std::vector<std::int64_t> chosen;
   for (const db::RunRecord& run : store.runs()) {
-    const auto inside = [&](const Range& range) { return run.run >= range.first && run.run <= range.second; };
+    const auto inside = [&](const RunRange& range) { return range.holds(run.run); };
     if (std::ranges::none_of(ranges, inside) || run.outcome == db::Outcome::kIncomplete) continue;
     if ((run.is_void() && !void_too) || store.pruned(run.run) || store.frame_count(run.run) == 0) continue;
     chosen.push_back(run.run);
@@ -56,14 +30,15 @@ std::vector<std::int64_t> chosen_runs(const std::string& source, const db::RunSt
 }  // namespace
 
 bool names_runs(const std::string& source) {
-  return source.find_first_of("-,") != std::string::npos && !ranges_in(source).empty();
+  return source.find_first_of("-,") != std::string::npos && !run_ranges(source).empty();
 }
 
 void fit_many(const FitModelsOptions& options, Session& session) {
-  if (options.models.size() > 1 || !options.output.empty() || !options.score.empty() || !options.held_out.empty() ||
-      options.rate_run != 0)
-    throw Error("TB-USAGE", "several runs are fitted with one model each, and not judged", "fit",
-                "leave out --score, --held-out, --rate, --creep, --output, and name one --model; or name one run");
+  if (options.models.size() > 1 || !options.output.empty() || !options.plot.empty() || !options.score.empty() ||
+      !options.held_out.empty() || options.rate_run != 0)
+    throw Error(
+        "TB-USAGE", "several runs are fitted with one model each, and not judged", "fit",
+        "leave out --score, --held-out, --rate, --creep, --output, --plot, and name one --model; or name one run");
   const std::vector<std::int64_t> runs =
       chosen_runs(options.source, db::RunStore::open_read_only(session.db), session.void_too);
   auto list = nlohmann::ordered_json::array();

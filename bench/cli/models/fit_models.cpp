@@ -11,6 +11,7 @@
 #include "analysis/counted.h"
 #include "analysis/identify/dynamic/dynamic_alone.h"
 #include "analysis/identify/stored/model_document.h"
+#include "analysis/report/overview/fitted_loop.h"
 #include "bench/cli/judgement_words.h"
 #include "bench/cli/models/fit_choice.h"
 #include "bench/cli/models/fit_words.h"
@@ -74,6 +75,7 @@ class Fit {
                   "name one with --model");
     // Before an hour of anything.
     if (!options.output.empty()) check_output(options.output, kModelFile, session.replace);
+    if (!options.plot.empty()) check_output(options.plot, kSvgFile, session.replace);
     if (!options.limits.empty()) (void)read_limits(find_config(options.limits));
     if (!options.lab.empty()) laboratory_ = read_laboratory(find_config(options.lab));
     if (!options.limits.empty() && options.models.size() > 1)
@@ -221,6 +223,12 @@ class Fit {
       if (store_) row.document.fit = keep_fit(*store_, row.document);
     if (!options_.output.empty())
       write_output(options_.output, analysis::to_text(rows_.front().document), session_.replace);
+    if (!options_.plot.empty()) {
+      std::vector<const analysis::SensorModel*> models;
+      for (const ModelRow& row : rows_) models.push_back(&row.document);
+      write_output(options_.plot, svg_file(analysis::fitted_loop(histories_, models, session_.unit())),
+                   session_.replace);
+    }
     for (FittedRun& fitted : fitted_) {
       follow_fit(*store_, *fitted.model, fitted.evaluations.front().evaluation);
       if (options_.limits.empty()) continue;
@@ -276,6 +284,10 @@ class Fit {
       if (targets_.empty()) tty::print("\nnothing was held out: --fit SEQ,... or --score names what to score on\n");
     }
     if (on_bench_) tell_outliers();
+    if (!store_ && options_.output.empty())
+      tty::print("\nno model was kept: -o FILE.json keeps it; tactbench import {} keeps data and models in the store\n",
+                 one_line(options_.source));
+    if (!options_.plot.empty()) tty::print("{}\n", one_line(options_.plot));
     for (const FittedRun& fitted : fitted_)
       tty::print("{}{}", in_table_ ? "\n" : undetermined_text(*fitted.model), fitted_text(fitted, session_.unit()));
   }

@@ -10,12 +10,14 @@
 
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/report/overview/overview.h"
+#include "analysis/report/overview/table_report.h"
 #include "analysis/statistics/figures/evaluation.h"
 #include "bench/cli/judgement_words.h"
 #include "bench/cli/reports/report_signing.h"
 #include "bench/cli/reports/report_stages.h"
 #include "bench/cli/reports/reports_verify.h"
 #include "bench/cli/reports/written_report.h"
+#include "bench/cli/runs/source.h"
 #include "bench/common/long_work.h"
 #include "bench/common/output_file.h"
 #include "bench/common/utc.h"
@@ -203,10 +205,32 @@ WrittenReport one_run(db::RunStore& store, analysis::Runs& runs, const ReportOpt
   return out;
 }
 
-std::string kind_written(const ReportOptions& options) {
+// Loop, models and errors.
+WrittenReport table_report(analysis::Runs& runs, const ReportOptions& options, const Session& session) {
+  const db::RunRecord run = runs.record(options.runs.front());
+  analysis::TableReportInput input;
+  input.run = run;
+  input.histories = read_run(runs, run.run, "report", {}, session);
+  input.unit = session.page_unit();
+  input.paper = options.paper == "letter" ? analysis::PaperSize::kLetter : analysis::PaperSize::kA4;
+  for (const db::FitRecord& fit : runs.store().fits(run.run)) {
+    input.models.push_back(analysis::load_fit(fit));
+    input.scores.push_back(analysis::score_model(input.models.back(), input.histories, {}));
+  }
+  WrittenReport out;
+  out.report = analysis::render_table_report(input);
+  out.summary = analysis::summary_text(input, session.unit(), kTerminalColumns);
+  out.started_utc = run.started_utc;
+  out.judgements.emplace_back();
+  place(out, runs.store(), options, run, fmt::format("run-{}", run.run), "run-" + out.report.number);
+  return out;
+}
+
+std::string kind_written(const ReportOptions& options, bool table) {
   if (options.format != "json") return options.format == "pdf" ? kPdfFile : kPageFile;
   return fmt::format("a tactbench.{} document (JSON)", options.compare ? "comparison"
                                                        : options.batch ? "batch"
+                                                       : table         ? "table-report"
                                                                        : "report");
 }
 
@@ -223,12 +247,15 @@ WrittenReport write_reports(ReportOptions options, Session& session) {
   if (!options.lab.empty()) options.extras.laboratory = read_laboratory(find_config(options.lab));
   db::RunStore store =
       options.signed_by.empty() ? db::RunStore::open_read_only(session.db) : db::RunStore::open(session.db);
-  if (!options.output.empty()) check_output(options.output, kind_written(options), session.replace);
   analysis::Runs runs(store);
+  const bool table = runs.record(options.runs.front()).origin == "imported";
+  if (!options.output.empty()) check_output(options.output, kind_written(options, table), session.replace);
   check_report_runs(runs, options, session);
   const bool one = !options.compare && !options.batch;
   LongWork progress("report", session.quiet || session.json, report_stages(options));
-  WrittenReport written = one ? one_run(store, runs, options, session) : several_runs(runs, options, session);
+  WrittenReport written = table ? table_report(runs, options, session)
+                          : one ? one_run(store, runs, options, session)
+                                : several_runs(runs, options, session);
   const std::string& path = written.path;
   progress.begin(kWritingReport);
   if (written.written && options.format == "pdf") {
@@ -244,7 +271,8 @@ WrittenReport write_reports(ReportOptions options, Session& session) {
 
 namespace {
 
-void report_runs(const ReportOptions& options, Session& session) {
+void report_runs(ReportOptions options, Session& session) {
+  choose_runs(options, db::RunStore::open_read_only(session.db), session.void_too);
   const WrittenReport written = write_reports(options, session);
   const std::string& path = written.path;
   const bool one = !options.compare && !options.batch;
@@ -285,6 +313,7 @@ void add_report(CLI::App& app, Session& session) {
   add_report_options(*verb, *options, session);
   verb->add_flag("--compare", options->compare, "one page on two runs: as found and as left, or two sensors");
   verb->add_flag("--batch", options->batch, "one page on many runs: yield, ranks, distributions, outliers");
+  add_metadata_options(*verb, options->metadata, true);
   verb->callback([options, verb, &session] {
     if (verb->get_subcommands().empty()) report_runs(*options, session);
   });

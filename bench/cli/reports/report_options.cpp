@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
+#include <optional>
 
 #include "analysis/statistics/uncertainty/instrument_calibration.h"
 #include "bench/cli/runs/source.h"
@@ -28,6 +29,37 @@ ModelNamed model_named(const std::string& text, std::int64_t run) {
   if (good) return named;
   throw Error("TB-USAGE", fmt::format("'{}' names no stored models", text), "--model",
               "RUN, or RUN:FIT (tactbench runs show RUN lists its fits)");
+}
+
+void choose_runs(ReportOptions& options, const db::RunStore& store, bool void_too) {
+  const MetadataOptions& metadata = options.metadata;
+  const bool by_metadata = !metadata.lot.empty() || !metadata.order.empty() || !metadata.pairs.empty();
+  std::vector<RunRange> ranges;
+  for (const std::string& word : options.named) {
+    const std::vector<RunRange> own = run_ranges(word);
+    if (own.empty())
+      throw Error("TB-USAGE", fmt::format("'{}' is no run", word), "report", "a number; with --batch also 1-99");
+    ranges.insert(ranges.end(), own.begin(), own.end());
+  }
+  const bool single = std::ranges::all_of(ranges, [](const RunRange& range) { return range.first == range.last; });
+  if (single && !by_metadata && !ranges.empty()) {
+    for (const RunRange& range : ranges) options.runs.push_back(range.first);
+    return;
+  }
+  if (!options.batch)
+    throw Error("TB-USAGE",
+                ranges.empty() && !by_metadata ? "no run is named" : "one run has one report, and many are named",
+                "report", "one run: tactbench report 3; a page on many: --batch with --lot, --order or 1-99");
+  for (const db::RunRecord& run : store.runs()) {
+    const auto holds = [&](const RunRange& range) { return range.holds(run.run); };
+    if ((!ranges.empty() && std::ranges::none_of(ranges, holds)) || !fits_metadata(metadata, run)) continue;
+    if ((run.is_void() && !void_too) || run.origin == "imported") continue;
+    if (const std::optional<db::FitRecord> fit = store.standing_fit(run.run); fit && fit->fitted > 0)
+      options.runs.push_back(run.run);
+  }
+  if (options.runs.empty())
+    throw Error("TB-USAGE", "none of the runs asked for has models", "report --batch",
+                "tactbench runs list --lot LOT shows them; tactbench fit RUN makes models");
 }
 
 void check_report_options(const ReportOptions& options) {
@@ -74,12 +106,15 @@ void check_models_of_array(analysis::Runs& runs, const analysis::SensorModel& fi
 
 void check_report_runs(analysis::Runs& runs, const ReportOptions& options, const Session& session) {
   const std::int64_t run = options.runs.front();
+  const bool alone = options.runs.size() == 1 && options.held_out.empty() && options.model.empty() &&
+                     options.limits.empty() && options.signed_by.empty() && options.annexes.empty() &&
+                     options.extras.previous.empty() && options.extras.studies.empty() && !options.batch;
   for (const std::int64_t own : options.runs)
-    if (runs.record(own).origin == "imported")
-      throw Error("TB-USAGE", fmt::format("run {} came from a table: there are no reports of tables", own), "report",
-                  fmt::format("tactbench runs show {0} names its models, model show what each holds; tactbench fit {0} "
-                              "makes more",
-                              own));
+    if (runs.record(own).origin == "imported" && !alone)
+      throw Error(
+          "TB-USAGE", fmt::format("run {} came from a table, which no other run goes with", own), "report",
+          fmt::format("its report has loop, models and errors alone, and is not signed: tactbench report {}", own));
+  if (runs.record(run).origin == "imported") return;
   if (options.compare || options.batch) {
     (void)named_runs(runs, options.runs, {"report --compare and --batch"}, session.void_too);
     return;
@@ -102,8 +137,9 @@ void check_report_runs(analysis::Runs& runs, const ReportOptions& options, const
 }
 
 void add_report_options(CLI::App& verb, ReportOptions& options, Session& session) {
-  verb.add_option("runs", options.runs,
-                  "the run; further runs of the same sensor add creep and temperature to the uncertainty")
+  verb.add_option("runs", options.named,
+                  "the run; further runs of the same sensor add creep and temperature to the uncertainty; with --batch "
+                  "many, e.g. 1-99")
       ->take_all();
   verb.add_option("--held-out", options.held_out,
                   "runs of the same sensor to correct with the models and to judge, each by itself: the worst "

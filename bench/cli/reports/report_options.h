@@ -5,12 +5,15 @@
 #include <string>
 #include <vector>
 
+#include "bench/cli/runs/metadata_options.h"
 #include "bench/cli/session.h"
 #include "bench/reporting/report_results.h"
 
 namespace tactbench::bench {
 
 struct ReportOptions {
+  std::vector<std::string> named;  // runs as typed; choose_runs() makes `runs` of them and of `metadata`
+  MetadataOptions metadata;
   std::vector<std::int64_t> runs, held_out;
   std::string model;  // RUN or RUN:FIT; empty: the run's own
   std::string format = "html", limits, lab, output, signed_by, reason, issued, paper = "a4", pdf_with;
@@ -30,6 +33,9 @@ struct ModelNamed {
 };
 // Throws TB-USAGE.
 ModelNamed model_named(const std::string& text, std::int64_t run);
+
+// The runs named; with --batch also of ranges and of a lot or order those that have models and count. Throws TB-USAGE.
+void choose_runs(ReportOptions& options, const db::RunStore& store, bool void_too);
 
 // Options that go together. Throws TB-USAGE.
 void check_report_options(const ReportOptions& options);

@@ -2,12 +2,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "analysis/counted.h"
+#include "bench/cli/runs/source.h"
 #include "bench/cli/session.h"
 #include "bench/common/utc.h"
 #include "bench/nightly/followed.h"
@@ -21,29 +21,23 @@ struct BaselineOptions {
   std::string reason, by;
 };
 
-std::int64_t run_number_of(const std::string& text, const std::string& whole) {
-  std::int64_t number = 0;
-  const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (fault != std::errc() || end != text.data() + text.size() || number < 1)
-    throw Error("TB-USAGE", fmt::format("'{}' is not a run", whole), "RUNS", "a number, or a range such as 12-55");
-  return number;
-}
-
 // The runs named by `words`, grouped by the subjects for which they have figures.
 std::map<std::string, std::vector<std::int64_t>> chosen_runs(const std::vector<std::string>& words,
                                                              const db::RunStore& store, const Session& session) {
   analysis::Runs named(store);
-  std::vector<std::pair<std::int64_t, std::int64_t>> ranges;
+  std::vector<RunRange> ranges;
   for (const std::string& word : words) {
-    const std::size_t hyphen = word.find('-');
-    const std::int64_t first = run_number_of(word.substr(0, hyphen), word);
-    ranges.emplace_back(first, hyphen == std::string::npos ? first : run_number_of(word.substr(hyphen + 1), word));
+    const std::vector<RunRange> own = run_ranges(word);
+    if (own.empty())
+      throw Error("TB-USAGE", fmt::format("'{}' is not a run", word), "RUNS", "a number, or a range such as 12-55");
     // A single run must exist and not be void, else throws; a range skips void and missing runs.
-    if (hyphen == std::string::npos) (void)named_runs(named, {first}, {"RUNS", 0, false}, session.void_too);
+    for (const RunRange& range : own)
+      if (range.first == range.last) (void)named_runs(named, {range.first}, {"RUNS", 0, false}, session.void_too);
+    ranges.insert(ranges.end(), own.begin(), own.end());
   }
   std::map<std::string, std::vector<std::int64_t>> chosen;
   for (const db::FigureRecord& figure : store.figures("")) {
-    const auto inside = [&](const auto& range) { return figure.run >= range.first && figure.run <= range.second; };
+    const auto inside = [&](const RunRange& range) { return range.holds(figure.run); };
     std::vector<std::int64_t>& runs = chosen[figure.subject];
     if (std::ranges::any_of(ranges, inside) && (runs.empty() || runs.back() != figure.run)) runs.push_back(figure.run);
   }

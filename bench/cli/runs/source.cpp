@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -81,6 +82,26 @@ void add_table_options(CLI::App& verb, TableOptions& options) {
   verb.add_option("--output-unit", options.output_unit, "unit of its outputs, for display");
   for (const char* const name : {"--input-unit", "--output-unit", "--noise", "--turn", "--skip-bad-rows"})
     verb.get_option(name)->group(kTableOptions);
+}
+
+std::vector<RunRange> run_ranges(const std::string& text) {
+  std::vector<RunRange> ranges;
+  std::istringstream parts(text);
+  for (std::string part; std::getline(parts, part, ',');) {
+    RunRange range;
+    const char *const begin = part.data(), *const end = begin + part.size();
+    const auto first = std::from_chars(begin, end, range.first);
+    range.last = range.first;
+    const char* last = first.ptr;
+    if (first.ec == std::errc() && last != end && *last == '-') {
+      const auto second = std::from_chars(last + 1, end, range.last);
+      if (second.ec != std::errc()) return {};
+      last = second.ptr;
+    }
+    if (first.ec != std::errc() || last != end || range.first < 1 || range.last < range.first) return {};
+    ranges.push_back(range);
+  }
+  return ranges;
 }
 
 bool names_run(const std::string& source) {

@@ -1,6 +1,7 @@
 // Sources of samples on the command line: a run of the store, or a table.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,13 @@ void add_layout_options(CLI::App& verb, TableOptions& options);
 void add_table_options(CLI::App& verb, TableOptions& options);
 // Throws AnalysisError TB-TABLE-MAP.
 analysis::TableLayout layout_of(const TableOptions& options);
+
+// "1-400,412" as ranges; empty: that is no list of runs.
+struct RunRange {
+  std::int64_t first = 0, last = 0;
+  [[nodiscard]] bool holds(std::int64_t run) const { return run >= first && run <= last; }
+};
+std::vector<RunRange> run_ranges(const std::string& text);
 
 // "12" is a run of session.db, anything else the path of a table.
 bool names_run(const std::string& source);

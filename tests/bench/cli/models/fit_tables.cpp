@@ -121,6 +121,41 @@ TEST_CASE("fit of an imported run: its number and its models are stored, and the
   CHECK(model_verb(of.folder, {"model", "show", "1:3"}).code == 0);
 }
 
+TEST_CASE("fit --plot draws the measured loop and each model; another kind of file is not written over") {
+  const FolderOfTables of;
+  const std::string plot = of.folder.path("loop.svg");
+  (void)of.told({"t.csv", "--model", "poly,monotone", "--plot", plot});
+  const std::string svg = read_file(plot);
+  CHECK(svg.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\""));
+  for (const char* label : {"measured", "poly", "monotone"}) CHECK_THAT(svg, Catch::Contains(label));
+  (void)of.told({"t.csv", "--plot", plot});
+  CHECK(of.fit({"t.csv", "--plot", of.folder.path("s.csv")}).code == 2);
+}
+
+TEST_CASE("an imported table has a report of its loop and its models' errors, without and with models") {
+  const FolderOfTables of;
+  const std::string db = of.folder.path("runs.db");
+  REQUIRE(verb_here(bench::add_import, {"import", of.folder.path("t.csv"), "--db", db}).code == 0);
+  const auto report = [&] {
+    const std::string file = of.folder.path("r.json");
+    CHECK(verb_here(bench::add_report, {"report", "1", "--db", db, "--format", "json", "-o", file}).code == 0);
+    return nlohmann::json::parse(read_file(file));
+  };
+  CHECK(report().at("models").empty());
+  const nlohmann::json told = of.told({"1", "--model", "poly,monotone", "--score", of.folder.path("t.csv")});
+  const nlohmann::json of_models = report();
+  REQUIRE(of_models.at("models").size() == 2);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const nlohmann::json& score = told.at("models").at(i).at("scores").at(0).at("all");
+    CHECK(of_models.at("models").at(i).at("input_error").at("mean") == score.at("compensated").at("mean"));
+    CHECK(of_models.at("models").at(i).at("output_error").at("max") == score.at("direct").at("max"));
+  }
+  CHECK(verb_here(bench::add_report, {"report", "1", "--db", db}).code == 0);
+  const std::string page = read_file(of.folder.path("reports/run-1.html"));
+  CHECK_THAT(page, Catch::Contains("<svg") && Catch::Contains("monotone"));
+  CHECK(verb_here(bench::add_report, {"report", "1", "--db", db, "--approve-by", "K. Lee"}).code == 2);
+}
+
 TEST_CASE("fit: options reach the models that they are of") {
   const FolderOfTables of;
   const auto label = [&](const FitTableWords& more) {
@@ -185,14 +220,4 @@ TEST_CASE("fit of a table: a model that errs more than a straight line on what w
   };
   CHECK(worse("line"));
   CHECK_FALSE(worse("more"));
-}
-
-TEST_CASE("a table's run has no report, and is not told that it has no models") {
-  const FolderOfTables of;
-  const std::string store = of.folder.path("runs.db");
-  REQUIRE(verb_here(bench::add_runs, {"runs", "import", of.folder.path("t.csv"), "--db", store}).code == 0);
-  REQUIRE(of.fit({"1", "--model", "monotone"}).code == 0);
-  const Finished refused = verb_here(bench::add_report, {"report", "1", "--db", store});
-  check_refusal(refused, 2, "TB-USAGE");
-  CHECK_THAT(refused.err, Catch::Contains("tactbench runs show 1"));
 }

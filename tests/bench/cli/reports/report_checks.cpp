@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "bench/cli/reports/report_options.h"
@@ -82,6 +83,46 @@ TEST_CASE("report options: which go together") {
   CHECK(option_refusal(dated).empty());
   dated.issued = "31.1.2026";
   CHECK_THAT(option_refusal(dated), Catch::StartsWith("TB-USAGE at "));
+}
+
+TEST_CASE("report: runs by number, and for a batch those of a range or a lot that have models and count") {
+  const tests::TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  for (int run = 1; run <= 6; ++run) {
+    (void)tests::store_example(store);
+    if (run != 2 && run != 6) {
+      db::FitRecord fit;
+      fit.run = run;
+      fit.model = "elam";
+      fit.stands = true;
+      fit.fitted = 1;
+      (void)store.add_fit(fit);
+    }
+    if (run % 2 == 1) store.set_tags(run, {"lot=L7"}, {});
+  }
+  store.void_run(4, "by hand", "K. Lee", "2026-01-01T00:00:00Z");
+  using Numbers = std::vector<std::int64_t>;
+  const auto chosen = [&](std::vector<std::string> named, const std::string& lot = "", bool batch = true) {
+    ReportOptions options;
+    options.named = std::move(named);
+    options.metadata.lot = lot;
+    options.batch = batch;
+    choose_runs(options, store, false);
+    return options.runs;
+  };
+  CHECK(chosen({"2"}, "", false) == Numbers{2});
+  CHECK(chosen({"6", "1,4"}) == Numbers{6, 1, 4});  // as named
+  CHECK(chosen({"1-99"}) == Numbers{1, 3, 5});
+  CHECK(chosen({"1-2", "5"}) == Numbers{1, 5});
+  CHECK(chosen({}, "L7") == Numbers{1, 3, 5});
+  CHECK(chosen({"2-4"}, "L7") == Numbers{3});
+  for (const auto& [named, lot, batch] : {std::tuple(std::vector<std::string>{}, "", false),
+                                          {{"1-3"}, "", false},
+                                          {{}, "L7", false},
+                                          {{}, "L8", true},
+                                          {{"run-1"}, "", true},
+                                          {{"7-9"}, "", true}})
+    CHECK(report_refusal([&] { (void)chosen(named, lot, batch); }).starts_with("TB-USAGE at "));
 }
 
 TEST_CASE("report signing: a reason where another is replaced, and none otherwise") {

@@ -41,11 +41,12 @@ TEST_CASE("trend accept: what is no run or range is refused, and so are runs wit
     db::RunStore open = store.open();
     store_example(open);  // run 2, without figures
   }
-  for (const char* word : {"0", "-1", "1-", "1-0", "x", "1x", "1-2x", "1-2-3", " 1", "1 ", "99999999999999999999"}) {
+  for (const char* word :
+       {"0", "-1", "1-", "1-0", "x", "1x", "1-2x", "1-2-3", "5-4", " 1", "1 ", "99999999999999999999"}) {
     INFO(word);
     check_refusal(store.accept({"--", word}), 2, "TB-USAGE", "RUNS");
   }
-  for (const char* runs : {"2", "2-99", "5-4"}) {
+  for (const char* runs : {"2", "2-99"}) {
     const Finished refused = store.accept({runs});
     CHECK(refused.code == 2);
     CHECK_THAT(refused.err, Catch::Contains("[TB-BASELINE-NO-FIGURES]"));

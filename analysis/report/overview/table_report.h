@@ -1,0 +1,26 @@
+// The report of an imported table: its loop, its models and their errors. No rig, no verdict, no uncertainty.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "analysis/identify/histories.h"
+#include "analysis/report/report.h"
+#include "analysis/statistics/scoring/model_score.h"
+
+namespace tactbench::analysis {
+
+struct TableReportInput {
+  db::RunRecord run;
+  Histories histories;
+  std::vector<SensorModel> models;  // that are stored, the newest last; may be empty
+  std::vector<ModelScore> scores;   // of each on these data
+  PaperSize paper = PaperSize::kA4;
+  PressureUnit unit;
+};
+
+Report render_table_report(const TableReportInput& input);
+// The models and their errors, for a terminal of so many columns.
+std::string summary_text(const TableReportInput& input, PressureUnit unit, std::size_t width);
+
+}  // namespace tactbench::analysis
