@@ -16,7 +16,7 @@ namespace {
 
 constexpr const char* kFormat =
     "name the columns in the first line, e.g. sequence,step,input,output, or say which they are: "
-    "--map input=COL,output=COL, by number where no line names them (--no-header)";
+    "--map input=COL,output=COL (of one column a taxel: output=2-17), by number where no line names them (--no-header)";
 
 // At each `mark` outside double quotes.
 std::vector<std::string_view> parts_of(std::string_view text, char mark = '+') {

@@ -17,6 +17,8 @@
 namespace tactbench::bench {
 namespace {
 
+constexpr double kLeastOutlier = 0.1;  // of the median of the sensors
+
 // Each simulated run that repeats the seeds of an earlier one, and the newest of those. Runs on instruments have none.
 std::map<std::int64_t, std::int64_t> runs_with_same_seeds(const std::vector<db::FigureRecord>& records) {
   std::map<std::int64_t, std::int64_t> same;
@@ -178,8 +180,10 @@ void mark_outliers(std::vector<Followed>& sensors) {
     std::vector<double> newest;
     for (const FollowedFigure* figure : figures) newest.push_back(figure->values.back());
     const std::vector<double> scores = analysis::modified_z_scores(newest);
+    const double median = analysis::median_of(newest);
     for (std::size_t i = 0; i < figures.size(); ++i)
-      figures[i]->outlier = std::abs(scores[i]) > analysis::kOutlierScore;
+      figures[i]->outlier = std::abs(scores[i]) > analysis::kOutlierScore &&
+                            std::abs(newest[i] - median) > kLeastOutlier * std::abs(median);
   }
 }
 

@@ -65,7 +65,7 @@ void judge_together(const std::vector<Followed*>& family);
 Followed follow_alone(const db::RunStore& store, const std::string& subject);
 
 // Sets `outlier` among the sensors that have the same figure under the same recipes and model, five at least, by the
-// rule of a batch page (kOutlierScore).
+// rule of a batch page (kOutlierScore) and by more than a tenth of their median.
 void mark_outliers(std::vector<Followed>& sensors);
 
 // "mean_error_psi" -> "mean error", "psi"; "elam_alpha_a1_per_psi" -> "elam alpha a1", "1/psi".

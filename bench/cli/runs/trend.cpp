@@ -78,7 +78,7 @@ std::string judged_text(const FollowedFigure& figure) {
   if (figure.shifted)
     return fmt::format("shifted: average {:.4g}{}", figure.chart.level,
                        figure.chart.slope ? fmt::format(", {:+.2g} a run", *figure.chart.slope) : std::string());
-  if (figure.outlier) return "OUTLIER: unlike the other sensors";
+  if (figure.outlier) return "OUTLIER among sensors";
   return figure.compared ? "within" : "";
 }
 

@@ -121,7 +121,7 @@ TEST_CASE("fit of an imported run: its number and its models are stored, and the
   CHECK(model_verb(of.folder, {"model", "show", "1:3"}).code == 0);
 }
 
-TEST_CASE("fit --plot draws the measured loop and each model; another kind of file is not written over") {
+TEST_CASE("fit --plot draws the measured loop and each model, and another kind of file is not written over") {
   const FolderOfTables of;
   const std::string plot = of.folder.path("loop.svg");
   (void)of.told({"t.csv", "--model", "poly,monotone", "--plot", plot});
