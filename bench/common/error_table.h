@@ -68,7 +68,7 @@ inline constexpr ErrorRow kErrorTable[] = {
     {"TB-BASELINE-NO-FIGURES", kUsage, "none of these runs has stored figures",
      "store figures with nightly --db or fit; tactbench trend lists them"},
     {"TB-BASELINE-SHORT", kUsage, "there are too few measurements for a control chart",
-     "measure more often, or name the runs of the other subjects alone"},
+     "measure more often, or accept other subjects alone: --subject"},
     {"TB-BENCH-COVERS", kUsage, "the bench file does not state what a certificate covers",
      "write certificate_covers = \"chain\" where it was calibrated with what reads it here, else \"transducer\" and "
      "the limit of error of what reads it"},

@@ -49,7 +49,7 @@ with tempfile.TemporaryDirectory(prefix="tactbench-merge-") as folder:
     lab = Program(path, folder)
     make_store(lab, RUNS, "bench.db")
     for run in range(2, RUNS):
-        lab.run("fit", run, "--db", "bench.db")
+        lab.run("fit", run, "--model", "elam", "--db", "bench.db")
     lab.run("runs", "void", RUNS, "--reason", "gauge closed", "--by", "me", "--db", "bench.db")
     lab.run("sensors", "add", "S-2", "--type", "sensor.toml", "--db", "bench.db")
     lab.run("trend", "accept", "1-8", "--db", "bench.db", "--by", "me", "--reason", "as made")

@@ -18,15 +18,15 @@ namespace {
 
 struct BaselineOptions {
   std::vector<std::string> runs;  // numbers and ranges
-  std::string reason, by;
+  std::string subject, reason, by;
 };
 
-// The runs named by `words`, grouped by the subjects for which they have figures.
-std::map<std::string, std::vector<std::int64_t>> chosen_runs(const std::vector<std::string>& words,
-                                                             const db::RunStore& store, const Session& session) {
+// The runs named, grouped by the subjects for which they have figures.
+std::map<std::string, std::vector<std::int64_t>> chosen_runs(const BaselineOptions& options, const db::RunStore& store,
+                                                             const Session& session) {
   analysis::Runs named(store);
   std::vector<RunRange> ranges;
-  for (const std::string& word : words) {
+  for (const std::string& word : options.runs) {
     const std::vector<RunRange> own = run_ranges(word);
     if (own.empty())
       throw Error("TB-USAGE", fmt::format("'{}' is not a run", word), "RUNS", "a number, or a range such as 12-55");
@@ -41,7 +41,9 @@ std::map<std::string, std::vector<std::int64_t>> chosen_runs(const std::vector<s
     std::vector<std::int64_t>& runs = chosen[figure.subject];
     if (std::ranges::any_of(ranges, inside) && (runs.empty() || runs.back() != figure.run)) runs.push_back(figure.run);
   }
-  std::erase_if(chosen, [](const auto& subject) { return subject.second.empty(); });
+  std::erase_if(chosen, [&](const auto& subject) {
+    return subject.second.empty() || !subject.first.starts_with(options.subject);
+  });
   return chosen;
 }
 
@@ -63,14 +65,14 @@ void refuse_short(const db::RunStore& store, const std::map<std::string, std::ve
         subject.starts_with("nightly/")
             ? fmt::format("carry them out with seeds of their own: tactbench nightly SUITE --db FILE --seeds {}",
                           analysis::kRecommendedStartUp)
-            : fmt::format("measure {} more, or name the runs of the other subjects alone",
+            : fmt::format("measure {} more, or accept other subjects alone: --subject SUBJECT",
                           analysis::kLeastStartUp - counted));
   }
 }
 
 void accept_baseline(const BaselineOptions& options, const Session& session) {
   db::RunStore store = db::RunStore::open(session.db);
-  const auto chosen = chosen_runs(options.runs, store, session);
+  const auto chosen = chosen_runs(options, store, session);
   if (chosen.empty())
     throw Error("TB-BASELINE-NO-FIGURES", "none of these runs has stored figures", session.db,
                 "nightly --db and fit store figures; tactbench trend lists them");
@@ -131,6 +133,7 @@ void add_baseline(CLI::App& trend, Session& session) {
                    "numbers and ranges, e.g. 1-88 90; runs without figures are skipped, runs that repeat another "
                    "(equal seeds and content, or equal figures) count once")
       ->required();
+  accept->add_option("--subject", options->subject, "only this subject, or those that begin so (trend lists them)");
   accept->add_option("--reason", options->reason, "why these runs serve as reference")->required();
   accept->add_option("--by", options->by, "name of the person who accepts them")->required();
   accept->callback([options, &session] { accept_baseline(*options, session); });

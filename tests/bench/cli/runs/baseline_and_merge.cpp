@@ -66,6 +66,8 @@ TEST_CASE("trend accept: each subject has its own runs of a range") {
   store.add("nightly/short", 7);  // 9 to 15
   const Finished refused = store.accept({"1-15"});
   CHECK_THAT(refused.err, Catch::Contains("[TB-BASELINE-SHORT]"));
+  const auto alone = nlohmann::json::parse(store.accept({"1-15"}, {"--subject", "rig/", "--json"}).out).at("baselines");
+  CHECK((alone.size() == 1 && alone.at(0).at("subject") == "rig/a"));
   store.add("nightly/short", 1);  // 16
   CHECK(store.accept({"1-8", "9-16", "3"}).code == 0);
   store.add("rig/a", 12);  // 17 to 28
@@ -74,11 +76,11 @@ TEST_CASE("trend accept: each subject has its own runs of a range") {
   CHECK(told.at("store") == store.path);
   REQUIRE(told.at("baselines").size() == 1);
   const nlohmann::json& one = told.at("baselines").at(0);
-  check_members(one, R"({"baseline": 4, "subject": "rig/a", "counted": 20})");
+  check_members(one, R"({"baseline": 5, "subject": "rig/a", "counted": 20})");
   CHECK(one.at("runs").size() == 20);
   CHECK(one.at("runs").at(8) == 17);
   const auto listed = store.told<nlohmann::json>(bench::add_trend, {"trend", "baselines"});
-  CHECK(listed.at("baselines").size() == 4);
+  CHECK(listed.at("baselines").size() == 5);
   CHECK(listed.at("baselines").at(0).at("accepted_by") == "K. Lee");
   CHECK(listed.at("baselines").at(0).at("reason") == "as made");
 }
