@@ -10,6 +10,8 @@
 #include <string>
 #include <string_view>
 
+#include "analysis/text_width.h"
+
 namespace tactbench::bench {
 
 // Control characters as \x1b, \u009b, \u202e (bidirectional marks, line separators, what takes no room), bytes that are
@@ -24,8 +26,7 @@ std::string one_line(std::string_view text, std::size_t columns = kLongestCell);
 // one_line() for a table's column of width `columns`: cut to one less and padded with blanks.
 std::string cell(std::string_view text, std::size_t columns);
 
-// Columns that `text`, free of control characters, takes on a terminal: none for combining marks, two for wide letters.
-std::size_t display_width(std::string_view text);
+using analysis::display_width;
 
 // "h:mm:ss".
 std::string clock_text(double seconds);

@@ -17,6 +17,8 @@ ScreenSize screen_size(int descriptor) {
   return {size.ws_col, size.ws_row};
 }
 
+std::size_t line_columns() { return ::isatty(STDOUT_FILENO) != 0 ? screen_size(STDOUT_FILENO).columns : 100; }
+
 std::string painted(const std::vector<PaintedLine>& block, std::size_t columns, std::size_t above) {
   std::string out = above > 0 ? fmt::format("\x1b[{}F", above) : std::string();
   for (const PaintedLine& line : block) {

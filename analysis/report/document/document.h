@@ -106,6 +106,7 @@ struct List {
 struct Column {
   std::string title = {};
   bool right = false;  // numbers
+  bool cut = false;    // the first to be cut where a terminal is narrow
 };
 struct Row {
   std::vector<Phrase> cells =
@@ -114,7 +115,7 @@ struct Row {
   bool total = false;
 };
 struct Table {
-  std::string id, caption = {};
+  std::string id = {}, caption = {};
   std::vector<Column> columns = {};  // of pairs: none
   std::vector<Row> rows = {};
   bool dense = false, keep = false;  // small rows; not cut between two pages

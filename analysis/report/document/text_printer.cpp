@@ -1,23 +1,19 @@
 #include <algorithm>
+#include <numeric>
 
 #include "analysis/report/document/printers.h"
+#include "analysis/text_width.h"
 
 namespace tactbench::analysis::doc {
 
 namespace {
-
-// Letters, not bytes: continuation bytes of UTF-8 do not count.
-std::size_t letters_of(const std::string& text) {
-  return static_cast<std::size_t>(
-      std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0u) != 0x80u; }));
-}
 
 std::vector<std::string> wrapped(const std::string& text, std::size_t width) {
   std::vector<std::string> lines = {""};
   std::string word;
   const auto end_word = [&] {
     if (word.empty()) return;
-    const bool fits = letters_of(lines.back()) + letters_of(word) + 1 <= width;
+    const bool fits = display_width(lines.back()) + display_width(word) + 1 <= width;
     if (!lines.back().empty() && !fits) lines.emplace_back();
     lines.back() += (lines.back().empty() ? "" : " ") + word;
     word.clear();
@@ -35,7 +31,7 @@ std::vector<std::string> wrapped(const std::string& text, std::size_t width) {
 }
 
 std::string padded(const std::string& text, std::size_t width, bool right) {
-  const std::string blanks(width > letters_of(text) ? width - letters_of(text) : 0, ' ');
+  const std::string blanks(width > display_width(text) ? width - display_width(text) : 0, ' ');
   return right ? blanks + text : text + blanks;
 }
 
@@ -75,10 +71,28 @@ class TextPrinter {
     for (const std::string& line : wrapped(text, width_)) out += line + "\n";
     return out;
   }
-  // Columns as wide as their longest cell; what does not fit is taken from the widest one, whose cells are wrapped.
+  [[nodiscard]] std::vector<std::string> cell_lines(const std::string& text, std::size_t width, bool whole) const {
+    std::vector<std::string> lines = wrapped(text, whole ? width : text.size());
+    for (std::string& line : lines) line = cut_to(line, width);
+    return lines;
+  }
+  // The column that gives up a letter where a table is too wide: one that is meant to, else the widest without numbers;
+  // none: widths.size().
+  static std::size_t to_cut(const Table& table, const std::vector<std::size_t>& widths) {
+    constexpr std::size_t kLeast = 8, kLeastToRead = 14;
+    std::size_t widest = widths.size();
+    for (std::size_t i = 0; i < widths.size(); ++i) {
+      const Column column = i < table.columns.size() ? table.columns[i] : Column();
+      if (column.cut && widths[i] > kLeastToRead) return i;
+      if (!column.right && widths[i] > kLeast && (widest == widths.size() || widths[i] > widths[widest])) widest = i;
+    }
+    return widest;
+  }
+  // Columns as wide as their longest cell, else cut, and the last ones left out; values behind names are wrapped.
   [[nodiscard]] std::string grid(const Table& table) const {
+    const bool names = table.columns.empty();
     std::vector<std::vector<std::string>> rows;
-    if (!table.columns.empty()) {
+    if (!names) {
       std::vector<std::string>& head = rows.emplace_back();
       for (const Column& column : table.columns) head.push_back(column.title);
     }
@@ -89,29 +103,34 @@ class TextPrinter {
     std::vector<std::size_t> widths;
     for (const auto& row : rows) {
       widths.resize(std::max(widths.size(), row.size()), 1);
-      for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], letters_of(row[i]));
+      for (std::size_t i = 0; i < row.size(); ++i)
+        for (const std::string& line : wrapped(row[i], row[i].size()))
+          widths[i] = std::max(widths[i], display_width(line));
     }
-    std::size_t sum = 2 * widths.size();
-    for (const std::size_t one : widths) sum += one;
-    while (sum > width_) {
-      std::size_t& widest = *std::ranges::max_element(widths);
-      if (widest <= 8) break;
-      --widest;
-      --sum;
+    while (!widths.empty() && std::accumulate(widths.begin(), widths.end(), 2 * (widths.size() - 1)) > width_) {
+      const std::size_t cut = to_cut(table, widths);
+      if (cut < widths.size())
+        --widths[cut];
+      else
+        widths.pop_back();
     }
     std::string out;
     for (const auto& row : rows) {
       std::vector<std::vector<std::string>> cells;
       std::size_t height = 1;
-      for (std::size_t i = 0; i < row.size(); ++i) {
-        cells.push_back(wrapped(row[i], widths[i]));
+      for (std::size_t i = 0; i < std::min(row.size(), widths.size()); ++i) {
+        cells.push_back(wrapped(row[i], names && i > 0 ? widths[i] : row[i].size()));
         height = std::max(height, cells.back().size());
       }
+      const bool head = !names && &row == &rows.front();
       for (std::size_t line = 0; line < height; ++line) {
         std::string text;
         for (std::size_t i = 0; i < cells.size(); ++i) {
-          const bool right = i < table.columns.size() && table.columns[i].right;
-          text += padded(line < cells[i].size() ? cells[i][line] : "", widths[i], right) + "  ";
+          const std::size_t above = head ? height - cells[i].size() : 0;  // a heading stands at the bottom
+          const bool in = line >= above && line - above < cells[i].size();
+          text += padded(in ? cut_to(cells[i][line - above], widths[i]) : "", widths[i],
+                         i < table.columns.size() && table.columns[i].right) +
+                  "  ";
         }
         text.erase(text.find_last_not_of(' ') + 1);
         out += text + "\n";
@@ -127,7 +146,9 @@ class TextPrinter {
 }  // namespace
 
 std::string to_text(const Document& document, PressureUnit unit, std::size_t width) {
-  return TextPrinter(unit, width).document(document);
+  std::string text = TextPrinter(unit, width).document(document);
+  for (std::size_t at = 0; (at = text.find("\u00A0", at)) != std::string::npos;) text.replace(at, 2, " ");
+  return text;
 }
 
 }  // namespace tactbench::analysis::doc

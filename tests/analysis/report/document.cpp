@@ -10,6 +10,7 @@
 #include "analysis/report/page/chart.h"
 #include "analysis/report/page/chart_labels.h"
 #include "analysis/report/page/taxel_map.h"
+#include "analysis/text_width.h"
 
 using namespace tactbench::analysis;
 
@@ -44,25 +45,51 @@ TEST_CASE("numbers for people: two digits of U, its decimal place for the value,
   }
 }
 
-TEST_CASE("a document in plain text keeps to its width, and says all that the page says") {
+TEST_CASE("a document in plain text keeps to its width, and cuts what does not fit") {
   doc::Document document;
   document.add(doc::Heading{2, "A heading", "h"});
   document.add(doc::Paragraph{
       {"Words that go on for longer than one line of a narrow terminal has room, ", doc::strong("all of them"), "."}});
   doc::Table table{.id = "t", .caption = "A table", .columns = {{"what"}, {"value", true}, {"a long story"}}};
-  table.rows.push_back({{"first", doc::both_units(10.0), "a cell whose text has to be wrapped, since it is so long"}});
+  table.rows.push_back({{"first", doc::both_units(10.0), "a cell whose text has to be cut, since it is so long"}});
   table.rows.push_back({{"second", Verdict::kFail}});
   document.add(table);
   document.add(doc::Beside{{document, document}, {1, 1}});
-  for (const std::size_t width : {40U, 80U, 100U}) {
+  for (const std::size_t width : {40U, 80U, 200U}) {
     const std::string text = doc::to_text(document, {}, width);
     std::istringstream lines(text);
-    for (std::string line; std::getline(lines, line);) CHECK(letters_in(line) <= width);
-    for (const char* part : {"heading", "story", "68.9", "✗ fail", "wrapped"})
-      CHECK(text.find(part) != std::string::npos);
+    for (std::string line; std::getline(lines, line);) CHECK(display_width(line) <= width);
+    for (const char* part : {"heading", "68.9 kPa", "✗ fail"}) CHECK(text.find(part) != std::string::npos);
+    CHECK((text.find("\u2026") != std::string::npos) == (width < 200));  // cut
   }
   const std::string html = doc::to_html(document, {}).value;
   CHECK(html.find("<td colspan=\"2\">") != std::string::npos);  // a short row's last cell spans the rest
+}
+
+TEST_CASE("a table in plain text is a line a row: a column that may be is cut first, and the last is left out") {
+  doc::Table table{.columns = {{.title = "who", .cut = true}, {"value", true}, {"verdict"}}};
+  table.rows.push_back({{std::string(60, 'a'), "1234.5", Verdict::kConditionalPass}});
+  table.rows.push_back({{"测试", "6.7", Verdict::kFail}});
+  const auto lines = [](const doc::Table& shown, std::size_t width) {
+    doc::Document document;
+    document.add(shown);
+    std::istringstream text(doc::to_text(document, {}, width));
+    std::vector<std::string> all;
+    for (std::string line; std::getline(text, line);) all.push_back(line);
+    for (const std::string& line : all) CHECK(display_width(line) <= width);
+    return all;
+  };
+  for (const std::size_t width : {44U, 60U, 200U}) {
+    const std::vector<std::string> all = lines(table, width);
+    REQUIRE(all.size() == 3);
+    CHECK(all[1].find("1234.5  ▲ conditional pass") != std::string::npos);
+    CHECK(display_width(all[1].substr(0, all[1].find("1234.5"))) ==
+          display_width(all[2].substr(0, all[2].find("   6.7"))));
+  }
+  CHECK(lines(table, 16)[1].find("1234.5") != std::string::npos);
+  CHECK(lines(table, 16)[1].find("pass") == std::string::npos);
+  doc::Table pairs = doc::pairs({}, {{"name", std::string(30, 'a') + " " + std::string(30, 'b')}});
+  CHECK(lines(pairs, 40).size() == 2);
 }
 
 TEST_CASE("charts and maps without data, with one point, with gaps and beyond their axes can be drawn") {
