@@ -78,7 +78,5 @@ std::string signed_title_mark(const std::string& number);
 inline constexpr std::array kAnnexes = {"maps", "taxels", "models", "parameters", "events", "hashes"};
 
 Report render_report(const ReportInput& input);
-// The verdict of page 1 and the runs judged, for a terminal of so many columns.
-std::string summary_text(const ReportInput& input, PressureUnit unit, std::size_t width);
 
 }  // namespace tactbench::analysis

@@ -1,19 +1,27 @@
-// A judgement as people and programs read it.
+// A judgement as people and programs read it: the verdict with the figure that decides first, then what does not pass.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "analysis/judgement/judgement.h"
+#include "analysis/report/document/document.h"
+#include "bench/reporting/named_evaluation.h"
 
 namespace tactbench::bench {
 
-// The statement and what decided it: "simulated fail, decided by run 4; judged on runs 2, 3, 4". More lines for
-// conditions and remarks.
-std::string judgement_text(const analysis::Judgement& judgement, const std::string& origin,
-                           analysis::PressureUnit unit);
-// A line for each judged run: the trajectory that its errors hold for; and one with what was not assessed.
-std::string conditions_text(const analysis::Judgement& judgement);
+// "PASS", "FAIL" or "INCONCLUSIVE", as the exit code says; empty where no conformity is stated.
+std::string large_verdict(const analysis::Judgement& judgement);
+// The verdict, what decides it, and how many checks pass; one paragraph without a line end.
+std::string headline(const analysis::Judgement& judgement, const std::string& origin, analysis::PressureUnit unit);
+// The headline, a table of what does not pass with the closest pass, and what the verdict holds for. `all`: every
+// check, the decision rules, and each run's trajectory.
+analysis::doc::Document judgement_document(const analysis::Judgement& judgement, const std::string& origin,
+                                           analysis::PressureUnit unit, bool all);
+// A row an evaluation: errors, and the mean taxel's hysteresis before and after; the first is the models' own run.
+analysis::doc::Table figures_table(const std::vector<NamedEvaluation>& evaluations,
+                                   const analysis::Judgement& judgement, analysis::PressureUnit unit);
 // As analysis::judgement_json(), with the verdict's words.
 nlohmann::ordered_json judgement_json(const analysis::Judgement& judgement, const std::string& origin);
 

@@ -1,17 +1,15 @@
 #include "bench/cli/session.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "analysis/documents/evaluation_json.h"
 #include "analysis/json_io.h"
-#include "analysis/statistics/figures/evaluation.h"
-#include "analysis/statistics/uncertainty/instrument_calibration.h"
+#include "analysis/report/document/printers.h"
+#include "bench/common/screen.h"
 #include "bench/reporting/named_evaluation.h"
 #include "db/utf8.h"
 
@@ -26,6 +24,15 @@ void print_json(const std::string& verb, const ordered_json& body) {
   document["version"] = 1;
   document.update(body);
   tty::print("{}\n", analysis::printable_json(document, 2));
+}
+
+void print_document(const analysis::doc::Document& document, analysis::PressureUnit unit) {
+  tty::print("{}", to_text(document, unit, line_columns()));
+}
+void print_table(analysis::doc::Table table, analysis::PressureUnit unit) {
+  analysis::doc::Document document;
+  document.add(std::move(table));
+  print_document(document, unit);
 }
 
 ExitCode exit_code_of(std::optional<Verdict> verdict) {
@@ -51,40 +58,12 @@ std::string shown_verdict(Verdict verdict, const std::string& origin) {
   return shown_verdict(std::string(to_string(verdict)), origin);
 }
 
-std::size_t verdict_columns() {
-  std::size_t longest = 0;
-  for (const Verdict verdict : analysis::kVerdicts)
-    longest = std::max(longest, shown_verdict(verdict, "simulated").size());
-  return longest + 2;
-}
-
 analysis::PressureUnit Session::unit() const {
   return analysis::PressureUnit::from(units).value_or(analysis::PressureUnit::kPsi);
 }
 
 analysis::PressureUnit Session::page_unit() const {
   return analysis::PressureUnit::from(units).value_or(analysis::PressureUnit::kKilopascal);
-}
-
-std::string verdict_table(const std::vector<analysis::JudgedFigure>& figures, const std::string& origin,
-                          analysis::PressureUnit shown) {
-  std::vector<std::string> scopes, rules;
-  std::size_t widest = 12;
-  for (const analysis::JudgedFigure& row : figures) {
-    scopes.push_back(in_words(row.scope, shown));
-    widest = std::max(widest, scopes.back().size());
-    const std::string rule = to_string(row.rule);
-    if (std::ranges::find(rules, rule) == rules.end()) rules.push_back(rule);
-  }
-  std::string text = fmt::format("{:>5}  {:<27}{}{:>14} {:>16}  {}\n", "run", "requirement", cell("scope", widest + 2),
-                                 "value", "tolerance limit", "verdict");
-  for (std::size_t i = 0; i < figures.size(); ++i) {
-    const analysis::JudgedFigure& row = figures[i];
-    text += fmt::format("{:>5}  {}{}{:>14} {:>16}  {}\n", row.run, cell(in_words(row.criterion), 27),
-                        cell(scopes[i], widest + 2), figure_text(row.criterion, row.value, shown),
-                        figure_text(row.criterion, row.limit, shown), shown_verdict(row.verdict, origin));
-  }
-  return text + fmt::format("decision rule (ILAC-G8): {}\n", fmt::join(rules, ", "));
 }
 
 ordered_json verdicts_json(const std::vector<analysis::JudgedFigure>& figures, const std::string& origin) {
@@ -96,23 +75,6 @@ ordered_json verdicts_json(const std::vector<analysis::JudgedFigure>& figures, c
     list.push_back(std::move(json));
   }
   return list;
-}
-
-std::string figures_table(const std::vector<NamedEvaluation>& evaluations, analysis::PressureUnit shown) {
-  std::string text =
-      fmt::format("{:<28}{:>11} |{:<54}|{:>13}\n{:<28}{:>11} |{:>10}{:>16}{:>14}{:>14}|{:>13}\n", "hysteresis, % FS",
-                  "indication", " corrected indication", "mean", "mean over the levels", "array", "array",
-                  "each taxel (*)", "worst taxel", "worst taxel*", fmt::format("|error|, {}", shown.symbol()));
-  for (const NamedEvaluation& named : evaluations) {
-    const analysis::Evaluation& e = named.evaluation;
-    text += fmt::format("{:<28}{:>11.2f} |{:>10.2f}{:>16}{:>14.2f}{:>14.2f}|{:>13}\n", named.title,
-                        100.0 * e.raw_distance, 100.0 * e.comp_distance_of_mean,
-                        fmt::format("{:.2f} ({:.2f})", 100.0 * e.comp_distance, 100.0 * e.comp_distance_observable),
-                        100.0 * e.worst_taxel_distance, 100.0 * e.worst_taxel_distance_observable,
-                        shown.fixed(e.mean_error_psi, 3));
-  }
-  return text +
-         "array: the outputs (pressures) of all taxels are averaged first; *: without levels flagged unobservable\n";
 }
 
 ordered_json evaluation_json(const NamedEvaluation& named) {
@@ -159,6 +121,10 @@ void add_global_options(CLI::App& app, Session& session) {
   app.add_flag("--json", session.json, "one JSON document on standard output, also for errors");
   app.add_flag("-q,--quiet", session.quiet, "the result alone");
   session.typed = [&app](const char* option) { return app.count(option) > 0; };
+}
+
+void add_all(CLI::App& verb, Session& session) {
+  verb.add_flag("--all", session.all, "every check and detail, not only what decides");
 }
 
 void add_replace(CLI::App& verb, Session& session) {

@@ -13,6 +13,7 @@
 
 #include "analysis/judgement/figure.h"
 #include "analysis/pressure_unit.h"
+#include "analysis/report/document/document.h"
 #include "bench/cli/profile_options.h"
 #include "bench/common/error.h"
 #include "bench/common/for_people.h"
@@ -30,7 +31,8 @@ inline constexpr const char* kShippedBench = "simulated.toml";  // where a simul
 
 struct Session {
   bool json = false;
-  bool quiet = false;
+  bool quiet = false;            // the result alone
+  bool all = false;              // --all: also what passes, and what lies behind the figures
   bool replace = false;          // --replace: bench/common/output_file.h
   bool void_too = false;         // include void runs, where the verb offers it
   std::string db = kUsualStore;  // --db, else of TACTBENCH_DB or tactbench.toml
@@ -57,19 +59,17 @@ struct Session {
 // One document on standard output, with schema "tactbench.<verb>" and version 1 in front.
 void print_json(const std::string& verb, const nlohmann::ordered_json& body);
 
+// To standard output, as wide as its terminal. Texts of people in it have gone through one_line().
+void print_document(const analysis::doc::Document& document, analysis::PressureUnit unit);
+void print_table(analysis::doc::Table table, analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
+
 // A verb's exit code by its verdict: 0 also without one, and where conformity is not stated.
 ExitCode exit_code_of(std::optional<analysis::Verdict> verdict);
 // The verdict in words: "simulated pass" on a simulated run.
 std::string shown_verdict(const std::string& word, const std::string& origin);
 std::string shown_verdict(analysis::Verdict verdict, const std::string& origin);
-// Width of a cell() for the longest of these words.
-std::size_t verdict_columns();
-std::string verdict_table(const std::vector<analysis::JudgedFigure>& figures, const std::string& origin,
-                          analysis::PressureUnit shown);
 nlohmann::ordered_json verdicts_json(const std::vector<analysis::JudgedFigure>& figures, const std::string& origin);
 
-// Table of the figures of evaluations: indication, corrected indication, with and without unobservable levels.
-std::string figures_table(const std::vector<NamedEvaluation>& evaluations, analysis::PressureUnit shown);
 nlohmann::ordered_json evaluation_json(const NamedEvaluation& named);
 
 // One file a verb.
@@ -118,6 +118,8 @@ void check_operator(const std::string& name);
 void add_global_options(CLI::App& app, Session& session);
 // Group of options that --help leaves out and --help-all shows.
 inline constexpr const char* kRareOptions = "Rarely needed";
+// --all on a verb that prints verdicts or a plan.
+void add_all(CLI::App& verb, Session& session);
 // --replace on a verb that writes files (bench/common/output_file.h).
 void add_replace(CLI::App& verb, Session& session);
 // --void-too on a verb that uses runs as evidence (bench/reporting/named_runs.h).

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "analysis/counted.h"
 #include "analysis/identify/dynamic/dynamic_alone.h"
 #include "analysis/identify/elam/dispatch.h"
 #include "analysis/identify/stored/model_document.h"
@@ -13,7 +12,6 @@
 #include "analysis/statistics/figures/evaluation.h"
 #include "analysis/statistics/figures/figures.h"
 #include "bench/common/build_info.h"
-#include "bench/common/for_people.h"
 #include "bench/common/long_work.h"
 #include "bench/common/output_file.h"
 #include "bench/common/utc.h"
@@ -60,18 +58,6 @@ std::vector<NamedEvaluation> evaluate_runs(analysis::Runs& runs, const analysis:
     evaluations.push_back({title, analysis::evaluate(runs.dataset(held_out[i]), fit)});
   }
   return evaluations;
-}
-
-void warn_of_conditional(const std::vector<analysis::JudgedFigure>& figures) {
-  const auto count = [&](analysis::Verdict verdict) {
-    return std::ranges::count(figures, verdict, &analysis::JudgedFigure::verdict);
-  };
-  if (const auto passes = count(analysis::Verdict::kConditionalPass); passes > 0)
-    tty::print(stderr, "warning: {} of {} {} conditionally: within U below the limit\n", passes,
-               analysis::counted(figures.size(), "criterion", "criteria"), passes == 1 ? "passes" : "pass");
-  if (const auto fails = count(analysis::Verdict::kConditionalFail); fails > 0)
-    tty::print(stderr, "warning: {} of {} {} conditionally: within U above the limit\n", fails,
-               analysis::counted(figures.size(), "criterion", "criteria"), fails == 1 ? "fails" : "fail");
 }
 
 std::string follow_sensor(db::RunStore& store, const db::RunRecord& run, const analysis::SensorModel& fit,

@@ -29,9 +29,6 @@ std::vector<NamedEvaluation> evaluate_runs(analysis::Runs& runs, const analysis:
                                            const std::vector<std::int64_t>& held_out,
                                            const std::vector<std::string>& titles = {});
 
-// Prints to standard error how many criteria pass or fail only conditionally.
-void warn_of_conditional(const std::vector<analysis::JudgedFigure>& figures);
-
 // Stores the figures of the fit on its own run `run` under "sensor/SERIAL/RECIPES", of the dynamic model under
 // ".../dynamic", for trend and baselines; returns that subject; empty for an imported run, which has no sensor.
 std::string follow_sensor(db::RunStore& store, const db::RunRecord& run, const analysis::SensorModel& fit,

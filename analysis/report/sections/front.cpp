@@ -260,18 +260,6 @@ Document front_page(const PageData& data) {
   return out;
 }
 
-std::string summary_text(const ReportInput& input, PressureUnit unit, std::size_t width) {
-  Document out;
-  if (is_simulated(input)) out.add(doc::Paragraph{{"SIMULATED: not a measurement of a real sensor"}});
-  out.add(verdict_words(input, unit));
-  out.add(runs_words(input, unit));
-  std::string rules;
-  for (const DecisionRule rule : rules_of(input.judgement))
-    rules += (rules.empty() ? "" : ", ") + std::string(to_string(rule));
-  if (!rules.empty()) out.add(doc::Paragraph{{"decision rule (ILAC-G8): ", rules}});
-  return to_text(out, unit, width);
-}
-
 std::string span_text(const MeasuringInterval& span, PressureUnit unit) {
   if (!span.any) return "nowhere";
   const auto whole = [&](double psi) {

@@ -64,6 +64,7 @@ void add_calibrate(CLI::App& app, Session& session) {
                    "shell command for the events done, failed, waiting of both runs (see run --help)");
   verb->add_flag("--yes", options->assume_yes, "answer operator prompts with yes");
   verb->add_flag("--no-seating", options->no_seating, "skip the seating check");
+  add_all(*verb, session);
   for (const char* const name : {"--run", "--held-out", "--held-out-recipe", "--meta", "--on-event", "--no-seating"})
     verb->get_option(name)->group(kRareOptions);
   verb->callback([options, &session] {

@@ -1,4 +1,4 @@
-// The result of `calibrate` as people and programs read it: a large verdict, its reason in one line, the bad taxels.
+// The result of `calibrate` as people and programs read it: the verdict with its reason, the bad taxels.
 #pragma once
 
 #include <cstdint>
@@ -11,6 +11,8 @@
 #include "bench/reporting/judgement.h"
 
 namespace tactbench::bench {
+
+struct Session;
 
 struct CalibrationResult {
   std::string sensor, origin, limits;  // limits: name in their file
@@ -31,17 +33,9 @@ struct BadTaxel {
 std::vector<BadTaxel> bad_taxels(const JudgedFit& fit, const analysis::Judgement& judgement,
                                  analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 
-// Which requirements decided, with values and limits, without a line end: "all 8 requirements of 'x' pass on held-out
-// run 2".
-std::string reason_text(const analysis::Judgement& judgement, const std::string& limits, std::int64_t held_out,
-                        analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
-
-// "PASS", "FAIL" or "INCONCLUSIVE", as the exit code says; empty where the limits state no conformity (report-only).
-std::string large_verdict(const analysis::Judgement& judgement);
-
-// One line on the fit, without its end, and the page that ends `calibrate`.
+// One line on the fit, without its end, and what ends `calibrate`, below the large word.
 std::string fit_line(const CalibrationResult& result);
-std::string verdict_page(const CalibrationResult& result);
+analysis::doc::Document verdict_document(const CalibrationResult& result, const Session& session);
 nlohmann::ordered_json calibration_json(const CalibrationResult& result);
 
 }  // namespace tactbench::bench

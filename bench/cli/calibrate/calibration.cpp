@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "bench/cli/calibrate/calibrate_words.h"
+#include "bench/cli/calibrate/large_word.h"
 #include "bench/cli/judgement_words.h"
 #include "bench/cli/reports/written_report.h"
 #include "bench/cli/rig/run.h"
@@ -55,16 +56,19 @@ class Calibration {
     with_way_on([this] { print_stage(3, "held out", held_out()); });
     with_way_on([this] { print_stage(4, "fit", fitted()); });
     with_way_on([this] { print_stage(5, "report", reported()); });
-    if (session_.json)
-      print_json("calibrate", calibration_json(result_));
-    else
-      tty::print("{}", verdict_page(result_));
+    if (session_.json) return print_json("calibrate", calibration_json(result_));
+    if (const std::string word = large_verdict(result_.judgement); !word.empty() && !session_.quiet)
+      tty::print("\n{}\n", large_word(word, "  "));
+    print_document(verdict_document(result_, session_), result_.unit);
+    if (session_.quiet) tty::print("report {}: {}\n", result_.report_number, result_.report_path);
   }
 
  private:
   void print_stage(int stage, const char* name, const std::string& text) const {
-    if (session_.json) return;
-    tty::print("{}/5 {:<9} {}\n", stage, name, text);
+    if (session_.json || session_.quiet) return;
+    analysis::doc::Table line;
+    line.rows.push_back({{fmt::format("{}/5", stage), fmt::format("{:\u00A0<8}", name), text}});
+    print_table(std::move(line));
     std::fflush(stdout);  // a log shows the stages as they come
   }
 
@@ -97,8 +101,6 @@ class Calibration {
                   fmt::format("sensor '{}' is new, and there is no file '{}' that describes its type", options_.serial,
                               options_.type),
                   "--type " + options_.type, "name its sensor type file: --type FILE; or correct the serial number");
-    if (bench_.origin == devices::Origin::kSimulated && !session_.json)
-      tty::print("SIMULATED DATA: bench '{}' measures no real sensor\n", one_line(bench_.id));
     print_total(recipes, judging, overrides.recipe);
   }
 
@@ -131,7 +133,7 @@ class Calibration {
 
   void print_total(const std::vector<Recipe>& recipes, const std::vector<Recipe>& judging,
                    const std::vector<sequences::Override>& overrides) const {
-    if (session_.json || options_.held_out != 0) return;
+    if (session_.json || session_.quiet || options_.held_out != 0) return;
     TimeBand total = time_of(judging, {});
     std::string what = fmt::format("{}", fmt::join(form_.held_out_recipes, ", "));
     if (options_.run == 0) {

@@ -83,7 +83,7 @@ void show_fleet(const ReadOptions& options, Session& session) {
   from.take({run});
   show_run(run.run, session);
   if (!session.json)
-    tty::print("  {:<14}{}: pushed by {} on {}, from {}\n", "fleet", session.fleet, run.pushed_by, run.pushed_utc,
+    tty::print("fleet {}: pushed by {} on {}, from {}\n", "fleet", session.fleet, run.pushed_by, run.pushed_utc,
                run.source);
 }
 

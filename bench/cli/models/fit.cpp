@@ -69,9 +69,9 @@ void choose_model(const FitOptions& options, FitModelsOptions& models) {
   else if (models.rate_run != 0 || models.creep_run != 0)
     models.models = {analysis::kDynamicModel};
   else if (options.for_others)
-    models.elam_since = "options of other models are given";
+    models.elam_since = "the options are of other models than dynamic";
   else if (!models.fit.empty() || models.mean_taxel)
-    models.elam_since = "that is of all sequences and of the whole array";
+    models.elam_since = "dynamic is of all sequences and of the whole array";
 }
 
 void fit(FitOptions options, Session& session) {
@@ -143,6 +143,7 @@ void add_fit(CLI::App& app, Session& session) {
   verb->add_option("--plot", options->models.plot, "draw the measured loop and the models over it: an SVG file");
   add_replace(*verb, session);
   add_void_too(*verb, session);
+  add_all(*verb, session);
   add_table_options(*verb, options->models.table);
   verb->add_option("--mount", options->models.mount, "how the sensor is mounted: kept with the model")
       ->group(kRareOptions);
@@ -171,7 +172,11 @@ void add_compare(CLI::App& app, Session& session) {
   verb->add_option("--models", options->model_list,
                    "some of elam, gpi, mpi, poly, preisach, monotone with commas between, or all")
       ->capture_default_str();
+  verb->add_option("--html", options->models.html, "write the comparison as a page");
+  verb->add_option("--plot", options->models.plot, "draw the measured loop and the models over it: an SVG file");
+  add_replace(*verb, session);
   add_void_too(*verb, session);
+  add_all(*verb, session);
   add_table_options(*verb, options->models.table);
   add_identification(*verb, *options);
   for (const char* const name : {"--fit", "--score"}) verb->get_option(name)->group("Options");

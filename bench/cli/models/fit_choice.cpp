@@ -12,8 +12,8 @@ namespace tactbench::bench {
 
 std::string why_elam(const FitModelsOptions& options, const analysis::Histories& fitted) {
   if (!options.elam_since.empty() || fitted.origin != "imported") return options.elam_since;
-  return fmt::format("that is of runs of a bench, and {} is {}", fitted.source,
-                     names_run(options.source) ? "imported" : "a table");
+  return fmt::format("{} is {}", fitted.source,
+                     names_run(options.source) ? "imported" : "a table; --model dynamic takes one with time_s");
 }
 
 bool without_inner_branches(const analysis::SensorModel& dynamic) {

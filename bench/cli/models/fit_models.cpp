@@ -11,6 +11,9 @@
 #include "analysis/counted.h"
 #include "analysis/identify/dynamic/dynamic_alone.h"
 #include "analysis/identify/stored/model_document.h"
+#include "analysis/json_io.h"
+#include "analysis/report/document/printers.h"
+#include "analysis/report/page/page.h"
 #include "analysis/report/overview/fitted_loop.h"
 #include "bench/cli/judgement_words.h"
 #include "bench/cli/models/fit_choice.h"
@@ -27,6 +30,8 @@
 
 namespace tactbench::bench {
 
+namespace doc = analysis::doc;
+
 namespace {
 
 std::vector<std::string> not_fitted(const analysis::Histories& histories, const std::vector<std::string>& fitted) {
@@ -41,7 +46,7 @@ std::string table_words(const analysis::Histories& histories, const std::vector<
   const analysis::TaxelHistories& taxel = histories.taxels.back();
   std::size_t branches = 0;
   for (const analysis::History& history : analysis::named(taxel.fit, fitted)) branches += history.branches.size();
-  return fmt::format("{}: the input turned where it went back by more than {:.4g}; noise of the output {:.3g}\n",
+  return fmt::format("{}: the input turned where it went back by more than {:.4g}; noise of the output {:.3g}",
                      analysis::counted(branches, "branch", "branches"), taxel.turn, taxel.noise);
 }
 
@@ -75,6 +80,7 @@ class Fit {
                   "name one with --model");
     // Before an hour of anything.
     if (!options.output.empty()) check_output(options.output, kModelFile, session.replace);
+    if (!options.html.empty()) check_output(options.html, kPageFile, session.replace);
     if (!options.plot.empty()) check_output(options.plot, kSvgFile, session.replace);
     if (!options.limits.empty()) (void)read_limits(find_config(options.limits));
     if (!options.lab.empty()) laboratory_ = read_laboratory(find_config(options.lab));
@@ -91,6 +97,7 @@ class Fit {
     // Of an array some taxels may be unfit; verdicts judge how many.
     const auto of_table = [](const ModelRow& row) { return row.document.run == 0 && any_unfit(row.document); };
     if (options_.limits.empty() && std::ranges::any_of(rows_, of_table)) session_.code = ExitCode::kInconclusive;
+    if (!options_.html.empty()) write_page();
     session_.json ? print_as_json() : print();
   }
 
@@ -170,8 +177,7 @@ class Fit {
 
   void keep_to_elam(const std::string& why) {
     options_.models = {analysis::kElamFit};
-    if (!session_.quiet && !session_.json)
-      tty::print(stderr, "ELAM is made, not the dynamic model: {}\n", one_line(why));
+    if (!session_.quiet && !session_.json) tty::print(stderr, "model: ELAM ({})\n", one_line(why));
   }
 
   void fit_dynamic() {
@@ -236,7 +242,6 @@ class Fit {
                                          session_.void_too, laboratory_.instruments)
                              .judgement;
       session_.code = exit_code_of(fitted.judgement.overall);
-      warn_of_conditional(fitted.judgement.figures);
     }
   }
 
@@ -269,27 +274,53 @@ class Fit {
   }
 
   void print() {
-    if (in_table_) {
-      tty::print("{} ({}): fitted on {}{}{}\n", histories_.source, histories_.origin,
-                 fmt::join(rows_.front().document.sequences, ", "),
-                 histories_.taxels.back().taxel == analysis::kMeanTaxel ? "; figures of the mean taxel" : "",
-                 histories_.falling ? "; the output falls with the input and is negated" : "");
-      if (histories_.origin == "imported") tty::print("{}", table_words(histories_, options_.fit));
-      tty::print("\n{}{}", fits_table(rows_),
-                 scores_table(rows_, targets_, histories_.input_unit.empty() ? "input units" : histories_.input_unit,
-                              session_.unit()));
-      if (const std::string dynamics = dynamics_text(rows_.front().document, session_.unit());
-          !on_bench_ && !dynamics.empty())
-        tty::print("\n{}\n", dynamics);
-      if (targets_.empty()) tty::print("\nnothing was held out: --fit SEQ,... or --score names what to score on\n");
-    }
     if (on_bench_) tell_outliers();
+    doc::Document out = document();
     if (!store_ && options_.output.empty())
-      tty::print("\nno model was kept: -o FILE.json keeps it; tactbench import {} keeps data and models in the store\n",
-                 one_line(options_.source));
-    if (!options_.plot.empty()) tty::print("{}\n", one_line(options_.plot));
-    for (const FittedRun& fitted : fitted_)
-      tty::print("{}{}", in_table_ ? "\n" : undetermined_text(*fitted.model), fitted_text(fitted, session_.unit()));
+      out.add(doc::Paragraph{{"no model was kept: -o FILE.json keeps it; tactbench runs import ",
+                              one_line(options_.source), " keeps data and models in the store"}});
+    for (const std::string& file : {options_.plot, options_.html})
+      if (!file.empty()) out.add(doc::Paragraph{{one_line(file)}});
+    print_document(out, session_.unit());
+  }
+
+  doc::Document document() {
+    doc::Document out;
+    if (in_table_) add_tables(out);
+    for (const FittedRun& fitted : fitted_) {
+      if (const std::string open = undetermined_text(*fitted.model); !in_table_ && !open.empty())
+        out.add(doc::Paragraph{{open.substr(0, open.size() - 1)}});
+      out.add(fitted_document(fitted, session_.unit(), session_.all));
+    }
+    return out;
+  }
+
+  void write_page() {
+    const nlohmann::ordered_json whose = {{"schema", "tactbench.compare"}, {"source", histories_.source}};
+    const std::string json = analysis::printable_json(whose, 0);
+    analysis::Page page{.document = "Comparison of models", .number = std::to_string(histories_.run)};
+    page.title = one_line(histories_.source);
+    page.state = "not a calibration report";
+    page.simulated = histories_.origin == "simulated";
+    page.body = to_html(document(), session_.page_unit());
+    page.json = json;
+    write_output(options_.html, page_of(page), session_.replace);
+  }
+
+  // Of several models, or of what is no run of the bench.
+  void add_tables(doc::Document& out) {
+    const auto add = [&](const std::string& text) { out.add(doc::Paragraph{{text}}); };
+    add(fmt::format("{} ({}): fitted on {}{}{}", one_line(histories_.source), histories_.origin,
+                    fmt::join(rows_.front().document.sequences, ", "),
+                    histories_.taxels.back().taxel == analysis::kMeanTaxel ? "; figures of the mean taxel" : "",
+                    histories_.falling ? "; the output falls with the input and is negated" : ""));
+    if (histories_.origin == "imported") add(table_words(histories_, options_.fit));
+    out.add(fits_document(rows_, session_.all));
+    out.add(scores_document(rows_, targets_, histories_.input_unit.empty() ? "input units" : histories_.input_unit,
+                            session_.unit(), session_.all));
+    if (const std::string dynamics = dynamics_text(rows_.front().document); !on_bench_ && !dynamics.empty())
+      add(dynamics);
+    if (targets_.empty()) add("nothing was held out: --fit SEQ,... or --score names what to score on");
   }
 
   void tell_outliers() {

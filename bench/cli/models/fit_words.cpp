@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,6 +19,8 @@
 #include "bench/cli/session.h"
 
 namespace tactbench::bench {
+
+namespace doc = analysis::doc;
 
 namespace {
 
@@ -68,9 +71,9 @@ std::string left_out_text(const std::vector<LeftOut>& left_out) {
   constexpr std::size_t kNamed = 12;
   std::string text;
   for (const LeftOut& own : std::span(left_out).first(std::min(left_out.size(), kNamed)))
-    text += fmt::format("left out: row {}, column {} ({}{})\n", own.row, own.column, own.status,
-                        own.why == own.status ? "" : ": " + own.why);
-  if (left_out.size() > kNamed) text += fmt::format("left out: {} more; --json lists all\n", left_out.size() - kNamed);
+    text += fmt::format("{}left out: row {}, column {} ({}{})", text.empty() ? "" : "\n", own.row, own.column,
+                        own.status, own.why == own.status ? "" : ": " + own.why);
+  if (left_out.size() > kNamed) text += fmt::format("\nleft out: {} more; --json lists all", left_out.size() - kNamed);
   return text;
 }
 
@@ -115,61 +118,55 @@ std::string linearised_text(const analysis::SensorModel& fit) {
                      on > 0 ? fmt::format(", c {:.4f} to {:.4f}{}", low, high, unit) : std::string());
 }
 
-std::string dynamics_text(const analysis::SensorModel& fit, analysis::PressureUnit unit) {
+std::string dynamics_text(const analysis::SensorModel& fit) {
   if (!fit.dynamics) return {};
-  const bool one_run = fit.dynamics->rate.run == 0 && fit.dynamics->creep.run == 0;
-  if (one_run && !analysis::in_time(*fit.dynamics) && fit.run == 0)
-    return "lag and creep are left in: the table tells of none that explain a good part of the errors";
-  if (one_run && !analysis::in_time(*fit.dynamics))
-    return "lag and creep are left in: no runs of them were named, and the fitted one tells no creep";
   const analysis::Dynamics& d = fit.dynamics->shared;
-  std::vector<std::string> elements;
-  for (std::size_t j = 0; j < analysis::kCreepElements; ++j)
-    elements.push_back(fmt::format("{:.2f} % in {:.3g} s", 100.0 * d.creep_share[j], d.creep_s[j]));
-  const std::string lag = fmt::format("lag {:.1f} % in {:.2g} s", 100.0 * d.lag_share, d.lag_s);
-  const std::string half =
-      fit.input_unit == "psi" ? unit.text(d.creep_half, 1) : fmt::format("{:.3g} {}", d.creep_half, fit.input_unit);
-  const auto source = [](std::int64_t run) {
-    return run == 0 ? std::string("the fitted run") : fmt::format("run {}", run);
-  };
-  if (one_run && fit.run == 0)
-    return fmt::format("creep {}, half of it at {}; {} (from the fitted table)", fmt::join(elements, ", "), half, lag);
-  const std::int64_t rate = fit.dynamics->rate.run, creep = fit.dynamics->creep.run;
-  const bool own = analysis::creep_of_fitted_run(*fit.dynamics);
-  return fmt::format(
-      "creep {}, half of it at {} (from {}{}); {}", fmt::join(elements, ", "), half, source(own ? 0 : creep),
-      own && creep != 0 ? ", by taxel from " + source(creep) : "",
-      !analysis::undoes_lag(*fit.dynamics) ? "lag is left in" : fmt::format("{} (from {})", lag, source(rate)));
+  const std::string creep =
+      analysis::undoes_creep(*fit.dynamics)
+          ? fmt::format("removed ({:.1f} % within {:.0f} s)",
+                        100.0 * std::accumulate(d.creep_share.begin(), d.creep_share.end(), 0.0), d.creep_s.back())
+          : "left in (needs a run of creep-levels)";
+  return fmt::format("creep {}; lag {}", creep,
+                     analysis::undoes_lag(*fit.dynamics)
+                         ? fmt::format("removed ({:.1f} %, {:.2g} s)", 100.0 * d.lag_share, d.lag_s)
+                         : "left in (needs a run of rate)");
 }
 
-std::string fitted_text(const FittedRun& fitted, analysis::PressureUnit unit) {
+doc::Document fitted_document(const FittedRun& fitted, analysis::PressureUnit unit, bool all) {
   const analysis::SensorModel& fit = *fitted.model;
+  const bool judged = !fitted.judgement.figures.empty();
+  doc::Document out;
+  const auto add = [&](const std::string& text) {
+    if (!text.empty()) out.add(doc::Paragraph{{text}});
+  };
+  if (judged) out.add(judgement_document(fitted.judgement, fit.origin, unit, all));
   const std::string label = analysis::label_of(fit);
-  std::string text = fmt::format("{} on run {} ({}): {} of {} fitted, full scale {:.3f} V\n",
-                                 label == analysis::kElamFit ? "ELAM" : label, fit.run, fit.origin, fit.fitted().size(),
-                                 analysis::counted(fit.array().size(), "taxel"), fit.full_scale_v());
-  text += left_out_text(left_out_of(fit));
+  add(fmt::format("{} on run {}{}: {} of {} fitted, full scale {:.3f} V", label == analysis::kElamFit ? "ELAM" : label,
+                  fit.run, fit.origin == "simulated" && !judged ? " (simulated)" : "", fit.fitted().size(),
+                  analysis::counted(fit.array().size(), "taxel"), fit.full_scale_v()));
+  add(left_out_text(left_out_of(fit)));
+  add(dynamics_text(fit));
   const analysis::ModelTaxel& mean = fit.mean_taxel();
-  if (mean.fit.model != nullptr)
-    text += fmt::format("mean taxel: {}; J {:.3f} V2, mean error {:.2f} % FS, max {:.2f} % FS\n", parameters_text(mean),
-                        mean.fit.j, 100.0 * mean.fit.mean_error / mean.full_scale(),
-                        100.0 * mean.fit.max_error / mean.full_scale());
-  for (const std::string& line : {linearised_text(fit), dynamics_text(fit, unit)})
-    if (!line.empty()) text += line + "\n";
-  text += "\n";
-  for (const analysis::RepeatDrift& repeat : fit.repeats) {
-    if (!repeat.differs) continue;
-    text += fmt::format(
-        "the first repeat of {} differs from the others by {:.2f} +- {:.2f} mV ({:.2f} mV rms, others {:.2f})\n",
-        repeat.sequence, 1e3 * repeat.shift_v, 1e3 * repeat.uncertainty_v, 1e3 * repeat.rms_v,
-        1e3 * repeat.others_rms_v);
-  }
-  text += figures_table(fitted.evaluations, unit);
-  const std::vector<analysis::JudgedFigure>& figures = fitted.judgement.figures;
-  if (!figures.empty())
-    text += fmt::format("\n{}{}", verdict_table(figures, fit.origin, unit),
-                        judgement_text(fitted.judgement, fit.origin, unit));
-  return text;
+  if (all && mean.fit.model != nullptr)
+    add(fmt::format("mean taxel: {}; J {:.3f} V2, mean error {:.2f} % FS, max {:.2f} % FS", parameters_text(mean),
+                    mean.fit.j, 100.0 * mean.fit.mean_error / mean.full_scale(),
+                    100.0 * mean.fit.max_error / mean.full_scale()));
+  if (all) add(linearised_text(fit));
+  for (const analysis::RepeatDrift& repeat : fit.repeats)
+    if (repeat.differs)
+      add(fmt::format("first repeat of {} {:.0f} ± {:.0f} mV {}: not yet conditioned; add a cycle", repeat.sequence,
+                      1e3 * std::abs(repeat.shift_v), 1e3 * repeat.uncertainty_v, repeat.shift_v < 0 ? "low" : "high"));
+  out.add(figures_table(fitted.evaluations, fitted.judgement, unit));
+  return out;
+}
+
+void print_fitted(const FittedRun& fitted, const Session& session) {
+  analysis::doc::Document out;
+  if (session.quiet && !fitted.judgement.figures.empty())
+    out.add(analysis::doc::Paragraph{{headline(fitted.judgement, fitted.model->origin, session.unit())}});
+  else
+    out = fitted_document(fitted, session.unit(), session.all);
+  print_document(out, session.unit());
 }
 
 void add_fitted_json(const FittedRun& fitted, nlohmann::ordered_json& json) {

@@ -6,10 +6,13 @@
 #include <vector>
 
 #include "analysis/identify/sensor_model.h"
+#include "analysis/report/document/document.h"
 #include "bench/reporting/judgement.h"
 #include "bench/reporting/named_evaluation.h"
 
 namespace tactbench::bench {
+
+struct Session;
 
 struct FittedRun {
   const analysis::SensorModel* model = nullptr;
@@ -17,10 +20,10 @@ struct FittedRun {
   analysis::Judgement judgement;             // empty without limits
 };
 
-// How many taxels have the readout divider undone, and by which c; lag and creep of the array. A line each, without its
+// How many taxels have the readout divider undone, and by which c; whether lag and creep are. A line each, without its
 // end; empty where the model has none.
 std::string linearised_text(const analysis::SensorModel& fit);
-std::string dynamics_text(const analysis::SensorModel& fit, analysis::PressureUnit unit);
+std::string dynamics_text(const analysis::SensorModel& fit);
 
 struct LeftOut {
   int taxel = 0, row = 0, column = 0;
@@ -29,7 +32,10 @@ struct LeftOut {
 // Each taxel that no model was made for, in the order of their numbers.
 std::vector<LeftOut> left_out_of(const analysis::SensorModel& fit);
 
-std::string fitted_text(const FittedRun& fitted, analysis::PressureUnit unit);
+// The verdict first, then the model and its figures. `all`: every check, and the mean taxel's parameters.
+analysis::doc::Document fitted_document(const FittedRun& fitted, analysis::PressureUnit unit, bool all);
+// Prints it; of a judged one with -q the verdict alone.
+void print_fitted(const FittedRun& fitted, const Session& session);
 // Adds what a program wants of it to `json`.
 void add_fitted_json(const FittedRun& fitted, nlohmann::ordered_json& json);
 

@@ -45,9 +45,8 @@ void judge(const JudgeOptions& options, Session& session) {
                                        laboratory.instruments)
                            .judgement;
     session.code = exit_code_of(fitted.judgement.overall);
-    warn_of_conditional(fitted.judgement.figures);
   }
-  if (!session.json) return tty::print("{}", fitted_text(fitted, session.unit()));
+  if (!session.json) return print_fitted(fitted, session);
   nlohmann::ordered_json json;
   add_fitted_json(fitted, json);
   print_json("judge", json);
@@ -69,6 +68,7 @@ void add_judge(CLI::App& app, Session& session) {
   session.profile.add(*verb, "--lab", ProfileKey::kLab, options->lab,
                       "laboratory file: a reference that is overdue by its dates makes verdicts inconclusive");
   add_void_too(*verb, session);
+  add_all(*verb, session);
   verb->callback([options, &session] { judge(*options, session); });
 }
 

@@ -68,7 +68,7 @@ void show(const std::string& name, const Session& session) {
   line("mount", model.validity.mount);
   line("interface", model.validity.interface_material);
   if (const std::string linearised = linearised_text(model); !linearised.empty()) line("output", linearised);
-  if (const std::string dynamics = dynamics_text(model, session.unit()); !dynamics.empty()) line("in time", dynamics);
+  if (const std::string dynamics = dynamics_text(model); !dynamics.empty()) line("in time", dynamics);
   if (!model.parent_sha256.empty())
     line("parent", fmt::format("{}: {}", model.parent_sha256.substr(0, 12), model.adjustment));
   std::map<std::string, int> statuses;
@@ -177,11 +177,14 @@ void check_model(const std::string& name, const FitModelsOptions& options, Sessi
   std::vector<analysis::TaxelDrift> worst = drift.taxels;
   std::ranges::stable_sort(worst, std::ranges::greater{}, &analysis::TaxelDrift::as_is);
   worst.resize(std::min<std::size_t>(worst.size(), 5));
-  tty::print("  {:>6}{:>24}{:>24}{:>10}\n", "taxel", fmt::format("zero +- u, {}", model.output_unit), "gain +- u",
-             "% FS");
+  namespace doc = analysis::doc;
+  doc::Table table{
+      .columns = {
+          {"taxel", true}, {fmt::format("zero ± u, {}", model.output_unit), true}, {"gain ± u", true}, {"% FS", true}}};
   for (const analysis::TaxelDrift& t : worst)
-    tty::print("  {:>6}{:>24}{:>24}{:>10.3f}\n", t.taxel, fmt::format("{:.5f} +- {:.5f}", t.zero, t.zero_u),
-               fmt::format("{:.5f} +- {:.5f}", t.gain, t.gain_u), 100.0 * t.as_is);
+    table.rows.push_back({{std::to_string(t.taxel), doc::number_with_u(t.zero, t.zero_u),
+                           doc::number_with_u(t.gain, t.gain_u), doc::percent_of(t.as_is, 3)}});
+  print_table(std::move(table));
 }
 
 void add_model(CLI::App& app, Session& session) {

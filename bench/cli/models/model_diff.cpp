@@ -113,15 +113,17 @@ void diff_models(const std::string& first, const std::string& second, Session& s
   }
   tty::print("{} against {}: {}\n", second, first, same ? "the same, byte for byte" : "not the same");
   if (only > 0) tty::print("{} fitted in the first alone\n", analysis::counted(only, "taxel is", "taxels are"));
-  tty::print("{:<16}{:>14}{:>14}{:>8}  {}\n", "parameter", "mean diff", "largest", "taxel", "unit");
-  for (const Line& line : lines) {
+  analysis::doc::Table table{
+      .columns = {{"parameter"}, {"mean difference", true}, {"largest", true}, {"taxel", true}, {"unit"}}};
+  for (const Line& line : lines)
     if (line.other_unit.empty())
-      tty::print("{:<16}{:>14.6g}{:>14.6g}{:>8}  {}\n", line.name, line.sum / line.count, line.worst, line.worst_taxel,
-                 line.unit);
+      table.rows.push_back({{line.name, fmt::format("{:.4g}", line.sum / line.count), fmt::format("{:.4g}", line.worst),
+                             std::to_string(line.worst_taxel), line.unit}});
     else
-      tty::print("{:<16}{:>14}{:>14}{:>8}  not compared: {} in the first, {} in the second\n", line.name, "-", "-", "-",
-                 line.unit, line.other_unit);
-  }
+      table.rows.push_back(
+          {{line.name, "-", "-", "-",
+            fmt::format("not compared: {} in the first, {} in the second", line.unit, line.other_unit)}});
+  if (!lines.empty()) print_table(std::move(table));
 }
 
 }  // namespace tactbench::bench

@@ -14,6 +14,8 @@
 
 namespace tactbench::bench {
 
+namespace doc = analysis::doc;
+
 namespace {
 
 // The mean taxel where there are several, else the last that has a model: the mean stands at the end.
@@ -27,15 +29,14 @@ std::span<const analysis::ModelTaxel> own_taxels(const analysis::SensorModel& do
   return document.array().empty() ? std::span(document.taxels) : document.array();
 }
 
-// Right in `width`, with a blank before it whatever its size.
-std::string number_cell(double value, int decimals, int width) {
-  std::string text = fmt::format("{:.{}f}", value, decimals);
-  if (text.size() >= static_cast<std::size_t>(width)) text = fmt::format("{:.1e}", value);  // 8 at most
-  return fmt::format("{:>{}}", text, width);
-}
-
-std::string percent_cell(double error, double full_scale, int width) {
-  return number_cell(100.0 * error / full_scale, 3, width);
+// Three digits.
+std::string digits(double value) {
+  return value != 0.0 && (std::abs(value) < 1e-3 || std::abs(value) >= 1e4)
+             ? fmt::format("{:.1e}", value)
+             : fmt::format("{:.{}f}", value,
+                           std::abs(value) < 1.0     ? 3
+                           : std::abs(value) < 100.0 ? 2
+                                                     : 0);
 }
 
 // Models whose inverse errs more than a straight line does.
@@ -46,53 +47,29 @@ std::vector<std::string> worse_than_line(const std::vector<ModelRow>& rows, std:
   return labels;
 }
 
-// As many as show the size of `typical` in four digits, three at least.
-int decimals_for(double typical) {
-  return typical > 0.0 ? std::max(3, 3 - static_cast<int>(std::floor(std::log10(typical)))) : 3;
-}
-
-// Errors beside each other.
-class ErrorCells {
- public:
-  // `factor`: from the unit of the errors to the one shown.
-  ErrorCells(double typical, double factor) : factor_(factor), decimals_(decimals_for(typical)) {}
-  [[nodiscard]] std::string operator()(const analysis::ErrorSum& error, int width) const {
-    return number_cell(factor_ * error.mean(), decimals_, width) + number_cell(factor_ * error.max, decimals_, width);
-  }
-
- private:
-  double factor_;
-  int decimals_;
-};
-
 // Of bins: the factors of their ends, and of the errors in them.
 struct ShownBins {
   std::string title, unit;
   double ends = 1.0, errors = 1.0;
 };
 
-std::string bins_table(const ShownBins& shown, const std::vector<ModelRow>& rows, std::size_t target,
-                       std::vector<analysis::Bin> analysis::Score::*bins) {
-  if ((rows.front().scores[target].taxels.*bins).size() < 2) return {};
-  std::string text =
-      fmt::format("\n  {}, mean compensation error by model\n  {:>18}{:>10}", shown.title, shown.unit, "samples");
-  for (const ModelRow& row : rows)
-    text += fmt::format("{:>{}}", row.label, std::max<std::size_t>(12, row.label.size() + 2));
-  text += "\n";
+void add_bins(doc::Document& out, const ShownBins& shown, const std::vector<ModelRow>& rows, std::size_t target,
+              std::vector<analysis::Bin> analysis::Score::*bins) {
   const auto& first = rows.front().scores[target].taxels.*bins;
-  const int decimals = std::min(decimals_for(shown.errors * rows.front().scores[target].taxels.raw.mean()), 7);
+  if (first.size() < 2) return;
+  doc::Table table{.caption = shown.title + ", mean compensation error by model",
+                   .columns = {{shown.unit, true}, {"samples", true}}};
+  for (const ModelRow& row : rows) table.columns.push_back({row.label, true});
   for (std::size_t b = 0; b < first.size(); ++b) {
-    text += fmt::format("  {:>18}{:>10}",
-                        fmt::format("{:.4g} .. {:.4g}", shown.ends * first[b].low, shown.ends * first[b].high),
-                        first[b].error.samples);
+    doc::Row& line = table.rows.emplace_back();
+    line.cells = {fmt::format("{:.4g} .. {:.4g}", shown.ends * first[b].low, shown.ends * first[b].high),
+                  std::to_string(first[b].error.samples)};
     for (const ModelRow& row : rows) {
       const auto& own = row.scores[target].taxels.*bins;
-      text += number_cell(b < own.size() ? shown.errors * own[b].error.mean() : 0.0, decimals,
-                          static_cast<int>(std::max<std::size_t>(12, row.label.size() + 2)));
+      line.cells.emplace_back(digits(b < own.size() ? shown.errors * own[b].error.mean() : 0.0));
     }
-    text += "\n";
   }
-  return text;
+  out.add(std::move(table));
 }
 
 nlohmann::ordered_json error_json(const analysis::ErrorSum& error) {
@@ -115,7 +92,7 @@ nlohmann::ordered_json score_json(const analysis::Score& score) {
 }  // namespace
 
 std::string left_out_text(const analysis::SensorModel& document) {
-  constexpr std::size_t kNamed = 12;
+  constexpr std::size_t kNamed = 3;
   std::size_t count = 0;
   std::string text;
   for (const analysis::ModelTaxel& taxel : own_taxels(document)) {
@@ -184,68 +161,84 @@ void cross_validate(std::vector<ModelRow>& rows, const analysis::Histories& hist
   }
 }
 
-std::string fits_table(const std::vector<ModelRow>& rows) {
-  std::string text = fmt::format("{:<22}{:>6}{:>13}{:>10}{:>9}{:>11}{:>10}{:>8}\n", "model", "params", "J", "mean %FS",
-                                 "max %FS", "cross %FS", "ops/smpl", "taxels");
+doc::Document fits_document(const std::vector<ModelRow>& rows, bool all) {
+  doc::Document out;
+  doc::Table table{.columns = {{"model"},
+                               {"taxels", true},
+                               {"error of fit\nmean, % FS", true},
+                               {"largest\n% FS", true},
+                               {"cross-validated\nmean, % FS", true}}};
+  if (all) table.columns.insert(table.columns.end(), {{"para-\nmeters", true}, {"J", true}, {"opera-\ntions", true}});
   for (const ModelRow& row : rows) {
     const analysis::ModelFit& fit = shown(row.document).fit;
     const bool alone = row.document.taxels.size() == 1;
     const auto taxels = std::ranges::count_if(row.document.taxels, [&](const analysis::ModelTaxel& t) {
       return t.fit.model != nullptr && (alone || t.taxel != analysis::kMeanTaxel);
     });
-    text +=
-        fmt::format("{:<22}{:>6}{:>13.6g}{}{}{:>11}{:>10}{:>8}\n", row.label, fit.model->parameters().size(), fit.j,
-                    percent_cell(fit.mean_error, fit.full_scale, 10), percent_cell(fit.max_error, fit.full_scale, 9),
-                    row.crossed.samples > 0 ? percent_cell(row.crossed.mean(), fit.full_scale, 11) : "-",
-                    fit.model->operations_per_sample(), taxels);
+    const auto percent = [&](double error) { return digits(100.0 * error / fit.full_scale); };
+    doc::Row& line = table.rows.emplace_back();
+    line.cells = {row.label, std::to_string(taxels), percent(fit.mean_error), percent(fit.max_error),
+                  row.crossed.samples > 0 ? percent(row.crossed.mean()) : "-"};
+    if (!all) continue;
+    line.cells.emplace_back(std::to_string(fit.model->parameters().size()));
+    line.cells.emplace_back(fmt::format("{:.4g}", fit.j));
+    line.cells.emplace_back(std::to_string(fit.model->operations_per_sample()));
   }
+  out.add(std::move(table));
   for (const ModelRow& row : rows) {
-    text += undetermined_text(row.document) + left_out_text(row.document);
+    const std::string text = undetermined_text(row.document) + left_out_text(row.document);
+    if (!text.empty()) out.add(doc::Paragraph{{text.substr(0, text.size() - 1)}});
     if (row.document.model == "gpi")
-      text += "gpi: found by a search, which may miss the least J; the others are exact\n";
+      out.add(doc::Paragraph{{"gpi: found by a search, which may miss the least J; the others are exact"}});
   }
-  return text;
+  return out;
 }
 
-std::string scores_table(const std::vector<ModelRow>& rows, const std::vector<ScoreTarget>& targets,
-                         const std::string& unit_of_input, analysis::PressureUnit shown) {
+doc::Document scores_document(const std::vector<ModelRow>& rows, const std::vector<ScoreTarget>& targets,
+                              const std::string& unit_of_input, analysis::PressureUnit shown, bool all) {
   const bool pressure = unit_of_input == "psi";
   const std::string unit = pressure ? shown.symbol() : unit_of_input;
   const double factor = pressure ? shown.of(1.0) : 1.0;
-  std::string text;
+  doc::Document out;
+  const auto add = [&](const std::string& text) { out.add(doc::Paragraph{{text}}); };
   for (std::size_t t = 0; t < targets.size(); ++t) {
-    const bool array = rows.front().scores[t].count > 1;
-    text += fmt::format("\nscored on {} ({}{})\n", targets[t].title,
-                        analysis::counted(rows.front().scores[t].taxels.direct.samples, "sample"),
-                        array ? fmt::format(", {} taxels", rows.front().scores[t].count) : std::string());
-    text += fmt::format("{:<22}{:>42}\n", "", "direct model, % FS");
-    text += fmt::format("{:<22}{:>21}{:>21}  {:>22}{}\n", "", "from measured turns", "free running",
-                        unit == "input units" ? "input, compensated" : fmt::format("compensated, {}", unit),
-                        array ? "      mean taxel" : "");
-    text += fmt::format("{:<22}{:>11}{:>10}{:>11}{:>10}{:>12}{:>12}{}\n", "model", "mean", "max", "mean", "max", "mean",
-                        "max", array ? fmt::format("{:>10}{:>10}", "mean", "max") : std::string());
     const analysis::ModelScore& any = rows.front().scores[t];
-    const ErrorCells cells(factor * any.taxels.raw.mean(), factor);
-    text += fmt::format("{:<22}{:>11}{:>10}{:>11}{:>10}{}{}\n", "none (straight line)", "-", "-", "-", "-",
-                        cells(any.taxels.raw, 12), array ? cells(any.mean.raw, 10) : std::string());
+    const bool array = any.count > 1;
+    doc::Table table{
+        .caption = fmt::format("\nscored on {} ({}{})", targets[t].title,
+                               analysis::counted(any.taxels.direct.samples, "sample"),
+                               array ? fmt::format(", {} taxels", any.count) : std::string()),
+        .columns = {
+            {"model"}, {fmt::format("compensated\nmean, {}", unit), true}, {fmt::format("largest\n{}", unit), true}}};
+    if (array) table.columns.push_back({fmt::format("mean taxel\nmean, {}", unit), true});
+    if (all)
+      table.columns.insert(
+          table.columns.end(),
+          {{"direct\nmean, % FS", true}, {"largest", true}, {"free running\nmean, % FS", true}, {"largest", true}});
+    const auto begin = [&](const std::string& label, const analysis::ErrorSum& taxels, const analysis::ErrorSum& mean) {
+      doc::Row& line = table.rows.emplace_back();
+      line.cells = {label, digits(factor * taxels.mean()), digits(factor * taxels.max)};
+      if (array) line.cells.emplace_back(digits(factor * mean.mean()));
+    };
+    begin("none (straight line)", any.taxels.raw, any.mean.raw);
     for (const ModelRow& row : rows) {
       const analysis::ModelScore& score = row.scores[t];
-      const auto direct = [&](const analysis::ErrorSum& error) {
-        return percent_cell(error.mean(), score.full_scale, 11) + percent_cell(error.max, score.full_scale, 10);
-      };
-      text +=
-          fmt::format("{:<22}{}{}{}{}\n", row.label, direct(score.taxels.direct), direct(score.taxels.free_running),
-                      cells(score.taxels.compensated, 12), array ? cells(score.mean.compensated, 10) : std::string());
+      begin(row.label, score.taxels.compensated, score.mean.compensated);
+      for (const analysis::ErrorSum* const error : {&score.taxels.direct, &score.taxels.free_running})
+        for (const double value : {error->mean(), error->max})
+          if (all) table.rows.back().cells.emplace_back(digits(100.0 * value / score.full_scale));
     }
+    out.add(std::move(table));
     if (const std::vector<std::string> worse = worse_than_line(rows, t); !worse.empty())
-      text += fmt::format("worse than a straight line on what was held out: {}\n", fmt::join(worse, "; "));
+      add(fmt::format("worse than a straight line on what was held out: {}", fmt::join(worse, "; ")));
     for (const std::string& line :
          analysis::outside_validity(rows.front().document, *targets[t].histories, targets[t].sequences, shown))
-      text += fmt::format("outside the models' validity: {}\n", line);
-    text += bins_table({"by hold time", "s", 1.0, factor}, rows, t, &analysis::Score::by_hold);
-    text += bins_table({"by rate", unit + "/s", factor, factor}, rows, t, &analysis::Score::by_rate);
+      add("outside the models' validity: " + line);
+    if (!all) continue;
+    add_bins(out, {"by hold time", "s", 1.0, factor}, rows, t, &analysis::Score::by_hold);
+    add_bins(out, {"by rate", unit + "/s", factor, factor}, rows, t, &analysis::Score::by_rate);
   }
-  return text;
+  return out;
 }
 
 nlohmann::ordered_json model_row_json(const ModelRow& row, const std::vector<ScoreTarget>& targets) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "analysis/pressure_unit.h"
+#include "analysis/report/document/document.h"
 #include "analysis/statistics/scoring/model_score.h"
 
 namespace tactbench::bench {
@@ -42,16 +43,17 @@ std::vector<ModelRow> model_rows(const std::vector<std::string>& models, const a
 void cross_validate(std::vector<ModelRow>& rows, const analysis::Histories& histories,
                     const std::vector<std::string>& sequences);
 
-// What the data leave open, with the number of taxels it is open for (of an array without its mean), as a line; empty
-// where all is determined.
+// What the data leave open, with the number of taxels it is open for (of an array without its mean), as a line with its
+// end; empty where all is determined.
 std::string undetermined_text(const analysis::SensorModel& document);
 // Taxels without a model that holds, with the reason, a line each; empty where all are fitted.
 std::string left_out_text(const analysis::SensorModel& document);
 // A model of theirs errs by too much, or there is none.
 bool any_unfit(const analysis::SensorModel& document);
-std::string fits_table(const std::vector<ModelRow>& rows);
-std::string scores_table(const std::vector<ModelRow>& rows, const std::vector<ScoreTarget>& targets,
-                         const std::string& unit_of_input, analysis::PressureUnit shown = analysis::PressureUnit::kPsi);
+// `all`: also parameters, largest errors and the direct model's.
+analysis::doc::Document fits_document(const std::vector<ModelRow>& rows, bool all);
+analysis::doc::Document scores_document(const std::vector<ModelRow>& rows, const std::vector<ScoreTarget>& targets,
+                                        const std::string& unit_of_input, analysis::PressureUnit shown, bool all);
 nlohmann::ordered_json model_row_json(const ModelRow& row, const std::vector<ScoreTarget>& targets);
 
 }  // namespace tactbench::bench

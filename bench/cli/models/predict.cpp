@@ -21,6 +21,7 @@
 #include "analysis/counted.h"
 #include "analysis/identify/compensators.h"
 #include "analysis/identify/dynamic/dynamic_alone.h"
+#include "analysis/report/page/numbers.h"
 #include "analysis/table.h"
 #include "analysis/whole_file.h"
 #include "bench/cli/models/model_table.h"
@@ -115,7 +116,10 @@ class Compensation {
     if (now.out_of_range) flags.push_back("range");
     if (now.flat) flags.push_back("flat");
     if (now.unknown) flags.push_back("unknown");
-    return fmt::format("{}{}{:.4g}{}{}", now.pressure_psi, separator, uncertainty, separator, fmt::join(flags, " "));
+    // A digit more than the uncertainty has.
+    const double steps = known ? std::pow(10.0, analysis::gum_decimals(uncertainty) + 1) : 1e6;
+    return fmt::format("{}{}{:.4g}{}{}", std::round(steps * now.pressure_psi) / steps, separator, uncertainty,
+                       separator, fmt::join(flags, " "));
   }
 
  private:

@@ -24,11 +24,13 @@ namespace {
 
 void list_scenarios(const Suite& suite, const Session& session) {
   auto json = nlohmann::ordered_json::array();
+  analysis::doc::Table table{.columns = {{"scenario"}, {.title = "about", .cut = true}}};
   for (const Scenario& scenario : suite.scenarios) {
     json.push_back({{"name", scenario.name}, {"about", scenario.about}, {"seed", scenario.seed}});
-    if (!session.json) tty::print("{:<28} {}\n", one_line(scenario.name), one_line(scenario.about));
+    table.rows.push_back({{one_line(scenario.name), one_line(scenario.about)}});
   }
-  if (session.json) print_json("nightly.list", {{"suite", suite.name}, {"scenarios", json}});
+  if (!session.json) return print_table(std::move(table));
+  print_json("nightly.list", {{"suite", suite.name}, {"scenarios", json}});
 }
 
 // The store of one part of a night holds that part alone: parts are put together by what their stores say.

@@ -4,13 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "analysis/identify/dynamic/dynamic_fit.h"
+#include "analysis/identify/sensor_model.h"
 #include "analysis/identify/stored/model_document.h"
 #include "bench/cli/judgement_words.h"
-#include "bench/cli/models/model_table.h"
 #include "bench/cli/rig/page_beside.h"
 #include "bench/cli/session.h"
 #include "bench/common/output_file.h"
@@ -26,6 +27,8 @@
 #include "sequences/recipe.h"
 
 namespace tactbench::bench {
+
+namespace doc = analysis::doc;
 
 namespace {
 
@@ -79,7 +82,7 @@ const std::vector<DemoRun>& demo_runs() {
   return runs;
 }
 
-constexpr std::size_t kDrifted = 4;  // the month later
+constexpr std::size_t kReversals = 2, kDrifted = 4;  // of these, random reversals and the month later
 
 // What the whole demo changes of the shipped bench.
 std::vector<std::string> settings(const DemoOptions& options) {
@@ -107,27 +110,19 @@ std::int64_t carry_out(const DemoRun& demo, const DemoOptions& options, const db
   Progress progress(Progress::mode_for(session.quiet));
   const RunResult result = characterize(request, store, progress);
   if (result.error) throw *result.error;
-  if (!session.json) {
+  if (!session.json && !session.quiet)
     tty::print("run {}: {}, {} frames, {}\n", result.run, demo.title, result.frames,
                result.safe_text.in(session.unit()));
-  }
   return result.run;
 }
-
-constexpr const char* kTrajectories =
-    "An error holds for the trajectories that it was found on. The random reversals go another way than the run that\n"
-    "the models come from: their error is the one to expect in use; so do the short histories of the verification, by\n"
-    "which U of a reading is counted. The other runs repeat its set-points and dwell.";
 
 // The run of a month later is expected to fail; the demo explains it. Empty where it passes.
 std::string on_purpose(const analysis::Judgement& judgement, std::int64_t drifted) {
   const std::vector<std::int64_t>& deciding = judgement.decided_by;
   if (judgement.overall != analysis::Verdict::kFail || std::ranges::find(deciding, drifted) == deciding.end())
     return {};
-  return fmt::format(
-      "run {} fails on purpose: it is the same sensor a month later and 5 °C warmer, which earlier models cannot "
-      "account for; table and report show how this is detected. The demo completed as intended: exit code 0",
-      drifted);
+  return fmt::format("run {} fails on purpose: the same sensor a month later and 5 °C warmer, by the models of run 1",
+                     drifted);
 }
 
 // Between two stages, so that nothing is left half-written.
@@ -181,17 +176,14 @@ void demo(const DemoOptions& options, Session& session) {
   const std::vector<NamedEvaluation> evaluations =
       evaluate_runs(runs, fit, {numbers.begin() + 1, numbers.end()}, titles);
   lap("compensation");
-  // The other models on the mean taxel only, to keep the demo's time.
-  const auto mean_taxel = [&](std::int64_t run) {
-    return analysis::mean_taxel_of(analysis::histories_of(runs.dataset(run)));
+  const analysis::Dataset& fitted = runs.dataset(numbers.front());
+  std::map<std::string, double> errors = {{options.model, evaluations[kReversals].evaluation.mean_error_psi}};
+  const auto compare = [&](const std::string& name, const analysis::SensorModel& other) {
+    errors[name] = analysis::evaluate(runs.dataset(numbers[kReversals]), other).mean_error_psi;
   };
-  const analysis::Histories fitted = mean_taxel(numbers[0]), again = mean_taxel(numbers[1]),
-                            reversals = mean_taxel(numbers[2]);
-  const std::vector<ScoreTarget> targets = {{"the same trajectory again, mean taxel", &again, {}},
-                                            {"random reversals, mean taxel", &reversals, {}}};
-  const auto names = analysis::model_names();
-  const std::vector<ModelRow> models = model_rows({names.begin(), names.end()}, fitted, {}, {}, targets);
-  lap("other models, mean taxel");
+  if (!elam) compare(analysis::kElamFit, analysis::fit_array(fitted));
+  compare("monotone", analysis::fit_models_alone("monotone", analysis::histories_of(fitted), {}, {}));
+  lap("other models");
   follow_fit(store, fit, evaluations.front().evaluation);
   const Judged judged = judge_and_store(store, runs, fit, evaluations, "limits.toml");
   const analysis::Judgement& judgement = judged.judgement;
@@ -208,8 +200,7 @@ void demo(const DemoOptions& options, Session& session) {
                                    {"report", path},         {"report_number", number}};
     json["evaluations"] = nlohmann::ordered_json::array();
     for (const NamedEvaluation& named : evaluations) json["evaluations"].push_back(evaluation_json(named));
-    json["models"] = nlohmann::ordered_json::array();
-    for (const ModelRow& row : models) json["models"].push_back(model_row_json(row, targets));
+    json["mean_error_psi"] = errors;  // on the random reversals
     json["verdicts"] = verdicts_json(judgement.figures, origin);
     json["judgement"] = judgement_json(judgement, origin);
     json["on_purpose"] = on_purpose(judgement, numbers[kDrifted]);
@@ -217,26 +208,36 @@ void demo(const DemoOptions& options, Session& session) {
     print_json("demo", json);
     return;
   }
-  tty::print(
-      "\nSIMULATED DATA, specimen {}. Hysteresis of the mean taxel, indication: {:.1f} % FS max, {:.1f} % mean (paper: "
-      "25.3, 10.0)\nThe models: {}\n\n{}\n{}\n\n",
-      options.specimen, 100.0 * evaluations[0].evaluation.hysteresis_max_fs,
-      100.0 * evaluations[0].evaluation.hysteresis_mean_fs,
-      elam ? "ELAM, the paper's" : "dynamic, ours; the paper's with --model elam",
-      figures_table(evaluations, session.unit()), kTrajectories);
-  tty::print("{}\n", scores_table(models, targets, "psi", session.unit()));
-  tty::print("verdicts on the held-out runs:\n{}{}\n", verdict_table(judgement.figures, origin, session.unit()),
-             judgement_text(judgement, origin, session.unit()));
+  const std::string purpose = on_purpose(judgement, numbers[kDrifted]);
+  doc::Document out;
+  if (!session.quiet) {
+    out = judgement_document(judgement, origin, session.unit(), session.all);
+    std::string models;
+    for (const auto& [name, psi] : errors)
+      models += fmt::format("{}{} {}", models.empty() ? "" : ", ",
+                            name == "monotone" ? "one curve without direction" : name, session.unit().fixed(psi, 2));
+    out.add(figures_table(evaluations, judgement, session.unit()));
+    out.add(doc::Paragraph{
+        {fmt::format("{} taxels; hysteresis of their mean {:.1f} % FS at most, {:.1f} % on average (paper: 25.3, 10.0)",
+                     fit.array().size(), 100.0 * evaluations[0].evaluation.hysteresis_max_fs,
+                     100.0 * evaluations[0].evaluation.hysteresis_mean_fs)}});
+    out.add(doc::Paragraph{{fmt::format("mean error on random reversals, {}: {}", session.unit().symbol(), models)}});
+  } else {
+    out.add(doc::Paragraph{{headline(judgement, origin, session.unit())}});
+  }
+  if (!purpose.empty()) out.add(doc::Paragraph{{purpose}});
+  print_document(out, session.unit());
   if (options.timing) {
     double total = 0.0;
+    doc::Table table{.columns = {{"stage"}, {"time", true}}};
     for (const auto& [stage, seconds] : watch.laps()) {
-      tty::print("{:<26}{:>8.2f} s\n", stage, seconds);
+      table.rows.push_back({{stage, fmt::format("{:.2f} s", seconds)}});
       total += seconds;
     }
-    tty::print("{:<26}{:>8.2f} s\n\n", "all", total);
+    table.rows.push_back({{"all", fmt::format("{:.2f} s", total)}});
+    print_table(std::move(table));
   }
   tty::print("report {}: {}\n", number, path);
-  if (const std::string text = on_purpose(judgement, numbers[kDrifted]); !text.empty()) tty::print("{}\n", text);
 }
 
 }  // namespace
@@ -262,6 +263,7 @@ void add_demo(CLI::App& app, Session& session) {
   verb->add_option("--rate", options->rate, "process seconds in a real second, at most (default: as many as it can)")
       ->check(CLI::Range(1.0, 1e6));
   verb->add_flag("--timing", options->timing, "print the time of each stage");
+  add_all(*verb, session);
   verb->callback([options, &session] {
     session.take_db_only_as_typed();
     demo(*options, session);

@@ -33,8 +33,6 @@ namespace tactbench::bench {
 
 namespace {
 
-constexpr std::size_t kTerminalColumns = 80;
-
 // The models named: of a run its standing fit, if that is of the whole array; none where it has none: then the report
 // says what it does not show.
 analysis::SensorModel models_for(analysis::Runs& runs, const ModelNamed& named) {
@@ -199,7 +197,6 @@ WrittenReport one_run(db::RunStore& store, analysis::Runs& runs, const ReportOpt
     input.approvals = store.reports(input.run.run);
     out.report = analysis::render_report(input);
   }
-  out.summary = analysis::summary_text(input, session.unit(), kTerminalColumns);
   out.started_utc = input.run.started_utc;
   out.judgements.push_back(std::move(input.judgement));
   return out;
@@ -279,7 +276,6 @@ void report_runs(ReportOptions options, Session& session) {
   std::vector<analysis::JudgedFigure> verdicts;
   for (const analysis::Judgement& judgement : written.judgements)
     verdicts.insert(verdicts.end(), judgement.figures.begin(), judgement.figures.end());
-  warn_of_conditional(verdicts);
   if (session.json) {
     nlohmann::ordered_json json = {{"run", options.runs.front()},
                                    {"runs", options.runs},
@@ -297,7 +293,12 @@ void report_runs(ReportOptions options, Session& session) {
     print_json("report", json);
     return;
   }
-  tty::print("{}", written.summary);
+  for (std::size_t i = 0; one && i < written.judgements.size(); ++i) {
+    const analysis::Judgement& judgement = written.judgements[i];
+    analysis::doc::Document out = judgement_document(judgement, written.origin, session.unit(), session.all);
+    if (session.quiet) out.blocks.resize(1);
+    print_document(out, session.unit());
+  }
   tty::print("report {}: {}{}\n", written.report.number, path,
              written.written ? "" : " (signed: the file stays as it is)");
 }
@@ -311,6 +312,7 @@ void add_report(CLI::App& app, Session& session) {
                                       "A test report where the run states no uncertainty; also a comparison of two "
                                       "runs, or a page on many. One file.");
   add_report_options(*verb, *options, session);
+  add_all(*verb, session);
   verb->add_flag("--compare", options->compare, "one page on two runs: as found and as left, or two sensors");
   verb->add_flag("--batch", options->batch, "one page on many runs: yield, ranks, distributions, outliers");
   add_metadata_options(*verb, options->metadata, true);

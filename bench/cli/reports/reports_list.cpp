@@ -29,8 +29,8 @@ void list(std::int64_t only, const Session& session) {
   const db::RunStore store = db::RunStore::open_read_only(session.db);
   if (only != 0) (void)store.run(only);  // an unknown one is an error
   auto json = nlohmann::ordered_json::array();
-  if (!session.json)
-    tty::print("{:<20}{:<14}{:<22}{:<20}{:<20}{}\n", "report", "sensor", "signed (UTC)", "by", "replaces", "file");
+  analysis::doc::Document out;
+  analysis::doc::Table table{.columns = {{"report"}, {"sensor"}, {"signed"}, {"by"}, {"replaces"}, {"file"}}};
   for (const db::RunRecord& run : store.runs()) {
     if (only != 0 && run.run != only) continue;
     for (const db::ReportRecord& report : store.reports(run.run)) {
@@ -47,16 +47,22 @@ void list(std::int64_t only, const Session& session) {
                       {"sha256", report.content_sha256},
                       {"void_evidence", void_runs},
                       {"file", file}});
-      if (session.json) continue;
-      tty::print("{}{}{}{}{}{}{}\n", cell(report.number, 20), cell(run.sensor_serial, 14),
-                 cell(report.approved_utc, 22), cell(report.approved_by, 20), cell(report.replaces, 20),
-                 file.empty() ? "elsewhere" : one_line(file), run.origin == "simulated" ? " (simulated)" : "");
-      for (const std::string& why : void_runs) tty::print("    its evidence fell: {}\n", one_line(why, kLongestText));
-      if (!report.reason.empty()) tty::print("    reason: {}\n", one_line(report.reason, kLongestText));
+      table.rows.push_back(
+          {{report.number + (run.origin == "simulated" ? " (simulated)" : ""), one_line(run.sensor_serial),
+            report.approved_utc.substr(0, 10), one_line(report.approved_by), report.replaces,
+            file.empty() ? "elsewhere" : one_line(file)}});
+      const auto remark = [&](const char* what, const std::string& text) {
+        out.add(
+            analysis::doc::Paragraph{{fmt::format("{}: {}: {}", report.number, what, one_line(text, kLongestText))}});
+      };
+      for (const std::string& why : void_runs) remark("its evidence fell", why);
+      if (!report.reason.empty()) remark("reason", report.reason);
     }
   }
   if (session.json) return print_json("report.list", {{"reports", json}});
-  if (json.empty()) tty::print("no report is signed: tactbench report sign RUN --by NAME signs one\n");
+  if (json.empty()) return tty::print("no report is signed: tactbench report sign RUN --by NAME signs one\n");
+  print_table(std::move(table));
+  print_document(out, session.unit());
 }
 
 }  // namespace

@@ -14,7 +14,6 @@ struct WrittenReport {
   analysis::Report report;
   std::vector<analysis::Judgement> judgements;      // of one run, or of each run on the page
   std::string origin, started_utc, path, run_uuid;  // run_uuid: of the first
-  std::string summary;                              // of one run, for the terminal
   bool written = true;                              // false: the file held this report already, signed
 };
 

@@ -222,13 +222,15 @@ void calibrate(const CalibrationOptions& options, const Session& session) {
     return;
   }
   const analysis::PressureUnit unit = session.unit();
-  tty::print("{:>10} {:>12} {:>8}\n", "reading", "correction", "U (k=2)");
+  analysis::doc::Table table{
+      .columns = {{fmt::format("reading, {}", unit.symbol()), true}, {"correction", true}, {"U (k = 2)", true}}};
   for (std::size_t i = 0; i < calibration.correction.reading_psi.size(); ++i) {
     const double correction = calibration.correction.correction_psi[i];
-    tty::print("{:>10} {:>12} {:>8}  {}\n", unit.fixed(calibration.correction.reading_psi[i], 3),
-               (correction < 0.0 ? "" : "+") + unit.fixed(correction, 3),
-               unit.fixed(calibration.correction.expanded_uncertainty_psi[i], 3), unit.symbol());
+    table.rows.push_back({{unit.fixed(calibration.correction.reading_psi[i], 3),
+                           (correction < 0.0 ? "" : "+") + unit.fixed(correction, 3),
+                           unit.fixed(calibration.correction.expanded_uncertainty_psi[i], 3)}});
   }
+  print_table(std::move(table));
   tty::print(
       "largest residual {}; increasing and decreasing differ by at most {}\n{} written (in psi); to use it: "
       "[reference] "

@@ -37,8 +37,10 @@ void scan(const DevicesOptions& options, const Session& session) {
     print_json("devices.scan", {{"devices", list}});
     return;
   }
+  analysis::doc::Table table;
   for (const ScanEntry& entry : entries)
-    tty::print("{:<12} {}\n{:<12}   {}\n", one_line(entry.kind), one_line(entry.where), "", one_line(entry.what));
+    table.rows.push_back({{one_line(entry.kind), one_line(entry.where), one_line(entry.what)}});
+  if (!entries.empty()) print_table(std::move(table));
   if (options.modbus.empty()) tty::print("Modbus hosts are queried only when given: --modbus HOST[:PORT]\n");
 }
 
@@ -48,7 +50,7 @@ void check(const DevicesOptions& options, Session& session) {
   for (const std::string& place : placeholders_of(config)) tty::print(stderr, "warning: not filled in: {}\n", place);
   const std::vector<DeviceCheck> checks = check_devices(rig, utc_now().substr(0, 10));
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  if (!session.json) tty::print("bench '{}' ({})\n", config.id, config.file);
+  analysis::doc::Table table;
   for (const DeviceCheck& device : checks) {
     if (device.state == DeviceCheck::State::kAbsent || device.state == DeviceCheck::State::kWrong)
       session.code = ExitCode::kDevice;
@@ -58,14 +60,20 @@ void check(const DevicesOptions& options, Session& session) {
                     {"reading", device.reading},
                     {"notes", device.notes},
                     {"remedy", device.remedy}});
-    if (session.json) continue;
-    const auto text = [&](const std::string& of_device) { return one_line(of_device, kLongestText); };
-    tty::print("{:<7} {:<18} {}\n", to_string(device.state), one_line(device.role), text(device.found));
-    if (!device.reading.empty()) tty::print("{:<26} {}\n", "", text(device.reading));
-    for (const std::string& note : device.notes) tty::print("{:<26} - {}\n", "", text(note));
-    if (!device.remedy.empty()) tty::print("{:<26} to do: {}\n", "", text(device.remedy));
+    analysis::doc::Phrase text(one_line(device.found, kLongestText));
+    const auto add = [&](const std::string& line) {
+      if (!line.empty()) text.add("\n" + one_line(line, kLongestText));
+    };
+    add(device.reading);
+    for (const std::string& note : device.notes)
+      if (session.all || device.state != DeviceCheck::State::kOk || note.starts_with("WARNING")) add("- " + note);
+    add(device.remedy.empty() ? "" : "to do: " + device.remedy);
+    table.rows.push_back({{to_string(device.state), one_line(device.role), std::move(text)}});
   }
-  if (session.json) print_json("devices.check", {{"bench", config.id}, {"devices", list}});
+  if (session.json) return print_json("devices.check", {{"bench", config.id}, {"devices", list}});
+  tty::print("bench '{}' ({})\n", config.id, config.file);
+  print_table(std::move(table));
+  if (!session.all) tty::print("fail-safe layers and certificates: --all\n");
 }
 
 // Talks to no instrument: a person has inspected the rig.

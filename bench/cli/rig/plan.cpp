@@ -2,11 +2,14 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "analysis/counted.h"
+#include "analysis/report/parts.h"
 #include "bench/cli/rig/recipes.h"
 #include "bench/cli/session.h"
 #include "bench/common/overrides.h"
@@ -19,6 +22,7 @@
 
 namespace tactbench::bench {
 
+namespace doc = analysis::doc;
 using nlohmann::ordered_json;
 using sequences::Recipe;
 using sequences::Step;
@@ -45,7 +49,7 @@ std::string basis(const TimeBand& time) {
   const std::string prompts = time.prompts == 0 ? ""
                                                 : fmt::format("; plus {} prompt{} and the operator's time to answer",
                                                               time.prompts, time.prompts == 1 ? "" : "s");
-  if (time.runs == 0) return "by the model: no completed run of this recipe on this bench in the store" + prompts;
+  if (time.runs == 0) return "estimated (never run here)" + prompts;
   return fmt::format("learned from {} completed run{}{}", time.runs, time.runs == 1 ? "" : "s", prompts);
 }
 
@@ -75,28 +79,30 @@ ordered_json step_json(const Step& step) {
 
 void list_parameters(const std::vector<Recipe>& recipes, bool as_json) {
   ordered_json list = ordered_json::array();
-  if (!as_json) {
-    tty::print("{:<18}{:<14}{:>10}{:>10}  {:<20}{:<6}{}\n", "recipe", "parameter", "value", "default", "range", "unit",
-               "help");
-  }
+  doc::Table table{.columns = {{"recipe"},
+                               {"parameter"},
+                               {"value", true},
+                               {"default", true},
+                               {"range"},
+                               {"unit"},
+                               {.title = "help", .cut = true}}};
   for (const Recipe& recipe : recipes) {
     for (const sequences::Parameter& p : recipe.parameters) {
-      if (as_json) {
-        list.push_back({{"recipe", recipe.name},
-                        {"name", p.name},
-                        {"value", p.value},
-                        {"default", p.standard},
-                        {"low", p.low},
-                        {"high", p.high},
-                        {"unit", p.unit},
-                        {"help", p.help}});
-      } else {
-        tty::print("{:<18}{:<14}{:>10g}{:>10g}  {:<20}{:<6}{}\n", recipe.name, p.name, p.value, p.standard,
-                   fmt::format("{:g} to {:g}", p.low, p.high), p.unit, p.help);
-      }
+      list.push_back({{"recipe", recipe.name},
+                      {"name", p.name},
+                      {"value", p.value},
+                      {"default", p.standard},
+                      {"low", p.low},
+                      {"high", p.high},
+                      {"unit", p.unit},
+                      {"help", p.help}});
+      table.rows.push_back(
+          {{one_line(recipe.name), one_line(p.name), fmt::format("{:g}", p.value), fmt::format("{:g}", p.standard),
+            fmt::format("{:g} to {:g}", p.low, p.high), one_line(p.unit), one_line(p.help)}});
     }
   }
-  if (as_json) print_json("plan.parameters", {{"parameters", list}});
+  if (as_json) return print_json("plan.parameters", {{"parameters", list}});
+  print_table(std::move(table));
 }
 
 TimeEstimate estimate_time(const Plan& plan, const SplitOverrides& overrides, const Session& session) {
@@ -113,16 +119,17 @@ std::vector<std::string> nearest_texts(const LackingLevel& level, analysis::Pres
   return texts;
 }
 
-void print_lacking(const Plan& plan, const analysis::Limits& limits, analysis::PressureUnit unit) {
-  if (plan.lacking.empty()) tty::print("limits '{}': every level to be judged is measured\n", one_line(limits.name));
-  for (const LackingLevel& level : plan.lacking) {
-    tty::print("limits '{}': {} is not a level of {}{}; non-uniformity there will be inconclusive\n",
-               one_line(limits.name), unit.short_text(level.pressure_psi),
-               plan.recipes.size() == 1 ? "this recipe" : "these recipes",
-               level.nearest_psi.empty()
-                   ? std::string()
-                   : fmt::format(", whose nearest are {}", fmt::join(nearest_texts(level, unit), " and ")));
-  }
+std::string lacking_text(const Plan& plan, const analysis::Limits& limits, analysis::PressureUnit unit) {
+  const std::string name = one_line(limits.name);
+  if (plan.lacking.empty()) return fmt::format("limits '{}': every level to be judged is measured", name);
+  std::string text;
+  for (const LackingLevel& level : plan.lacking)
+    text += fmt::format("{}limits '{}': {} is not measured, inconclusive there{}", text.empty() ? "" : "\n", name,
+                        unit.short_text(level.pressure_psi),
+                        level.nearest_psi.empty()
+                            ? std::string()
+                            : fmt::format("; the nearest: {}", fmt::join(nearest_texts(level, unit), ", ")));
+  return text;
 }
 
 std::vector<db::DeviceRecord> instruments_of(const Plan& plan) {
@@ -142,15 +149,6 @@ ordered_json calibrations_json(const Plan& plan, const std::string& today) {
                     {"overdue", due_state(calibration, today) == analysis::DueState::kOverdue}});
   }
   return list;
-}
-
-void print_calibrations(const Plan& plan, const std::string& today, analysis::PressureUnit unit) {
-  tty::print("instruments that results are traced to:\n");
-  for (const db::DeviceRecord& record : instruments_of(plan)) {
-    const analysis::InstrumentCalibration calibration = analysis::calibration_of(record);
-    tty::print("  - {}, serial {}: {}\n", record.role, calibration.serial.empty() ? "not stated" : calibration.serial,
-               calibration_words(calibration, today, unit));
-  }
 }
 
 void print_plan_json(const Plan& plan, const TimeEstimate& time, bool steps) {
@@ -201,42 +199,51 @@ void print_plan_json(const Plan& plan, const TimeEstimate& time, bool steps) {
   print_json("plan", json);
 }
 
-void print_plan(const Plan& plan, const TimeEstimate& time, bool steps, analysis::PressureUnit unit) {
-  tty::print("{:<18}{:>8}{:>8}{:>12}{:>10}{:>21}\n", "recipe", "steps", "frames", "highest", "time", "10 to 90 %");
+void print_plan(const Plan& plan, const TimeEstimate& time, bool steps, const Session& session) {
+  const analysis::PressureUnit unit = session.unit();
+  doc::Document out;
+  const auto add = [&](const std::string& text) { out.add(doc::Paragraph{{text}}); };
+  doc::Table table{
+      .columns = {
+          {"recipe"}, {"steps", true}, {"frames", true}, {"highest", true}, {"time", true}, {"10 to 90 %", true}}};
   const auto row = [&](const std::string& name, const std::vector<Step>& of, const TimeBand& band) {
-    long frames = 0;
-    for (const Step& step : of) frames += takes_frame(step) ? 1 : 0;
+    const auto frames = std::ranges::count_if(of, [](const Step& step) { return takes_frame(step); });
     const sequences::Extremes e = sequences::extremes(of);
-    const std::string highest =
-        e.pressurizes ? unit.text(e.highest.value(), 1) : fmt::format("{:.1f} N", e.largest_force_n);
-    tty::print("{:<18}{:>8}{:>8}{:>12}{:>10}{:>21}\n", name, of.size(), frames, highest, clock_text(band.p50_s),
-               clock_text(band.p10_s) + " - " + clock_text(band.p90_s));
+    table.rows.push_back({{name, std::to_string(of.size()), std::to_string(frames),
+                           e.pressurizes ? unit.text(e.highest.value(), 1) : fmt::format("{:.1f} N", e.largest_force_n),
+                           clock_text(band.p50_s), clock_text(band.p10_s) + " to " + clock_text(band.p90_s)}});
   };
   const TimeBand total = time.total();
   const bool one = plan.recipes.size() == 1;
-  for (std::size_t i = 0; !one && i < plan.recipes.size(); ++i) {
+  for (std::size_t i = 0; !one && i < plan.recipes.size(); ++i)
     row(one_line(plan.recipes[i].name), sequences::compile(plan.recipes[i], static_cast<int>(i)), time.total_of(i));
-  }
   row(one ? one_line(plan.recipes.front().name) : "all", plan.steps, total);
-  tty::print("time in h:mm:ss of process time, {}\n", basis(total));
+  out.add(std::move(table));
+  add(fmt::format("time h:mm:ss, {}; about {:.1f} MB in the store", basis(total), plan.estimate.bytes / 1e6));
   for (const Recipe& recipe : plan.recipes)
-    if (!recipe.drawn.empty()) tty::print("{}: {}\n", one_line(recipe.name), recipe.drawn);
+    if (!recipe.drawn.empty()) add(fmt::format("{}: {}", one_line(recipe.name), recipe.drawn));
   for (const Margin& m : plan.margins) {
-    const bool pressure = m.unit == "psi";
-    const auto in = [&](double value) { return pressure ? unit.fixed(value, 2) : fmt::format("{:.2f}", value); };
-    const std::string of = pressure ? unit.symbol() : m.unit;
-    tty::print("{:<10}{:>8} to {} {}, limit {} {}, margin {} {}\n", m.axis, in(m.lowest), in(m.highest), of,
-               in(m.high_limit), of, in(m.margin()), of);
+    const auto in = [&](double value) {
+      return m.unit == "psi" ? unit.short_text(value) : fmt::format("{:.2f} {}", value, m.unit);
+    };
+    add(fmt::format("{} {} to {}, limit {}, margin {}", m.axis, in(m.lowest), in(m.highest), in(m.high_limit),
+                    in(m.margin())));
   }
-  if (const double force = sequences::extremes(plan.steps).largest_force_n; force > 0.0) {
-    tty::print("{:<10}{:>8.2f} N; the sensor's calibrated range is checked once it is open\n", "force up to", force);
+  if (const double force = sequences::extremes(plan.steps).largest_force_n; force > 0.0)
+    add(fmt::format("force up to {:.2f} N; the sensor's calibrated range is checked once it is open", force));
+  add(fmt::format("devices needed: {}", fmt::join(devices_needed(plan.recipes), ", ")));
+  const std::vector<std::string> layers = fail_safe_layers(plan.bench, unit);
+  if (!session.all) add(fmt::format("fail-safe: {} (--all)", analysis::counted(layers.size(), "layer")));
+  for (const std::string& layer : layers)
+    if (session.all || layer.starts_with("WARNING")) add("fail-safe: " + layer);
+  for (const db::DeviceRecord& record : instruments_of(plan)) {
+    const analysis::InstrumentCalibration calibration = analysis::calibration_of(record);
+    if (session.all)
+      add(fmt::format("{}, serial {}: {}", record.role, analysis::or_not_stated(calibration.serial),
+                      calibration_words(calibration, utc_now().substr(0, 10), unit)));
   }
-  tty::print("about {:.1f} MB in the store\n", plan.estimate.bytes / 1e6);
-  tty::print("devices needed: {}\n", fmt::join(devices_needed(plan.recipes), ", "));
-  print_calibrations(plan, utc_now().substr(0, 10), unit);
-  tty::print("fail-safe layers of bench '{}':\n", plan.bench.id);
-  for (const std::string& line : fail_safe_layers(plan.bench, unit)) tty::print("  - {}\n", line);
-  if (plan.limits) print_lacking(plan, *plan.limits, unit);
+  if (plan.limits) add(lacking_text(plan, *plan.limits, unit));
+  print_document(out, unit);
   if (!steps) return;
   for (const Step& step : plan.steps) tty::print("{}\n", step_line(step, unit.symbol(), unit.of(1.0)));
 }
@@ -275,7 +282,7 @@ void plan(const PlanOptions& options, Session& session) {
   if (session.json) {
     print_plan_json(plan, time, options.steps);
   } else {
-    print_plan(plan, time, options.steps, session.unit());
+    print_plan(plan, time, options.steps, session);
   }
 }
 
@@ -295,6 +302,7 @@ void add_plan(CLI::App& app, Session& session) {
                    "limits file: list levels to be judged that are not measured; exit code 6 when there are any");
   verb->add_flag("--steps", options->steps, "list every step in the order of the run");
   verb->add_flag("--parameters", options->parameters, "list the recipes' parameters instead");
+  add_all(*verb, session);
   verb->add_flag("--print", options->print, "print the recipe's file instead, with its comments");
   verb->add_option("--copy", options->copy, "begin a recipe of your own as a copy of this one: NAME, or NAME.toml")
       ->type_name("NAME");

@@ -77,17 +77,19 @@ ordered_json recipe_json(const RecipeFile& file, const std::string& path) {
 
 void list_recipes(const Session& session) {
   auto json = ordered_json::array();
-  if (!session.json) tty::print("{:<18}{:>8}{:>12}  {}\n", "recipe", "frames", "highest", "what it is");
+  analysis::doc::Table table{
+      .columns = {{"recipe"}, {"frames", true}, {"highest", true}, {.title = "what it is", .cut = true}}};
   for (const ShippedRecipe& shipped : shipped_recipes()) {
     if (session.json) {
       json.push_back(recipe_json(shipped.file, shipped.path));
       continue;
     }
     const RecipeExtent extent = extent_of(shipped.file.recipes, session.unit());
-    tty::print("{}{:>8}{:>12}  {}\n", cell(shipped.file.name, 18), extent.frames, extent.highest,
-               one_line(shipped.file.title));
+    table.rows.push_back(
+        {{shipped.file.name, std::to_string(extent.frames), extent.highest, one_line(shipped.file.title)}});
   }
   if (session.json) return print_json("plan.recipes", {{"recipes", json}});
+  print_table(std::move(table));
   tty::print("tactbench plan NAME shows more; plan NAME --copy MINE begins one of your own\n");
 }
 

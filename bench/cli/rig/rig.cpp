@@ -70,16 +70,16 @@ CheckedSubject checked(db::RunStore& store, const std::string& title, const std:
 void show_checked(const CheckedSubject& subject) {
   tty::print("{}, run {} ({}): {}\n", subject.title, subject.run, subject.followed.subject,
              judged_word(subject.followed));
-  for (const FollowedFigure& figure : subject.followed.figures) {
-    const std::string band = figure.chart.band
-                                 ? fmt::format("  {:.4g} to {:.4g}", figure.chart.band->low, figure.chart.band->high)
-                                 : std::string();
-    tty::print("  {:<32}{:>11.4g}{}{}\n", one_line(figure.name), figure.values.back(), band,
-               figure.missing   ? "  MISSING"
-               : figure.outside ? "  OUTSIDE"
-               : figure.shifted ? "  shifted"
-                                : "");
-  }
+  analysis::doc::Table table{.columns = {{"figure"}, {"value", true}, {"baseline"}, {}}};
+  for (const FollowedFigure& figure : subject.followed.figures)
+    table.rows.push_back(
+        {{one_line(figure.name), fmt::format("{:.4g}", figure.values.back()),
+          figure.chart.band ? fmt::format("{:.4g} to {:.4g}", figure.chart.band->low, figure.chart.band->high) : "",
+          figure.missing   ? "MISSING"
+          : figure.outside ? "OUTSIDE"
+          : figure.shifted ? "shifted"
+                           : ""}});
+  print_table(std::move(table));
 }
 
 nlohmann::ordered_json checked_json(const CheckedSubject& subject) {

@@ -60,11 +60,11 @@ CarriedOut carry_out(RunRequest& request, db::RunStore& store, const std::string
       request.resume == 0 ? 0 : store.frame_count(request.resume) - store.void_frame_count(request.resume);
   const TimeBand band = estimate.remaining(frames > 0 ? steps_done(steps, frames) : 0);
   const std::string basis =
-      band.runs > 0 ? fmt::format("learned from {} run{}", band.runs, band.runs == 1 ? "" : "s") : "by the model";
+      band.runs > 0 ? fmt::format("learned from {} run{}", band.runs, band.runs == 1 ? "" : "s") : "never run here";
   const std::string estimated =
       fmt::format("{}{} ({} to {}, {})", clock_text(band.p50_s), prompts_text(request.assume_yes ? 0 : band.prompts),
                   clock_text(band.p10_s), clock_text(band.p90_s), basis);
-  if (!session.quiet) progress.note(fmt::format("estimated, h:mm:ss of process time: {}", estimated));
+  if (!session.quiet) progress.note(fmt::format("estimated {}", estimated));
   RunResult result = characterize(request, store, progress);
   if (result.error)
     throw result.error->with_rig_state(result.error_state.in(session.unit()), result.safe == db::SafeState::kVerified);
@@ -84,11 +84,13 @@ void show_run_result(const CarriedOut& done, const Session& session) {
     print_json("run", json);
     return;
   }
+  const double worked = result.process_seconds - result.waiting_seconds;
   tty::print("{}\n", run_line(result, session.unit()));
-  const std::string waited =
-      result.waiting_seconds < 1.0 ? "" : fmt::format(" and {} of waiting", clock_text(result.waiting_seconds));
-  tty::print("took {} of process time{}, estimated {}\n{}\n",
-             clock_text(result.process_seconds - result.waiting_seconds), waited, done.estimated, result.time_spent);
+  if (!session.quiet)
+    tty::print(
+        "took {}{}, estimated {}\n", clock_text(worked),
+        result.waiting_seconds < 1.0 ? "" : fmt::format(" and {} of waiting", clock_text(result.waiting_seconds)),
+        done.estimated);
 }
 
 // Before any device is opened; the run stores the same as events.
@@ -143,8 +145,10 @@ CarriedOut begin_and_carry_out(const RunOptions& options, const Session& session
 }  // namespace
 
 std::string run_line(const RunResult& result, analysis::PressureUnit unit) {
-  return fmt::format("run {}: {}, {} in {:.0f} min of process time; {}", result.run, db::to_string(result.outcome),
-                     analysis::counted(result.frames_kept, "frame"), result.process_seconds / 60.0,
+  const double seconds = result.process_seconds;
+  return fmt::format("run {}: {}, {} in {}; {}", result.run, db::to_string(result.outcome),
+                     analysis::counted(result.frames_kept, "frame"),
+                     seconds < 100.0 ? fmt::format("{:.0f} s", seconds) : fmt::format("{:.0f} min", seconds / 60.0),
                      result.safe_text.in(unit));
 }
 

@@ -99,6 +99,7 @@ void accept_baseline(const BaselineOptions& options, const Session& session) {
 void list_baselines(const Session& session) {
   const db::RunStore store = db::RunStore::open_read_only(session.db);
   auto json = nlohmann::ordered_json::array();
+  analysis::doc::Table table{.columns = {{"no.", true}, {"subject"}, {"runs", true}, {"accepted"}, {"by"}, {"reason"}}};
   for (const db::BaselineRecord& baseline : store.baselines()) {
     json.push_back({{"baseline", baseline.baseline},
                     {"subject", baseline.subject},
@@ -106,10 +107,9 @@ void list_baselines(const Session& session) {
                     {"accepted_by", baseline.accepted_by},
                     {"accepted_utc", baseline.accepted_utc},
                     {"runs", baseline.runs}});
-    if (!session.json)
-      tty::print("{:>4}  {:<36} {:>8}  {}  {}: {}\n", baseline.baseline, one_line(baseline.subject),
-                 analysis::counted(baseline.runs.size(), "run"), one_line(baseline.accepted_utc),
-                 one_line(baseline.accepted_by), one_line(baseline.reason));
+    table.rows.push_back(
+        {{std::to_string(baseline.baseline), one_line(baseline.subject), std::to_string(baseline.runs.size()),
+          one_line(baseline.accepted_utc.substr(0, 10)), one_line(baseline.accepted_by), one_line(baseline.reason)}});
   }
   if (session.json) return print_json("trend.baselines", {{"store", session.db}, {"baselines", json}});
   if (json.empty())
@@ -117,6 +117,8 @@ void list_baselines(const Session& session) {
         "no baseline is accepted: tactbench trend accept RUNS --reason TEXT --by NAME accepts runs whose figures "
         "tactbench trend lists, at least {}\n",
         analysis::kLeastStartUp);
+  else
+    print_table(std::move(table));
 }
 
 }  // namespace

@@ -131,11 +131,14 @@ void diff_runs(std::int64_t first, std::int64_t second, Session& session) {
                              {"first_frame_difference", what}});
     return;
   }
-  for (const RunDifference& d : found) {
-    tty::print("{:<40} {} | {}\n", one_line(d.what), one_line(d.first), one_line(d.second));
-  }
-  for (const RunDifference& d : remarked)
-    tty::print("{:<40} {} | {}  (a remark: does not count)\n", one_line(d.what), one_line(d.first), one_line(d.second));
+  analysis::doc::Table table{
+      .columns = {{"what"}, {fmt::format("run {}", first)}, {fmt::format("run {}", second)}, {}}};
+  const auto add = [&](const RunDifference& d, const char* remark) {
+    table.rows.push_back({{one_line(d.what), one_line(d.first), one_line(d.second), remark}});
+  };
+  for (const RunDifference& d : found) add(d, "");
+  for (const RunDifference& d : remarked) add(d, "remark: does not count");
+  if (!table.rows.empty()) print_table(std::move(table));
   tty::print("frames: {} of run {} and {} of run {}, {} equal in place\n", frames_a.size(), first, frames_b.size(),
              second, equal);
   if (position != 0) tty::print("first frame that differs: {}: {}\n", position, what);

@@ -15,6 +15,7 @@
 #include "analysis/error.h"
 #include "analysis/json_io.h"
 #include "analysis/report/parts.h"
+#include "bench/cli/judgement_words.h"
 #include "bench/cli/runs/runs_list.h"
 #include "bench/cli/session.h"
 #include "bench/config/calibration_words.h"
@@ -38,7 +39,14 @@ void check_since(const std::string& since) {
               "write it as 2026-01-31, or 2026-01-31T12:00:00Z (UTC)");
 }
 
-// As in the column.
+// "2026-01-31 12:00".
+std::string minute_of(const std::string& utc) {
+  std::string text = utc.substr(0, 16);
+  std::ranges::replace(text, 'T', ' ');
+  return one_line(text);
+}
+
+// As JSON has it.
 std::string verdict_cell(std::optional<analysis::Verdict> verdict, const std::string& origin) {
   return verdict ? shown_verdict(*verdict, origin) : "-";
 }
@@ -78,10 +86,8 @@ RunsList::RunsList(const RunsListOptions& options, const Session& session)
       wanted_(options.verdict),
       rows_(std::make_unique<nlohmann::ordered_json>(nlohmann::ordered_json::array())) {
   if (!options.since.empty()) check_since(options.since);
-  if (!session.json) {
-    tty::print("{:>5}  {:<21}{:<12}{:<13}{:>7}  {}{:<11}{}\n", "run", "started (UTC)", "sensor", "outcome", "frames",
-               cell("verdict", verdict_columns()), "origin", "recipe; purpose [tags]");
-  }
+  table_.columns = {{"run", true},    {"started (UTC)"}, {"sensor"}, {"outcome"},
+                    {"frames", true}, {"verdict"},       {"origin"}, {.title = "purpose; recipes [tags]", .cut = true}};
 }
 
 bool RunsList::takes(const db::RunRecord& run, std::optional<analysis::Verdict> verdict) {
@@ -105,22 +111,32 @@ void RunsList::add(const ListedRun& listed, nlohmann::ordered_json row) {
     rows_->push_back(std::move(row));
     return;
   }
-  const std::string remarks = fmt::format("{}{}{}{}{}", listed.means_alone ? "of means alone; " : "", recipe_cell(run),
-                                          run.purpose.empty() ? "" : "; " + run.purpose,
-                                          run.tags.empty() ? "" : fmt::format(" [{}]", fmt::join(run.tags, " ")),
-                                          run.is_void() ? fmt::format(" VOID: {}", run.void_reason) : "");
-  const std::string gone =
-      listed.pruned ? fmt::format(" ({} removed)", analysis::counted(listed.pruned->frames, "frame")) : "";
-  const std::string state = !listed.lives ? "" : *listed.lives ? " (under way)" : " (no process carries it out)";
-  tty::print("{:>5}  {}{}{:<13}{:>7}  {}{}{}\n", run.run, cell(run.started_utc, 21), cell(run.sensor_serial, 12),
-             db::to_string(run.outcome), listed.frames, cell(verdict, verdict_columns()), cell(run.origin, 11),
-             one_line(fmt::format("{}{}{}", remarks, gone, state)));
+  origins_.insert(run.origin);
+  const std::string remarks =
+      fmt::format("{}{}{}{}{}{}", run.is_void() ? fmt::format("VOID: {}; ", run.void_reason) : "",
+                  !listed.lives   ? ""
+                  : *listed.lives ? "under way; "
+                                  : "no process carries it out; ",
+                  listed.pruned ? fmt::format("{} removed; ", analysis::counted(listed.pruned->frames, "frame")) : "",
+                  run.purpose.empty() ? "" : run.purpose + "; ", recipe_cell(run),
+                  run.tags.empty() ? "" : fmt::format(" [{}]", fmt::join(run.tags, " ")));
+  const std::string word =
+      listed.verdict ? to_string(*listed.verdict) + std::string(listed.means_alone ? ", means" : "") : "-";
+  table_.rows.push_back(
+      {{std::to_string(run.run), minute_of(run.started_utc), one_line(run.sensor_serial), db::to_string(run.outcome),
+        std::to_string(listed.frames), word, run.origin, one_line(remarks)}});
 }
 
 void RunsList::end(bool any_stored) {
-  if (session_.json) {
-    print_json("runs.list", {{"runs", *rows_}, {"void_left_out", left_out_}});
-  } else if (left_out_ > 0) {
+  if (session_.json) return print_json("runs.list", {{"runs", *rows_}, {"void_left_out", left_out_}});
+  if (origins_.size() == 1) {  // said once
+    constexpr std::ptrdiff_t kOrigin = 6;
+    table_.columns.erase(table_.columns.begin() + kOrigin);
+    for (analysis::doc::Row& row : table_.rows) row.cells.erase(row.cells.begin() + kOrigin);
+    if (*origins_.begin() != "hardware") table_.caption = "all " + *origins_.begin();
+  }
+  if (listed_ > 0) print_table(std::move(table_));
+  if (left_out_ > 0) {
     tty::print("{} void {} left out (--all)\n", left_out_, left_out_ == 1 ? "run" : "runs");
   } else if (listed_ == 0) {
     tty::print("{}\n", any_stored ? "no stored run has all that was asked for"
@@ -145,20 +161,28 @@ void list_runs(const RunsListOptions& options, const Session& session) {
 
 namespace {
 
-// One table for each pair of models and limits.
+// A judgement for each pair of models and limits.
 void print_judgements(const std::vector<analysis::JudgedFigure>& verdicts, const std::string& origin,
-                      analysis::PressureUnit unit) {
-  std::vector<std::vector<analysis::JudgedFigure>> tables;
+                      const Session& session) {
+  std::vector<analysis::Judgement> judgements;
   for (const analysis::JudgedFigure& verdict : verdicts) {
-    const auto same = std::ranges::find_if(tables, [&](const std::vector<analysis::JudgedFigure>& rows) {
-      return rows.front().model_run == verdict.model_run && rows.front().limits_sha256 == verdict.limits_sha256;
+    const auto same = std::ranges::find_if(judgements, [&](const analysis::Judgement& judgement) {
+      const analysis::JudgedFigure& front = judgement.figures.front();
+      return front.model_run == verdict.model_run && front.limits_sha256 == verdict.limits_sha256;
     });
-    (same == tables.end() ? tables.emplace_back() : *same).push_back(verdict);
+    (same == judgements.end() ? judgements.emplace_back() : *same).figures.push_back(verdict);
   }
-  for (const std::vector<analysis::JudgedFigure>& rows : tables)
-    tty::print("\nmodels of {}, limits sha256 {}\n{}",
-               rows.front().model_run == 0 ? "no stored run" : fmt::format("run {}", rows.front().model_run),
-               rows.front().limits_sha256.substr(0, 12), verdict_table(rows, origin, unit));
+  for (analysis::Judgement& judgement : judgements) {
+    conclude(judgement);
+    if (judgements.size() > 1)
+      tty::print("models of {}, limits sha256 {}\n",
+                 judgement.figures.front().model_run == 0 ? "no stored run"
+                                                          : fmt::format("run {}", judgement.figures.front().model_run),
+                 judgement.figures.front().limits_sha256.substr(0, 12));
+    analysis::doc::Document out = judgement_document(judgement, origin, session.unit(), session.all);
+    if (session.quiet) out.blocks.resize(1);
+    print_document(out, session.unit());
+  }
 }
 
 // Which simulated sensor it was; empty for another origin, or where the bench's text can no longer be read.
@@ -214,63 +238,66 @@ void show_run(std::int64_t number, const Session& session, bool all_events) {
     print_json("runs.show", json);
     return;
   }
-  tty::print("run {} ({})\n", run.run, run.uuid);
-  const auto line = [](const char* name, const std::string& value) {
-    tty::print("  {:<14}{}\n", name, value.empty() ? "not stated" : one_line(value, kLongestText));
+  print_judgements(verdicts, run.origin, session);
+  if (session.quiet && !verdicts.empty()) return;
+  namespace doc = analysis::doc;
+  std::vector<std::pair<std::string, doc::Phrase>> lines;
+  const auto line = [&](const char* name, const std::string& value) {
+    lines.emplace_back(name, value.empty() ? "not stated" : one_line(value, kLongestText));
   };
+  const bool all = session.all || all_events;
+  const auto at = [](std::int64_t time_ns) { return fmt::format("{:9.3f} s", static_cast<double>(time_ns) * 1e-9); };
   if (run.is_void()) line("VOID", fmt::format("{} ({}, {})", run.void_reason, run.void_by, run.void_utc));
-  line("origin", run.origin);
-  line("outcome", fmt::format("{}: {}", db::to_string(run.outcome), run.reason));
+  line("run", fmt::format("{}, {}, {} ({})", run.run, run.origin, db::to_string(run.outcome), run.reason));
   line("safe state", db::to_string(run.safe_state));
   line("sensor", fmt::format("{}, scanner {}", analysis::or_not_stated(run.sensor_serial),
                              analysis::or_not_stated(analysis::scanner_serial_of(run))));
   if (const std::string specimen = specimen_text(run); !specimen.empty()) line("specimen", specimen);
-  line("operator", run.operator_name);
-  line("purpose", run.purpose);
-  line("bench", run.bench_id.empty() ? std::string()
-                                     : fmt::format("{} (sha256 {})", run.bench_id, run.bench_sha256.substr(0, 12)));
-  line("started", run.started_utc);
-  line("ended", run.ended_utc);
-  line("program", fmt::format("{} ({}{})", run.program_version, run.git_commit, run.git_dirty ? ", modified" : ""));
-  line("content", run.content_sha256);
+  line("started", fmt::format("{}, ended {}", run.started_utc, analysis::or_not_stated(run.ended_utc)));
+  line("by", analysis::or_not_stated(run.operator_name) + (run.purpose.empty() ? "" : "; " + run.purpose));
+  line("bench", run.bench_id);
   if (!run.tags.empty()) line("tags", fmt::format("{}", fmt::join(run.tags, " ")));
   std::istringstream notes(run.notes);
   for (std::string note; std::getline(notes, note);) line("note", note);
-  for (const db::SequenceRecord& sequence : run.sequences) {
-    line("recipe",
-         fmt::format("{}: {} x {} (sha256 {})", sequence.name, sequence.repeats,
-                     analysis::counted(sequence.frames_per_repeat, "frame"), sequence.recipe_sha256.substr(0, 12)));
-  }
-  for (const db::DeviceRecord& device : run.devices) {
-    line("device", fmt::format("{}: {}, serial {}, {}", device.role, device.model,
-                               device.serial.empty() ? "not stated" : device.serial, device.origin));
-    // Devices with a certificate; the bench file states none for a scanner or a module.
-    if (device.calibration_json.find("\"certificate\"") != std::string::npos)
-      line("", calibration_words(analysis::calibration_of(device), run.started_utc, session.unit()));
-  }
+  std::vector<std::string> recipes;
+  for (const db::SequenceRecord& sequence : run.sequences)
+    recipes.push_back(fmt::format("{} ({} x {})", sequence.name, sequence.repeats, sequence.frames_per_repeat));
+  line("recipes", fmt::format("{}", fmt::join(recipes, ", ")));
   line("frames", pruned ? fmt::format("none: {} were removed on {}, by the rule: {}", pruned->frames,
                                       pruned->pruned_utc, pruned->rule)
                         : std::to_string(store.frame_count(number)));
   for (const db::FitRecord& fit : fits)
     line("model", fmt::format("{}:{}: {}, {}, {}", number, fit.fit, fit.model, analysis::counted(fit.fitted, "taxel"),
                               fit.created_utc));
-  for (const db::CheckRecord& check : checks) {
-    line("check", fmt::format("{:9.3f} s  {} {}: {}", static_cast<double>(check.time_ns) * 1e-9, check.kind,
-                              check.verdict, check_line(check)));
+  for (const db::DeviceRecord& device : run.devices) {
+    // Devices with a certificate; the bench file states none for a scanner or a module.
+    const bool calibrated = device.calibration_json.find("\"certificate\"") != std::string::npos;
+    if (!all && !calibrated) continue;
+    line("device", fmt::format("{}: {}, serial {}, {}{}", device.role, device.model,
+                               device.serial.empty() ? "not stated" : device.serial, device.origin,
+                               calibrated ? "; " + calibration_words(analysis::calibration_of(device), run.started_utc,
+                                                                     session.unit())
+                                          : ""));
   }
-  std::size_t quiet = 0;
+  for (const db::CheckRecord& check : checks)
+    if (all || check.verdict != "pass")
+      line("check", fmt::format("{}  {} {}: {}", at(check.time_ns), check.kind, check.verdict, check_line(check)));
   for (const db::EventRecord& event : events) {
-    if (!all_events && !shows_progress(event)) {
-      ++quiet;
-      continue;
-    }
-    line("event", fmt::format("{:9.3f} s  {} {} {}", static_cast<double>(event.time_ns) * 1e-9, event.kind, event.id,
-                              event.detail));
+    if (event.kind == "time") line("time", event.detail);
+    if (all_events || shows_progress(event))
+      line("event", fmt::format("{}  {} {} {}", at(event.time_ns), event.kind, event.id, event.detail));
   }
-  if (quiet > 0) line("events", fmt::format("{} more, of commands and readings: runs show {} --events", quiet, number));
-  if (verdicts.empty()) return;
-  tty::print("\nverdict: {}{}\n", word, means_alone ? ", of means alone: no limit on single readings" : "");
-  print_judgements(verdicts, run.origin, session.unit());
+  if (all) {
+    line("uuid", run.uuid);
+    line("program", fmt::format("{} ({}{})", run.program_version, run.git_commit, run.git_dirty ? ", modified" : ""));
+    line("content", run.content_sha256);
+    line("bench file", "sha256 " + run.bench_sha256);
+    for (const db::SequenceRecord& sequence : run.sequences)
+      line("recipe file", fmt::format("{}: sha256 {}", sequence.name, sequence.recipe_sha256));
+  }
+  doc::Document out;
+  out.add(doc::pairs({}, std::move(lines)));
+  print_document(out, session.unit());
 }
 
 void add_runs_list_options(CLI::App& verb, RunsListOptions& options) {
@@ -295,6 +322,7 @@ void add_runs(CLI::App& app, Session& session) {
   auto all_events = std::make_shared<bool>(false);
   show_verb->add_option("run", *number, "run number")->required();
   show_verb->add_flag("--events", *all_events, "all events, also commands to actuators and readings");
+  add_all(*show_verb, session);
   show_verb->callback([number, all_events, &session] { show_run(*number, session, *all_events); });
   add_run_remarks(*runs, session);
   add_run_export(*runs, session);

@@ -20,7 +20,7 @@ bool shows_psi(const std::string& text) { return std::regex_search(text, std::re
 
 TEST_CASE("plan, recipes and errors in kPa and bar, and JSON as it is") {
   const TemporaryFolder folder;
-  const std::vector<std::string> plan = {"plan", "production", "--steps"};
+  const std::vector<std::string> plan = {"plan", "production", "--steps", "--all"};
   const std::string kpa = call(folder, joined_words(plan, {"--units", "kpa"})).out;
   CHECK_THAT(kpa, Catch::Contains(" 413.7 kPa") && Catch::Contains("455.1 kPa"));
   CHECK_FALSE(shows_psi(kpa));
@@ -45,7 +45,7 @@ TEST_CASE("units of the profile, a run, its verdicts and its report") {
     CHECK_THAT(run.out, Catch::Contains("vented") && Catch::Contains("kPa"));
     CHECK_FALSE(shows_psi(run.out));
   }
-  const Finished fit = call(folder, {"fit", "1", "-q"}, {"judge", "1", "2", "-q"});
+  const Finished fit = call(folder, {"fit", "1", "-q"}, {"judge", "1", "2", "--all"});
   CHECK_THAT(fit.out, Catch::Contains("8.27 kPa") && Catch::Contains("275.8 kPa"));
   CHECK_FALSE(shows_psi(fit.out));
   CHECK_THAT(call(folder, {"runs", "show", "1"}).out, Catch::Contains("0.345 kPa"));
@@ -74,8 +74,9 @@ TEST_CASE("devices test and resume print kPa, and numbers that are those in psi"
   };
   // One number behind a figure's name.
   const auto figure = [](const std::string& text, const std::string& name) {
-    const std::size_t at = text.find("  " + name + " ");
-    return at == std::string::npos ? -1.0 : std::stod(text.substr(at + name.size() + 3));
+    const std::size_t at = text.find("\n" + name + " ");
+    REQUIRE(at != std::string::npos);
+    return std::stod(text.substr(at + name.size() + 2));
   };
   const std::string kpa = check("kPa"), psi = check("psi");
   CHECK(kpa.find("psi") == std::string::npos);

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "analysis/report/document/printers.h"
 #include "bench/cli/judgement_words.h"
 #include "bench/cli/session.h"
 #include "bench/common/error.h"
@@ -33,6 +34,69 @@ TEST_CASE("each verdict has its exit code, and what is worse never ends better")
     CHECK(place >= before);
     before = place;
   }
+}
+
+namespace {
+
+using analysis::by_hand::judged_figure;
+using analysis::by_hand::judgement_of;
+
+analysis::JudgedFigure mean_error(std::int64_t run, double value, double limit, Verdict verdict) {
+  return judged_figure(run, analysis::Criterion::kMeanError, value, limit, verdict);
+}
+
+constexpr analysis::PressureUnit kPsi = analysis::PressureUnit::kPsi;
+
+std::string shown(const analysis::Judgement& judgement, bool all = false) {
+  return to_text(judgement_document(judgement, "simulated", kPsi, all), kPsi, 200);
+}
+
+std::size_t times(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+}  // namespace
+
+TEST_CASE("the verdict stands first, as the exit code says it, with the figure that decides") {
+  for (const Verdict verdict :
+       {Verdict::kPass, Verdict::kConditionalPass, Verdict::kConditionalFail, Verdict::kInconclusive, Verdict::kFail}) {
+    INFO(to_string(verdict));
+    const analysis::Judgement judgement =
+        judgement_of({mean_error(2, 0.125, 3.0, Verdict::kPass), mean_error(3, 6.25, 3.0, verdict)});
+    const ExitCode code = exit_code_of(verdict);
+    const std::string word = large_verdict(judgement), text = shown(judgement);
+    CHECK(word == (code == ExitCode::kPass ? "PASS" : code == ExitCode::kInconclusive ? "INCONCLUSIVE" : "FAIL"));
+    CHECK(text.starts_with(word + " (simulated)"));
+    CHECK(text.substr(0, text.find('\n')).find("6.25 psi") != std::string::npos);
+    CHECK(times(text, "simulated") == 1);
+    CHECK(times(text, word) == 1);
+  }
+  CHECK(large_verdict(judgement_of({mean_error(2, 1.0, 3.0, Verdict::kReportOnly)})).empty());
+  analysis::Judgement own = judgement_of({mean_error(2, 1.0, 3.0, Verdict::kPass)});
+  own.not_judged = {analysis::Remark::Kind::kNoIndependentData};
+  conclude(own);
+  CHECK(large_verdict(own) == "INCONCLUSIVE");
+}
+
+TEST_CASE("a pass of means alone says so, and what passes is listed on request alone") {
+  std::vector<analysis::JudgedFigure> figures;
+  for (const double value : {0.5, 1.5, 2.5, 1.0}) figures.push_back(mean_error(2, value, 3.0, Verdict::kPass));
+  CHECK(times(headline(judgement_of(figures), "hardware", kPsi), "means") == 1);
+  const std::string brief = shown(judgement_of(figures)), all = shown(judgement_of(figures), true);
+  for (const char* value : {"0.50 psi", "1.50 psi", "1.00 psi"}) {
+    CHECK(times(brief, value) == 0);
+    CHECK(times(all, value) == 1);
+  }
+  CHECK(times(brief, "2.50 psi") == 1);  // the closest to its limit
+  figures.push_back(judged_figure(2, analysis::Criterion::kMpe, 1.0, 3.0, Verdict::kPass));
+  CHECK(times(headline(judgement_of(figures), "hardware", kPsi), "means") == 0);
+  figures.push_back(mean_error(3, 9.0, 3.0, Verdict::kFail));
+  figures.push_back(mean_error(4, 8.0, 3.0, Verdict::kFail));
+  const std::string failed = shown(judgement_of(figures));
+  CHECK(failed.find("9.00 psi") < failed.find("8.00 psi"));
+  CHECK(failed.find("8.00 psi") < failed.find("2.50 psi"));  // the closest pass
 }
 
 TEST_CASE("a suite can expect every verdict that a store can hold, and no other") {

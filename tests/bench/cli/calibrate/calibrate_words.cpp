@@ -1,4 +1,4 @@
-// What `calibrate` says of a verdict: the large word, its reason in one line, the bad taxels.
+// What `calibrate` says beside a verdict: the bad taxels, and the words that carry on.
 #include "bench/cli/calibrate/calibrate_words.h"
 
 #include <catch2/catch.hpp>
@@ -21,11 +21,8 @@ using analysis::Verdict;
 using analysis::by_hand::judged_figure;
 using analysis::by_hand::judgement_of;
 
-const JudgedFigure kGood = judged_figure(2, Criterion::kDistanceOfMean, 0.001, 0.015, Verdict::kPass);
 const JudgedFigure kDead = judged_figure(2, Criterion::kUnfitTaxels, 1, 0, Verdict::kFail);
 const JudgedFigure kWorst = judged_figure(2, Criterion::kWorstTaxelError, 3.4, 3, Verdict::kFail);
-
-JudgedFigure with(Verdict verdict) { return judged_figure(2, Criterion::kMismatch, 1, 1, verdict); }
 
 // 2 x 3 taxels, of which numbers 1 and 5 have no model; the worst one on the held-out run is number 3.
 JudgedFit small_fit() {
@@ -47,37 +44,7 @@ JudgedFit small_fit() {
   return fit;
 }
 
-std::string large_of(std::vector<JudgedFigure> rows) { return large_verdict(judgement_of(std::move(rows))); }
-
 }  // namespace
-
-TEST_CASE("calibrate words: the large word is as the exit code, and there is none without a statement") {
-  CHECK(large_of({kGood}) == "PASS");
-  CHECK(large_of({kGood, with(Verdict::kConditionalPass)}) == "PASS");
-  CHECK(large_of({kGood, with(Verdict::kConditionalFail)}) == "INCONCLUSIVE");
-  CHECK(large_of({kGood, with(Verdict::kInconclusive)}) == "INCONCLUSIVE");
-  CHECK(large_of({kGood, with(Verdict::kInconclusive), kDead}) == "FAIL");
-  CHECK(large_of({with(Verdict::kReportOnly)}).empty());
-  analysis::Judgement own;
-  own.figures = {kGood};
-  own.not_judged = {analysis::Remark::Kind::kNoIndependentData};
-  conclude(own);
-  CHECK(large_verdict(own) == "INCONCLUSIVE");
-}
-
-TEST_CASE("calibrate words: a pass of means alone says so in the line of the verdict") {
-  CalibrationResult result;
-  result.fit = small_fit();
-  const auto line = [&](std::vector<JudgedFigure> figures) {
-    result.judgement = judgement_of(std::move(figures));
-    const std::string page = verdict_page(result);
-    const std::size_t at = page.find("sensor ");
-    return page.substr(at, page.find('\n', at) - at);
-  };
-  CHECK_THAT(line({kGood}), Catch::Contains("pass, of means alone"));
-  CHECK_THAT(line({kGood, judged_figure(2, Criterion::kMpe, 1, 3, Verdict::kPass)}),
-             Catch::Contains("pass") && !Catch::Contains("means"));
-}
 
 TEST_CASE("calibrate words: bad taxels by row and column, the worst one only where its criterion fails") {
   CHECK(bad_taxels(small_fit(), judgement_of({kDead})).size() == 2);
