@@ -11,7 +11,7 @@
 
 namespace tactbench::bench {
 
-// A run checked with models of an earlier one, as `fit --check` does.
+// A run checked with models of an earlier one, as `model check` does.
 struct SensorDrift {
   std::int64_t run = 0, model_run = 0;
   std::string since_utc;  // start of the earliest run from which on all were off; empty: not drifted

@@ -145,13 +145,13 @@ Report render_table_report(const TableReportInput& input) {
   return report;
 }
 
-std::string summary_text(const TableReportInput& input, PressureUnit unit, std::size_t width) {
+doc::Document summary_of(const TableReportInput& input, PressureUnit unit) {
   Document body;
   if (input.models.empty())
     body.add(none_text(input));
   else
     body.add(errors_table(input, unit));
-  return to_text(body, unit, width);
+  return body;
 }
 
 }  // namespace tactbench::analysis

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "analysis/identify/histories.h"
+#include "analysis/report/document/document.h"
 #include "analysis/report/report.h"
 #include "analysis/statistics/scoring/model_score.h"
 
@@ -21,6 +22,6 @@ struct TableReportInput {
 
 Report render_table_report(const TableReportInput& input);
 // The models and their errors, for a terminal of so many columns.
-std::string summary_text(const TableReportInput& input, PressureUnit unit, std::size_t width);
+doc::Document summary_of(const TableReportInput& input, PressureUnit unit);
 
 }  // namespace tactbench::analysis

@@ -27,8 +27,8 @@ struct FitModelsOptions {
   analysis::IdentifyOptions identify;
   std::string mount, interface_material;  // for the model's validity
   TableOptions table;
-  std::string output, plot;  // files: of the one model; of loop and models as SVG
-  bool mean_taxel = false;   // that one alone
+  std::string output, plot, html;  // files: of the one model; of loop and models as SVG; of their comparison
+  bool mean_taxel = false;         // that one alone
 };
 
 void fit_models(const FitModelsOptions& options, Session& session);

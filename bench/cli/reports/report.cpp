@@ -216,7 +216,7 @@ WrittenReport table_report(analysis::Runs& runs, const ReportOptions& options, c
   }
   WrittenReport out;
   out.report = analysis::render_table_report(input);
-  out.summary = analysis::summary_text(input, session.unit(), kTerminalColumns);
+  out.summary = summary_of(input, session.unit());
   out.started_utc = run.started_utc;
   out.judgements.emplace_back();
   place(out, runs.store(), options, run, fmt::format("run-{}", run.run), "run-" + out.report.number);
@@ -293,10 +293,11 @@ void report_runs(ReportOptions options, Session& session) {
     print_json("report", json);
     return;
   }
+  print_document(written.summary, session.unit());
   for (std::size_t i = 0; one && i < written.judgements.size(); ++i) {
     const analysis::Judgement& judgement = written.judgements[i];
     analysis::doc::Document out = judgement_document(judgement, written.origin, session.unit(), session.all);
-    if (session.quiet) out.blocks.resize(1);
+    if (session.quiet && out.blocks.size() > 1) out.blocks.resize(1);
     print_document(out, session.unit());
   }
   tty::print("report {}: {}{}\n", written.report.number, path,

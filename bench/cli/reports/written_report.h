@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/report/document/document.h"
 #include "analysis/report/report.h"
 #include "bench/cli/reports/report_options.h"
 #include "bench/reporting/judgement.h"
@@ -14,6 +15,7 @@ struct WrittenReport {
   analysis::Report report;
   std::vector<analysis::Judgement> judgements;      // of one run, or of each run on the page
   std::string origin, started_utc, path, run_uuid;  // run_uuid: of the first
+  analysis::doc::Document summary;                  // of a table, which has no judgement
   bool written = true;                              // false: the file held this report already, signed
 };
 

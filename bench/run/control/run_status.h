@@ -36,8 +36,8 @@ struct RunStatus {
   int step = 0, steps = 0;
   // Stored by this process and earlier ones: in branches that count, and in void ones. By the recipes.
   std::int64_t frames = 0, frames_void = 0, frames_planned = 0;
-  // Process time (real time where rate is 0): median and 10-90 % band, without waits; prompts are counted apart. Without
-  // an estimate the band is 0, and left_s by the pace so far; 0: not known yet.
+  // Process time (real time where rate is 0): median and 10-90 % band, without waits; prompts are counted apart.
+  // Without an estimate the band is 0, and left_s by the pace so far; 0: not known yet.
   double left_s = 0.0, left_low_s = 0.0, left_high_s = 0.0;
   int prompts_left = 0;
   double rate = 1.0;                    // process seconds in a real second; 0: the clock is turned by the program

@@ -135,7 +135,7 @@ TEST_CASE("fit --plot draws the measured loop and each model, and another kind o
 TEST_CASE("an imported table has a report of its loop and its models' errors, without and with models") {
   const FolderOfTables of;
   const std::string db = of.folder.path("runs.db");
-  REQUIRE(verb_here(bench::add_import, {"import", of.folder.path("t.csv"), "--db", db}).code == 0);
+  REQUIRE(verb_here(bench::add_runs, {"runs", "import", of.folder.path("t.csv"), "--db", db}).code == 0);
   const auto report = [&] {
     const std::string file = of.folder.path("r.json");
     CHECK(verb_here(bench::add_report, {"report", "1", "--db", db, "--format", "json", "-o", file}).code == 0);
@@ -153,7 +153,7 @@ TEST_CASE("an imported table has a report of its loop and its models' errors, wi
   CHECK(verb_here(bench::add_report, {"report", "1", "--db", db}).code == 0);
   const std::string page = read_file(of.folder.path("reports/run-1.html"));
   CHECK_THAT(page, Catch::Contains("<svg") && Catch::Contains("monotone"));
-  CHECK(verb_here(bench::add_report, {"report", "1", "--db", db, "--approve-by", "K. Lee"}).code == 2);
+  CHECK(verb_here(bench::add_report, {"report", "sign", "1", "--db", db, "--by", "K. Lee"}).code == 2);
 }
 
 TEST_CASE("fit: options reach the models that they are of") {
