@@ -8,6 +8,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "analysis/json_io.h"
 #include "bench/common/error_table.h"
 #include "bench/common/for_people.h"
 #include "bench/page/lists.h"
@@ -160,9 +161,9 @@ void RunOnShow::read_run(std::int64_t run) {
     return !newest_safe_ || events_.size() < kShownEvents;
   });
   last_frame_ = store_->last_position(run);
-  verdict_ = {};
+  verdict_.clear();
   if (record.outcome != db::Outcome::kIncomplete)
-    verdict_ = calibration_verdict_json(*store_, standing(*store_, run), run);
+    verdict_ = calibration_verdict_json(*store_, standing(*store_, run), run).dump();
   if (!other) return;
   before_ = 0;
   for (const db::RunRecord& earlier : store_->runs())
@@ -211,7 +212,7 @@ nlohmann::json RunOnShow::state(const LiveRun* live, double silent_s) const {
   } else if (stored_) {
     told["view"] = stored_json(*stored_, carried_out_);
     told["next"] = next_command(*stored_, db_);
-    told["verdict"] = verdict_;
+    told["verdict"] = analysis::ordered_json_or_null(verdict_);
   }
   told["origin"] = stored_ ? stored_->record.origin : "";
   const bool shown = ours || live == nullptr;

@@ -4,7 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -55,7 +55,7 @@ class RunOnShow {
   std::vector<db::EventRecord> events_;  // newest first
   std::optional<db::EventRecord> newest_safe_;
   std::optional<bool> carried_out_;
-  nlohmann::json verdict_;       // of an ended run: calibration_verdict_json()
+  std::string verdict_;          // of an ended run: calibration_verdict_json(), as text
   std::int64_t last_frame_ = 0;  // its position, as stored
   std::int64_t before_ = 0;      // the sensor's last completed run before this one
   std::optional<RunFrames> frames_;

@@ -116,10 +116,9 @@ class Compensation {
     if (now.out_of_range) flags.push_back("range");
     if (now.flat) flags.push_back("flat");
     if (now.unknown) flags.push_back("unknown");
-    // A digit more than the uncertainty has.
-    const double steps = known ? std::pow(10.0, analysis::gum_decimals(uncertainty) + 1) : 1e6;
-    return fmt::format("{}{}{:.4g}{}{}", std::round(steps * now.pressure_psi) / steps, separator, uncertainty,
-                       separator, fmt::join(flags, " "));
+    const int decimals = known ? std::max(0, analysis::gum_decimals(uncertainty) + 1) : 6;  // one more than U has
+    return fmt::format("{:.{}f}{}{:.4g}{}{}", now.pressure_psi, decimals, separator, uncertainty, separator,
+                       fmt::join(flags, " "));
   }
 
  private:
