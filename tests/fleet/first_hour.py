@@ -39,7 +39,8 @@ with tempfile.TemporaryDirectory(prefix="tactbench-fleet-") as folder, server_fo
     # --- what is said later follows, as a further row; the fleet's number stays
     lab.run("runs", "tag", 2, "good")
     lab.run("runs", "note", 2, "the door was open")
-    lab.run("fit", 1, "--held-out", 2, "--limits", "limits.toml", code=None)
+    lab.run("fit", 1)
+    lab.run("judge", 1, 2, "--limits", "limits.toml", code=None)
     lab.run("runs", "void", 3, "--reason", "gauge closed", "--by", "me")
     expect(lab.json("fleet", "status", "--to", bench)["waiting_remarks"] == 3, "three runs have something newer")
     later = lab.json("fleet", "push", "--to", bench)

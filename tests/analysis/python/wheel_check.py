@@ -1,6 +1,7 @@
 """wheel_check.py PROGRAM WHEEL OBJDUMP: the wheel in a clean environment without network: installed, used, taken away; and
 what it asks of the system's libraries."""
 
+import json
 import os
 import re
 import subprocess
@@ -68,8 +69,9 @@ def check_installed(folder):
                   ["run", "descending", "--bench", "bench.toml", "--sensor", "MY-1", "--operator", "test", "-q"],
                   ["run", "random-reversal", "--bench", "bench.toml", "--sensor", "MY-1", "--operator", "test", "-q", "--seed", "2"]):
         run(program, *words, folder=folder)
-    line = re.search(r"held-out run 2 .*", run(program, "fit", "1", "--held-out", "2", "-q", folder=folder)).group(0)
-    expected = float(line.split("|")[-1])  # psi, of the program's own compensator
+    run(program, "fit", "1", "-q", folder=folder)
+    judged = json.loads(run(program, "judge", "1", "2", "--json", folder=folder))
+    expected = next(of["mean_error_psi"] for of in judged["evaluations"] if of["run"] == 2)  # of the program's compensator
     run("/usr/bin/python3", "-m", "venv", "environment", folder=folder)
     pip = [os.path.join(folder, "environment/bin/python"), "-m", "pip", "--disable-pip-version-check"]
     run(*pip, "install", "--no-index", wheel, folder=folder)

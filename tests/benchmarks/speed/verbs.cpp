@@ -89,7 +89,8 @@ const std::string& folder_with_store(int runs) {
               fmt::format("run production --bench bench.toml --sensor S-1 --operator benchmark --yes -q --seed {} "
                           "--db real.db",
                           seed));
-    program(folder, "fit 1 --held-out 2 --limits limits.toml --db real.db");
+    program(folder, "fit 1 --db real.db");
+    program(folder, "judge 1 2 --limits limits.toml --db real.db");
   }
   const std::string path = fmt::format("{}/{}.db", folder, runs);
   if (std::filesystem::exists(path)) return folder;

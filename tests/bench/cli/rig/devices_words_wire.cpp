@@ -56,7 +56,7 @@ TEST_CASE("devices reset: a person is named") {
 
 TEST_CASE("live prints the pressures, places, forces and the array once a look") {
   const TemporaryFolder folder;
-  const Finished seen = call(folder, {"live", "--bench", "simulated.toml", "--count", "2", "--interval", "0.05"});
+  const Finished seen = call(folder, {"live", "--bench", "simulated.toml", "--frames", "2", "--interval", "0.05"});
   CHECK(seen.code == 0);
   for (const char* name : {"\nfeedback  ", "\nreference ", "\nforce     "}) {
     INFO(name << " in " << seen.out);

@@ -23,7 +23,7 @@ TEST_CASE("simulate: another process finds every instrument, watches them and ca
       json::parse(well(simulator.run({"devices", "check", "--bench", "bench.toml", "--json"})).out)["devices"];
   CHECK(devices.size() == 6);
   for (const json& device : devices) CHECK(device["state"] == "ok");
-  CHECK(simulator.run({"live", "--bench", "bench.toml", "--count", "2", "--interval", "0.1"}).code == 0);
+  CHECK(simulator.run({"live", "--bench", "bench.toml", "--frames", "2", "--interval", "0.1"}).code == 0);
   write_file(simulator.folder.path("small.toml"),
              "schema = 1\nname = \"small\"\nunit = \"psi\"\nturning_points = [0, 20, 0]\nstep = 10\ndwell_s = 1\n");
   const json row = json::parse(well(simulator.run({"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-1",
