@@ -98,6 +98,18 @@ bool may_touch_devices(const std::string& verb) {
   return std::find(kVerbs.begin(), kVerbs.end(), verb) != kVerbs.end();
 }
 
+// The first word that is neither an option nor its value.
+std::string verb_of(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    if (word == "--db" || word == "--bench" || word == "--units")
+      ++i;
+    else if (!word.starts_with('-'))
+      return word;
+  }
+  return {};
+}
+
 int report(const Error& error, const Session& session, bool devices) {
   if (session.json) tty::print("{}", error_json(error));
   tty::print(stderr, "{}", error_text(error, devices));
@@ -128,7 +140,8 @@ void add_verbs(CLI::App& app, Session& session) {
 
 int run_command_line(int argc, char** argv) {
   keep_standard_files();
-  const bool devices = std::any_of(argv + 1, argv + argc, may_touch_devices);
+  const std::string verb = verb_of(argc, argv);
+  const bool devices = may_touch_devices(verb);
   if (devices) outlive_readers();
   db::tell_warnings_to(
       [](const std::string& text) { tty::print(stderr, "warning: {}\n", one_line(text, kLongestText)); });
@@ -136,8 +149,9 @@ int run_command_line(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     session.json = session.json || word == "--json";
-    if (word.starts_with("--help") || word == "-h" || word == "--version") session.profile.only_for_help();
+    if (word.starts_with("--help") || word == "-h" || word == "--version") session.profile.tolerate_unreadable();
   }
+  if (verb == "pause" || verb == "stop" || verb == "panic") session.profile.tolerate_unreadable();  // no file keeps it
   CLI::App app("tactbench: controls a test bench for tactile arrays, keeps every sample, compensates hysteresis",
                "tactbench");
   app.set_version_flag("--version", fmt::format("tactbench {} (commit {}; {})", build_info().version, commit_text(),

@@ -49,7 +49,7 @@ const OperatorProfile& ProfileOptions::values() const {
   try {
     values_ = read_operator_profile(file_);
   } catch (const sequences::FileError&) {
-    if (!for_help_) throw;
+    if (!tolerant_) throw;
     values_.emplace();
   }
   return *values_;

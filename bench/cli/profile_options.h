@@ -32,8 +32,8 @@ class ProfileOptions {
 
   // The values of the working folder and the environment, read once. Throws sequences::FileError.
   [[nodiscard]] const OperatorProfile& values() const;
-  // For --help: a profile that cannot be read counts as none.
-  void only_for_help() { for_help_ = true; }
+  // For --help, and for what ends a run: a profile that cannot be read counts as none.
+  void tolerate_unreadable() { tolerant_ = true; }
 
  private:
   struct Declared {
@@ -49,7 +49,7 @@ class ProfileOptions {
   std::string file_ = kProfileFile;
   std::vector<Declared> declared_;
   mutable std::optional<OperatorProfile> values_;
-  bool for_help_ = false;
+  bool tolerant_ = false;
 };
 
 }  // namespace tactbench::bench

@@ -12,13 +12,13 @@ _tactbench() {
   elif [[ $previous == = ]]; then
     previous=${COMP_WORDS[COMP_CWORD - 2]}
   fi
-  help=$("${verb[@]}" --help 2>/dev/null) || return 0
+  help=$("${verb[@]}" --help-all 2>/dev/null) || return 0
   local option=$'\n  ([^ \n]*,)?'"$previous"$'(,[^ \n]*)? (TEXT|INT|UINT|FLOAT)(:\\{([^}\n]*)\\})?'
   if [[ $previous == -* && $help =~ $option ]]; then
     words=${BASH_REMATCH[5]//,/ }
     [[ ${BASH_REMATCH[3]} == TEXT && -z $words ]] && files=1
   elif [[ $current == -* ]]; then
-    words=$(grep -oE '^  -[^ ]+' <<<"$help" | tr ',' ' ')
+    words="$(grep -oE '^  -[^ ]+' <<<"$help" | tr ',' ' ') --db --bench --units --json -q --quiet"
   else
     words=$(sed -n 's/^  \([a-z][^ ]*\)  .*/\1/p' <<<"$help")
     if [[ -z $words ]]; then

@@ -54,9 +54,9 @@ TEST_CASE("the dynamic model is fitted from three runs, judged, verified, shown 
   const TemporaryFolder folder;
   four_runs(folder);
   const double elam = held_out_error(call(folder, {"fit", "1", "--model", "elam"}, {"judge", "1", "4", "--json"}));
-  const double plain = held_out_error(call(folder, {"fit", "1", "--model", "mpi"}, {"judge", "1", "4", "--json"}));
+  const double plain = held_out_error(call(folder, {"fit", "1", "--model", "mpi"}, {"judge", "1:2", "4", "--json"}));
   const double linearised =
-      held_out_error(call(folder, {"fit", "1", "--model", "mpi", "--linearise"}, {"judge", "1", "4", "--json"}));
+      held_out_error(call(folder, {"fit", "1", "--model", "mpi", "--linearise"}, {"judge", "1:3", "4", "--json"}));
   const double dynamic = held_out_error(call(folder, {"fit", "1", "--rate", "2", "--creep", "3", "-o", "d.json"},
                                              {"judge", "1", "4", "--limits", "wide.toml", "--json"}));
   INFO("psi: ELAM " << elam << ", MPI " << plain << ", linearised " << linearised << ", dynamic " << dynamic);
@@ -172,7 +172,7 @@ TEST_CASE("fit makes the dynamic model of a run where none is named, keeps to EL
   REQUIRE(measure(folder, {"random-reversal"}, "2").code == 0);
   std::string said;
   const auto kind = [&](std::vector<std::string> words) {
-    const std::string run = words.front();
+    const std::string run = words.front().substr(words.front().find('-') + 1);
     words.insert(words.begin(), "fit");
     const Finished fit = call(folder, words);
     INFO(fit.err);

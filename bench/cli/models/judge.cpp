@@ -69,7 +69,12 @@ void add_judge(CLI::App& app, Session& session) {
                       "laboratory file: a reference that is overdue by its dates makes verdicts inconclusive");
   add_void_too(*verb, session);
   add_all(*verb, session);
-  verb->callback([options, &session] { judge(*options, session); });
+  verb->callback([options, verb, &session] {
+    const auto given = session.profile.values().find(ProfileKey::kLimits);
+    if (verb->count("--limits") == 0 && given != session.profile.values().end() && !session.quiet && !session.json)
+      tty::print(stderr, "judged by {} ({})\n", one_line(options->limits), given->second.origin);
+    judge(*options, session);
+  });
 }
 
 }  // namespace tactbench::bench

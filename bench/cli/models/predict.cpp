@@ -21,7 +21,6 @@
 #include "analysis/counted.h"
 #include "analysis/identify/compensators.h"
 #include "analysis/identify/dynamic/dynamic_alone.h"
-#include "analysis/report/page/numbers.h"
 #include "analysis/table.h"
 #include "analysis/whole_file.h"
 #include "bench/cli/models/model_table.h"
@@ -116,8 +115,7 @@ class Compensation {
     if (now.out_of_range) flags.push_back("range");
     if (now.flat) flags.push_back("flat");
     if (now.unknown) flags.push_back("unknown");
-    const int decimals = known ? std::max(0, analysis::gum_decimals(uncertainty) + 1) : 6;  // one more than U has
-    return fmt::format("{:.{}f}{}{:.4g}{}{}", now.pressure_psi, decimals, separator, uncertainty, separator,
+    return fmt::format("{:.6g}{}{:.4g}{}{}", now.pressure_psi, separator, uncertainty, separator,
                        fmt::join(flags, " "));
   }
 

@@ -102,7 +102,7 @@ try:
     call("runs", "tag", "2", "night", "lot=A7")
     with open("table.csv", "w") as text:
         text.write("input,output\n0,0\n1,2\n2,3\n1,2.5\n0,0.1\n")
-    call("import", "table.csv", "-q")
+    call("runs", "import", "table.csv", "-q")
     for run in (1, 2):
         tactbench.to_nexus("runs.db", run, "run.h5")
         with h5py.File("run.h5") as made:

@@ -61,7 +61,7 @@ def check_stream(data, stream, model, most=3):
         lines = call("compensate", model, "outputs.csv", "--taxel", str(taxel), "-q").splitlines()[1:]
         for i, line in enumerate(lines):
             psi, own = float(line.split(",")[2]), float(read[i].pressure[taxel])
-            assert abs(psi - own) < 1e-5, f"{model}, taxel {taxel}, frame {i}: {own}, the program {psi}"
+            assert abs(psi - own) < 1e-4, f"{model}, taxel {taxel}, frame {i}: {own}, the program {psi}"
             doubt, of_program = float(read[i].uncertainty[taxel]), float(line.split(",")[3])
             assert math.isnan(of_program) or abs(doubt - min(of_program, 60)) < 1e-3 * doubt, (model, taxel, i, doubt, of_program)
         assert len(lines) == len(flat)

@@ -36,7 +36,7 @@ TEST_CASE("from init to a report by hand") {
   CHECK((second["process_seconds"] > 42.0 && second["most_exchanges_a_step"] > 0));  // 42 frames, a second's dwell each
   CHECK_FALSE(second["time_spent"].get<std::string>().empty());
   const json fitted = json::parse(well(call(folder, {"fit", "1"}, {"judge", "1", "2", "--json"})).out);
-  CHECK(fitted["schema"] == "tactbench.fit");
+  CHECK(fitted["schema"] == "tactbench.judge");
   CHECK(fitted["fitted_taxels"] == 256);
   CHECK(fitted["evaluations"].size() == 2);
   CHECK(fitted["origin"] == "simulated");

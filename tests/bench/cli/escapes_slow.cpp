@@ -68,7 +68,7 @@ TEST_CASE("escape sequences in arguments and stored texts are printed visibly, n
       .execute("UPDATE events SET detail = 'd' || char(27) || '[31m' || char(13), id = char(7)");
   const std::string list = terminal.run({"runs", "list", "--all"}).out;
   CHECK_THAT(list, Catch::Contains("x\\x1b[31m"));
-  CHECK(std::count(list.begin(), list.end(), '\n') == 2);
+  CHECK(std::count(list.begin(), list.end(), '\n') == 3);  // head, run, origin
   CHECK_THAT(terminal.run({"runs", "show", "1"}).out, Catch::Contains("\\x0d"));
   for (const char* verb : {"list", "show"}) {
     std::vector<std::string> sensors = {"sensors", verb};

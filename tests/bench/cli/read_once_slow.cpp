@@ -99,7 +99,8 @@ TEST_CASE("a verb reads the frames of each run once") {
   const std::string page = folder.path("r.html"), limits = folder.path("limits.toml");
 
   // Fitted, evaluated, judged with U, and the report of that.
-  CHECK(frames_read_by(folder, {"fit", "1", "--held-out", "2", "--limits", limits}) == RunsRead{1, 2});
+  CHECK(frames_read_by(folder, {"fit", "1"}) == RunsRead{1});
+  CHECK(frames_read_by(folder, {"judge", "1", "2", "--limits", limits}) == RunsRead{1, 2});
   CHECK(frames_read_by(folder, {"report", "1", "--held-out", "2", "-o", page}) == RunsRead{1, 2});
   CHECK(frames_read_by(folder, {"report", "1", "--held-out", "2", "3", "-o", page}) == RunsRead{1, 2, 3});
   // The held-out run is the one that the fit was judged on; then by other limits, for which nothing is stored.

@@ -134,16 +134,17 @@ TEST_CASE("the report of a ring is a test report that states the traceability of
 TEST_CASE("verify refuses a stored pass on an overdue reference") {
   const TemporaryFolder folder;
   prepare_traced_run(folder);
-  run_recipe(folder, "small.toml", {"--set", "reference.due=2020-01-31"});
-  REQUIRE(call(folder, {"fit", "1", "--model", "elam", "--limits", "far.toml"}).code == 6);
-  REQUIRE(call(folder, {"verify", "1"}).code == 0);
+  for (const char* seed : {"1", "2"})
+    run_recipe(folder, "small.toml", {"--set", "reference.due=2020-01-31", "--seed", seed});
+  REQUIRE(call(folder, {"fit", "1", "--model", "elam"}, {"judge", "1", "2", "--limits", "far.toml"}).code == 6);
+  REQUIRE(call(folder, {"verify", "2"}).code == 0);
   {
     db::RunStore store = db::RunStore::open(folder.path("runs.db"));
-    std::vector<db::VerdictRecord> verdicts = store.verdicts(1);
+    std::vector<db::VerdictRecord> verdicts = store.verdicts(2);
     for (db::VerdictRecord& verdict : verdicts) verdict.verdict = "pass";
     store.replace_verdicts(1, store.standing_fit(1)->fit, verdicts);
   }
-  CHECK(call(folder, {"verify", "1"}).code == 1);
+  CHECK(call(folder, {"verify", "2"}).code == 1);
   (void)report_json(folder, {"1"}, 6);  // no pass is printed
 }
 

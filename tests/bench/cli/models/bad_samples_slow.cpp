@@ -131,7 +131,7 @@ TEST_CASE("fit: a wild output is named with its line and makes the taxel unfit, 
   Rows rows = of.rows();
   const auto cell = [](const std::string& row) { return row.substr(0, row.find(',')) + ",83886.07"; };
   rows[40] = cell(rows[40]);
-  const Rows fit = {"fit", "x.csv", "--model", "elam,monotone"};
+  const Rows fit = {"compare", "x.csv", "--models", "elam,monotone"};
   const auto with = [&](const char* option) {
     Rows words = fit;
     words.emplace_back(option);

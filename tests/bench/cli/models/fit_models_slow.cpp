@@ -44,8 +44,7 @@ std::vector<std::vector<std::string>> rows_of(const std::string& text) {
 TEST_CASE("all models are fitted on one sequence of a table and scored on the other") {
   const TemporaryFolder folder;
   write_file(folder.path("t.csv"), table());
-  const json document =
-      json::parse(well(call(folder, {"fit", "t.csv", "--model", "all", "--fit", "full", "--json"})).out);
+  const json document = json::parse(well(call(folder, {"compare", "t.csv", "--fit", "full", "--json"})).out);
   REQUIRE(document["models"].size() == 6);
   CHECK(document["origin"] == "imported");
   double monotone = 0.0, preisach = 0.0;
@@ -115,7 +114,7 @@ TEST_CASE("bad tables and models are refused with fault, place and remedy") {
         RefusedTable{"fit empty.csv", 2, "TB-TABLE-EMPTY"}, RefusedTable{"fit missing.csv", 2, "TB-TABLE-OPEN"},
         RefusedTable{"fit constant.csv", 2, "TB-TABLE-CONSTANT"}, RefusedTable{"fit up.csv", 6, "TB-ANALYSIS-NO-LOOP"},
         RefusedTable{"fit up.csv --model preisach", 6, "TB-ANALYSIS-MODEL"},
-        RefusedTable{"import nan.csv", 2, "TB-TABLE-ROW"}, RefusedTable{"fit t.csv --model duhem", 2, "TB-USAGE"},
+        RefusedTable{"runs import nan.csv", 2, "TB-TABLE-ROW"}, RefusedTable{"fit t.csv --model duhem", 2, "TB-USAGE"},
         RefusedTable{"fit t.csv --fit sideways", 2, "TB-MODEL-SEQUENCE"},
         RefusedTable{"predict t.csv t.csv", 2, "TB-MODEL-DOCUMENT"},
         RefusedTable{"predict none.json t.csv", 2, "TB-MODEL-OPEN"},

@@ -52,47 +52,49 @@ struct FolderOfRuns {
 
 }  // namespace
 
-TEST_CASE("fit of runs: one model judged by limits, as JSON and by the exit code") {
+TEST_CASE("fit and judge of runs: one model, its verdict as JSON and by the exit code") {
   const FolderOfRuns of;
-  CHECK(of.fit({"1", "--model", "mpi", "--held-out", "2", "--limits", "./wide.toml", "-o", "m.json"}).code == 0);
+  CHECK(of.fit({"1", "--model", "mpi", "-o", "m.json"}).code == 0);
   CHECK(of.models() == 1);
   const nlohmann::json document = nlohmann::json::parse(read_file(of.folder.path("m.json")));
   CHECK(document.at("model") == "mpi");
   CHECK(document.at("program_version") == bench::build_info().version);
-  CHECK(of.fit({"1", "--model", "mpi", "--held-out", "2", "--limits", "./strict.toml"}).code == 1);
-  const nlohmann::json strict = of.told({"1", "--model", "mpi", "--held-out", "2", "--limits", "./strict.toml"});
+  const auto judge = [&](const FitRunWords& more) { return call(of.folder, joined_words({"judge", "1:1"}, more)); };
+  CHECK(judge({"2", "--limits", "./wide.toml"}).code == 0);
+  CHECK(judge({"2", "--limits", "./strict.toml"}).code == 1);
+  const nlohmann::json strict = nlohmann::json::parse(judge({"2", "--limits", "./strict.toml", "--json"}).out);
   CHECK(strict.at("model") == "mpi");
   CHECK((strict.at("taxels") == 256 && strict.at("fitted_taxels") == 256));
   REQUIRE(strict.at("evaluations").size() == 2);
   CHECK((strict.at("evaluations").at(0).at("run") == 1 && strict.at("evaluations").at(1).at("run") == 2));
   CHECK(strict.at("verdicts").size() == 4);
   CHECK(strict.at("judgement").at("overall") == "fail");
-  CHECK(of.fit({"1", "--model", "mpi", "--limits", "./wide.toml"}).code == 6);
-  CHECK(of.fit({"1", "--model", "mpi", "--held-out", "2", "--held-out", "2"}).code == 2);
-  CHECK(of.fit({"1", "--model", "mpi", "--held-out", "1"}).code == 2);
-  const Finished unknown = of.fit({"9", "--model", "mpi"});
-  CHECK_THAT(unknown.err, Catch::Contains("[TB-STORE-NOT-FOUND]"));
-  CHECK(of.fit({"1", "--model", "mpi", "--lab", "none.toml", "--limits", "./wide.toml"}).code == 2);
-  CHECK(of.fit({"1", "--model", "mpi", "--limits", "none.toml"}).code == 2);
-  CHECK(of.models() == 4);
+  CHECK(judge({}).code == 2);
+  CHECK(judge({"2", "2"}).code == 2);
+  CHECK(judge({"1"}).code == 2);
+  CHECK(judge({"2", "--lab", "none.toml", "--limits", "./wide.toml"}).code == 2);
+  CHECK(judge({"2", "--limits", "none.toml"}).code == 2);
+  CHECK_THAT(of.fit({"9", "--model", "mpi"}).err, Catch::Contains("[TB-STORE-NOT-FOUND]"));
+  CHECK_THAT(call(of.folder, {"judge", "1:9", "2"}).err, Catch::Contains("[TB-STORE-NOT-FOUND]"));
+  CHECK(of.models() == 1);
 }
 
-TEST_CASE("fit of runs: several models beside each other, with figures where they are asked for, and scores") {
+TEST_CASE("compare of runs: several models, stored, with scores") {
   const FolderOfRuns of;
-  CHECK(of.fit({"1", "--model", "mpi,poly"}).code == 0);
+  const FitRunWords words = {"compare", "1", "--models", "mpi,poly", "--score", "2,3"};
+  CHECK(call(of.folder, joined_words(words, {"--html", "c.html"})).code == 0);
   CHECK(of.models() == 2);
-  const nlohmann::json told = of.told({"1", "--model", "mpi,poly", "--held-out", "2", "--score", "2,3"});
-  REQUIRE(told.at("models").size() == 2);
+  CHECK_THAT(read_file(of.folder.path("c.html")), Catch::StartsWith("<!DOCTYPE html>"));
+  const nlohmann::json compared = nlohmann::json::parse(call(of.folder, joined_words(words, {"--json"})).out);
+  REQUIRE(compared.at("models").size() == 2);
   for (std::size_t i = 0; i < 2; ++i) {
-    const nlohmann::json& model = told.at("models").at(i);
+    const nlohmann::json& model = compared.at("models").at(i);
     CHECK(model.at("fit") == 3 + i);
-    CHECK(model.at("figures").at("evaluations").size() == 2);
-    CHECK(model.at("figures").at("model") == (i == 0 ? "mpi" : "poly"));
     REQUIRE(model.at("scores").size() == 2);
     CHECK((model.at("scores").at(0).at("on") == "run 2" && model.at("scores").at(1).at("on") == "run 3"));
     CHECK(model.at("scores").at(0).at("taxels") == 256);
   }
-  CHECK((told.at("origin") == "simulated" && told.at("source") == "run 1" && told.at("input_unit") == "psi"));
+  CHECK((compared.at("origin") == "simulated" && compared.at("source") == "run 1"));
   CHECK_THAT(of.fit({"1", "--model", "mpi", "--score", "2,02"}).err, Catch::Contains("[TB-RUN-TWICE]"));
 }
 
@@ -111,10 +113,6 @@ TEST_CASE("fit of runs: the dynamic model where none is named, ELAM without inne
   CHECK(of.told({"3"}).at("model") == "elam");
   CHECK(of.fit({"3", "--model", "dynamic"}).code == 0);
   CHECK(of.fit({"3", "-q"}).err.empty());
-  for (const FitRunWords& own :
-       std::vector<FitRunWords>{{"--rate", "2", "--creep", "3"}, {"--rate", "3", "--creep", "2"}}) {
-    check_refusal(of.fit(joined_words({"1", "--held-out", "2"}, own)), 2, "TB-RUN-OWN", "--held-out");
-  }
   CHECK_THAT(of.fit({"1", "--rate", "9", "--creep", "2"}).err, Catch::Contains("[TB-STORE-NOT-FOUND]"));
 }
 

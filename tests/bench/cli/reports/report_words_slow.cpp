@@ -105,11 +105,11 @@ TEST_CASE("report: two runs compared and a batch, with the judgement of each") {
 
 TEST_CASE("report: signed once it keeps its number, its file and what replaced it") {
   const RunsToReport of;
-  of.refused({"3", "--approve-by", "K. Lee"}, "[TB-REPORT-NO-VERDICT]");  // nobody is asked: no terminal
+  of.refused({"sign", "3", "--by", "K. Lee"}, "[TB-REPORT-NO-VERDICT]");  // nobody is asked: no terminal
   // A file of somebody else ends it before anything is signed.
-  of.refused({"3", "--approve-by", "K. Lee", "--without-verdict", "-o", "small.toml"}, "small.toml");
+  of.refused({"sign", "3", "--by", "K. Lee", "--without-verdict", "-o", "small.toml"}, "small.toml");
   CHECK(Told::parse(call(of.folder, {"report", "list", "--json"}).out).at("reports").empty());
-  REQUIRE(of.report({"3", "--approve-by", "K. Lee", "--without-verdict"}).code == 0);
+  REQUIRE(of.report({"sign", "3", "--by", "K. Lee", "--without-verdict"}).code == 0);
   const std::string number = of.told({"3"}).at("number"), path = "reports/run-" + number + ".html";
   CHECK_FALSE(of.exists("reports/run-3.html"));
   const std::string page = read_file(of.folder.path(path));
@@ -123,11 +123,11 @@ TEST_CASE("report: signed once it keeps its number, its file and what replaced i
   CHECK(call(of.folder, {"report", "verify", number}).code == 1);
   write_file(of.folder.path(path), page);
   CHECK(call(of.folder, {"report", "verify", number}).code == 0);
-  const Finished twice = of.report({"3", "--approve-by", "M. Ito", "--without-verdict"});
+  const Finished twice = of.report({"sign", "3", "--by", "M. Ito", "--without-verdict"});
   CHECK(twice.code == 5);
   CHECK(twice.out.empty());
   of.refused({"3", "--reason", "x"}, "[TB-REPORT-REASON]");
-  CHECK(of.report({"3", "2", "--approve-by", "M. Ito", "--without-verdict", "--reason", "one more"}).code == 0);
+  CHECK(of.report({"sign", "3", "2", "--by", "M. Ito", "--without-verdict", "--reason", "one more"}).code == 0);
   const Told listed = Told::parse(call(of.folder, {"report", "list", "3", "--json"}).out).at("reports");
   REQUIRE(listed.size() == 2);
   CHECK(listed.at(0).at("replaces") == "");

@@ -124,7 +124,6 @@ TEST_CASE("calibrate-reference: the file's name comes from the reference's seria
   const TypedReadings of;
   CHECK(of.calibrate("0\n60\n60\n0\n", "--levels 0,60").code == 0);  // the ends of the command limit
   CHECK(std::filesystem::exists(of.folder.path("reference-SIM-REF-1.toml")));
-  CHECK(of.calibrate("0\n30\n30\n0\n", "--levels 0,30 -q").code == 2);  // it has no such option
   write_file(of.folder.path("notes"), "mine");
   check_refusal(of.calibrate("0\n30\n30\n0\n", "--levels 0,30 -o notes"), 2, "TB-FILE-EXISTS", "notes");
   CHECK(of.file("notes") == "mine");

@@ -171,7 +171,7 @@ TEST_CASE("runs are compared, and copied into another store") {
   check_refusal(call(folder, {"runs", "export", "9", "-o", "x"}), 2, "TB-STORE-NOT-FOUND");
   well(call(folder, {"runs", "copy", "2", "1", "--to", "archive.db"}));
   for (const char* run : {"1", "2"}) CHECK(call(folder, {"verify", run, "--db", "archive.db"}).code == 0);
-  CHECK(call(folder, {"verify", "archive.db"}).code == 0);
+  CHECK(call(folder, {"verify", "--db", "archive.db"}).code == 0);
   CHECK(call(folder, {"runs", "copy", "1", "--to", "models.db"}).code == 0);
   check_refusal(call(folder, {"runs", "copy", "1", "--to", "archive.db"}), 2, "TB-STORE-EXISTS");
   check_refusal(call(folder, {"runs", "copy", "9", "--to", "new.db"}), 2, "TB-STORE-NOT-FOUND");
