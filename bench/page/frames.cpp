@@ -20,9 +20,14 @@ constexpr int kLoopPoints = 4000;
 constexpr int kLongestGap = 10;
 constexpr double kLongestInterval = 86'400.0;  // s between two frames
 
-std::uint16_t rounded(double value) {
-  return std::isfinite(value) ? static_cast<std::uint16_t>(std::clamp(std::lround(value), 0L, 65535L))
-                              : std::uint16_t{0};
+// To so many steps a unit. What is no number is 0.
+double rounded(double value, double steps) { return std::isfinite(value) ? std::round(steps * value) / steps : 0.0; }
+
+template <class Values>
+nlohmann::json rounded_all(const Values& values, double steps) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const double value : values) list.push_back(rounded(value, steps));
+  return list;
 }
 
 double psi_or_n(const db::SeenFrame& frame) { return frame.wrench ? -frame.wrench->wrench[2] : frame.reference_psi; }
@@ -37,24 +42,6 @@ std::optional<analysis::SensorModel> models_of(const db::RunStore& store, std::i
 }
 
 }  // namespace
-
-std::string base64(const std::vector<std::uint16_t>& numbers) {
-  constexpr const char* kLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string bytes;
-  for (const unsigned number : numbers) {
-    bytes += static_cast<char>(number & 255U);
-    bytes += static_cast<char>(number >> 8U);
-  }
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    unsigned group = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      group = (group << 8U) | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
-    for (std::size_t k = 0; k < 4; ++k)
-      text += i + k <= bytes.size() ? kLetters[(group >> (18U - 6U * static_cast<unsigned>(k))) & 63U] : '=';
-  }
-  return text;
-}
 
 CompensatedRun::CompensatedRun(analysis::SensorModel model, std::string words)
     : model_(std::make_unique<analysis::SensorModel>(std::move(model))), words_(std::move(words)) {
@@ -131,8 +118,6 @@ nlohmann::json RunFrames::picture(bool at_peak) const {
   const std::optional<Seen>& seen = at_peak ? peak_ : newest_;
   if (!basis_ || (!seen && !seated_)) return {};
   const ArrayView& view = seen ? seen->view : *seated_;
-  std::vector<std::uint16_t> counts, hundredths;
-  for (const double volts : view.volts) counts.push_back(rounded(volts / basis_->volts_per_count));
   nlohmann::json told = {{"run", run_.run},
                          {"position", seen ? seen->frame.position : 0},
                          {"last", position_},
@@ -140,32 +125,22 @@ nlohmann::json RunFrames::picture(bool at_peak) const {
                          {"title", view.title},
                          {"rows", view.rows},
                          {"columns", view.columns},
-                         {"volts_per_count", basis_->volts_per_count},
                          {"full_scale_v", view.full_scale_v},
-                         {"counts", base64(counts)},
+                         {"volts", rounded_all(view.volts, 1e5)},
                          {"dead", view.dead},
                          {"dead_known", view.dead_are_known},
                          {"saturated", view.saturated}};
   if (!seen) return told;
   const db::SeenFrame& frame = seen->frame;
-  told.update({{"time_s", static_cast<double>(frame.time_ns) * 1e-9},
-               {"setpoint_psi", frame.setpoint_psi},
-               {"feedback_psi", frame.feedback_psi},
-               {"reference_psi", frame.reference_psi},
-               {"flags", frame.flags},
-               {"void", frame.is_void}});
+  told["void"] = frame.is_void;
   if (frame.wrench)
     told["press"] = {
         {"target_n", frame.wrench->target_n}, {"wrench", frame.wrench->wrench}, {"place_mm", frame.wrench->place_mm}};
   if (!seen->pressure_psi.empty()) {
-    for (const float psi : seen->pressure_psi) hundredths.push_back(rounded(100.0 * static_cast<double>(psi)));
-    told["psi"] = base64(hundredths);
+    told["psi"] = rounded_all(seen->pressure_psi, 100.0);
     told["model"] = compensated_->words();
-    const auto bits = [&](std::uint16_t bit) {
-      return std::ranges::count_if(seen->status, [bit](std::uint16_t one) { return (one & bit) != 0; });
-    };
-    told["unknown"] = bits(analysis::kTaxelUnknown);
-    told["out_of_range"] = bits(analysis::kTaxelOutOfRange);
+    told["unknown"] =
+        std::ranges::count_if(seen->status, [](std::uint16_t one) { return (one & analysis::kTaxelUnknown) != 0; });
   }
   return told;
 }
@@ -190,10 +165,10 @@ nlohmann::json loop_points(const db::RunStore& store, std::int64_t run, int taxe
       } else {
         for (const double mean : means) counts += mean / static_cast<double>(means.size());
       }
-      x.push_back(std::round(1000.0 * psi_or_n(frame)) / 1000.0);
-      set.push_back(std::round(1000.0 * (frame.wrench ? frame.wrench->target_n : frame.setpoint_psi)) / 1000.0);
-      t.push_back(std::round(1e-7 * static_cast<double>(frame.time_ns)) / 100.0);
-      y.push_back(std::round(100000.0 * counts * basis->volts_per_count) / 100000.0);
+      x.push_back(rounded(psi_or_n(frame), 1000.0));
+      set.push_back(rounded(frame.wrench ? frame.wrench->target_n : frame.setpoint_psi, 1000.0));
+      t.push_back(rounded(1e-9 * static_cast<double>(frame.time_ns), 100.0));
+      y.push_back(rounded(counts * basis->volts_per_count, 1e5));
     });
   }
   told.update({{"x", x}, {"y", y}, {"set", set}, {"t", t}});

@@ -41,9 +41,8 @@ class RunFrames {
   // True: there is a newer picture than at the last call. Reads a bounded number of frames a call.
   bool advance();
   [[nodiscard]] std::int64_t position() const { return position_; }
-  // The picture for the page, the newest or, where there is one, that at the highest load: texts of base64 hold
-  // little-endian 16-bit numbers, row-major: `counts`, and `psi` in hundredths, where models are there. Null before the
-  // first frame and the seating check.
+  // The picture for the page, the newest or, where there is one, that at the highest load: `volts` row-major, and `psi`
+  // where models are there. Null before the first frame and the seating check.
   [[nodiscard]] nlohmann::json picture(bool at_peak = false) const;
 
  private:
@@ -69,7 +68,5 @@ class RunFrames {
 // at most the newest few thousand. `taxel` outside the
 // array: no points.
 nlohmann::json loop_points(const db::RunStore& store, std::int64_t run, int taxel, std::int64_t after);
-
-std::string base64(const std::vector<std::uint16_t>& numbers);
 
 }  // namespace tactbench::bench

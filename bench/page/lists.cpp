@@ -39,9 +39,10 @@ ordered_json verdict_json(const Standing& stands) {
           {"decided", decided_words(*deciding)}};
 }
 
-ordered_json calibration_verdict_json(const db::RunStore& store, const Standing& of_run, std::int64_t run) {
-  const std::int64_t models = of_run.models_run();
-  return verdict_json(models == 0 || models == run ? of_run : standing(store, models));
+Standing calibration_of(const db::RunStore& store, std::int64_t run) {
+  Standing own = standing(store, run);
+  const std::int64_t models = own.models_run();
+  return models == 0 || models == run ? own : standing(store, models);
 }
 
 ordered_json runs_list(const db::RunStore& store) {
@@ -76,7 +77,7 @@ ordered_json sensors_list(const db::RunStore& store, const analysis::Laboratory&
       if (run->sensor_serial != sensor.serial) continue;
       row["runs"].push_back(run->run);
       if (!row["verdict"].is_null()) continue;
-      row["verdict"] = calibration_verdict_json(store, standing(store, run->run), run->run);
+      row["verdict"] = verdict_json(calibration_of(store, run->run));
       if (row["verdict"].is_null()) continue;
       const std::string due = valid_until(laboratory, run->started_utc);
       row["origin"] = run->origin;

@@ -16,8 +16,9 @@ inline constexpr std::size_t kListedRuns = 500;  // the newest
 // word of_means models_of decided: the verdict, whether by mean errors alone, the run whose models were judged, and the
 // deciding figure in words. Null without a verdict.
 nlohmann::ordered_json verdict_json(const Standing& stands);
-// Of all that the models were judged on by which `run` was judged, or that were made from it.
-nlohmann::ordered_json calibration_verdict_json(const db::RunStore& store, const Standing& of_run, std::int64_t run);
+// What stands for the models by which `run` was judged, or that were made from it: on all runs that they were judged
+// on.
+Standing calibration_of(const db::RunStore& store, std::int64_t run);
 // Newest first, void ones too; `left_out`: older ones. `report`: reporting_run().
 nlohmann::ordered_json runs_list(const db::RunStore& store);
 // With the numbers of each sensor's runs, newest first; its last calibration's verdict, day, and the day until which it

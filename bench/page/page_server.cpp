@@ -97,21 +97,11 @@ struct PageServer::Parts {
     server.publish(kState, event_text("state", show.state(live(), follower.silent_s())));
   }
 
-  std::size_t nights() {
-    try {
-      const db::RunStore* store = show.store();
-      return store != nullptr ? kept_nights(*store) : 0;
-    } catch (const db::StoreError&) {  // the state says so
-      return 0;
-    }
-  }
-
   // What a new viewer gets at once: who it is, and all as it stands.
   SharedText greeting(const HttpRequest& request) {
     const nlohmann::json hello = {{"operator", may_command(request, access) ? access.operator_name : ""},
                                   {"commands", !access.command_token.empty()},
-                                  {"night", !options.night.empty()},
-                                  {"nights", nights()}};
+                                  {"night", !options.night.empty()}};
     std::string text = "retry: 1000\n\n" + *event_text("hello", hello);
     text += *event_text("state", show.state(live(), follower.silent_s()));
     const nlohmann::json picture = show.picture();
@@ -145,12 +135,9 @@ struct PageServer::Parts {
     if (store == nullptr) return reply(json_response(503, {{"error", one_line(why, kLongestText)}}));
     if (request.path == "/loop") return reply(json_response(200, loop(*store, request)));
     if (request.path == "/runs") return reply(json_response(200, runs_list(*store)));
-    if (request.path == "/sensors") return sensors(*store, reply);
+    if (request.path == "/sensors")
+      return reply(json_response(200, sensors_list(*store, options.laboratory, analysis::date_of(utc_now()))));
     make_document(*store, request, reply);
-  }
-
-  void sensors(const db::RunStore& store, const Reply& reply) const {
-    reply(json_response(200, sensors_list(store, options.laboratory, analysis::date_of(utc_now()))));
   }
 
   static nlohmann::json loop(const db::RunStore& store, const HttpRequest& request) {

@@ -15,21 +15,10 @@ namespace tactbench::bench {
 
 namespace {
 
-struct OwnFile {
-  std::string_view path, name, type;
-};
-constexpr std::array kOwnFiles = {
-    OwnFile{"/", "page.html", "text/html; charset=utf-8"},
-    OwnFile{"/page.css", "page.css", "text/css; charset=utf-8"},
-    OwnFile{"/page.js", "page.js", "text/javascript; charset=utf-8"},
-    OwnFile{"/link.js", "link.js", "text/javascript; charset=utf-8"},
-    OwnFile{"/draw.js", "draw.js", "text/javascript; charset=utf-8"},
-    OwnFile{"/now.js", "now.js", "text/javascript; charset=utf-8"},
-    OwnFile{"/panels.js", "panels.js", "text/javascript; charset=utf-8"},
-    OwnFile{"/seen.js", "seen.js", "text/javascript; charset=utf-8"},
-    OwnFile{"/store.js", "store.js", "text/javascript; charset=utf-8"},
-    OwnFile{"/icon.svg", "icon.svg", "image/svg+xml"},
-};
+constexpr std::array<std::array<std::string_view, 2>, 4> kTypes = {{{".html", "text/html; charset=utf-8"},
+                                                                    {".css", "text/css; charset=utf-8"},
+                                                                    {".js", "text/javascript; charset=utf-8"},
+                                                                    {".svg", "image/svg+xml"}}};
 constexpr std::array<std::string_view, 9> kReadPlaces = {"/events",      "/loop",        "/runs",
                                                          "/sensors",     "/make/report", "/make/compare",
                                                          "/make/sensor", "/make/nights", "/make/night"};
@@ -47,7 +36,7 @@ constexpr const char* kPolicyField = "Content-Security-Policy";
 }  // namespace
 
 std::optional<PageNeeds> needs_of(const std::string& path) {
-  if (std::ranges::find(kOwnFiles, path, &OwnFile::path) != kOwnFiles.end()) return PageNeeds::kNothing;
+  if (own_file(path)) return PageNeeds::kNothing;
   if (path.starts_with(kDocumentPath)) return PageNeeds::kNothing;  // its name is the secret
   if (path == "/command") return PageNeeds::kCommand;
   if (std::ranges::find(kReadPlaces, path) != kReadPlaces.end()) return PageNeeds::kRead;
@@ -55,9 +44,11 @@ std::optional<PageNeeds> needs_of(const std::string& path) {
 }
 
 std::optional<HttpResponse> own_file(const std::string& path) {
-  const auto file = std::ranges::find(kOwnFiles, path, &OwnFile::path);
-  if (file == kOwnFiles.end()) return std::nullopt;
-  return HttpResponse{.type = std::string(file->type), .body = std::make_shared<const std::string>(asset(file->name))};
+  const std::string name = path == "/" ? "page.html" : path.substr(std::min<std::size_t>(path.size(), 1));
+  const std::string_view bytes = asset(name);
+  if (bytes.empty()) return std::nullopt;
+  const auto* const type = std::ranges::find_if(kTypes, [&](const auto& one) { return name.ends_with(one[0]); });
+  return HttpResponse{.type = std::string((*type)[1]), .body = std::make_shared<const std::string>(bytes)};
 }
 
 HttpResponse json_response(int status, const nlohmann::ordered_json& json) {

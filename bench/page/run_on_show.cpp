@@ -8,7 +8,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "analysis/json_io.h"
 #include "bench/common/error_table.h"
 #include "bench/common/for_people.h"
 #include "bench/page/lists.h"
@@ -161,10 +160,9 @@ void RunOnShow::read_run(std::int64_t run) {
     return !newest_safe_ || events_.size() < kShownEvents;
   });
   last_frame_ = store_->last_position(run);
-  verdict_.clear();
-  if (record.outcome != db::Outcome::kIncomplete)
-    verdict_ = calibration_verdict_json(*store_, standing(*store_, run), run).dump();
+  calibration_ = record.outcome == db::Outcome::kIncomplete ? Standing() : calibration_of(*store_, run);
   if (!other) return;
+  nights_ = kept_nights(*store_);
   before_ = 0;
   for (const db::RunRecord& earlier : store_->runs())
     if (earlier.run < run && earlier.sensor_serial == record.sensor_serial && !earlier.is_void() &&
@@ -185,8 +183,7 @@ nlohmann::json readings_json(const LiveRun& live) {
                          {"frames", status.frames},
                          {"left_s", status.left_s},
                          {"left_low_s", status.left_low_s},
-                         {"left_high_s", status.left_high_s},
-                         {"age_s", status.age_s}};
+                         {"left_high_s", status.left_high_s}};
   if (status.target_n) told["target_n"] = *status.target_n;
   if (const auto& now = status.readings) {
     told.update({{"time_s", now->time_s},
@@ -201,7 +198,8 @@ nlohmann::json readings_json(const LiveRun& live) {
 
 nlohmann::json RunOnShow::state(const LiveRun* live, double silent_s) const {
   const bool ours = live != nullptr && stored_ && stored_->record.run == live->status.run;
-  nlohmann::json told = {{"live", live != nullptr}, {"silent_s", silent_s}, {"store", db_}, {"unread", unread_}};
+  nlohmann::json told = {
+      {"live", live != nullptr}, {"silent_s", silent_s}, {"store", db_}, {"unread", unread_}, {"nights", nights_}};
   if (live != nullptr) {
     RunView view{*live, {}, unread_};
     if (ours) view.stored = stored_;
@@ -212,7 +210,7 @@ nlohmann::json RunOnShow::state(const LiveRun* live, double silent_s) const {
   } else if (stored_) {
     told["view"] = stored_json(*stored_, carried_out_);
     told["next"] = next_command(*stored_, db_);
-    told["verdict"] = analysis::ordered_json_or_null(verdict_);
+    told["verdict"] = verdict_json(calibration_);
   }
   told["origin"] = stored_ ? stored_->record.origin : "";
   const bool shown = ours || live == nullptr;

@@ -11,6 +11,7 @@
 
 #include "bench/monitor/run_view.h"
 #include "bench/page/frames.h"
+#include "bench/reporting/judgement.h"
 
 namespace tactbench::bench {
 
@@ -55,7 +56,8 @@ class RunOnShow {
   std::vector<db::EventRecord> events_;  // newest first
   std::optional<db::EventRecord> newest_safe_;
   std::optional<bool> carried_out_;
-  std::string verdict_;          // of an ended run: calibration_verdict_json(), as text
+  Standing calibration_;         // of an ended run: calibration_of()
+  std::size_t nights_ = 0;       // kept_nights()
   std::int64_t last_frame_ = 0;  // its position, as stored
   std::int64_t before_ = 0;      // the sensor's last completed run before this one
   std::optional<RunFrames> frames_;

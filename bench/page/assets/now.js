@@ -2,7 +2,7 @@
 import { colourBar, lines, map } from './draw.js';
 import { ask, command } from './link.js';
 import { showProgress, showReadings, showState, tell } from './panels.js';
-import { $, h, line, now, number, numbers, put, reading, renew } from './seen.js';
+import { $, h, line, now, number, put, reading, renew } from './seen.js';
 
 const kSpan = 60000; // ms of real time in the trace
 const kMostPoints = 6000;
@@ -44,17 +44,17 @@ function taxelWords() {
   const { picture, taxel } = now;
   if (!picture) return '';
   if (taxel < 0) return 'click a taxel for its own loop';
-  if (taxel >= now.counts.length) return 'outside the array';
+  if (taxel >= now.volts.length) return 'outside the array';
   const what = picture.dead.includes(taxel) ? ', dead' : picture.saturated.includes(taxel) ? ', saturated' : '';
-  const psi = now.psi && !picture.dead.includes(taxel) ? `, ${(now.psi[taxel] / 100).toFixed(1)} psi compensated` : '';
-  return `${(now.counts[taxel] * picture.volts_per_count).toFixed(3)} V${psi}${what}`;
+  const psi = now.psi && !picture.dead.includes(taxel) ? `, ${now.psi[taxel].toFixed(1)} psi compensated` : '';
+  return `${now.volts[taxel].toFixed(3)} V${psi}${what}`;
 }
 
 function drawPicture() {
   const { picture } = now;
   if (!picture) return;
   const psi = now.compensated && now.psi;
-  const values = psi ? now.psi.map((v) => v / 100) : now.counts.map((v) => v * picture.volts_per_count);
+  const values = psi || now.volts;
   if (now.topRun !== picture.run) { now.top = 0; now.topRun = picture.run; }
   now.top = Math.max(now.top, 0.1 * picture.full_scale_v, ...(psi ? [] : values));
   const top = psi ? Math.max(60, Math.ceil(Math.max(...values) / 10) * 10) : now.top;
@@ -71,7 +71,7 @@ function showPicture() {
   $('show-psi').setAttribute('aria-pressed', String(now.compensated));
   const model = now.compensated ? ` · ${picture.model}${picture.unknown ? `, history of ${picture.unknown} taxels not known yet` : ''}` : '';
   put($('picture-title'), `${picture.peak ? 'highest load: ' : ''}${picture.title}${picture.void ? ' (void branch)' : ''}, ${picture.rows} × ${picture.columns} taxels${model}`);
-  const values = now.counts.map((v) => v * picture.volts_per_count);
+  const values = now.volts;
   put($('legend'), [picture.dead_known ? `▨ dead: ${picture.dead.length}` : 'dead taxels: judged under load', `▧ saturated: ${picture.saturated.length}`,
     `mean ${(values.reduce((a, b) => a + b, 0) / values.length).toFixed(3)} V`].join('   '));
   $('map').setAttribute('aria-label', `Picture of the array, ${picture.title}: ${values.length} taxels, ${Math.min(...values).toFixed(2)} to ${Math.max(...values).toFixed(2)} V, ${picture.dead.length} dead, ${picture.saturated.length} saturated`);
@@ -146,10 +146,7 @@ export function choose(taxel) {
 }
 
 export function take(name, data) {
-  if (name === 'hello') {
-    now.hello = data;
-    $('night').hidden = !(data.night || data.nights);
-  }
+  if (name === 'hello') now.hello = data;
   if (name === 'state') {
     now.state = data;
     if (data.view && now.readings && data.view.run !== now.readings.run) now.readings = null;
@@ -175,8 +172,8 @@ export function take(name, data) {
   if (name === 'picture') {
     now.picture = data;
     now.came = performance.now();
-    now.counts = numbers(data.counts);
-    now.psi = data.psi ? numbers(data.psi) : null;
+    now.volts = data.volts;
+    now.psi = data.psi || null;
     now.dirty.picture = true;
     showPicture();
   }

@@ -21,6 +21,7 @@ export function showState() {
   put($('safe-state'), state.safe.state === 'loaded' && view.target_n != null ? '▲ under force' : safeWords[state.safe.state]);
   put($('safe-words'), state.safe.words);
   put($('store'), `store ${state.store}`);
+  $('night').hidden = !(now.hello.night || state.nights);
   $('simulated').hidden = state.origin !== 'simulated';
   $('verdict').hidden = !verdict;
   $('progress').hidden = Boolean(verdict);

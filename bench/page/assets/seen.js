@@ -2,7 +2,7 @@
 export const $ = (id) => document.getElementById(id);
 
 export const now = {
-  hello: { operator: '', commands: false, night: false, nights: 0 }, state: null, readings: null, picture: null, counts: [], psi: null,
+  hello: { operator: '', commands: false, night: false }, state: null, readings: null, picture: null, volts: [], psi: null,
   trace: [], taxel: -1, compensated: false, top: 0, topRun: 0,
   loop: null, before: null, // {run, taxel, last, axis, t, set, x, y}
   loopAsked: 0, asking: false, answered: 0, sent: 0, dirty: { trace: true, picture: true, loop: true }, came: 0,
@@ -17,13 +17,6 @@ export function renew(node, key, make) {
   node.replaceChildren(...[make()].flat());
 }
 export const number = (value, digits) => (value == null ? '–' : value.toFixed(digits));
-
-export function numbers(base64) {
-  const text = atob(base64);
-  const out = new Array(text.length / 2);
-  for (let i = 0; i < out.length; i += 1) out[i] = text.charCodeAt(2 * i) + 256 * text.charCodeAt(2 * i + 1);
-  return out;
-}
 
 // An element with attributes and children; texts are texts, whatever they hold.
 export function h(tag, attributes, ...children) {

@@ -98,7 +98,8 @@ async function sensor(serial) {
 }
 
 async function night() {
-  const { night: page, nights } = now.hello;
+  while (!now.state) await new Promise((done) => { setTimeout(done, 50); });
+  const { hello: { night: page }, state: { nights } } = now;
   return [title('Night'), page ? [h('h2', {}, 'The last night'), frame('/make/night', 'The night’s table')] : '',
     nights ? [h('h2', {}, `Figures over the nights, ${nights} scenarios`), frame('/make/nights', 'Figures over the nights')] : '', page || nights ? '' : h('p', {}, 'This store keeps no nights.')];
 }

@@ -321,10 +321,9 @@ TEST_CASE("page: a live run's readings, with force and target where it presses")
   live.status.left_s = 10.0;
   live.status.left_low_s = 8.0;
   live.status.left_high_s = 12.0;
-  live.status.age_s = 0.5;
   CHECK(readings_json(live) ==
         nlohmann::json::parse("{\"run\":7,\"phase\":\"moving\",\"step\":3,\"steps\":9,\"frames\":2,\"left_s\":10.0,"
-                              "\"left_low_s\":8.0,\"left_high_s\":12.0,\"age_s\":0.5,\"time_s\":1.5,"
+                              "\"left_low_s\":8.0,\"left_high_s\":12.0,\"time_s\":1.5,"
                               "\"setpoint_psi\":20.0,\"feedback_psi\":20.25,\"reference_psi\":20.5,\"settled\":true}"));
   live.status.target_n = 5.0;
   live.status.readings->force_n = 4.5;
