@@ -142,7 +142,7 @@ TEST_CASE("verify refuses a stored pass on an overdue reference") {
     db::RunStore store = db::RunStore::open(folder.path("runs.db"));
     std::vector<db::VerdictRecord> verdicts = store.verdicts(2);
     for (db::VerdictRecord& verdict : verdicts) verdict.verdict = "pass";
-    store.replace_verdicts(1, store.standing_fit(1)->fit, verdicts);
+    store.replace_verdicts(2, store.standing_fit(1)->fit, verdicts);
   }
   CHECK(call(folder, {"verify", "2"}).code == 1);
   (void)report_json(folder, {"1"}, 6);  // no pass is printed
