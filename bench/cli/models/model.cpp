@@ -49,8 +49,10 @@ void show(const std::string& name, const Session& session) {
     return;
   }
   const ShownInput input = shown_input(model, session.unit());
+  namespace doc = analysis::doc;
+  std::vector<std::pair<std::string, doc::Phrase>> lines;
   const auto line = [&](const char* what, const std::string& value) {
-    tty::print("  {:<14}{}\n", what, value.empty() ? "not stated" : one_line(value, kLongestText));
+    lines.emplace_back(what, value.empty() ? "not stated" : one_line(value, kLongestText));
   };
   tty::print("{} of {} ({}), sha256 {}\n", analysis::label_of(model), one_line(model.source), one_line(model.origin),
              analysis::sha256_of(model).substr(0, 12));
@@ -88,6 +90,7 @@ void show(const std::string& name, const Session& session) {
   if (const std::string open = undetermined_text(model); !open.empty())
     line("left open", open.substr(0, open.size() - 1));
   if (const std::string left = residual_text(model, input); !left.empty()) line("stream leaves", left);
+  print_table(doc::pairs({}, std::move(lines)));
   const ModelTaxel& shown = model.taxels.back();
   if (shown.fit.model == nullptr) return;
   tty::print("\n{}: J {:.6g}, mean error {:.3f} % FS, max {:.3f} % FS, full scale {:.4g} {}, noise {:.3g} {}\n",
@@ -96,13 +99,15 @@ void show(const std::string& name, const Session& session) {
              shown.fit.full_scale, model.output_unit, shown.noise, model.output_unit);
   const auto parameters = shown.fit.model->parameters();
   constexpr std::size_t kMost = 24;  // Preisach has hundreds: --json has them all
+  doc::Table table{.columns = {{"parameter"}, {"value", true}, {"unit"}, {}}};
   for (std::size_t i = 0; i < std::min(kMost, parameters.size()); ++i)
-    tty::print("  {:<14}{:<21} {}{}\n", parameters[i].name,
-               parameter_factor(parameters[i].unit, input) * parameters[i].value,
-               parameter_unit(parameters[i].unit, model, input),
-               parameters[i].fixed        ? "  set by convention, not identified"
-               : parameters[i].at_bound() ? "  at its bound"
-                                          : "");
+    table.rows.push_back(
+        {{parameters[i].name, fmt::format("{:.6g}", parameter_factor(parameters[i].unit, input) * parameters[i].value),
+          parameter_unit(parameters[i].unit, model, input),
+          parameters[i].fixed        ? "set by convention, not identified"
+          : parameters[i].at_bound() ? "at its bound"
+                                     : ""}});
+  print_table(std::move(table));
   if (parameters.size() > kMost) tty::print("  and {} more (--json)\n", parameters.size() - kMost);
 }
 

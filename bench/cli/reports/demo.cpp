@@ -110,9 +110,10 @@ std::int64_t carry_out(const DemoRun& demo, const DemoOptions& options, const db
   Progress progress(Progress::mode_for(session.quiet));
   const RunResult result = characterize(request, store, progress);
   if (result.error) throw *result.error;
-  if (!session.json && !session.quiet)
-    tty::print("run {}: {}, {} frames, {}\n", result.run, demo.title, result.frames,
-               result.safe_text.in(session.unit()));
+  if (!session.json && !session.quiet) {
+    const std::string safe = result.safe_text.in(session.unit());
+    tty::print("run {}: {}, {} frames, {}\n", result.run, demo.title, result.frames, safe.substr(0, safe.find(" (")));
+  }
   return result.run;
 }
 
