@@ -76,7 +76,22 @@ Error usage_error(const CLI::App& app, const CLI::ParseError& error) {
     return word.size() > 1 && word.front() == '-' && std::isdigit(static_cast<unsigned char>(word[1])) == 0;
   });
   if (unknown == left.end()) {
-    return {"TB-USAGE", error.what(), "command line"};
+    const std::string what = error.what();
+    std::string remedy;
+    if (what.find("--operator is required") != std::string::npos)
+      remedy = "--operator NAME; or once, in tactbench.toml: tactbench init --operator NAME";
+    else if (words == "tactbench compare" && !left.empty())
+      remedy = "kinds of models are compared; two runs: tactbench runs diff A B, or tactbench report --compare A B";
+    if (remedy.empty()) {
+      remedy = words;
+      for (const CLI::Option* option : verb->get_options())
+        if (option->get_positional())
+          remedy += fmt::format(option->get_required() ? " {}" : " [{}]", option->get_name(true));
+      for (const CLI::Option* option : verb->get_options())
+        if (!option->get_positional() && option->get_required()) remedy += fmt::format(" {} ...", option->get_name());
+      remedy += fmt::format("; {} --help", words);
+    }
+    return {"TB-USAGE", what, "command line", remedy};
   }
   std::vector<std::string> known;
   for (const CLI::Option* option : verb->get_options()) {

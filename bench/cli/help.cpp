@@ -45,7 +45,8 @@ class HelpFormatter : public CLI::Formatter {
   // A list of verbs has their first lines alone.
   std::string make_subcommand(const CLI::App* sub) const override {
     const std::string about = sub->get_description();
-    return fmt::format("  {:<{}}{}\n", sub->get_name(), kNames, about.substr(0, about.find('\n')));
+    const std::size_t width = std::max(kNames, sub->get_name().size() + 2);
+    return fmt::format("  {:<{}}{}\n", sub->get_name(), width, about.substr(0, about.find('\n')));
   }
   std::string make_description(const CLI::App* app) const override {
     return wrapped(app->get_description(), kColumns) + "\n";
@@ -86,7 +87,7 @@ class HelpFormatter : public CLI::Formatter {
 
 void set_help(CLI::App& app) {
   app.formatter(std::make_shared<HelpFormatter>());
-  app.set_help_all_flag("--help-all", "also the options that are rarely needed");
+  app.set_help_all_flag("--help-all", "of a verb: also the options that are rarely needed");
 }
 
 }  // namespace tactbench::bench

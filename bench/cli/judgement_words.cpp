@@ -54,12 +54,11 @@ doc::Table table_of(const std::vector<const JudgedFigure*>& figures, PressureUni
 // Whether the figures decide: not where a stored verdict is worse.
 bool decided_here(const Judgement& judgement) { return judgement.overall == worst_of(judgement.figures); }
 
-// What does not pass and is not in the headline, the worst first.
-std::vector<const JudgedFigure*> beside_headline(const Judgement& judgement) {
+// What does not pass, the worst first.
+std::vector<const JudgedFigure*> not_passed(const Judgement& judgement) {
   std::vector<const JudgedFigure*> figures;
   for (std::size_t i = 0; i < judgement.figures.size(); ++i)
-    if (judgement.figures[i].verdict > Verdict::kPass && !(judgement.deciding == i && decided_here(judgement)))
-      figures.push_back(&judgement.figures[i]);
+    if (judgement.figures[i].verdict > Verdict::kPass) figures.push_back(&judgement.figures[i]);
   std::ranges::stable_sort(figures, [](const JudgedFigure* a, const JudgedFigure* b) {
     return a->verdict != b->verdict ? a->verdict > b->verdict : a->use_of_limit() > b->use_of_limit();
   });
@@ -155,7 +154,7 @@ doc::Document judgement_document(const Judgement& judgement, const std::string& 
   if (all) {
     for (const JudgedFigure& figure : judgement.figures) shown.push_back(&figure);
   } else if (states_conformity(judgement.overall) && !judgement.not_judged) {
-    shown = beside_headline(judgement);
+    shown = not_passed(judgement);
   }
   const std::size_t others = shown.size();
   if (!all) shown.resize(std::min(others, kRows));

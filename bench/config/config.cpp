@@ -212,6 +212,7 @@ std::string find_in(const std::string& folder, const std::string& name, bool wit
     std::string candidate = fmt::format("{}/{}/{}{}", share_folder(), folder, name, ending);
     if (!name.empty() && std::filesystem::exists(candidate, unusable)) return candidate;
   }
+  if (std::string here = name + ".toml"; !name.empty() && std::filesystem::exists(here, unusable)) return here;
   std::vector<std::string> shipped = shipped_files(folder);
   if (!with_ending) {
     for (std::string& file : shipped) file.erase(file.rfind('.'));

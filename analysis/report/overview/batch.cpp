@@ -107,7 +107,10 @@ doc::Table rank_table(const std::vector<ReportInput>& runs, const std::vector<Ba
       {"retries", "retries"}};
   const PressureUnit unit = runs.front().unit;
   doc::Table table{.id = "ranks",
-                   .caption = "Sensors ranked: by verdict, best first, then by the mean |error|",
+                   .caption =
+                       "Sensors ranked: by verdict, best first, then by the mean |error| on the judged run (the worst "
+                       "of several; the "
+                       "models’ own run where none was judged)",
                    .columns = {{"rank", true}, {"sensor"}, {"run", true}, {"date"}},
                    .dense = true};
   for (const auto& [key, title] : shown)

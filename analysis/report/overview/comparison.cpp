@@ -86,7 +86,7 @@ Document found_and_left_by(const ReportInput& a, const ReportInput& b) {
   };
   const auto in_unit = [](double psi) { return doc::pressure(psi, 2); };
   const auto in_percent = [](double share) { return doc::percent_of(share, 2); };
-  row("mean |error|", &Evaluation::mean_error_psi, in_unit);
+  row("mean |error| on its own run", &Evaluation::mean_error_psi, in_unit);
   row("largest |error|", &Evaluation::max_error_psi, in_unit);
   row("worst taxel’s mean |error|", &Evaluation::worst_taxel_mean_error_psi, in_unit);
   row("hysteresis, mean over taxels, % FS", &Evaluation::comp_distance, in_percent);

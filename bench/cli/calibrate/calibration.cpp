@@ -104,20 +104,21 @@ class Calibration {
     print_total(recipes, judging, overrides.recipe);
   }
 
-  [[nodiscard]] TimeBand time_of(const std::vector<Recipe>& recipes,
-                                 const std::vector<sequences::Override>& overrides) const {
+  [[nodiscard]] TimeBand time_of(const std::vector<Recipe>& recipes, const std::vector<sequences::Override>& overrides,
+                                 bool learn = true) const {
     TimeEstimate time(recipes, sequences::compile(recipes), time_model(bench_));
-    if (std::filesystem::exists(session_.db))
+    if (learn && std::filesystem::exists(session_.db))
       time.learn(db::RunStore::open_read_only(session_.db), bench_.id, overrides, false);
     return time.total();
   }
 
-  // The longest shipped form that fits.
+  // The longest shipped form that fits by the time model: what runs have taken would let the same words mean another
+  // form the next time.
   void choose_form(const std::vector<sequences::Override>& overrides) {
     double least = 0.0;
     for (const CalibrationForm& form : calibration_forms()) {
-      least = (time_of(checked_recipes(form.recipes, overrides), overrides).p50_s +
-               time_of(checked_recipes(form.held_out_recipes, {}), {}).p50_s) /
+      least = (time_of(checked_recipes(form.recipes, overrides), overrides, false).p50_s +
+               time_of(checked_recipes(form.held_out_recipes, {}), {}, false).p50_s) /
               60.0;
       form_ = form;
       if (least <= options_.minutes) return;

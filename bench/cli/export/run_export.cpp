@@ -128,6 +128,8 @@ void export_run(const RunExportOptions& options, const Session& session) {
                {{"run", run.run}, {"format", options.format}, {"path", options.output}, {"bytes", bytes}});
   } else {
     tty::print("run {}: {} bytes of {} in {}\n", run.run, bytes, options.format, options.output);
+    if (options.format == "csv" && !session.quiet)
+      tty::print("to read it: pandas.read_csv(\"{}\", comment=\"#\")\n", options.output);
   }
 }
 

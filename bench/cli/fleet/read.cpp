@@ -51,7 +51,7 @@ ListedRun listed_run(const fleet::FleetRun& run, const Json& facts) {
 
 // The keys of `runs list --json`.
 Json row_of(const fleet::FleetRun& run, Json facts) {
-  for (const char* more : {"fits", "verdicts", "figures", "report", "rests_on", "sensor_type"}) facts.erase(more);
+  for (const char* more : {"fits", "verdicts", "figures", "reports", "rests_on", "sensor_type"}) facts.erase(more);
   facts["run"] = run.run;
   return facts;
 }
@@ -83,7 +83,7 @@ void show_fleet(const ReadOptions& options, Session& session) {
   from.take({run});
   show_run(run.run, session);
   if (!session.json)
-    tty::print("fleet {}: pushed by {} on {}, from {}\n", "fleet", session.fleet, run.pushed_by, run.pushed_utc,
+    tty::print("fleet {}: pushed by {} on {}, from {}\n", session.fleet, run.pushed_by, run.pushed_utc,
                run.source);
 }
 
@@ -110,7 +110,6 @@ void trend_fleet(const ReadOptions& options, const TrendOptions& trend_options, 
 CLI::App* add_reader(CLI::App& group, const char* name, const char* about, ReadOptions& options, Session& session) {
   CLI::App* verb = group.add_subcommand(name, about);
   add_fleet_option(*verb, "--from", options.from, session);
-  verb->add_flag("-q,--quiet", session.quiet, "only results");
   return verb;
 }
 

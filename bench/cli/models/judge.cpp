@@ -23,6 +23,7 @@ namespace {
 struct JudgeOptions {
   std::string model, limits, lab;
   std::vector<std::int64_t> runs;
+  bool store = true;
 };
 
 void judge(const JudgeOptions& options, Session& session) {
@@ -41,9 +42,12 @@ void judge(const JudgeOptions& options, Session& session) {
   progress.begin("figures");
   FittedRun fitted{&model, evaluate_runs(runs, model, options.runs), {}};
   if (!options.limits.empty()) {
-    fitted.judgement = judge_and_store(store, runs, model, fitted.evaluations, options.limits, session.void_too,
-                                       laboratory.instruments)
-                           .judgement;
+    fitted.judgement = options.store ? judge_and_store(store, runs, model, fitted.evaluations, options.limits,
+                                                       session.void_too, laboratory.instruments)
+                                           .judgement
+                                     : judge_for_report(runs, model, fitted.evaluations, options.limits,
+                                                        session.void_too, laboratory.instruments, {})
+                                           .judgement;
     session.code = exit_code_of(fitted.judgement.overall);
   }
   if (!session.json) return print_fitted(fitted, session);
@@ -67,6 +71,7 @@ void add_judge(CLI::App& app, Session& session) {
   session.profile.add(*verb, "--limits", ProfileKey::kLimits, options->limits, "limits file that judges");
   session.profile.add(*verb, "--lab", ProfileKey::kLab, options->lab,
                       "laboratory file: a reference that is overdue by its dates makes verdicts inconclusive");
+  verb->add_flag("!--try", options->store, "store nothing: only see what these limits would say");
   add_void_too(*verb, session);
   add_all(*verb, session);
   verb->callback([options, verb, &session] {

@@ -107,7 +107,11 @@ analysis::ReportInput input_for(analysis::Runs& runs, const ReportOptions& optio
       several ? std::vector<std::int64_t>() : std::vector<std::int64_t>(options.runs.begin() + 1, options.runs.end());
   analysis::ReportInput input =
       report_input(runs, run, fit, evaluations, judged, further, several ? nullptr : &options.extras);
-  if (several) input.held_out.clear();  // each run's own report has their figures
+  if (const auto worst = std::ranges::max_element(
+          input.held_out, {}, [](const analysis::HeldOut& own) { return own.evaluation.mean_error_psi; });
+      options.batch && worst != input.held_out.end())
+    input.evaluation = worst->evaluation;  // sensors are ranked by what they were judged on
+  if (several) input.held_out.clear();     // each run's own report has their figures
   input.issued = options.issued;
   input.unit = session.page_unit();
   input.paper = options.paper == "letter" ? analysis::PaperSize::kLetter : analysis::PaperSize::kA4;

@@ -14,6 +14,7 @@
 #include "bench/cli/session.h"
 #include "bench/run/control/control_client.h"
 #include "bench/run/control/machine_name.h"
+#include "db/run_store.h"
 
 namespace tactbench::bench {
 
@@ -85,6 +86,15 @@ void resume(const ControlOptions& options, Session& session) {
   // A bench that does not answer may carry out this very run; the run's own lock shows that.
   if (found.runs.empty() && options.run != 0) {
     return resume_run(options.run, {options.bench, options.on_event, options.assume_yes}, session);
+  }
+  if (found.runs.empty() && found.silent.empty() && std::filesystem::exists(session.db)) {
+    const std::vector<db::RunRecord> runs = db::RunStore::open_read_only(session.db).runs();
+    const auto open = std::find_if(runs.rbegin(), runs.rend(), [](const db::RunRecord& run) {
+      return run.outcome != db::Outcome::kCompleted && !run.is_void() && run.origin != "imported";
+    });
+    if (open != runs.rend())
+      refuse_word("TB-RUN-NOT-LIVE", "no run is live", session.db,
+                  fmt::format("the last one that did not complete: tactbench resume {}", open->run));
   }
   // A number alone must not resume a run of another store when this store's was meant.
   const bool ours = std::any_of(found.runs.begin(), found.runs.end(),

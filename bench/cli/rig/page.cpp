@@ -80,7 +80,9 @@ void announce(const PageServer& server, const PageOptions& page, const Session& 
                         {"operator", page.operator_name},
                         {"port", server.port()}});
   } else {
-    tty::print(page.beside != 0 ? stderr : stdout, "page: {}\n", server.link());
+    std::FILE* const out = page.beside != 0 ? stderr : stdout;
+    tty::print(out, "page: {}\n", server.link());
+    if (server.readers_link() != server.link()) tty::print(out, "to watch only: {}\n", server.readers_link());
   }
   (void)std::fflush(stdout);
 }

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -18,6 +19,7 @@
 #include "bench/cli/judgement_words.h"
 #include "bench/cli/runs/runs_list.h"
 #include "bench/cli/session.h"
+#include "bench/common/utc.h"
 #include "bench/config/calibration_words.h"
 #include "bench/monitor/run_view.h"
 #include "bench/reporting/judgement.h"
@@ -28,15 +30,16 @@ namespace tactbench::bench {
 
 namespace {
 
-void check_since(const std::string& since) {
-  const std::string pattern = "dddd-dd-dd";
-  bool fits = since.size() >= pattern.size();
-  for (std::size_t i = 0; fits && i < pattern.size(); ++i) {
-    fits = pattern[i] == 'd' ? since[i] >= '0' && since[i] <= '9' : since[i] == '-';
-  }
-  if (fits) return;
-  throw Error("TB-USAGE", fmt::format("'{}' is not a date", since), "--since",
-              "write it as 2026-01-31, or 2026-01-31T12:00:00Z (UTC)");
+// "7d" is so many days ago.
+std::string since_utc(const std::string& since) {
+  int days = 0;
+  const char *const begin = since.data(), *const end = begin + since.size();
+  const auto read = std::from_chars(begin, end, days);
+  if (read.ec == std::errc() && days >= 0 && days <= 36500 && std::string_view(read.ptr, end) == "d")
+    return utc_days_ago(days);
+  if (analysis::is_date(since.substr(0, 10)) && (since.size() == 10 || since[10] == 'T')) return since;
+  throw Error("TB-USAGE", fmt::format("'{}' is neither a date nor a number of days", since), "--since",
+              "write it as 7d, 2026-01-31, or 2026-01-31T12:00:00Z (UTC)");
 }
 
 // "2026-01-31 12:00".
@@ -85,12 +88,14 @@ RunsList::RunsList(const RunsListOptions& options, const Session& session)
       session_(session),
       wanted_(options.verdict),
       rows_(std::make_unique<nlohmann::ordered_json>(nlohmann::ordered_json::array())) {
-  if (!options.since.empty()) check_since(options.since);
   table_.columns = {{"run", true},    {"started (UTC)"}, {"sensor"}, {"outcome"},
                     {"frames", true}, {"verdict"},       {"origin"}, {.title = "purpose; recipes [tags]", .cut = true}};
 }
 
 bool RunsList::takes(const db::RunRecord& run, std::optional<analysis::Verdict> verdict) {
+  if (!options_.outcome.empty() && options_.outcome != db::to_string(run.outcome) &&
+      !(options_.outcome == kNotCompleted && run.outcome != db::Outcome::kCompleted))
+    return false;
   if (!options_.tag.empty() && std::ranges::find(run.tags, options_.tag) == run.tags.end()) return false;
   if (!fits_metadata(options_.metadata, run) || !wanted_.fits(verdict, run.origin)) return false;
   const bool left_out = run.is_void() && !options_.all;
@@ -145,9 +150,10 @@ void RunsList::end(bool any_stored) {
 }
 
 void list_runs(const RunsListOptions& options, const Session& session) {
+  const std::string since = options.since.empty() ? "" : since_utc(options.since);
   const db::RunStore store = db::RunStore::open_read_only(session.db);
   RunsList list(options, session);
-  for (const db::RunRecord& run : store.runs({.sensor_serial = options.sensor, .since_utc = options.since})) {
+  for (const db::RunRecord& run : store.runs({.sensor_serial = options.sensor, .since_utc = since})) {
     const Standing stands = standing(store, run.run);
     if (!list.takes(run, stands.verdict)) continue;
     // Frames are numbered from 1.
@@ -302,7 +308,10 @@ void show_run(std::int64_t number, const Session& session, bool all_events) {
 
 void add_runs_list_options(CLI::App& verb, RunsListOptions& options) {
   verb.add_option("--sensor", options.sensor, "only this sensor");
-  verb.add_option("--since", options.since, "started on this day (UTC, 2026-01-31) or later");
+  verb.add_option("--since", options.since,
+                  "started on this day (UTC, 2026-01-31), or so many days ago (7d), or later");
+  verb.add_option("--outcome", options.outcome, "only runs that ended so")
+      ->check(CLI::IsMember({kNotCompleted, "completed", "stopped", "aborted", "failed", "interrupted", "incomplete"}));
   verb.add_option("--tag", options.tag, "only with this tag");
   add_metadata_options(verb, options.metadata, true);
   verb.add_option("--verdict", options.verdict, "only with this verdict, on the run or on its models; none: not judged")

@@ -14,8 +14,10 @@
 
 namespace tactbench::bench {
 
+inline constexpr const char* kNotCompleted = "not-completed";  // of --outcome: any other
+
 struct RunsListOptions {
-  std::string sensor, since, tag, verdict;  // empty: any
+  std::string sensor, since, tag, verdict, outcome;  // empty: any
   MetadataOptions metadata;
   bool all = false;  // include void runs
 };
