@@ -86,7 +86,7 @@ Error usage_error(const CLI::App& app, const CLI::ParseError& error) {
       remedy = words;
       for (const CLI::Option* option : verb->get_options())
         if (option->get_positional())
-          remedy += fmt::format(option->get_required() ? " {}" : " [{}]", option->get_name(true));
+          remedy += option->get_required() ? " " + option->get_name(true) : " [" + option->get_name(true) + "]";
       for (const CLI::Option* option : verb->get_options())
         if (!option->get_positional() && option->get_required()) remedy += fmt::format(" {} ...", option->get_name());
       remedy += fmt::format("; {} --help", words);
