@@ -64,11 +64,6 @@ std::string one_line(std::string_view text, std::size_t columns) {
   return analysis::cut_to(part.size() == text.size() ? line : line + "\u2026", columns);
 }
 
-std::string cell(std::string_view text, std::size_t columns) {
-  std::string line = one_line(text, columns - 1);
-  return line.append(columns - display_width(line), ' ');
-}
-
 std::string clock_text(double seconds) {
   const long whole = std::lround(seconds);
   return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);

@@ -23,9 +23,6 @@ inline constexpr std::size_t kLongestText = 2000;  // of one field of an error
 inline constexpr std::size_t kLongestCell = 200;   // at the end of a table's line
 std::string one_line(std::string_view text, std::size_t columns = kLongestCell);
 
-// one_line() for a table's column of width `columns`: cut to one less and padded with blanks.
-std::string cell(std::string_view text, std::size_t columns);
-
 using analysis::display_width;
 
 // "h:mm:ss".

@@ -51,15 +51,6 @@ TEST_CASE("a text for one line has no line breaks and is cut to its number of co
   CHECK(one_line(marks, 50).ends_with("\u2026"));
 }
 
-TEST_CASE("a cell is as wide as its column, whatever is in it") {
-  for (const char* text : {"", "abc", "abcdefghijkl", "测试测试测试测试", "\x1b[31mabcdef", "e\u0301\u0301\u0301"}) {
-    INFO(text);
-    CHECK(display_width(cell(text, 10)) == 10);
-    CHECK(cell(text, 10).ends_with(' '));
-  }
-  CHECK(cell("abcd", 4) == "ab\u2026 ");
-}
-
 TEST_CASE("an error's text has no control characters and a bounded length") {
   const std::string evil = "x\x1b]0;t\x07\r\u009b\u202e\xff\ny";
   const std::string text = error_text(Error("TB-USAGE", evil, evil, evil, evil));
