@@ -63,7 +63,7 @@ Error usage_error(const CLI::App& app, const CLI::ParseError& error) {
   const auto [verb, words] = typed_verb(app);
   std::vector<std::string> verbs;
   for (const CLI::App* below : verb->get_subcommands({})) verbs.push_back(below->get_name());
-  if (!verbs.empty() && verb != &app) {
+  if (verb->get_require_subcommand_min() > 0 && verb != &app) {
     const bool typed = !left.empty() && left.front().size() > 1 && left.front().front() != '-';
     const std::string near = typed ? sequences::nearest_word(left.front(), verbs) : std::string();
     return {"TB-USAGE",

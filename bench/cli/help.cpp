@@ -59,8 +59,8 @@ class HelpFormatter : public CLI::Formatter {
     if (app->get_parent() == nullptr) return own + "\n";
     const std::vector<std::string> groups = app->get_groups();
     const bool rare = std::ranges::find(groups, kRareOptions) != groups.end();
-    return fmt::format("{}{}Of every verb: --db --bench --units --json -q (tactbench --help){}.\n", own,
-                       own.empty() ? "" : "\n\n", rare ? "; rarely needed options: --help-all" : "");
+    return fmt::format("{}{}{}Of every verb: --db --bench --units --json -q (tactbench --help).\n", own,
+                       own.empty() ? "" : "\n\n", rare ? "Rarely needed options: --help-all.\n" : "");
   }
   std::string make_group(std::string group, bool positional, std::vector<const CLI::Option*> options) const override {
     if (group == kRareOptions && !all_) return {};

@@ -87,7 +87,7 @@ with tempfile.TemporaryDirectory(prefix="tactbench-fleet-") as folder, server_fo
         expect(verified["run"] == numbers[uuid_of[run]] and len(verified["analysis"]) > 0, verified)
         expect(all(result["recomputed"] for result in verified["analysis"]), verified)
     lab.run("runs", "copy", uuid_of[1], numbers[uuid_of[2]], "--from", analyst, "--to", "home.db")
-    lab.run("verify", "home.db")
+    lab.run("verify", "--db", "home.db")
     expect(lab.json("verify", 2, "--db", "home.db")["analysis"] != [], "with its verdicts")
     lab.run("verify", uuid_of[1], "--from", "fleet", env={"TACTBENCH_FLEET": analyst})
     for code, name, words in ((2, "TB-USAGE", ("verify", uuid_of[1], "--from", "fleet")),

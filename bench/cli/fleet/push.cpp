@@ -90,7 +90,7 @@ void add_fleet_push(CLI::App& group, Session& session) {
   auto options = std::make_shared<PushOptions>();
   CLI::App* verb = group.add_subcommand(
       "push",
-      "bring the store's ended runs, and what was said of them since, to the fleet; what is there is left alone");
+      "bring ended runs, and what was said of them since, to the fleet");
   add_fleet_option(*verb, "--to", options->to, session);
   verb->add_option("--patience", options->patience_s,
                    "seconds without a byte from the server until it counts as lost; more for one that is overloaded")

@@ -135,7 +135,7 @@ TEST_CASE("status: a stopped process is named, a killed one has left its run, an
   const std::string folder = run.folder.path();
   write_file(run.folder.path("seen"), "");
   ChildProcess watching(
-      {"/bin/sh", "-c", fmt::format("cd '{}' && exec '{}' watch >seen 2>&1", folder, program_path())});
+      {"/bin/sh", "-c", fmt::format("cd '{}' && exec '{}' status --watch >seen 2>&1", folder, program_path())});
   const auto seen = [&](const char* text) {
     return comes_true([&] { return read_file(run.folder.path("seen")).find(text) != std::string::npos; });
   };

@@ -54,7 +54,7 @@ TEST_CASE("db prune --keep takes days, weeks and dates, at their edges") {
   }
 }
 
-TEST_CASE("runs list --since takes a date, with or without a time") {
+TEST_CASE("runs list --since takes a date, with or without a time, or a number of days") {
   const StoreOfRules store;
   {
     db::RunStore open = store.open();
@@ -65,13 +65,15 @@ TEST_CASE("runs list --since takes a date, with or without a time") {
     CHECK(list.code == 0);
     return nlohmann::json::parse(list.out).at("runs").size() == 1;
   };
-  CHECK(lists("0000-00-00"));
+  CHECK(lists("2020-01-01"));
+  CHECK(lists("36500d"));
+  CHECK_FALSE(lists("0d"));
   CHECK(lists("2024-05-01"));
   CHECK(lists("2024-05-01T09:00:00Z"));
   CHECK_FALSE(lists("2024-05-01T09:00:01Z"));
-  CHECK_FALSE(lists("9999-99-99"));
+  CHECK_FALSE(lists("2100-01-01"));
   for (const char* date : {"2024-05-0", "2024-05", "/024-05-01", ":024-05-01", "2024-05-0/", "2024-05-0:", "2024/05-01",
-                           "2024-05:01", "20240-5-01", "yesterday12"}) {
+                           "2024-05:01", "20240-5-01", "yesterday12", "-1d", "d", "7"}) {
     INFO(date);
     check_refusal(store.since(date), 2, "TB-USAGE", "--since");
   }
