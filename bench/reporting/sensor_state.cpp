@@ -72,14 +72,9 @@ std::optional<SensorDrift> find_drift(const db::RunStore& store, const std::vect
   return newest;
 }
 
-std::string signed_text(double share, double expanded) {
-  const std::string text = text_of(number_with_u(100.0 * share, 100.0 * expanded), analysis::PressureUnit::kPsi);
-  return share > 0.0 && text != "0" ? "+" + text : text;
-}
-
 std::string changes_text(const analysis::Drift& drift) {
-  return fmt::format("zero {} % FS{}", signed_text(drift.zero, drift.zero_u),
-                     drift.gain_u > 0.0 ? fmt::format(", gain {} %", signed_text(drift.gain, drift.gain_u)) : "");
+  return fmt::format("zero {} % FS{}", signed_percent(drift.zero, drift.zero_u),
+                     drift.gain_u > 0.0 ? fmt::format(", gain {} %", signed_percent(drift.gain, drift.gain_u)) : "");
 }
 
 std::string no_drift_text(const SensorState& state) {
@@ -91,6 +86,11 @@ std::string yes_or_no(const SensorDrift& found) {
 }
 
 }  // namespace
+
+std::string signed_percent(double share, double expanded) {
+  const std::string text = text_of(number_with_u(100.0 * share, 100.0 * expanded), analysis::PressureUnit::kPsi);
+  return share > 0.0 ? "+" + text : text;
+}
 
 SensorState sensor_state(const db::RunStore& store, const std::string& serial, const analysis::Laboratory& laboratory) {
   SensorState state;
@@ -116,12 +116,6 @@ std::string drift_text(const SensorState& state) {
       yes_or_no(*state.drift), state.drift->run, state.drift->model_run, 100.0 * drift.as_is, 100.0 * drift.tolerance,
       changes_text(drift), 100.0 * std::min(drift.adjusted, drift.as_is),
       drift.drifted() ? fmt::format("; {}", to_string(drift.verdict)) : "");
-}
-
-std::string short_drift_text(const SensorState& state) {
-  if (!state.drift) return no_drift_text(state);
-  const analysis::Drift& drift = state.drift->drift;
-  return fmt::format("{}: off by {:.2f} % FS ({})", yes_or_no(*state.drift), 100.0 * drift.as_is, changes_text(drift));
 }
 
 }  // namespace tactbench::bench

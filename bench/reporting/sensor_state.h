@@ -33,7 +33,7 @@ SensorState sensor_state(const db::RunStore& store, const std::string& serial, c
 
 // "yes, since 2026-11-30: off by 0.75 % of full scale (tolerance 0.50); zero +0.25 ± 0.05 %, gain -0.8 ± 0.1 %, ...".
 std::string drift_text(const SensorState& state);
-// The same in few words, for a table.
-std::string short_drift_text(const SensorState& state);
+// "+0.13 ± 0.29": of 1 or of full scale, with U, in %.
+std::string signed_percent(double share, double expanded);
 
 }  // namespace tactbench::bench

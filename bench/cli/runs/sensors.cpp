@@ -1,10 +1,11 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
 
 #include "analysis/counted.h"
 #include "analysis/documents/run_json.h"
@@ -58,6 +59,8 @@ std::string verdict_cell(const SensorState& state) {
   return state.verdict ? shown_verdict(*state.verdict->verdict, state.runs.back().origin) : "none";
 }
 
+bool simulated(const SensorState& state) { return !state.runs.empty() && state.runs.back().origin == "simulated"; }
+
 bool drifted(const SensorState& state) { return state.drift && state.drift->drift.drifted(); }
 
 nlohmann::ordered_json state_json(const db::SensorRecord& sensor, const SensorState& state) {
@@ -86,31 +89,54 @@ nlohmann::ordered_json state_json(const db::SensorRecord& sensor, const SensorSt
   return json;
 }
 
+// The drifted ones in a sentence each, then all in a line each.
+void print_sensors(const std::vector<std::pair<std::string, SensorState>>& sensors, const Session& session) {
+  const auto off = std::ranges::count_if(sensors, [](const auto& sensor) { return drifted(sensor.second); });
+  const auto unknown = std::ranges::count_if(sensors, [](const auto& sensor) { return !sensor.second.drift; });
+  const bool all_simulated = std::ranges::all_of(sensors, [](const auto& sensor) { return simulated(sensor.second); });
+  const bool any_due = std::ranges::any_of(sensors, [](const auto& s) { return !s.second.valid_until.empty(); });
+  analysis::doc::Document document;
+  document.add(analysis::doc::Paragraph{
+      {fmt::format("drifted: {} of {}{}", off, analysis::counted(sensors.size(), "sensor"),
+                   unknown > 0 ? fmt::format("; {} without a later run to check models on", unknown) : "")}});
+  analysis::doc::Table table{
+      .id = {},
+      .caption = all_simulated ? "all simulated" : "",
+      .columns = {{"sensor"}, {"drifted"}, {"zero, % FS", true}, {"gain, %", true}, {"measured", true}, {"verdict"}}};
+  if (any_due) table.columns.push_back({"due", true});
+  for (const auto& [serial, state] : sensors) {
+    if (drifted(state)) document.add(analysis::doc::Paragraph{{fmt::format("{}: {}", serial, drift_text(state))}});
+    const analysis::Drift* drift = state.drift ? &state.drift->drift : nullptr;
+    table.rows.push_back(
+        {{serial,
+          drift == nullptr   ? "–"
+          : drift->drifted() ? "YES"
+                             : "no",
+          drift == nullptr ? "–" : signed_percent(drift->zero, drift->zero_u),
+          drift == nullptr || drift->gain_u <= 0.0 ? "–" : signed_percent(drift->gain, drift->gain_u), last_date(state),
+          !state.verdict  ? "none"
+          : all_simulated ? to_string(*state.verdict->verdict)
+                          : verdict_cell(state)}});
+    if (any_due) table.rows.back().cells.emplace_back(state.valid_until.empty() ? "–" : one_line(state.valid_until));
+  }
+  if (!session.quiet) document.add(std::move(table));
+  tty::print("{}", to_text(document, session.unit(), line_columns()));
+}
+
 void list_sensors(const SensorsOptions& options, const Session& session) {
   const db::RunStore store = db::RunStore::open_read_only(session.db);
   const analysis::Laboratory laboratory = laboratory_of(options);
   LongWork progress("sensors", session.quiet || session.json, {{"drift", 1.0, false}});
   auto json = nlohmann::ordered_json::array();
-  analysis::doc::Table table{.id = {}, .columns = {{"sensor"}, {"measured"}, {"verdict"}, {"due"}, {"drifted"}}};
-  std::vector<std::string> off;
+  std::vector<std::pair<std::string, SensorState>> sensors;
   for (const db::SensorRecord& sensor : store.sensors()) {
-    const SensorState state = sensor_state(store, sensor.serial, laboratory);
-    if (drifted(state)) off.push_back(one_line(sensor.serial));
-    if (session.json)
-      json.push_back(state_json(sensor, state));
-    else
-      table.rows.push_back({{one_line(sensor.serial), last_date(state), verdict_cell(state),
-                             state.valid_until.empty() ? "–" : one_line(state.valid_until), short_drift_text(state)}});
+    sensors.emplace_back(one_line(sensor.serial), sensor_state(store, sensor.serial, laboratory));
+    if (session.json) json.push_back(state_json(sensor, sensors.back().second));
   }
   progress.end();
   if (session.json) return print_json("sensors.list", {{"sensors", json}});
-  if (table.rows.empty()) return tty::print("no sensor is registered: tactbench sensors add SERIAL registers one\n");
-  tty::print("drifted: {} of {}{}\n", off.size(), analysis::counted(table.rows.size(), "sensor"),
-             off.empty() ? "" : fmt::format(": {}", fmt::join(off, ", ")));
-  if (session.quiet) return;
-  analysis::doc::Document document;
-  document.add(std::move(table));
-  tty::print("{}", to_text(document, session.unit(), screen_size(STDOUT_FILENO).columns));
+  if (sensors.empty()) return tty::print("no sensor is registered: tactbench sensors add SERIAL registers one\n");
+  print_sensors(sensors, session);
 }
 
 void show_sensor(const SensorsOptions& options, const Session& session) {
@@ -152,7 +178,7 @@ void show_sensor(const SensorsOptions& options, const Session& session) {
   analysis::doc::Document document;
   document.add(std::move(facts));
   if (!runs.rows.empty()) document.add(std::move(runs));
-  tty::print("{}", to_text(document, session.unit(), screen_size(STDOUT_FILENO).columns));
+  tty::print("{}", to_text(document, session.unit(), line_columns()));
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -85,8 +84,8 @@ std::string judged_text(const FollowedFigure& figure) {
 void show_followed(const Followed& followed) {
   const auto has_band = [](const FollowedFigure& figure) { return figure.chart.band.has_value(); };
   const bool banded = std::ranges::any_of(followed.figures, has_band);
-  analysis::doc::Table table{.id = {}, .columns = {{"figure"}, {"former", true}, {"newest", true}, {"runs"}}};
-  if (banded) table.columns.push_back({"band"});
+  analysis::doc::Table table{.id = {}, .columns = {{"figure"}, {"former", true}, {"newest", true}, {"runs", true}}};
+  if (banded) table.columns.push_back({"band", true});
   table.columns.emplace_back();
   for (const FollowedFigure& figure : followed.figures) {
     const auto& band = figure.chart.band;
@@ -100,7 +99,7 @@ void show_followed(const Followed& followed) {
   analysis::doc::Document document;
   document.add(std::move(table));
   tty::print("{}: {}\n{}", one_line(followed.subject), baseline_text(followed),
-             to_text(document, analysis::PressureUnit::kPsi, screen_size(STDOUT_FILENO).columns));
+             to_text(document, analysis::PressureUnit::kPsi, line_columns()));
 }
 
 }  // namespace
