@@ -19,7 +19,7 @@ TEST_CASE("a table read through a pipe gives the same hash and the same results 
   write_file(folder.path("t.csv"), kLoopTable);
   const auto shell = [&](const std::string& line) { return run_program("/bin/bash", {"-c", line}, folder.path()); };
   const std::string program = program_path();
-  REQUIRE(shell(program + " import t.csv && " + program + " import <(cat t.csv)").code == 0);
+  REQUIRE(shell(program + " runs import t.csv && " + program + " runs import <(cat t.csv)").code == 0);
   const auto sha = [&](const std::string& run) {
     const auto shown = nlohmann::json::parse(call(folder, {"runs", "show", run, "--json"}).out);
     return shown["devices"][0]["serial"].get<std::string>();
@@ -32,7 +32,7 @@ TEST_CASE("a table read through a pipe gives the same hash and the same results 
   CHECK(shell(program + " compensate m.json <(cat t.csv)").out == direct.out);
   CHECK(shell("head -c 3000000 /dev/zero | tr '\\0' 'x' | " + program + " compensate m.json -").code == 2);
   CHECK(shell(program + " compensate m.json /dev/zero").code == 2);
-  CHECK(shell(program + " fit t.csv --check <(cat m.json)").code == 2);  // a document is a file
+  CHECK(shell(program + " model check <(cat m.json) t.csv").code == 2);  // a document is a file
 }
 
 TEST_CASE("predict: a table that cannot be written to standard output is an error") {
