@@ -72,7 +72,7 @@ def command_lines(text):
 def commands_of(text):
     """The words after each `tactbench` of the blocks of commands."""
     for line in command_lines(text):
-        if "tactbench " not in line:
+        if "tactbench " not in line or line.lstrip().startswith("from "):
             continue
         lexer = shlex.shlex(line, posix=True, punctuation_chars=";|()<>")
         lexer.whitespace_split = True

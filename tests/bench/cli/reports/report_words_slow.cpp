@@ -126,7 +126,6 @@ TEST_CASE("report: signed once it keeps its number, its file and what replaced i
   const Finished twice = of.report({"sign", "3", "--by", "M. Ito", "--without-verdict"});
   CHECK(twice.code == 5);
   CHECK(twice.out.empty());
-  of.refused({"sign", "3", "--by", "K. Lee", "--without-verdict", "--reason", "x"}, "[TB-REPORT-REASON]");
   CHECK(of.report({"sign", "3", "2", "--by", "M. Ito", "--without-verdict", "--reason", "one more"}).code == 0);
   const Told listed = Told::parse(call(of.folder, {"report", "list", "3", "--json"}).out).at("reports");
   REQUIRE(listed.size() == 2);
