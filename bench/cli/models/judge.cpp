@@ -9,6 +9,7 @@
 #include "bench/cli/judgement_words.h"
 #include "bench/cli/models/fit_words.h"
 #include "bench/cli/reports/report_options.h"
+#include "bench/cli/runs/source.h"
 #include "bench/common/long_work.h"
 #include "bench/config/config.h"
 #include "bench/config/config_laboratory.h"

@@ -9,6 +9,7 @@
 #include "bench/run/recipe_check.h"
 #include "bench/run/time_estimate.h"
 #include "sequences/recipe.h"
+#include "tests/bench/cli/check_refusal.h"
 #include "tests/bench/run/stored_past.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
