@@ -214,8 +214,7 @@ void add_run_copy(CLI::App& runs, Session& session) {
 
 void add_run_export(CLI::App& runs, Session& session) {
   auto options = std::make_shared<RunExportOptions>();
-  CLI::App* verb =
-      runs.add_subcommand("export", "write a run's frames as CSV, or all of it as JSON");
+  CLI::App* verb = runs.add_subcommand("export", "write a run's frames as CSV, or all of it as JSON");
   verb->add_option("run", options->run, "run number")->required();
   verb->add_option("--format", options->format, "csv: one line per scan, raw counts and volts; json: the whole run")
       ->check(CLI::IsMember({"csv", "json"}))

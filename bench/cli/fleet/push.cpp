@@ -88,9 +88,7 @@ void push(const PushOptions& options, Session& session) {
 
 void add_fleet_push(CLI::App& group, Session& session) {
   auto options = std::make_shared<PushOptions>();
-  CLI::App* verb = group.add_subcommand(
-      "push",
-      "bring ended runs, and what was said of them since, to the fleet");
+  CLI::App* verb = group.add_subcommand("push", "bring ended runs, and what was said of them since, to the fleet");
   add_fleet_option(*verb, "--to", options->to, session);
   verb->add_option("--patience", options->patience_s,
                    "seconds without a byte from the server until it counts as lost; more for one that is overloaded")

@@ -83,8 +83,7 @@ void show_fleet(const ReadOptions& options, Session& session) {
   from.take({run});
   show_run(run.run, session);
   if (!session.json)
-    tty::print("fleet {}: pushed by {} on {}, from {}\n", session.fleet, run.pushed_by, run.pushed_utc,
-               run.source);
+    tty::print("fleet {}: pushed by {} on {}, from {}\n", session.fleet, run.pushed_by, run.pushed_utc, run.source);
 }
 
 void trend_fleet(const ReadOptions& options, const TrendOptions& trend_options, Session& session) {

@@ -93,8 +93,7 @@ void live(const LiveVerbOptions& options, const Session& session) {
 
 void add_live(CLI::App& app, Session& session) {
   auto options = std::make_shared<LiveVerbOptions>();
-  CLI::App* verb =
-      app.add_subcommand("live", "the instruments' values; with --model compensated frames of the array");
+  CLI::App* verb = app.add_subcommand("live", "the instruments' values; with --model compensated frames of the array");
   verb->add_option("--model", options->model, "a .json that fit -o wrote, or RUN or RUN:FIT of the store");
   verb->add_option("--set", options->set, "override table.key=value of the bench file")->take_all();
   verb->add_option("--frames", options->live.frames, "end after so many; 0: at Ctrl-C")

@@ -203,8 +203,8 @@ void add_model(CLI::App& app, Session& session) {
   add_void_too(*show_verb, session);
   show_verb->callback([first, &session] { show(*first, session); });
   auto checked = std::make_shared<FitModelsOptions>();
-  CLI::App* check_verb = model->add_subcommand(
-      "check", "is a model still good on a run or table? else says what is needed");
+  CLI::App* check_verb =
+      model->add_subcommand("check", "is a model still good on a run or table? else says what is needed");
   check_verb->add_option("model", *first, what)->required();
   check_verb->add_option("source", checked->source, "run number or table")->required();
   add_table_options(*check_verb, checked->table);

@@ -242,9 +242,8 @@ void calibrate(const CalibrationOptions& options, const Session& session) {
 
 void add_calibrate_reference(CLI::App& devices, Session& session) {
   auto options = std::make_shared<CalibrationOptions>();
-  CLI::App* verb = devices.add_subcommand(
-      "calibrate-reference",
-      "correct the reference by a hand gauge's readings, level by level");
+  CLI::App* verb =
+      devices.add_subcommand("calibrate-reference", "correct the reference by a hand gauge's readings, level by level");
   verb->add_option("--gauge", options->gauge, "the hand gauge: model, serial, certificate; recorded")->required();
   verb->add_option("--uncertainty", options->uncertainty_psi, "the gauge's expanded uncertainty, k = 2, at most 10 psi")
       ->required()

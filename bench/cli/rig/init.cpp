@@ -99,8 +99,7 @@ void init(const InitOptions& options, const Session& session) {
 
 void add_init(CLI::App& app, Session& session) {
   auto options = std::make_shared<InitOptions>();
-  CLI::App* verb =
-      app.add_subcommand("init", "write commented bench, sensor, limits and lab files to start from");
+  CLI::App* verb = app.add_subcommand("init", "write commented bench, sensor, limits and lab files to start from");
   verb->add_option("folder", options->folder, "where to")->capture_default_str();
   verb->add_option("--operator", options->operator_name,
                    "also write tactbench.toml, with this name: bench, store, operator, recipe and limits then need not "

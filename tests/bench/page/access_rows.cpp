@@ -144,8 +144,8 @@ TEST_CASE("page responses: each of the page's own files, its type and its text")
                                    {"/page.js", "text/javascript"},
                                    {"/icon.svg", "image/svg+xml"}})
     CHECK_THAT(own_file(path)->type, Catch::StartsWith(type));
-  for (const char* none : {"", "/page.css/", "page.js", "/make", "/make/other", "/events/", "//", "/%2e",
-                           "/document", "/commands"}) {
+  for (const char* none :
+       {"", "/page.css/", "page.js", "/make", "/make/other", "/events/", "//", "/%2e", "/document", "/commands"}) {
     INFO(none);
     CHECK_FALSE(own_file(none));
     CHECK_FALSE(needs_of(none));
