@@ -76,8 +76,13 @@ Error usage_error(const CLI::App& app, const CLI::ParseError& error) {
     return word.size() > 1 && word.front() == '-' && std::isdigit(static_cast<unsigned char>(word[1])) == 0;
   });
   if (unknown == left.end()) {
-    const std::string what = error.what();
-    std::string remedy;
+    std::string what = error.what(), remedy;
+    if (const std::size_t at = what.find(" = "); what.starts_with("Could not convert: ") && at != std::string::npos) {
+      const std::string typed = what.substr(at + 3),
+                        digits = typed.substr(std::min(typed.size(), typed.rfind('-') + 1));
+      what = fmt::format("'{}' is no number", typed);
+      if (typed.starts_with("run-") && !digits.empty()) remedy = "write " + digits;
+    }
     if (what.find("--operator is required") != std::string::npos)
       remedy = "--operator NAME; or once, in tactbench.toml: tactbench init --operator NAME";
     else if (words == "tactbench compare" && !left.empty())

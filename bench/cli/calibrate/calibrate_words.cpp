@@ -65,6 +65,7 @@ doc::Document verdict_document(const CalibrationResult& result, const Session& s
   out.add(doc::Paragraph{
       {fmt::format("sensor {}, limits '{}', bad taxels: {}", one_line(result.sensor), one_line(result.limits),
                    bad_taxels_text(bad_taxels(result.fit, result.judgement, result.unit)))}});
+  if (!result.drift.empty()) out.add(doc::Paragraph{{"drifted since its models before: ", result.drift}});
   return out;
 }
 
@@ -85,6 +86,7 @@ nlohmann::ordered_json calibration_json(const CalibrationResult& result) {
           {"shown", verdict ? shown_verdict(*verdict, result.origin) : std::string("no verdict")},
           {"statement", headline(result.judgement, result.origin, analysis::PressureUnit::kPsi)},
           {"bad_taxels", bad},
+          {"drift", result.drift},
           {"evaluations", evaluations},
           {"verdicts", verdicts_json(result.judgement.figures, result.origin)},
           {"judgement", judgement_json(result.judgement, result.origin)},

@@ -21,6 +21,7 @@ struct CalibrationResult {
   JudgedFit fit;                       // its evaluations: the run's own, then the held-out run's
   analysis::Judgement judgement;       // as in the report
   std::string report_number, report_path;
+  std::string drift;  // drift_text() of a sensor that was measured before; empty: not known
   analysis::PressureUnit unit = analysis::PressureUnit::kPsi;  // of the page; the document stays in psi
 };
 

@@ -19,6 +19,7 @@
 #include "bench/cli/runs/register_sensor.h"
 #include "bench/common/overrides.h"
 #include "bench/config/config_laboratory.h"
+#include "bench/reporting/sensor_state.h"
 #include "bench/run/recipe_check.h"
 #include "bench/run/time_estimate.h"
 #include "db/run_store.h"
@@ -56,6 +57,11 @@ class Calibration {
     with_way_on([this] { print_stage(3, "held out", held_out()); });
     with_way_on([this] { print_stage(4, "fit", fitted()); });
     with_way_on([this] { print_stage(5, "report", reported()); });
+    if (!result_.registered) {
+      const SensorState found =
+          sensor_state(db::RunStore::open_read_only(session_.db), result_.sensor, analysis::Laboratory());
+      if (found.drift) result_.drift = drift_text(found);
+    }
     if (session_.json) return print_json("calibrate", calibration_json(result_));
     if (const std::string word = large_verdict(result_.judgement); !word.empty() && !session_.quiet)
       tty::print("\n{}\n", large_word(word, "  "));

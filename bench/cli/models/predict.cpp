@@ -198,7 +198,7 @@ void apply(const PredictOptions& options, const Session& session, analysis::Tabl
   };
   const std::optional<analysis::Range>& range = model.validity.input;
   const double slack = range ? analysis::kInputSlack * (range->high - range->low) : 0.0;
-  std::size_t rows = 0, outside = 0, bad = 0, none = 0;
+  std::size_t rows = 0, outside = 0, bad = 0, none = 0, beyond = 0;
   std::string first_bad;
   for (analysis::TableReader::Row row; reader.next(row);) {
     ++rows;
@@ -218,7 +218,9 @@ void apply(const PredictOptions& options, const Session& session, analysis::Tabl
       const analysis::ModelTaxel& taxel = wide ? array[k] : fitted(model, reader.has_taxel() ? row.taxel : only);
       try {
         auto& history = histories.try_emplace({row.sequence, taxel.taxel}, model, taxel, options).first->second;
-        text += separator + written(history.step(row, k, reader.separator()), reader);
+        const std::string added = history.step(row, k, reader.separator());
+        if (added.ends_with("range")) ++beyond;
+        text += separator + written(added, reader);
       } catch (const std::invalid_argument& error) {
         throw Error("TB-MODEL-DOCUMENT",
                     fmt::format("the model of taxel {} has no value there: {}", taxel.taxel, error.what()),
@@ -241,6 +243,9 @@ void apply(const PredictOptions& options, const Session& session, analysis::Tabl
   if (bad > 0)
     tty::print(stderr, "warning: no output in {} of {}, which have nan and the flag bad; the first: {}\n", bad,
                analysis::counted(rows, "row"), first_bad);
+  if (2 * beyond > rows * taxels)
+    tty::print(stderr, "warning: {} of {} outputs lie beyond what the model can read: are they in {}?\n", beyond,
+               rows * taxels, model.output_unit.empty() ? "the unit that it was fitted in" : model.output_unit);
   if (outside > 0)
     tty::print(stderr, "{} of {} inputs lie outside the model's validity, {}\n", outside, rows,
                model.input_unit == "psi"
