@@ -269,8 +269,11 @@ std::string not_assessed_in_words(const Judgement& judgement) {
   return fmt::format("{}", fmt::join(sources, "; "));
 }
 
+namespace {
+using Json = nlohmann::ordered_json;
+}
+
 nlohmann::ordered_json judgement_json(const Judgement& judgement) {
-  using Json = nlohmann::ordered_json;
   const PressureUnit psi = PressureUnit::kPsi;
   Json runs = Json::array(), missing = Json::array(), voids = Json::array(), stored = Json::array(),
        remarks = Json::array();
