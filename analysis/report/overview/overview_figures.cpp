@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "analysis/documents/evaluation_json.h"
 #include "analysis/report/data/data.h"
@@ -91,7 +92,7 @@ double plotted_figure(const OverviewFigure& figure, double value, PressureUnit u
 
 double limit_of(const OverviewFigure& figure, const ReportInput& input) {
   for (const JudgedFigure& judged : input.judgement.figures)
-    if (figure.criterion == to_string(judged.criterion)) return judged.limit;
+    if (to_string(judged.criterion) == std::string_view(figure.criterion)) return judged.limit;
   return kNan;
 }
 
