@@ -136,7 +136,7 @@ std::string headline(const Judgement& judgement, const std::string& origin, Pres
   std::string text = word + simulated;
   if (judgement.not_judged) return text + ": not judged: " + analysis::in_words(*judgement.not_judged, unit);
   text += condition_in_words(judgement, unit);
-  const auto met = std::ranges::count(figures, Verdict::kPass, &JudgedFigure::verdict);
+  const auto met = std::ranges::count_if(figures, [](const JudgedFigure& own) { return passes(own.verdict); });
   const std::string checks = analysis::counted(figures.size(), "check");
   if (!decided_here(judgement)) return fmt::format("{}: by a stored verdict; none of the {} here fails", text, checks);
   if (!judgement.deciding) return text;

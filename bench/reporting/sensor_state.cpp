@@ -1,6 +1,7 @@
 #include "bench/reporting/sensor_state.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -112,10 +113,13 @@ std::string drift_text(const SensorState& state) {
   if (!state.drift) return no_drift_text(state);
   const analysis::Drift& drift = state.drift->drift;
   return fmt::format(
-      "{}: run {} is off the models of run {} by {:.2f} % FS (tolerance {:.2f}); {}, pattern {:.2f} % FS{}",
-      yes_or_no(*state.drift), state.drift->run, state.drift->model_run, 100.0 * drift.as_is, 100.0 * drift.tolerance,
-      changes_text(drift), 100.0 * std::min(drift.adjusted, drift.as_is),
-      drift.drifted() ? fmt::format("; {}", to_string(drift.verdict)) : "");
+             "{}: run {} is off the models of run {} by {:.2f} % FS (tolerance {:.2f}); {}, pattern {:.2f} % FS{}",
+             yes_or_no(*state.drift), state.drift->run, state.drift->model_run, 100.0 * drift.as_is,
+             100.0 * drift.tolerance, changes_text(drift), 100.0 * std::min(drift.adjusted, drift.as_is),
+             drift.drifted() ? fmt::format("; {}", to_string(drift.verdict)) : "") +
+         (state.drift->outside.empty()
+              ? ""
+              : fmt::format("; outside the models' validity: {}", fmt::join(state.drift->outside, "; ")));
 }
 
 }  // namespace tactbench::bench

@@ -86,7 +86,7 @@ nlohmann::ordered_json calibration_json(const CalibrationResult& result) {
           {"shown", verdict ? shown_verdict(*verdict, result.origin) : std::string("no verdict")},
           {"statement", headline(result.judgement, result.origin, analysis::PressureUnit::kPsi)},
           {"bad_taxels", bad},
-          {"drift", result.drift},
+          {"drift", result.drift.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(result.drift)},
           {"evaluations", evaluations},
           {"verdicts", verdicts_json(result.judgement.figures, result.origin)},
           {"judgement", judgement_json(result.judgement, result.origin)},

@@ -195,6 +195,8 @@ void add_run_copy(CLI::App& runs, Session& session) {
   add_from(*verb, *from);
   verb->add_option("--to", *file, "the other store; made if it does not exist")->required();
   verb->callback([names, file, from, &session] {
+    if (names->empty() && !from->empty())
+      throw Error("TB-USAGE", "of a fleet runs are copied, and none is named", "--from", "name them by their UUIDs");
     if (names->empty()) return snapshot_db(*file, session);
     std::vector<std::int64_t> numbers;
     if (from->empty()) {

@@ -34,11 +34,10 @@ bool names_runs(const std::string& source) {
 }
 
 void fit_many(const FitModelsOptions& options, Session& session) {
-  if (options.models.size() > 1 || !options.output.empty() || !options.plot.empty() || !options.score.empty() ||
-      !options.held_out.empty() || options.rate_run != 0)
-    throw Error(
-        "TB-USAGE", "several runs are fitted with one model each, and not judged", "fit",
-        "leave out --score, --held-out, --rate, --creep, --output, --plot, and name one --model; or name one run");
+  if (!options.output.empty() || !options.plot.empty() || !options.score.empty() || options.rate_run != 0 ||
+      options.mean_taxel)
+    throw Error("TB-USAGE", "several runs are fitted with one model each, of every taxel", "fit",
+                "leave out --score, --rate, --creep, --output, --plot and --mean-taxel; or name one run");
   const std::vector<std::int64_t> runs =
       chosen_runs(options.source, db::RunStore::open_read_only(session.db), session.void_too);
   auto list = nlohmann::ordered_json::array();

@@ -67,10 +67,6 @@ void check_scored(const FitModelsOptions& options, const analysis::Histories& hi
   }
 }
 
-[[noreturn]] void refuse(const std::string& what, const std::string& remedy) {
-  throw Error("TB-USAGE", what, "fit", remedy);
-}
-
 // A `fit` from its source to what it prints.
 class Fit {
  public:
@@ -84,8 +80,6 @@ class Fit {
     if (!options.plot.empty()) check_output(options.plot, kSvgFile, session.replace);
     if (!options.limits.empty()) (void)read_limits(find_config(options.limits));
     if (!options.lab.empty()) laboratory_ = read_laboratory(find_config(options.lab));
-    if (!options.limits.empty() && options.models.size() > 1)
-      refuse("--limits judges one model, and several are named", "name one with --model");
     if (!names_run(options.source)) return;
     (void)db::RunStore::open_read_only(session.db)
         .run(std::stoll(options.source));  // no store is made for a wrong name
@@ -94,14 +88,15 @@ class Fit {
 
   void run() {
     work();
-    // Of an array some taxels may be unfit; verdicts judge how many.
+    // Of an array some taxels may be unfit, which a verdict judges.
     const auto of_table = [](const ModelRow& row) { return row.document.run == 0 && any_unfit(row.document); };
-    if (options_.limits.empty() && std::ranges::any_of(rows_, of_table)) session_.code = ExitCode::kInconclusive;
+    if (std::ranges::any_of(rows_, of_table)) session_.code = ExitCode::kInconclusive;
     if (!options_.html.empty()) write_page();
     session_.json ? print_as_json() : print();
   }
 
   JudgedFit judged() {
+    judging_ = true;
     work();
     FittedRun& fitted = fitted_.front();
     return {std::move(rows_.front().document), std::move(fitted.evaluations), std::move(fitted.judgement)};
@@ -114,9 +109,6 @@ class Fit {
     histories_ = read(options_.source, options_.fit);
     // A run of a bench, every taxel of it: what figures are taken on, and verdicts.
     on_bench_ = runs_ && histories_.origin != "imported" && !options_.mean_taxel;
-    if (!on_bench_ && !(options_.limits.empty() && options_.held_out.empty()))
-      refuse("--limits and --held-out take figures of an array's run, and this is a table or the mean taxel alone",
-             "leave them out, or fit a run that the bench made, without --mean-taxel");
     if (on_bench_) (void)named_runs(*runs_, options_.held_out, {"--held-out", histories_.run}, session_.void_too);
     check_scored(options_, histories_);
     find_targets();
@@ -212,9 +204,9 @@ class Fit {
       row.scores.push_back(analysis::score_model(row.document, *target.histories, target.sequences));
   }
 
-  // Figures of a model alone, or where they are asked for.
+  // Figures of a model alone, or for who asks for them.
   void evaluate() {
-    if (!on_bench_ || (in_table_ && options_.limits.empty() && options_.held_out.empty())) return;
+    if (!on_bench_ || (in_table_ && !judging_)) return;
     for (const ModelRow& row : rows_) {
       if (row.document.fitted().empty())
         throw analysis::AnalysisError("TB-ANALYSIS-NO-TAXEL", histories_.source + ": no taxel could be fitted",
@@ -250,7 +242,6 @@ class Fit {
     if (in_table_) {
       auto models = nlohmann::ordered_json::array();
       for (const ModelRow& row : rows_) models.push_back(model_row_json(row, targets_));
-      for (std::size_t i = 0; i < fitted_.size(); ++i) add_fitted_json(fitted_[i], models[i]["figures"]);
       auto left_out = nlohmann::ordered_json::array();
       for (const ModelRefusal& refusal : refusals_)
         left_out.push_back({{"model", refusal.model}, {"why", refusal.why}});
@@ -338,7 +329,7 @@ class Fit {
   std::optional<db::RunStore> store_;
   std::optional<analysis::Runs> runs_;
   analysis::Histories histories_;
-  bool on_bench_ = false, in_table_ = false;
+  bool on_bench_ = false, in_table_ = false, judging_ = false;
   std::vector<analysis::Histories> others_;
   std::vector<ScoreTarget> targets_;
   std::vector<ModelRow> rows_;

@@ -51,7 +51,11 @@ void judge(const JudgeOptions& options, Session& session) {
                                            .judgement;
     session.code = exit_code_of(fitted.judgement.overall);
   }
-  if (!session.json) return print_fitted(fitted, session);
+  if (!session.json) {
+    print_fitted(fitted, session);
+    if (!options.store) tty::print("not stored (--try)\n");
+    return;
+  }
   nlohmann::ordered_json json;
   add_fitted_json(fitted, json);
   print_json("judge", json);

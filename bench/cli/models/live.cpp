@@ -54,6 +54,9 @@ class CsvFile {
 
 void live(const LiveVerbOptions& options, const Session& session) {
   const BenchConfig config = read_bench(find_config(session.bench_file()), split_overrides(options.set).bench);
+  if (options.model.empty() && session.json)
+    throw Error("TB-USAGE", "the instruments' values are not printed as JSON", "--json",
+                "leave it out, or name a model: --model RUN; or devices check --json");
   if (options.model.empty())
     return watch_devices(config, {.interval_s = options.interval_s.value_or(WatchOptions().interval_s),
                                   .count = options.live.frames,

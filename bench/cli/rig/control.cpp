@@ -87,7 +87,7 @@ void resume(const ControlOptions& options, Session& session) {
   if (found.runs.empty() && options.run != 0) {
     return resume_run(options.run, {options.bench, options.on_event, options.assume_yes}, session);
   }
-  if (found.runs.empty() && found.silent.empty() && std::filesystem::exists(session.db)) {
+  if (found.runs.empty() && found.others.empty() && found.silent.empty() && std::filesystem::exists(session.db)) {
     const std::vector<db::RunRecord> runs = db::RunStore::open_read_only(session.db).runs();
     const auto open = std::find_if(runs.rbegin(), runs.rend(), [](const db::RunRecord& run) {
       return run.outcome != db::Outcome::kCompleted && !run.is_void() && run.origin != "imported";

@@ -151,6 +151,8 @@ void add_status(CLI::App& app, Session& session) {
   verb->footer("Reads only. NO_COLOR=1 draws the heat map in characters.");
   verb->callback([named, follow, &session] {
     take_typed(*named, session);
+    if (*follow && session.json)
+      throw Error("TB-USAGE", "what --watch draws is no JSON", "--json", "leave --watch or --json out");
     *follow ? watch_live(*named, session) : show_status(*named, session);
   });
 }

@@ -150,6 +150,8 @@ void add_verify(CLI::App& app, Session& session) {
       "Exit codes: 0 all as stored, 1 a recomputed fit or verdict differs, 5 content, fits, verdicts, approvals or "
       "voids were changed, 6 not ended, or the frames were removed by a rule (db prune).");
   verb->callback([run, from, &session] {
+    if (run->empty() && !from->empty())
+      throw Error("TB-USAGE", "of a fleet one run is verified, and none is named", "--from", "name it by its UUID");
     if (run->empty()) return verify_store(session);
     if (from->empty()) return verify(run_number(*run), session);
     FromFleet fleet(session, *from);

@@ -129,6 +129,10 @@ TEST_CASE("fit of many runs: each with its own model, and what cannot be fitted"
   CHECK(told.at("runs").at(1).at("mean_error_psi") == single.at("evaluations").at(0).at("mean_error_psi"));
   CHECK(of.models() == 6);
   CHECK(of.fit({"1-3", "--model", "poly", "--fit", "small"}).code == 6);
+  CHECK(of.fit({"1-2", "--model", "poly", "--mean-taxel"}).code == 2);
+  // Some sequences of a run that has several.
+  REQUIRE(call(of.folder, {"run", "./a.toml", "./b.toml", "--bench", "bench.toml", "--sensor", "S-1", "-q"}).code == 0);
+  CHECK(of.fit({"4-4", "--model", "poly", "--fit", "loop"}).code == 0);
   const nlohmann::json failed = of.told({"3-3", "--model", "poly", "--fit", "small"});
   CHECK(failed.at("runs").at(0).at("error").get<std::string>().starts_with("TB-"));
   CHECK_FALSE(failed.at("runs").at(0).contains("fit"));
