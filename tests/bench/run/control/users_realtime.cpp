@@ -145,7 +145,7 @@ TEST_CASE("users: root, too, believes no stranger that says it is a run of the s
   for (const char* name : {"a", "b", "c", "d"})
     strangers.push_back(std::make_unique<Stranger>(name + id, name + id, store));
   const std::string named = fmt::format("nobody (pid {})", strangers[0]->process());
-  for (const char* word : {"panic", "stop", "abort"}) {
+  for (const char* word : {"panic", "stop", "stop --abort"}) {
     const Finished said = users.say(0, false, fmt::format("{} --bench a{}", word, id));
     INFO(said.err);
     CHECK(said.code == 2);
