@@ -15,6 +15,7 @@
 #include "bench/page/commands.h"
 #include "bench/page/documents.h"
 #include "bench/page/lists.h"
+#include "bench/page/own_addresses.h"
 #include "bench/page/responses.h"
 #include "bench/page/run_follower.h"
 #include "bench/page/run_on_show.h"
@@ -29,10 +30,16 @@ constexpr std::chrono::milliseconds kTick{100}, kStateAtMost{250}, kStateAtLeast
 constexpr std::chrono::milliseconds kLookForRuns{250};
 constexpr std::chrono::seconds kLeftAlone{60};  // beside a process that has ended
 
-std::string address_in_link(const HttpOptions& http) {
-  const bool any = http.address == "0.0.0.0" || http.address == "::";
-  const std::string address = any ? "127.0.0.1" : http.address;
-  return address.find(':') != std::string::npos ? "[" + address + "]" : address;
+// Of any address those of the machine, loopback first.
+std::vector<std::string> addresses_in_links(const HttpOptions& http) {
+  std::vector<std::string> addresses = {http.address};
+  if (http.address == "0.0.0.0" || http.address == "::") {
+    addresses = own_addresses(http.address == "::");
+    addresses.insert(addresses.begin(), "127.0.0.1");
+  }
+  for (std::string& address : addresses)
+    if (address.find(':') != std::string::npos) address = "[" + address + "]";
+  return addresses;
 }
 
 }  // namespace
@@ -40,6 +47,7 @@ std::string address_in_link(const HttpOptions& http) {
 struct PageServer::Parts {
   explicit Parts(const PageOptions& given)
       : options(given),
+        addresses(addresses_in_links(given.http)),
         server(
             given.http, [this](const HttpRequest& request, Reply reply) { answer(request, std::move(reply)); },
             [this](const HttpRequest& request) {
@@ -53,7 +61,8 @@ struct PageServer::Parts {
     if (!options.operator_name.empty()) access.command_token = new_token();
     access.operator_name = options.operator_name;
     access.scheme = options.http.certificate.empty() ? "http" : "https";
-    std::vector<std::string> names = {"127.0.0.1", "localhost", "[::1]", address_in_link(options.http)};
+    std::vector<std::string> names = {"127.0.0.1", "localhost", "[::1]"};
+    names.insert(names.end(), addresses.begin(), addresses.end());
     names.insert(names.end(), options.names.begin(), options.names.end());
     access.hosts = hosts_of(names, server.port(), access.scheme);
     server.every(kTick, [this] { tick(); });
@@ -181,6 +190,7 @@ struct PageServer::Parts {
   }
 
   const PageOptions options;
+  const std::vector<std::string> addresses;  // as they stand in links
   PageAccess access;
   HttpServer server;
   RunOnShow show;
@@ -199,13 +209,18 @@ PageServer::~PageServer() = default;
 const PageAccess& PageServer::access() const { return parts_->access; }
 std::uint16_t PageServer::port() const { return parts_->server.port(); }
 
-std::string PageServer::readers_link() const {
-  return fmt::format("{}://{}:{}/#{}", access().scheme, address_in_link(parts_->options.http), port(),
-                     access().read_token);
+std::vector<std::string> PageServer::readers_links() const {
+  std::vector<std::string> links;
+  for (const std::string& address : parts_->addresses)
+    links.push_back(fmt::format("{}://{}:{}/#{}", access().scheme, address, port(), access().read_token));
+  return links;
 }
 
-std::string PageServer::link() const {
-  return access().command_token.empty() ? readers_link() : readers_link() + "." + access().command_token;
+std::vector<std::string> PageServer::links() const {
+  std::vector<std::string> links = readers_links();
+  if (!access().command_token.empty())
+    for (std::string& link : links) link += "." + access().command_token;
+  return links;
 }
 
 void PageServer::serve(const std::function<bool()>& ended) {

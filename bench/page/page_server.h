@@ -36,9 +36,12 @@ class PageServer {
 
   [[nodiscard]] const PageAccess& access() const;
   [[nodiscard]] std::uint16_t port() const;
-  // With the tokens in its end, which a browser does not send: for the operator, and for who only reads.
-  [[nodiscard]] std::string link() const;
-  [[nodiscard]] std::string readers_link() const;
+  // With the tokens in their ends, which a browser does not send: for the operator, and for who only reads. One an
+  // address, that of this machine first; where it listens on any address also those that other machines can type.
+  [[nodiscard]] std::vector<std::string> links() const;
+  [[nodiscard]] std::vector<std::string> readers_links() const;
+  [[nodiscard]] std::string link() const { return links().front(); }
+  [[nodiscard]] std::string readers_link() const { return readers_links().front(); }
   // Serves until `ended` returns true, asked a few times a second, or stop().
   void serve(const std::function<bool()>& ended);
   void stop();  // from any thread

@@ -1,11 +1,13 @@
 // page: what the bench does, in a browser. A process of its own, which holds no instrument.
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -18,6 +20,7 @@
 #include "bench/common/stop_request.h"
 #include "bench/config/config.h"
 #include "bench/config/config_laboratory.h"
+#include "bench/page/own_addresses.h"
 #include "bench/page/page_server.h"
 
 namespace tactbench::bench {
@@ -35,8 +38,32 @@ struct PageVerbOptions {
 
 bool is_loopback(const std::string& address) { return address.starts_with("127.") || address == "::1"; }
 
+// ADDRESS:PORT and [ADDRESS]:PORT, as other programs take them. What is neither is left to the server to refuse.
+void split_port(PageVerbOptions& options) {
+  std::string& address = options.page.http.address;
+  const bool bracketed = address.starts_with('[');
+  const std::size_t colon = bracketed ? address.find("]:") + 1 : address.find(':');
+  if (colon == 0 || colon == std::string::npos || (!bracketed && colon != address.rfind(':'))) return;
+  const char* const end = address.data() + address.size();
+  const auto read = std::from_chars(address.data() + colon + 1, end, options.page.http.port);
+  if (read.ec != std::errc() || read.ptr != end) return;
+  options.port_given = true;
+  address = bracketed ? address.substr(1, colon - 2) : address.substr(0, colon);
+}
+
+// What makes a certificate for who has none: a browser asks once whether to trust it.
+std::string certificate_command(const std::string& address) {
+  const bool any = address == "0.0.0.0" || address == "::";
+  const std::vector<std::string> own = any ? own_addresses(address == "::") : std::vector<std::string>{address};
+  return fmt::format(
+      "openssl req -x509 -newkey rsa:2048 -nodes -days 365 -subj /CN=tactbench "
+      "-addext subjectAltName=DNS:localhost{}{} -keyout page-key.pem -out page.pem",
+      own.empty() ? "" : ",IP:", fmt::join(own, ",IP:"));
+}
+
 void check(PageVerbOptions& options) {
   PageOptions& page = options.page;
+  split_port(options);
   if (!page.operator_name.empty()) check_operator(page.operator_name);
   if (!page.night.empty() && !std::filesystem::is_regular_file(page.night)) {
     throw Error("TB-FILE-MISSING", "there is no such file", page.night,
@@ -50,7 +77,11 @@ void check(PageVerbOptions& options) {
     throw Error(
         "TB-PAGE-OPEN",
         fmt::format("on {} everybody on the network could read the link's keys on their way", page.http.address),
-        "--listen " + page.http.address);
+        "--listen " + page.http.address,
+        fmt::format(
+            "add --tls CERTIFICATE KEY; this makes a pair, --tls page.pem page-key.pem: {0}; or leave --listen out "
+            "and come through a tunnel: ssh -L {1}:127.0.0.1:{1} THIS-MACHINE",
+            certificate_command(page.http.address), page.http.port));
   }
 }
 
@@ -77,14 +108,16 @@ void announce(const PageServer& server, const PageOptions& page, const Session& 
   if (session.json) {
     print_json("page", {{"link", server.link()},
                         {"readers_link", server.readers_link()},
+                        {"links", server.links()},
+                        {"readers_links", server.readers_links()},
                         {"operator", page.operator_name},
                         {"port", server.port()}});
   } else {
     std::FILE* const out = page.beside != 0 ? stderr : stdout;
-    tty::print(out, "page: {}\n", server.link());
-    if (server.readers_link() != server.link()) tty::print(out, "to watch only: {}\n", server.readers_link());
+    for (const std::string& link : server.links()) tty::print(out, "page: {}\n", link);
+    if (page.operator_name.empty()) return;
+    for (const std::string& link : server.readers_links()) tty::print(out, "to watch only: {}\n", link);
   }
-  (void)std::fflush(stdout);
 }
 
 void serve(PageVerbOptions& options, const Session& session) {
@@ -94,6 +127,7 @@ void serve(PageVerbOptions& options, const Session& session) {
   options.page.bench = bench_id_of(options.page.bench);
   const std::unique_ptr<PageServer> server = open_server(options);
   announce(*server, options.page, session);
+  (void)std::fflush(stdout);
   if (options.page.beside != 0) leave_streams();
   server->serve([&stop] { return stop.signal() != 0; });
 }
@@ -119,7 +153,10 @@ void add_page(CLI::App& app, Session& session) {
           },
           "port; 0 takes a free one")
       ->default_str(std::to_string(kUsualPort));
-  verb->add_option("--listen", page.http.address, "address of this machine to listen on; any but loopback needs --tls")
+  verb->add_option(
+          "--listen", page.http.address,
+          "address of this machine to listen on, with a port or without; any but loopback needs --tls; 0.0.0.0: all of "
+          "them, and the links for other machines, a phone say, are printed")
       ->capture_default_str();
   verb->add_option("--tls", options->tls, "certificate chain and private key, files in PEM")
       ->type_name("CERTIFICATE KEY")

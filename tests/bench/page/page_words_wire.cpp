@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/page/own_addresses.h"
 #include "tests/bench/cli/verb_here.h"
 #include "tests/bench/page/served_page.h"
 #include "tests/support/endless_run.h"
@@ -117,19 +118,28 @@ TEST_CASE("page words: links with their tokens, of all addresses and of names of
   const std::string place = fmt::format("http://127.0.0.1:{}/#{}", page.server->port(), access.read_token);
   CHECK(page.server->readers_link() == place);
   CHECK(page.server->link() == place + "." + access.command_token);
-  const auto asks = [&](const std::string& host) {
-    RawClient client(page.server->port());
+  const auto asks = [](const WordsPage& of, const std::string& host) {
+    RawClient client(of.server->port());
     (void)client.send(
-        fmt::format("GET / HTTP/1.1\r\nHost: {}:{}\r\nConnection: close\r\n\r\n", host, page.server->port()));
+        fmt::format("GET / HTTP/1.1\r\nHost: {}:{}\r\nConnection: close\r\n\r\n", host, of.server->port()));
     return status_of(client.read());
   };
-  for (const char* name : {"127.0.0.1", "localhost", "[::1]", "rig", "RIG"}) CHECK(asks(name) == 200);
-  CHECK(asks("other") == 421);
-  bench::PageOptions all;
-  all.http.address = "0.0.0.0";
-  const bench::PageServer everywhere(all);
-  CHECK(everywhere.link() == fmt::format("http://127.0.0.1:{}/#{}", everywhere.port(), everywhere.access().read_token));
-  CHECK(everywhere.access().command_token.empty());
+  for (const char* name : {"127.0.0.1", "localhost", "[::1]", "rig", "RIG"}) CHECK(asks(page, name) == 200);
+  CHECK(asks(page, "other") == 421);
+  const WordsPage everywhere([](bench::PageOptions& options) {
+    options.http.address = "0.0.0.0";
+    options.operator_name.clear();
+  });
+  CHECK(everywhere.server->access().command_token.empty());
+  std::vector<std::string> addresses = bench::own_addresses(false), places;
+  addresses.insert(addresses.begin(), "127.0.0.1");
+  for (const std::string& address : addresses) {
+    CHECK(asks(everywhere, address) == 200);
+    places.push_back(
+        fmt::format("http://{}:{}/#{}", address, everywhere.server->port(), everywhere.server->access().read_token));
+  }
+  CHECK(everywhere.server->links() == places);
+  CHECK(asks(everywhere, "192.0.2.200") == 421);  // of documents, no machine's
 }
 
 TEST_CASE("page words: it ends when its owner says so, or beside a process that has ended while nobody looks") {
