@@ -23,21 +23,6 @@ bool can_be_checked(const db::RunStore& store, const db::RunRecord& run) {
   return run.outcome == db::Outcome::kCompleted && !store.pruned(run.run);
 }
 
-// Of the runs before `run` the newest that has models which were not judged on it; else the newest that has any.
-std::optional<db::FitRecord> earlier_models(const db::RunStore& store, const std::vector<db::RunRecord>& runs,
-                                            const db::RunRecord& run) {
-  const std::vector<db::VerdictRecord> verdicts = store.verdicts(run.run);
-  std::optional<db::FitRecord> judged;
-  for (const db::RunRecord& earlier : std::views::reverse(runs)) {
-    if (earlier.run >= run.run || earlier.origin != run.origin) continue;
-    std::optional<db::FitRecord> fit = store.standing_fit(earlier.run);
-    if (!fit || fit->fitted == 0) continue;
-    if (std::ranges::find(verdicts, earlier.run, &db::VerdictRecord::model_run) == verdicts.end()) return fit;
-    if (!judged) judged = std::move(fit);
-  }
-  return judged;
-}
-
 // Nothing where the models and the run do not go together (another scanner, a run of objects, no whole loop).
 std::optional<SensorDrift> checked(analysis::Runs& runs, const analysis::SensorModel& model, std::int64_t run) {
   try {
@@ -82,11 +67,35 @@ std::string no_drift_text(const SensorState& state) {
   return state.runs.empty() ? "not measured" : "not known: no later run to check models on";
 }
 
+// What moved, and the command that puts it right.
+std::string advice_text(const SensorDrift& found, const std::string& serial) {
+  const analysis::DriftVerdict verdict = found.drift.verdict;
+  const std::string command = verdict == analysis::DriftVerdict::kRecalibrate
+                                  ? "calibrate " + serial
+                                  : fmt::format("model adjust {} {} --{} -o adjusted.json", found.model_run, found.run,
+                                                verdict == analysis::DriftVerdict::kZero ? "zero" : "gain");
+  return fmt::format("{} (tactbench {})", in_words(found.drift), command);
+}
+
 std::string yes_or_no(const SensorDrift& found) {
   return found.drift.drifted() ? fmt::format("yes, since {}", analysis::date_of(found.since_utc)) : "no";
 }
 
 }  // namespace
+
+std::optional<db::FitRecord> earlier_models(const db::RunStore& store, const std::vector<db::RunRecord>& runs,
+                                            const db::RunRecord& run) {
+  const std::vector<db::VerdictRecord> verdicts = store.verdicts(run.run);
+  std::optional<db::FitRecord> judged;
+  for (const db::RunRecord& earlier : std::views::reverse(runs)) {
+    if (earlier.run >= run.run || earlier.origin != run.origin) continue;
+    std::optional<db::FitRecord> fit = store.standing_fit(earlier.run);
+    if (!fit || fit->fitted == 0) continue;
+    if (std::ranges::find(verdicts, earlier.run, &db::VerdictRecord::model_run) == verdicts.end()) return fit;
+    if (!judged) judged = std::move(fit);
+  }
+  return judged;
+}
 
 std::string signed_percent(double share, double expanded) {
   const std::string text = text_of(number_with_u(100.0 * share, 100.0 * expanded), analysis::PressureUnit::kPsi);
@@ -116,7 +125,7 @@ std::string drift_text(const SensorState& state) {
              "{}: run {} is off the models of run {} by {:.2f} % FS (tolerance {:.2f}); {}, pattern {:.2f} % FS{}",
              yes_or_no(*state.drift), state.drift->run, state.drift->model_run, 100.0 * drift.as_is,
              100.0 * drift.tolerance, changes_text(drift), 100.0 * std::min(drift.adjusted, drift.as_is),
-             drift.drifted() ? fmt::format("; {}", to_string(drift.verdict)) : "") +
+             drift.drifted() ? "; " + advice_text(*state.drift, state.runs.back().sensor_serial) : "") +
          (state.drift->outside.empty()
               ? ""
               : fmt::format("; outside the models' validity: {}", fmt::join(state.drift->outside, "; ")));

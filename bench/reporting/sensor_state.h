@@ -27,11 +27,17 @@ struct SensorState {
   std::optional<SensorDrift> drift;
 };
 
+// Of `runs` of a sensor, oldest first, before `run` the newest that has models which were not judged on it; else the
+// newest that has any. The fit that stands.
+std::optional<db::FitRecord> earlier_models(const db::RunStore& store, const std::vector<db::RunRecord>& runs,
+                                            const db::RunRecord& run);
+
 // `drift`: of the newest run that earlier models can be checked on. Models judged on that run belong to the same
 // calibration, and older ones go before them: what counts is how the sensor was found.
 SensorState sensor_state(const db::RunStore& store, const std::string& serial, const analysis::Laboratory& laboratory);
 
-// "yes, since 2026-11-30: off by 0.75 % of full scale (tolerance 0.50); zero +0.25 ± 0.05 %, gain -0.8 ± 0.1 %, ...".
+// "yes, since 2026-11-30: off by 0.75 % of full scale (tolerance 0.50); zero +0.25 ± 0.05 %, gain -0.8 ± 0.1 %, ...;
+// the gain moved: gain adjustment enough (tactbench model adjust 1 8 --gain -o adjusted.json)".
 std::string drift_text(const SensorState& state);
 // "+0.13 ± 0.29": of 1 or of full scale, with U, in %.
 std::string signed_percent(double share, double expanded);

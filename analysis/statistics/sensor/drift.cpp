@@ -103,6 +103,18 @@ const char* to_string(DriftVerdict verdict) {
   return "recalibrate";
 }
 
+bool Drift::zero_moved() const { return std::abs(zero) > zero_u; }
+bool Drift::gain_moved() const { return gain_u > 0.0 && std::abs(gain) > gain_u; }
+
+std::string in_words(const Drift& drift) {
+  if (!drift.drifted()) return to_string(drift.verdict);
+  const char* const moved = drift.zero_moved() && drift.gain_moved() ? "zero and gain moved"
+                            : drift.zero_moved()                     ? "the zero moved"
+                            : drift.gain_moved()                     ? "the gain moved"
+                                                                     : "the taxels moved apart";
+  return fmt::format("{}: {}", moved, to_string(drift.verdict));
+}
+
 Drift drift_of(const SensorModel& document, const Histories& measured_histories, double tolerance) {
   check_same_source(document, measured_histories);
   std::optional<Histories> undone;
@@ -141,7 +153,9 @@ Drift drift_of(const SensorModel& document, const Histories& measured_histories,
   if (mean_of(gain_us) > 0.0) drift.gain_u = expanded_of_mean(gains, gain_us, drift.adjusted);
   drift.tolerance = tolerance > 0.0 ? tolerance : std::max(kLeastTolerance, 2.0 * own_error / n);
   if (drift.as_is > drift.tolerance) drift.verdict = DriftVerdict::kZero;
-  if (std::min(drift.as_is, drift.zeroed) > drift.tolerance) drift.verdict = DriftVerdict::kGain;
+  // Over the inputs measured a zero can stand in for a gain that moved; unloaded nothing would be off.
+  const bool gain_alone = drift.gain_moved() && std::abs(drift.gain) > std::abs(drift.zero);
+  if (drift.drifted() && (gain_alone || drift.zeroed > drift.tolerance)) drift.verdict = DriftVerdict::kGain;
   if (std::min({drift.as_is, drift.zeroed, drift.adjusted}) > drift.tolerance)
     drift.verdict = DriftVerdict::kRecalibrate;
   return drift;

@@ -16,6 +16,7 @@ struct TaxelDrift {
          adjusted = 0.0;  // mean |residual| of the model as it is, with zero, with both; of FS
 };
 
+// kZero: what is left by a new zero alone is within the tolerance, and it is not the gain that moved.
 enum class DriftVerdict { kGood, kZero, kGain, kRecalibrate };
 const char* to_string(DriftVerdict verdict);  // good | re-zero enough | gain adjustment enough | recalibrate
 
@@ -29,7 +30,11 @@ struct Drift {
   double zero = 0.0, zero_u = 0.0, gain = 0.0, gain_u = 0.0;
   DriftVerdict verdict = DriftVerdict::kGood;
   [[nodiscard]] bool drifted() const { return verdict != DriftVerdict::kGood; }
+  [[nodiscard]] bool zero_moved() const;  // in the mean, by more than its U
+  [[nodiscard]] bool gain_moved() const;
 };
+// "good"; else what moved and what that takes: "the gain moved: gain adjustment enough".
+std::string in_words(const Drift& drift);
 
 // tolerance 0: twice the mean error of the model's own fit, at least 0.5 % of full scale. A gain is fitted where the
 // inputs cover at least a tenth of the model's range. Throws AnalysisError as score_model does.

@@ -172,8 +172,7 @@ void check_model(const std::string& name, const FitModelsOptions& options, Sessi
     print_json("model.check", json);
     return;
   }
-  tty::print("{} of {} on {}: {}\n", analysis::label_of(model), model.source, histories.source,
-             analysis::to_string(drift.verdict));
+  tty::print("{} of {} on {}: {}\n", analysis::label_of(model), model.source, histories.source, in_words(drift));
   for (const std::string& line : analysis::outside_validity(model, histories))
     tty::print("  outside the model's validity: {}\n", line);
   tty::print("  mean residual of {}, % FS: as it is {:.3f}, re-zeroed {:.3f}, with gain {:.3f} (tolerance {:.3f})\n",

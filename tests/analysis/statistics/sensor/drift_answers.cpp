@@ -99,6 +99,29 @@ TEST_CASE("the drift's verdict follows what is left within the tolerance, whose 
   CHECK(drift_of(exact, data).tolerance == Approx(0.005));
 }
 
+TEST_CASE("the drift's verdict names the part that moved, though a zero could stand in for a gain over upper inputs") {
+  struct Row {
+    double zero, gain;
+    DriftVerdict verdict;
+  };
+  // Inputs of 2 and 4: a gain of 0.9 is off by 0.2 and 0.4, and by 0.1 once a zero of -0.3 is taken off.
+  for (const Row& row : {Row{0.3, 1.0, DriftVerdict::kZero}, Row{0.0, 0.9, DriftVerdict::kGain},
+                         Row{0.6, 0.9, DriftVerdict::kGain}, Row{-1.0, 0.95, DriftVerdict::kZero}}) {
+    Histories data;
+    data.columns = 2;
+    for (const int taxel : {0, 1}) {
+      const double low = row.zero + 2 * row.gain, high = row.zero + 4 * row.gain;
+      data.taxels.push_back(later(taxel, {2, 2, 4, 4}, {low, low, high, high}));
+    }
+    const Drift drift = drift_of(two_taxels(), data, 0.015);
+    INFO(row.zero << " " << row.gain);
+    CHECK(drift.zeroed <= 0.015);
+    CHECK(drift.verdict == row.verdict);
+    CHECK(drift.zero_moved() == (row.zero != 0.0));
+    CHECK(drift.gain_moved() == (row.gain != 1.0));
+  }
+}
+
 TEST_CASE("a gain is fitted only where the inputs cover a tenth of the model's range") {
   Histories narrow;
   narrow.taxels.push_back(later(0, {0, 0, 0.9, 0.9}, {1.0, 1.0, 2.8, 2.8}));
