@@ -83,8 +83,8 @@ inline constexpr ErrorRow kErrorTable[] = {
     {"TB-BRANCH-BROKEN", kDevice, "the pressure stepped back within a branch, in every attempt",
      "see the traces of the void branches: a leak, an overshooting valve or a tolerance below the noise; the recipe's "
      "[guard] table has tolerance_psi, redo and on_broken"},
-    {"TB-CALIBRATE-LEVELS", kUsage, "the limits judge at levels that the recipe does not measure",
-     "name a recipe that measures it (tactbench plan RECIPE --limits FILE), or other limits"},
+    {"TB-CALIBRATE-LEVELS", kUsage, "no level or [[mpe]] of the limits can be judged on the recipe",
+     "name a recipe that measures them (tactbench plan RECIPE --limits FILE), or other limits"},
     {"TB-CALIBRATE-MINUTES", kUsage, "no shipped form of the calibration takes so few minutes",
      "allow more, or name recipes of your own: --recipe, --held-out-recipe"},
     {"TB-CALIBRATION", kPass, "an instrument's calibration is overdue, or its date is unknown",

@@ -1,16 +1,20 @@
 #include "bench/run/recipe_check.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <set>
 
+#include "analysis/judgement/mpe.h"
 #include "analysis/loop.h"
 #include "analysis/pressure_unit.h"
+#include "analysis/statistics/uncertainty/history_kind.h"
 #include "bench/common/error.h"
 #include "bench/guard/witness.h"
 #include "bench/run/stage_steps.h"
@@ -181,6 +185,63 @@ std::vector<LackingLevel> lacking_levels(const std::vector<sequences::Step>& ste
     if (!met) lacking.push_back(std::move(level));
   }
   return lacking;
+}
+
+namespace {
+
+// The frames of levels, each sequence with its repeats, as they will be stored.
+std::vector<analysis::SequenceData> planned_sequences(const std::vector<sequences::Step>& steps) {
+  std::map<int, analysis::SequenceData> planned;
+  for (const sequences::Step& step : steps) {
+    if (step.kind != sequences::StepKind::kMeasure) continue;
+    std::vector<analysis::Repeat>& repeats = planned[step.sequence].repeats;
+    repeats.resize(std::max(repeats.size(), static_cast<std::size_t>(step.repeat) + 1));
+    std::vector<analysis::Sample>& own = repeats.back().steps;
+    const double before_s = step.hold && !own.empty() ? own.back().held_s : 0.0;
+    own.push_back({step.setpoint.value(), step.setpoint.value(), 0.0, before_s + step.dwell_s});
+  }
+  std::vector<analysis::SequenceData> list;
+  for (auto& [index, sequence] : planned) list.push_back(std::move(sequence));
+  return list;
+}
+
+std::string lacking_sentence(const LackingLevel& level, analysis::PressureUnit unit) {
+  std::vector<std::string> nearest;
+  for (const double psi : level.nearest_psi) nearest.push_back(unit.short_text(psi));
+  return fmt::format("{} is not measured both up and down, inconclusive there{}", unit.short_text(level.pressure_psi),
+                     nearest.empty() ? "" : fmt::format("; the nearest: {}", fmt::join(nearest, ", ")));
+}
+
+}  // namespace
+
+NotJudged not_judged(const std::vector<sequences::Step>& steps, const std::vector<sequences::Step>& fitted,
+                     const analysis::Limits& limits, analysis::PressureUnit unit) {
+  const std::vector<LackingLevel> lacking = lacking_levels(steps, limits);
+  const std::vector<analysis::SequenceData> planned = planned_sequences(steps);
+  const auto histories = analysis::planned_histories(planned, planned_sequences(fitted));
+  const bool counted = std::ranges::any_of(histories, [](std::size_t n) { return n >= analysis::kLeastHistories; });
+  NotJudged out;
+  for (const LackingLevel& level : lacking) out.why.push_back(lacking_sentence(level, unit));
+  std::size_t open = lacking.size();
+  for (const analysis::Limits::Mpe& mpe : limits.mpe) {
+    if (mpe.low_psi == mpe.high_psi &&
+        std::ranges::find(lacking, mpe.low_psi, &LackingLevel::pressure_psi) != lacking.end())
+      continue;
+    const bool met = std::ranges::any_of(steps, [&](const sequences::Step& step) {
+      return step.kind == sequences::StepKind::kMeasure &&
+             step.setpoint.value() >= mpe.low_psi - analysis::kTypedLevelPsi &&
+             step.setpoint.value() <= mpe.high_psi + analysis::kTypedLevelPsi;
+    });
+    if (!met)
+      out.why.push_back(fmt::format("no level of [[mpe]] {} is measured", in_words(analysis::scope_of(mpe), unit)));
+    if (!met || !counted) ++open;
+  }
+  if (!limits.mpe.empty() && !counted)
+    out.why.emplace_back(
+        "each [[mpe]] is inconclusive: U of a reading stays open where no kind of history (full sweeps, "
+        "reversals, small reversals, held pressures) is gone through twice; verification does it");
+  out.nothing = !out.why.empty() && open == limits.mismatch.size() + limits.mpe.size();
+  return out;
 }
 
 bool needs_press(const std::vector<Recipe>& recipes) {

@@ -40,6 +40,14 @@ struct LackingLevel {
 };
 std::vector<LackingLevel> lacking_levels(const std::vector<sequences::Step>& steps, const analysis::Limits& limits);
 
+// What of limits no run of these steps can be judged by, beside models of a run of `fitted` (none: not known).
+struct NotJudged {
+  std::vector<std::string> why;  // a sentence for each level or [[mpe]] whose verdict is inconclusive in any case
+  bool nothing = false;          // that is all of them
+};
+NotJudged not_judged(const std::vector<sequences::Step>& steps, const std::vector<sequences::Step>& fitted,
+                     const analysis::Limits& limits, analysis::PressureUnit unit);
+
 // True when a recipe presses objects on the array, which needs stage and force sensor.
 bool needs_press(const std::vector<sequences::Recipe>& recipes);
 

@@ -21,7 +21,6 @@ constexpr double kDofOfAll = 4.0;         // the scatter of all kinds' histories
 constexpr double kMostOpen = 0.20;
 constexpr double kUpperQuartile =
     0.674;  // of the normal distribution: three of four such sets of histories need no more
-constexpr std::size_t kLeastHistories = 2;  // each checks the others
 
 using Windows = std::vector<WindowErrors>;
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "analysis/loop.h"
 #include "analysis/statistics/figures/step_kinds.h"
@@ -126,6 +127,28 @@ std::vector<KindHistories> kind_histories(const Dataset& run, const FrameErrors&
     std::ranges::move(own, std::back_inserter(out));
   }
   return out;
+}
+
+std::array<std::size_t, kHistoryKinds> planned_histories(const std::vector<SequenceData>& judged,
+                                                         const std::vector<SequenceData>& calibration) {
+  std::array<std::size_t, kHistoryKinds> histories{};
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const SequenceData& sequence : calibration.empty() ? judged : calibration)
+    for (const Sample& step : sequence.repeats.front().steps) {
+      low = std::min(low, step.setpoint_psi);
+      high = std::max(high, step.setpoint_psi);
+    }
+  for (const SequenceData& sequence : judged) {
+    const bool fitted =
+        std::ranges::any_of(calibration, [&](const SequenceData& other) { return goes_as(sequence, other); });
+    const std::vector<std::optional<UseCondition>> kinds = history_kinds(sequence, low, high, true);
+    for (std::size_t kind = 0; kind < kHistoryKinds; ++kind) {
+      const bool sweeps = static_cast<UseCondition>(kind) == UseCondition::kFullSweeps;
+      if (std::ranges::find(kinds, static_cast<UseCondition>(kind)) == kinds.end() || (fitted && !sweeps)) continue;
+      histories[kind] += sweeps ? sequence.repeats.size() : 1;
+    }
+  }
+  return histories;
 }
 
 std::optional<ArrivalTimes> arrival_times(const Dataset& run) {

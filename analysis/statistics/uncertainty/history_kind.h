@@ -1,6 +1,7 @@
 // What kind of history a held-out run went through, by its trajectory alone: names of recipes say nothing.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -35,6 +36,14 @@ struct KindHistories {
 };
 std::vector<KindHistories> kind_histories(const Dataset& run, const FrameErrors& errors, const Dataset& calibration,
                                           double low, double high);
+
+// Of fewer of a kind none can be held against U of the others, and U stays open.
+inline constexpr std::size_t kLeastHistories = 2;
+// How many histories of each kind a run of the sequences `judged` shows at most, as kind_histories() counts them,
+// beside models of `calibration`: known from set-points and times of dwell, before anything is measured. Without a
+// calibration the range is that of `judged`.
+std::array<std::size_t, kHistoryKinds> planned_histories(const std::vector<SequenceData>& judged,
+                                                         const std::vector<SequenceData>& calibration);
 
 // 5 and 95 % quantile of the times from command to a level's first frame, above the lowest level; empty: not stated.
 struct ArrivalTimes {

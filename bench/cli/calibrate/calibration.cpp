@@ -101,7 +101,7 @@ class Calibration {
       if (options_.run != 0) check_run(store.run(options_.run), "--run");
       if (options_.held_out != 0) check_run(store.run(options_.held_out), "--held-out");
     }
-    if (options_.held_out == 0) check_levels(judging, limits);
+    if (options_.held_out == 0 && !report_only_) check_judged(recipes, judging, limits);
     if (!sensor_ && bench_.origin == devices::Origin::kHardware && !std::filesystem::exists(options_.type))
       throw Error("TB-SENSOR-UNKNOWN",
                   fmt::format("sensor '{}' is new, and there is no file '{}' that describes its type", options_.serial,
@@ -163,16 +163,21 @@ class Calibration {
     return recipes;
   }
 
-  // The verdict could only be inconclusive.
-  void check_levels(const std::vector<Recipe>& judging, const analysis::Limits& limits) const {
-    const std::vector<LackingLevel> lacking = lacking_levels(sequences::compile(judging), limits);
-    if (lacking.empty()) return;
-    std::vector<std::string> levels;
-    for (const LackingLevel& level : lacking) levels.push_back(session_.unit().short_text(level.pressure_psi));
-    throw Error("TB-CALIBRATE-LEVELS",
-                fmt::format("limits '{}' judge at {}, which {} does not measure: no sensor could pass", limits.name,
-                            fmt::join(levels, ", "), fmt::join(form_.held_out_recipes, ", ")),
-                "--held-out-recipe");
+  // What the verdict can only be inconclusive on.
+  void check_judged(const std::vector<Recipe>& recipes, const std::vector<Recipe>& judging,
+                    const analysis::Limits& limits) const {
+    const NotJudged open =
+        not_judged(sequences::compile(judging), sequences::compile(recipes), limits, session_.unit());
+    if (open.nothing)
+      throw Error("TB-CALIBRATE-LEVELS",
+                  fmt::format("limits '{}' cannot be judged on {}: {}", limits.name,
+                              fmt::join(form_.held_out_recipes, ", "), fmt::join(open.why, "; ")),
+                  "--held-out-recipe");
+    if (open.why.empty()) return;
+    tty::print(stderr,
+               "warning: limits '{}' on {}: {}: no sensor can pass; name other limits or another "
+               "--held-out-recipe (tactbench plan RECIPE --limits {} checks them)\n",
+               limits.name, fmt::join(form_.held_out_recipes, ", "), fmt::join(open.why, "; "), options_.limits);
   }
 
   void check_run(const db::RunRecord& run, const char* option) const {

@@ -113,22 +113,12 @@ TimeEstimate estimate_time(const Plan& plan, const SplitOverrides& overrides, co
   return time;
 }
 
-std::vector<std::string> nearest_texts(const LackingLevel& level, analysis::PressureUnit unit) {
-  std::vector<std::string> texts;
-  for (const double nearest : level.nearest_psi) texts.push_back(unit.short_text(nearest));
-  return texts;
-}
-
-std::string lacking_text(const Plan& plan, const analysis::Limits& limits, analysis::PressureUnit unit) {
+std::string judged_text(const Plan& plan, const analysis::Limits& limits, analysis::PressureUnit unit) {
   const std::string name = one_line(limits.name);
-  if (plan.lacking.empty()) return fmt::format("limits '{}': every level to be judged is measured", name);
+  const NotJudged open = not_judged(plan.steps, {}, limits, unit);
+  if (open.why.empty()) return fmt::format("limits '{}': every level to be judged is measured", name);
   std::string text;
-  for (const LackingLevel& level : plan.lacking)
-    text += fmt::format("{}limits '{}': {} is not measured, inconclusive there{}", text.empty() ? "" : "\n", name,
-                        unit.short_text(level.pressure_psi),
-                        level.nearest_psi.empty()
-                            ? std::string()
-                            : fmt::format("; the nearest: {}", fmt::join(nearest_texts(level, unit), ", ")));
+  for (const std::string& why : open.why) text += fmt::format("{}limits '{}': {}", text.empty() ? "" : "\n", name, why);
   return text;
 }
 
@@ -219,7 +209,7 @@ void print_plan(const Plan& plan, const TimeEstimate& time, bool steps, const Se
     row(one_line(plan.recipes[i].name), sequences::compile(plan.recipes[i], static_cast<int>(i)), time.total_of(i));
   row(one ? one_line(plan.recipes.front().name) : "all", plan.steps, total);
   out.add(std::move(table));
-  add(fmt::format("time h:mm:ss, {}; about {:.1f} MB in the store", basis(total), plan.estimate.bytes / 1e6));
+  add(fmt::format("process time h:mm:ss, {}; about {:.1f} MB in the store", basis(total), plan.estimate.bytes / 1e6));
   for (const Recipe& recipe : plan.recipes)
     if (!recipe.drawn.empty()) add(fmt::format("{}: {}", one_line(recipe.name), recipe.drawn));
   for (const Margin& m : plan.margins) {
@@ -242,7 +232,7 @@ void print_plan(const Plan& plan, const TimeEstimate& time, bool steps, const Se
       add(fmt::format("{}, serial {}: {}", record.role, analysis::or_not_stated(calibration.serial),
                       calibration_words(calibration, utc_now().substr(0, 10), unit)));
   }
-  if (plan.limits) add(lacking_text(plan, *plan.limits, unit));
+  if (plan.limits) add(judged_text(plan, *plan.limits, unit));
   print_document(out, unit);
   if (!steps) return;
   for (const Step& step : plan.steps) tty::print("{}\n", step_line(step, unit.symbol(), unit.of(1.0)));
@@ -269,7 +259,7 @@ void plan(const PlanOptions& options, Session& session) {
   if (!options.limits.empty()) {
     plan.limits = read_limits(find_config(options.limits));
     plan.lacking = lacking_levels(plan.steps, *plan.limits);
-    if (!plan.lacking.empty()) session.code = ExitCode::kInconclusive;
+    if (!not_judged(plan.steps, {}, *plan.limits, session.unit()).why.empty()) session.code = ExitCode::kInconclusive;
   }
   const double frame_bytes = 2.0 * plan.bench.scanner.rows * plan.bench.scanner.columns * plan.bench.scans_per_frame;
   plan.estimate = sequences::estimate(plan.recipes, plan.steps, time_model(plan.bench), frame_bytes);

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "bench/common/error.h"
 
@@ -258,4 +259,37 @@ TEST_CASE("lacking levels: what no pair of sweeps passes, with the nearest that 
   CHECK(lacking(steps, {4.0}).size() == 1);  // travelled, not measured
   CHECK(lacking({measure(4.0, 4.0, 4.0)}, {4.0}).empty());
   CHECK(lacking({}, {4.0}).front().nearest_psi.empty());
+}
+
+TEST_CASE("limits that recipes cannot be judged by are known from their steps, of shipped recipes none") {
+  struct Row {
+    std::vector<std::string> judged, fitted;
+    std::vector<double> levels;  // of the limits beside the span of [[mpe]]
+    std::pair<double, double> span;
+    std::size_t open;
+    bool nothing;
+  };
+  const std::pair<double, double> usual{4.0, 40.0}, beyond{61.0, 65.0};
+  const std::vector<Row> rows = {
+      {{"verification"}, {"production"}, {8.0, 40.0}, usual, 0, false},
+      {{"verification-short"}, {"production-short"}, {8.0, 40.0}, usual, 0, false},
+      {{"random-reversal"}, {"production"}, {8.0, 40.0}, usual, 1, false},  // one history of a kind alone
+      {{"random-reversal"}, {"production"}, {9.0, 40.0}, usual, 2, false},
+      {{"random-reversal"}, {"production"}, {9.0}, usual, 2, true},
+      {{"verification"}, {"production"}, {9.0, 41.0}, usual, 2, false},
+      {{"verification"}, {"production"}, {9.0, 41.0}, beyond, 3, true},
+      {{"random-reversal", "reversals"}, {}, {}, usual, 0, false}};
+  for (const Row& row : rows) {
+    analysis::Limits limits;
+    for (const double level : row.levels) limits.mismatch.push_back({level, 0.1});
+    limits.mpe.push_back({row.span.first, row.span.second, 4.0});
+    const auto steps_of = [](const std::vector<std::string>& names) {
+      return sequences::compile(bench::read_recipes(names));
+    };
+    const bench::NotJudged found =
+        bench::not_judged(steps_of(row.judged), steps_of(row.fitted), limits, analysis::PressureUnit::kPsi);
+    INFO(row.judged.front() << " " << row.levels.size() << " " << row.span.first);
+    CHECK(found.why.size() == row.open);
+    CHECK(found.nothing == row.nothing);
+  }
 }

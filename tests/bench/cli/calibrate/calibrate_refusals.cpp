@@ -45,17 +45,22 @@ TEST_CASE("calibrate: runs of another sensor, runs that did not complete, and re
     (void)begin_example(store);  // run 3 has not ended
   }
   const WordsOfVerb rest = {"--bench", "simulated.toml", "--operator", "me", "--db", path};
+  const std::string limits = folder.path("between.toml");  // at levels between those of the recipe alone
+  write_file(
+      limits,
+      "schema = 1\nname = \"between\"\nrule = \"simple\"\nmean_compensation_error_psi = 1\n"
+      "worst_taxel_error_psi = 3\ndistance_of_mean_percent_fs = 1\nunfit_taxels = 0\n"
+      "[[mismatch]]\npressure_psi = 10\nstd_percent_fs = 5\n[[mismatch]]\npressure_psi = 41\nstd_percent_fs = 5\n");
   const auto of_sensor = [&](const std::string& serial) { return joined_words({"calibrate", serial}, rest); };
-  check_each_refused(
-      bench::add_calibrate, of_sensor("S-1"),
-      {{{"--held-out", "1"}, "TB-USAGE", "--held-out"},
-       {{"--run", "2"}, "TB-USAGE", "--run"},
-       {{"--run", "1", "--held-out", "3"}, "TB-USAGE", "--held-out"},
-       {{"--recipe", "production", "--recipe", "ring"}, "TB-USAGE", "calibrate"},
-       {{"--held-out-recipe", "ring"}, "TB-USAGE", "calibrate"},
-       {{"--limits", "nightly-limits.toml", "--held-out-recipe", "loops"}, "TB-CALIBRATE-LEVELS", "--held-out-recipe"},
-       {{"--minutes", "5"}, "TB-CALIBRATE-MINUTES", "--minutes"},
-       {{"--run", "9"}, "TB-STORE-NOT-FOUND", ""}});
+  check_each_refused(bench::add_calibrate, of_sensor("S-1"),
+                     {{{"--held-out", "1"}, "TB-USAGE", "--held-out"},
+                      {{"--run", "2"}, "TB-USAGE", "--run"},
+                      {{"--run", "1", "--held-out", "3"}, "TB-USAGE", "--held-out"},
+                      {{"--recipe", "production", "--recipe", "ring"}, "TB-USAGE", "calibrate"},
+                      {{"--held-out-recipe", "ring"}, "TB-USAGE", "calibrate"},
+                      {{"--limits", limits, "--held-out-recipe", "loops"}, "TB-CALIBRATE-LEVELS", "--held-out-recipe"},
+                      {{"--minutes", "5"}, "TB-CALIBRATE-MINUTES", "--minutes"},
+                      {{"--run", "9"}, "TB-STORE-NOT-FOUND", ""}});
   check_each_refused(bench::add_calibrate, of_sensor("S-2"), {{{"--run", "1"}, "TB-USAGE", "--run"}});
   check_each_refused(bench::add_calibrate,
                      {"calibrate", "S-1", "--bench", "simulated.toml", "--operator", " ", "--db", path},
