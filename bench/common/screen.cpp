@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <limits>
 
 #include "bench/common/for_people.h"
 
@@ -17,7 +18,9 @@ ScreenSize screen_size(int descriptor) {
   return {size.ws_col, size.ws_row};
 }
 
-std::size_t line_columns() { return ::isatty(STDOUT_FILENO) != 0 ? screen_size(STDOUT_FILENO).columns : 100; }
+std::size_t line_columns() {
+  return ::isatty(STDOUT_FILENO) != 0 ? screen_size(STDOUT_FILENO).columns : std::numeric_limits<std::size_t>::max();
+}
 
 std::string painted(const std::vector<PaintedLine>& block, std::size_t columns, std::size_t above) {
   std::string out = above > 0 ? fmt::format("\x1b[{}F", above) : std::string();

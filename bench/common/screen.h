@@ -12,7 +12,7 @@ struct ScreenSize {
 };
 // Of the terminal behind a descriptor (STDOUT_FILENO, STDERR_FILENO); none: 80 x 24.
 ScreenSize screen_size(int descriptor);
-// Of a line on standard output; 100 where that is no terminal.
+// Of a line on standard output; no end where that is no terminal: what reads it wants whole lines.
 std::size_t line_columns();
 
 struct Span {

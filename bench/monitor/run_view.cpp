@@ -56,7 +56,8 @@ std::string left_text(const RunStatus& status) {
 }
 
 std::string time_text(const RunStatus& status) {
-  const std::string elapsed = status.readings ? clock_text(status.readings->time_s) + " elapsed, " : "";
+  const std::string elapsed =
+      status.readings ? "elapsed " + clock_text(status.readings->time_s) + " of process time, " : "";
   const std::string pace = status.rate == 1.0  ? ""
                            : status.rate > 0.0 ? fmt::format("; {:g} x real time", status.rate)
                                                : "; simulated clock";

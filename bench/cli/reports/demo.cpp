@@ -230,7 +230,7 @@ void demo(const DemoOptions& options, Session& session) {
   print_document(out, session.unit());
   if (options.timing) {
     double total = 0.0;
-    doc::Table table{.columns = {{"stage"}, {"time", true}}};
+    doc::Table table{.columns = {{"stage"}, {"wall time", true}}};
     for (const auto& [stage, seconds] : watch.laps()) {
       table.rows.push_back({{stage, fmt::format("{:.2f} s", seconds)}});
       total += seconds;

@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -61,9 +62,9 @@ CarriedOut carry_out(RunRequest& request, db::RunStore& store, const std::string
   const TimeBand band = estimate.remaining(frames > 0 ? steps_done(steps, frames) : 0);
   const std::string basis =
       band.runs > 0 ? fmt::format("learned from {} run{}", band.runs, band.runs == 1 ? "" : "s") : "never run here";
-  const std::string estimated =
-      fmt::format("{}{} ({} to {}, {})", clock_text(band.p50_s), prompts_text(request.assume_yes ? 0 : band.prompts),
-                  clock_text(band.p10_s), clock_text(band.p90_s), basis);
+  const std::string estimated = fmt::format("{} of process time{} ({} to {}, {})", clock_text(band.p50_s),
+                                            prompts_text(request.assume_yes ? 0 : band.prompts), clock_text(band.p10_s),
+                                            clock_text(band.p90_s), basis);
   if (!session.quiet) progress.note(fmt::format("estimated {}", estimated));
   RunResult result = characterize(request, store, progress);
   if (result.error)
@@ -102,6 +103,21 @@ void warn_of_instruments(const RunRequest& request, analysis::PressureUnit unit)
   for (const std::string& line : calibration_warnings(request.bench, instruments, utc_now().substr(0, 10),
                                                       sequences::compile(request.recipes), unit))
     tty::print(stderr, "warning: {}\n", line);
+}
+
+// What a run of loops could not be judged by, where the profile names limits.
+void warn_of_limits(const RunOptions& options, const Session& session) {
+  const auto limits = session.profile.values().find(ProfileKey::kLimits);
+  if (limits == session.profile.values().end()) return;
+  const std::string& file = limits->second.values.front();
+  const std::vector<sequences::Recipe> recipes = read_recipes(options.recipes, split_overrides(options.set).recipe);
+  const bool loops = std::ranges::any_of(recipes, [](const sequences::Recipe& recipe) {
+    return recipe.kind == sequences::RecipeKind::kLevels && recipe.turning_points.size() > 2;
+  });
+  if (!loops) return;
+  for (const std::string& why :
+       not_judged(sequences::compile(recipes), {}, read_limits(find_config(file)), session.unit()).why)
+    tty::print(stderr, "warning: judged by {}: {}\n", file, why);
 }
 
 CarriedOut begin_and_carry_out(const RunOptions& options, const Session& session) {
@@ -146,7 +162,7 @@ CarriedOut begin_and_carry_out(const RunOptions& options, const Session& session
 
 std::string run_line(const RunResult& result, analysis::PressureUnit unit) {
   const double seconds = result.process_seconds;
-  return fmt::format("run {}: {}, {} in {}; {}", result.run, db::to_string(result.outcome),
+  return fmt::format("run {}: {}, {} in {} of process time; {}", result.run, db::to_string(result.outcome),
                      analysis::counted(result.frames_kept, "frame"),
                      seconds < 100.0 ? fmt::format("{:.0f} s", seconds) : fmt::format("{:.0f} min", seconds / 60.0),
                      result.safe_text.in(unit));
@@ -233,6 +249,7 @@ void add_run(CLI::App& app, Session& session) {
     verb->get_option(name)->group(kRareOptions);
   verb->callback([options, &session] {
     options->bench = session.bench_file();
+    warn_of_limits(*options, session);
     show_run_result(begin_and_carry_out(*options, session), session);
   });
 }

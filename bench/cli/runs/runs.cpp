@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -13,8 +14,10 @@
 
 #include "analysis/counted.h"
 #include "analysis/documents/run_json.h"
+#include "analysis/documents/run_metadata.h"
 #include "analysis/error.h"
 #include "analysis/json_io.h"
+#include "analysis/report/document/printers.h"
 #include "analysis/report/parts.h"
 #include "bench/cli/judgement_words.h"
 #include "bench/cli/runs/runs_list.h"
@@ -63,6 +66,18 @@ std::string recipe_cell(const db::RunRecord& run) {
   return fmt::format("{}{}", fmt::join(names, ", "), more == 0 ? "" : fmt::format(" and {} more", more));
 }
 
+std::string lot_of(const db::RunRecord& run) {
+  const std::map<std::string, std::string> metadata = analysis::metadata_of(run);
+  const auto lot = metadata.find("lot");
+  return lot == metadata.end() ? std::string() : lot->second;
+}
+
+std::vector<std::string> tags_but_lot(const db::RunRecord& run) {
+  std::vector<std::string> tags = run.tags;
+  std::erase(tags, "lot=" + lot_of(run));
+  return tags;
+}
+
 // The finding; without one, the figures.
 std::string check_line(const db::CheckRecord& check) {
   const auto detail = analysis::try_ordered_json(check.detail_json);
@@ -88,8 +103,9 @@ RunsList::RunsList(const RunsListOptions& options, const Session& session)
       session_(session),
       wanted_(options.verdict),
       rows_(std::make_unique<nlohmann::ordered_json>(nlohmann::ordered_json::array())) {
-  table_.columns = {{"run", true},    {"started (UTC)"}, {"sensor"}, {"outcome"},
-                    {"frames", true}, {"verdict"},       {"origin"}, {.title = "purpose; recipes [tags]", .cut = true}};
+  table_.columns = {{"run", true}, {"started (UTC)"}, {"sensor"},
+                    {"lot"},       {"origin"},        {"outcome"},
+                    {"verdict"},   {"frames", true},  {.title = "recipes; purpose [tags]", .cut = true}};
 }
 
 bool RunsList::takes(const db::RunRecord& run, std::optional<analysis::Verdict> verdict) {
@@ -116,30 +132,39 @@ void RunsList::add(const ListedRun& listed, nlohmann::ordered_json row) {
     rows_->push_back(std::move(row));
     return;
   }
-  origins_.insert(run.origin);
+  const std::vector<std::string> tags = tags_but_lot(run);
   const std::string remarks =
       fmt::format("{}{}{}{}{}{}", run.is_void() ? fmt::format("VOID: {}; ", run.void_reason) : "",
                   !listed.lives   ? ""
                   : *listed.lives ? "under way; "
                                   : "no process carries it out; ",
                   listed.pruned ? fmt::format("{} removed; ", analysis::counted(listed.pruned->frames, "frame")) : "",
-                  run.purpose.empty() ? "" : run.purpose + "; ", recipe_cell(run),
-                  run.tags.empty() ? "" : fmt::format(" [{}]", fmt::join(run.tags, " ")));
+                  recipe_cell(run), run.purpose.empty() ? "" : "; " + run.purpose,
+                  tags.empty() ? "" : fmt::format(" [{}]", fmt::join(tags, " ")));
   const std::string word =
       listed.verdict ? to_string(*listed.verdict) + std::string(listed.means_alone ? ", means" : "") : "-";
   table_.rows.push_back(
-      {{std::to_string(run.run), minute_of(run.started_utc), one_line(run.sensor_serial), db::to_string(run.outcome),
-        std::to_string(listed.frames), word, run.origin, one_line(remarks)}});
+      {{std::to_string(run.run), minute_of(run.started_utc), one_line(run.sensor_serial), one_line(lot_of(run)),
+        run.origin, db::to_string(run.outcome), word, std::to_string(listed.frames), one_line(remarks, kLongestText)}});
 }
 
 void RunsList::end(bool any_stored) {
   if (session_.json) return print_json("runs.list", {{"runs", *rows_}, {"void_left_out", left_out_}});
-  if (origins_.size() == 1) {  // said once
-    constexpr std::ptrdiff_t kOrigin = 6;
-    table_.columns.erase(table_.columns.begin() + kOrigin);
-    for (analysis::doc::Row& row : table_.rows) row.cells.erase(row.cells.begin() + kOrigin);
-    if (*origins_.begin() != "hardware") table_.caption = "all " + *origins_.begin();
+  // Said once, above, where it is the same of all; lots stay, to be searched for.
+  constexpr std::ptrdiff_t kLot = 3, kOrigin = 4, kOutcome = 5;
+  std::vector<std::string> of_all;
+  for (const std::ptrdiff_t column : {kOutcome, kOrigin, kLot}) {
+    const auto cell = [column](const analysis::doc::Row& row) {
+      return text_of(row.cells[static_cast<std::size_t>(column)], analysis::PressureUnit::kPsi);
+    };
+    const std::string same = listed_ > 0 ? cell(table_.rows.front()) : std::string();
+    if (std::ranges::any_of(table_.rows, [&](const auto& row) { return cell(row) != same; })) continue;
+    if (column == kLot && !same.empty()) continue;
+    table_.columns.erase(table_.columns.begin() + column);
+    for (analysis::doc::Row& row : table_.rows) row.cells.erase(row.cells.begin() + column);
+    if (column != kLot && same != "hardware") of_all.push_back(same);
   }
+  if (!of_all.empty()) table_.caption = fmt::format("all {}", fmt::join(of_all, ", "));
   if (listed_ > 0) print_table(std::move(table_));
   if (left_out_ > 0) {
     tty::print("{} void {} left out (--all)\n", left_out_, left_out_ == 1 ? "run" : "runs");
@@ -252,14 +277,17 @@ void show_run(std::int64_t number, const Session& session, bool all_events) {
     lines.emplace_back(name, value.empty() ? "not stated" : one_line(value, kLongestText));
   };
   const bool all = session.all || all_events;
-  const auto at = [](std::int64_t time_ns) { return fmt::format("{:9.3f} s", static_cast<double>(time_ns) * 1e-9); };
+  const auto at = [](std::int64_t time_ns) {
+    return fmt::format("{:9.3f} s of process time", static_cast<double>(time_ns) * 1e-9);
+  };
   if (run.is_void()) line("VOID", fmt::format("{} ({}, {})", run.void_reason, run.void_by, run.void_utc));
   line("run", fmt::format("{}, {}, {} ({})", run.run, run.origin, db::to_string(run.outcome), run.reason));
   line("safe state", db::to_string(run.safe_state));
   line("sensor", fmt::format("{}, scanner {}", analysis::or_not_stated(run.sensor_serial),
                              analysis::or_not_stated(analysis::scanner_serial_of(run))));
   if (const std::string specimen = specimen_text(run); !specimen.empty()) line("specimen", specimen);
-  line("started", fmt::format("{}, ended {}", run.started_utc, analysis::or_not_stated(run.ended_utc)));
+  line("started",
+       fmt::format("{}, ended {} (wall time, UTC)", run.started_utc, analysis::or_not_stated(run.ended_utc)));
   line("by", analysis::or_not_stated(run.operator_name) + (run.purpose.empty() ? "" : "; " + run.purpose));
   line("bench", run.bench_id);
   if (!run.tags.empty()) line("tags", fmt::format("{}", fmt::join(run.tags, " ")));

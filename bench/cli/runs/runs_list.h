@@ -5,7 +5,6 @@
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
-#include <set>
 #include <string>
 
 #include "bench/cli/runs/metadata_options.h"
@@ -48,7 +47,6 @@ class RunsList {
   WantedVerdict wanted_;
   std::unique_ptr<nlohmann::ordered_json> rows_;
   analysis::doc::Table table_;
-  std::set<std::string> origins_;
   int left_out_ = 0, listed_ = 0;
 };
 
