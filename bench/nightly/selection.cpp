@@ -1,6 +1,7 @@
 // What a night takes of its suite.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "analysis/json_io.h"
@@ -10,12 +11,14 @@
 namespace tactbench::bench {
 
 Suite selected(Suite suite, const Selection& selection) {
-  if (!selection.only.empty()) {
-    std::erase_if(suite.scenarios, [&](const Scenario& scenario) { return scenario.name != selection.only; });
-    if (suite.scenarios.empty())
-      throw Error("TB-NIGHTLY-SCENARIO", fmt::format("there is no scenario '{}'", selection.only), suite.file,
+  for (const std::string& name : selection.only)
+    if (std::ranges::find(suite.scenarios, name, &Scenario::name) == suite.scenarios.end())
+      throw Error("TB-NIGHTLY-SCENARIO", fmt::format("there is no scenario '{}'", name), suite.file,
                   "tactbench nightly SUITE --list shows them");
-  }
+  if (!selection.only.empty())
+    std::erase_if(suite.scenarios, [&](const Scenario& scenario) {
+      return std::ranges::find(selection.only, scenario.name) == selection.only.end();
+    });
   if (selection.seed)
     for (Scenario& scenario : suite.scenarios) scenario.seed = *selection.seed;
   return with_seeds(suite, selection.seeds);

@@ -54,11 +54,11 @@ Suite with_seeds(const Suite& suite, int seeds);
 
 // Which scenarios of a suite a night carries out, and with which seeds.
 struct Selection {
-  std::string only;                   // this scenario alone; empty: all
+  std::vector<std::string> only;      // these scenarios alone; empty: all
   std::optional<std::uint64_t> seed;  // instead of the scenarios' own
   int seeds = 1;
 };
-// Throws Error TB-NIGHTLY-SCENARIO when there is no scenario of that name.
+// In the suite's order. Throws Error TB-NIGHTLY-SCENARIO when there is no scenario of a name.
 Suite selected(Suite suite, const Selection& selection);
 // As JSON text in one line, and back. Throws std::invalid_argument.
 std::string to_json(const Selection& selection);

@@ -1,14 +1,17 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string_view>
 
 #include "analysis/counted.h"
 #include "analysis/work_count.h"
 #include "bench/cli/night/nightly_options.h"
+#include "bench/cli/own_copy.h"
 #include "bench/common/long_work.h"
 #include "bench/common/output_file.h"
 #include "bench/common/private_files.h"
@@ -31,6 +34,23 @@ void list_scenarios(const Suite& suite, const Session& session) {
   }
   if (!session.json) return print_table(std::move(table));
   print_json("nightly.list", {{"suite", suite.name}, {"scenarios", json}});
+}
+
+// With all of its scenarios, or those named; what stands above the first stays.
+void copy_suite(const Suite& suite, const NightlyOptions& options, const Session& session) {
+  const Suite chosen = selected(suite, {options.selection.only, std::nullopt, 1});
+  constexpr std::string_view kBegin = "\n[[scenario]]\n";
+  std::string text;
+  for (std::size_t at = 0, end = 0; at < suite.text.size(); at = end) {
+    end = std::min(suite.text.find(kBegin, at + 1), suite.text.size());
+    const std::string part = suite.text.substr(at, end - at);
+    const auto is_of = [&](const Scenario& own) {
+      return part.find(fmt::format("\nname = \"{}\"\n", own.name)) != std::string::npos;
+    };
+    if (at == 0 || std::ranges::any_of(chosen.scenarios, is_of)) text += part;
+  }
+  if (!text.ends_with('\n')) text += "\n";
+  write_own_copy({"nightly", "a suite", suite.name, text, options.copy}, session);
 }
 
 // The store of one part of a night holds that part alone: parts are put together by what their stores say.
@@ -62,6 +82,7 @@ std::vector<ScenarioResult> carry_out_showing(const Suite& suite, const NightOpt
 void nightly(const NightlyOptions& options, Session& session) {
   // A name without a folder is a shipped suite unless such a file lies here.
   const Suite file = read_suite(find_recipe(options.suite));
+  if (!options.copy.empty()) return copy_suite(file, options, session);
   if (options.list) return list_scenarios(selected(file, {options.selection.only, std::nullopt, 1}), session);
   const Suite whole = selected(file, options.selection);
   if (!options.result.empty()) {  // one scenario, in a process that a night started
@@ -79,7 +100,8 @@ void nightly(const NightlyOptions& options, Session& session) {
   write_night_lists(options.files, suite, {}, session);
   write_night_page(options.files, suite, {begun, this_build(), {}, {}}, session);
   if (!session.json)
-    tty::print("SIMULATED DATA. {}: {}{}\n", suite.name, analysis::counted(suite.scenarios.size(), "scenario"),
+    tty::print("SIMULATED DATA. {}: {}{}, seconds of wall time\n", suite.name,
+               analysis::counted(suite.scenarios.size(), "scenario"),
                shard.is_whole() ? "" : fmt::format(", part {} of {}", shard.text(), whole.scenarios.size()));
   const auto write_lists = [&](const std::vector<ScenarioResult>& so_far) {
     write_night_lists(options.files, suite, so_far, session);
@@ -122,7 +144,11 @@ void add_nightly_options(CLI::App& verb, NightlyOptions& options, Session& sessi
       "--stores", options.stores,
       "folder for each scenario's store (NAME.db) and output (NAME.log); those of an earlier night are replaced");
   verb.add_flag("--list", options.list, "name the scenarios and end");
-  verb.add_option("--only", options.selection.only, "this scenario alone");
+  verb.add_option("--copy", options.copy,
+                  "begin a suite of your own as a copy of this one, or of the scenarios of --only: NAME, or NAME.toml")
+      ->type_name("NAME");
+  verb.add_option("--only", options.selection.only, "these scenarios alone: --only A --only B")
+      ->allow_extra_args(false);
   verb.add_option("--seed", options.selection.seed, "seed of noise and faults, instead of the scenarios' own");
   verb.add_option("--seeds", options.selection.seeds,
                   "carry out each scenario this many times, with its seed and the following ones")

@@ -8,7 +8,7 @@
 namespace tactbench::bench {
 
 struct NightlyOptions {
-  std::string suite, stores, result, shard;
+  std::string suite, stores, result, shard, copy;
   NightFiles files;
   Selection selection;
   int jobs = 2;

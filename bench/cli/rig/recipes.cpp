@@ -3,14 +3,13 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "analysis/counted.h"
 #include "analysis/json_io.h"
+#include "bench/cli/own_copy.h"
 #include "bench/cli/session.h"
-#include "bench/common/output_file.h"
 #include "bench/config/config.h"
 #include "bench/run/recipe_check.h"
 
@@ -104,37 +103,9 @@ void print_recipe(const std::string& name, const Session& session) {
   tty::print("# {}\n{}", path, file.text);
 }
 
-namespace {
-
-// The file of `from` under another name: all comments stay.
-std::string renamed(const std::string& text, const std::string& from, const std::string& name) {
-  const std::string line = fmt::format("\nname = \"{}\"", from);
-  const std::size_t at = text.find(line);
-  if (at == std::string::npos)
-    throw Error("TB-USAGE", fmt::format("the name of '{}' is not found in its file", from), "plan --copy",
-                "start from a shipped recipe");
-  return text.substr(0, at) + fmt::format("\nname = \"{}\"", name) + text.substr(at + line.size());
-}
-
-}  // namespace
-
 void copy_recipe(const std::string& name, const std::string& file, const Session& session) {
-  constexpr const char* kAllowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_";
-  const std::string path = file.ends_with(".toml") ? file : file + ".toml";
-  const std::string copy = std::filesystem::path(path).stem();
-  if (copy.empty() || copy.starts_with('.') || copy.find_first_not_of(kAllowed) != std::string::npos)
-    throw Error("TB-USAGE", fmt::format("'{}' is no name of a recipe", file), "plan --copy",
-                "use letters, digits, - and _");
   const RecipeFile from = read_recipe_file(name);
-  const std::string text = renamed(from.text, from.name, copy);
-  // A copy begins as its original does, so the kind of the file would not protect it.
-  if (std::filesystem::exists(path) && !session.replace)
-    throw Error("TB-FILE-EXISTS", fmt::format("'{}' exists already", path), path,
-                "give another name, or --replace to overwrite it");
-  write_output(path, text, session.replace);
-  if (session.json) return print_json("plan.copy", {{"name", copy}, {"from", from.name}, {"path", path}});
-  tty::print("{}: '{}', begun as a copy of '{}'\n\nNext:  edit it, then\n       tactbench plan {}\n", path, copy,
-             one_line(from.name), path);
+  write_own_copy({"plan", "a recipe", from.name, from.text, file}, session);
 }
 
 }  // namespace tactbench::bench

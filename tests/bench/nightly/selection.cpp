@@ -34,30 +34,32 @@ std::string labels(const Suite& suite) {
 
 }  // namespace
 
-TEST_CASE("a night's choice: all, one alone, one seed for all, several seeds") {
+TEST_CASE("a night's choice: all, one alone, two in the suite's order, one seed for all, several seeds") {
   CHECK(labels(selected(suite_of_three(), {})) == "a=5 b=1 c=9");
-  CHECK(labels(selected(suite_of_three(), {.only = "b", .seed = std::nullopt, .seeds = 1})) == "b=1");
-  CHECK(labels(selected(suite_of_three(), {.only = "", .seed = 7, .seeds = 1})) == "a=7 b=7 c=7");
-  CHECK(labels(selected(suite_of_three(), {.only = "c", .seed = 0, .seeds = 2})) == "c-seed-0=0 c-seed-1=1");
-  const auto none =
-      refusal_by([] { (void)selected(suite_of_three(), {.only = "d", .seed = std::nullopt, .seeds = 1}); });
+  CHECK(labels(selected(suite_of_three(), {.only = {"b"}, .seed = std::nullopt, .seeds = 1})) == "b=1");
+  CHECK(labels(selected(suite_of_three(), {.only = {"c", "a", "c"}, .seed = std::nullopt, .seeds = 1})) == "a=5 c=9");
+  CHECK(labels(selected(suite_of_three(), {.only = {}, .seed = 7, .seeds = 1})) == "a=7 b=7 c=7");
+  CHECK(labels(selected(suite_of_three(), {.only = {"c"}, .seed = 0, .seeds = 2})) == "c-seed-0=0 c-seed-1=1");
+  const auto none = refusal_by([] {
+    (void)selected(suite_of_three(), {.only = {"a", "d"}, .seed = std::nullopt, .seeds = 1});
+  });
   REQUIRE(none);
   CHECK((none->id() == "TB-NIGHTLY-SCENARIO" && none->code() == ExitCode::kUsage && none->where() == "three.toml"));
 }
 
 TEST_CASE("a night's choice as JSON, there and back") {
-  CHECK(to_json(Selection{}) == "{\"only\":\"\",\"seed\":null,\"seeds\":1}");
-  CHECK(to_json(Selection{"x", 12, 3}) == "{\"only\":\"x\",\"seed\":12,\"seeds\":3}");
-  const Selection none = selection_from_json("{\"only\":\"\",\"seed\":null,\"seeds\":1}");
+  CHECK(to_json(Selection{}) == "{\"only\":[],\"seed\":null,\"seeds\":1}");
+  CHECK(to_json(Selection{{"x", "y"}, 12, 3}) == "{\"only\":[\"x\",\"y\"],\"seed\":12,\"seeds\":3}");
+  const Selection none = selection_from_json("{\"only\":[],\"seed\":null,\"seeds\":1}");
   CHECK((none.only.empty() && !none.seed && none.seeds == 1));
-  const Selection all = selection_from_json("{\"only\":\"x\",\"seed\":12,\"seeds\":3}");
-  CHECK((all.only == "x" && all.seed == 12U && all.seeds == 3));
-  for (const char* wrong : {"", "{}", "{\"only\":\"\",\"seeds\":1}", "{\"only\":1,\"seed\":null,\"seeds\":1}"})
+  const Selection all = selection_from_json("{\"only\":[\"x\"],\"seed\":12,\"seeds\":3}");
+  CHECK((all.only == std::vector<std::string>{"x"} && all.seed == 12U && all.seeds == 3));
+  for (const char* wrong : {"", "{}", "{\"only\":[],\"seeds\":1}", "{\"only\":\"x\",\"seed\":null,\"seeds\":1}"})
     CHECK_THROWS(selection_from_json(wrong));
 }
 
 TEST_CASE("parts of a night take its scenarios in turn, in their order") {
-  const Suite whole = selected(suite_of_three(), {.only = "", .seed = std::nullopt, .seeds = 2});
+  const Suite whole = selected(suite_of_three(), {.only = {}, .seed = std::nullopt, .seeds = 2});
   CHECK(labels(part_of(whole, {1, 2})) == "a-seed-5=5 b-seed-1=1 c-seed-9=9");
   CHECK(labels(part_of(whole, {2, 2})) == "a-seed-6=6 b-seed-2=2 c-seed-10=10");
   CHECK(labels(part_of(whole, {1, 1})) == labels(whole));

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/nightly/suite.h"
 #include "db/run_store.h"
 #include "tests/bench/cli/check_refusal.h"
 #include "tests/support/paths.h"
@@ -135,4 +136,19 @@ TEST_CASE("nightly: a scenario whose process cannot be started ends the night an
              "done\n");
   CHECK(run_program("/usr/bin/env", {"-i", "/bin/sh", "full.sh", program_path()}, of.folder.path()).code == 70);
   CHECK_THAT(read_file(of.folder.path("err")), Catch::Contains("[TB-NIGHTLY-SPAWN]"));
+}
+
+TEST_CASE("nightly --copy: a suite of one's own with the scenarios named, which a night takes") {
+  const SmallNight of;
+  CHECK(of.night({"--copy", "mine", "--only", "whole"}).code == 0);
+  const bench::Suite mine = bench::read_suite(of.folder.path("mine.toml"));
+  CHECK(mine.name == "mine");
+  REQUIRE(mine.scenarios.size() == 1);
+  CHECK((mine.scenarios[0].name == "whole" && mine.scenarios[0].figures.size() == 1));
+  CHECK(of.night({"--copy", "both.toml"}).code == 0);
+  CHECK(bench::read_suite(of.folder.path("both.toml")).scenarios.size() == 2);
+  check_refusal(of.night({"--copy", "mine"}), 2, "TB-FILE-EXISTS");
+  check_refusal(of.night({"--copy", "a", "--only", "none"}), 2, "TB-NIGHTLY-SCENARIO");
+  const Finished two = of.night({"--only", "misspelt", "--only", "whole", "--list", "--json"});
+  CHECK(Told::parse(two.out).at("scenarios").size() == 2);
 }
