@@ -13,6 +13,7 @@
 #include "analysis/judgement/verdict.h"
 #include "analysis/pressure_unit.h"
 #include "analysis/statistics/figures/limits.h"
+#include "analysis/statistics/uncertainty/use_condition.h"
 #include "db/record.h"
 
 namespace tactbench::analysis {
@@ -46,6 +47,8 @@ struct FigureUncertainty {
   double combined = std::numeric_limits<double>::quiet_NaN(), dof = 0.0, factor = 0.0;
   std::string basis;    // how it is formed; without pressures
   std::string missing;  // why it is not known; empty: it is, or the store has it without its parts
+  // Of a reading's U: the kinds of history that it was counted for; none: not known, or of no reading.
+  std::vector<UseCondition> kinds;
 };
 
 struct Figure {

@@ -263,6 +263,16 @@ std::string statement_in_words(const Judgement& judgement, PressureUnit unit) {
   return judgement.overall ? to_string(*judgement.overall) + condition_in_words(judgement, unit) : "";
 }
 
+std::vector<std::string> kinds_left_open(const Judgement& judgement) {
+  std::set<UseCondition> counted;
+  if (passes(judgement.overall))
+    for (const JudgedFigure& figure : judgement.figures) counted.insert(figure.u.kinds.begin(), figure.u.kinds.end());
+  std::vector<std::string> open;
+  for (std::size_t kind = 0; kind < kHistoryKinds && !counted.empty(); ++kind)
+    if (!counted.contains(static_cast<UseCondition>(kind))) open.emplace_back(name_of(static_cast<UseCondition>(kind)));
+  return open;
+}
+
 std::string not_assessed_in_words(const Judgement& judgement) {
   std::vector<const char*> sources;
   for (const Source source : judgement.not_assessed) sources.push_back(to_string(source));
@@ -300,6 +310,7 @@ nlohmann::ordered_json judgement_json(const Judgement& judgement) {
           {"not_judged", judgement.not_judged ? in_words(*judgement.not_judged, psi) : ""},
           {"runs", runs},
           {"decided_by", judgement.decided_by},
+          {"kinds_left_open", kinds_left_open(judgement)},
           {"not_assessed", missing},
           {"untraced", judgement.untraced ? in_words(*judgement.untraced, psi) : ""},
           {"void_runs", voids},

@@ -119,11 +119,14 @@ std::optional<Verdict> worst_of(std::span<const JudgedFigure> figures);
 std::string condition_in_words(const Judgement& judgement, PressureUnit unit);
 // The overall verdict as a statement: "pass, under repeatability conditions only"; empty without one.
 std::string statement_in_words(const Judgement& judgement, PressureUnit unit);
+// Of a pass by [[mpe]] the kinds of history that no judged run's U was counted for: "held pressures"; empty: none, or a
+// stored verdict, which does not tell.
+std::vector<std::string> kinds_left_open(const Judgement& judgement);
 // "re-mounting; temperature"; empty: all are assessed.
 std::string not_assessed_in_words(const Judgement& judgement);
 
-// overall statement rests_on_means_alone deciding closest_pass not_judged runs decided_by not_assessed untraced
-// void_runs stored_worse remarks. Texts state pressures in psi.
+// overall statement rests_on_means_alone deciding closest_pass not_judged runs decided_by kinds_left_open not_assessed
+// untraced void_runs stored_worse remarks. Texts state pressures in psi.
 nlohmann::ordered_json judgement_json(const Judgement& judgement);
 
 }  // namespace tactbench::analysis

@@ -116,7 +116,7 @@ std::vector<MpeFigure> mpe_figures(const Dataset& judged, const SensorModel& fit
   const std::vector<LevelErrors> levels = level_errors(judged, fit, threads);
   const std::vector<const ConditionUncertainty*> kinds = valid_for(judged.run, readings);
   for (const Limits::Mpe& mpe : limits) {
-    MpeFigure figure{scope_of(mpe), kNan, kNan, 0, {}, {}};
+    MpeFigure figure{scope_of(mpe), kNan, kNan, 0, {}, {}, {}};
     std::vector<double> errors, with_u;
     for (const std::size_t taxel : fit.fitted()) {
       double error = kNan, most = kNan;
@@ -135,7 +135,10 @@ std::vector<MpeFigure> mpe_figures(const Dataset& judged, const SensorModel& fit
         std::ranges::count_if(levels, [&](const LevelErrors& level) { return counts_for(mpe, level); }));
     figure.value_psi = quantile_over_taxels(std::move(errors), mpe.share);
     const double guarded = quantile_over_taxels(std::move(with_u), mpe.share);
-    for (const ConditionUncertainty* kind : kinds) figure.kinds += (figure.kinds.empty() ? "" : "; ") + kind->name;
+    for (const ConditionUncertainty* kind : kinds) {
+      figure.kinds += (figure.kinds.empty() ? "" : "; ") + kind->name;
+      figure.counted.push_back(kind->condition);
+    }
     if (std::isfinite(guarded))
       figure.expanded_psi = guarded - figure.value_psi;
     else
@@ -150,7 +153,7 @@ std::vector<Figure> judged_mpe(std::span<const MpeFigure> figures) {
   std::vector<Figure> all;
   for (const MpeFigure& figure : figures) {
     Figure& out = all.emplace_back(Figure{Criterion::kMpe, figure.scope, figure.value_psi, {}});
-    out.u = {figure.expanded_psi, 0.5 * figure.expanded_psi, kInfiniteDof, 2.0, {}, figure.not_known};
+    out.u = {figure.expanded_psi, 0.5 * figure.expanded_psi, kInfiniteDof, 2.0, {}, figure.not_known, figure.counted};
     if (!std::isnan(figure.expanded_psi))
       out.u.basis = fmt::format(
           "known |error| + U of one taxel's reading at its level and direction, the largest over {}, before the share "

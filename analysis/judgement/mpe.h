@@ -25,6 +25,7 @@ struct MpeFigure {
   int levels = 0;             // measured within the span
   std::string kinds;          // of history whose U counts, in words: "full sweeps; held pressures (up to 20 s)"
   std::string not_known;      // why expanded_psi is not
+  std::vector<UseCondition> counted = {};  // the kinds, and other states, of `kinds`
 };
 
 Scope scope_of(const Limits::Mpe& mpe);

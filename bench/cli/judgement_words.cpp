@@ -84,6 +84,8 @@ void add_conditions(doc::Document& out, const Judgement& judgement, PressureUnit
     for (const analysis::JudgedRun& run : judgement.runs)
       if (all && run.trajectory.run != 0)
         add(fmt::format("errors of run {} hold for {}", run.run, analysis::in_words(run.trajectory)));
+    if (const std::vector<std::string> open = kinds_left_open(judgement); !open.empty())
+      add(fmt::format("how wrong a reading can be is not known for: {}", fmt::join(open, "; ")));
     if (const std::string missing = not_assessed_in_words(judgement); !missing.empty()) add("not assessed: " + missing);
   }
   for (const JudgedFigure& figure : judgement.stored_worse)

@@ -99,6 +99,28 @@ TEST_CASE("a pass of means alone says so, and what passes is listed on request a
   CHECK(failed.find("8.00 psi") < failed.find("2.50 psi"));  // the closest pass
 }
 
+TEST_CASE("a pass by readings names the kinds of history that no judged run tells of, and a fail none") {
+  using analysis::UseCondition;
+  const auto of_kinds = [](std::int64_t run, Verdict verdict, std::vector<UseCondition> kinds) {
+    analysis::JudgedFigure figure = judged_figure(run, analysis::Criterion::kMpe, 1.0, 3.0, verdict);
+    figure.u.kinds = std::move(kinds);
+    return figure;
+  };
+  const auto named = [](const analysis::Judgement& judgement) {
+    std::vector<std::string> found;
+    for (std::size_t kind = 0; kind < analysis::kHistoryKinds; ++kind)
+      if (const std::string name = name_of(static_cast<UseCondition>(kind)); times(shown(judgement), name) == 1)
+        found.push_back(name);
+    CHECK(found == kinds_left_open(judgement));
+    return found.size();
+  };
+  const auto sweeps = of_kinds(2, Verdict::kPass, {UseCondition::kFullSweeps, UseCondition::kReversals});
+  CHECK(named(judgement_of({sweeps})) == 2);
+  CHECK(named(judgement_of({sweeps, of_kinds(3, Verdict::kPass, {UseCondition::kHeld})})) == 1);
+  CHECK(named(judgement_of({sweeps, of_kinds(3, Verdict::kFail, {})})) == 0);
+  CHECK(named(judgement_of({of_kinds(2, Verdict::kPass, {})})) == 0);  // a stored one
+}
+
 TEST_CASE("a suite can expect every verdict that a store can hold, and no other") {
   const auto suite = [](const std::string& word) {
     return parse_suite(
