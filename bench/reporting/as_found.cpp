@@ -6,8 +6,11 @@
 #include <utility>
 
 #include "analysis/identify/stored/model_document.h"
+#include "analysis/statistics/figures/same_sensor.h"
 #include "bench/reporting/judged_figures.h"
 #include "bench/reporting/judgement.h"
+#include "bench/reporting/sensor_state.h"
+#include "bench/reporting/source_runs.h"
 
 namespace tactbench::bench {
 
@@ -29,6 +32,24 @@ std::string last_pass_utc(const db::RunStore& store, const db::RunRecord& run) {
 std::string day_of_utc(const std::string& utc) { return utc.substr(0, std::min<std::size_t>(10, utc.size())); }
 
 }  // namespace
+
+std::string models_before(analysis::Runs& runs, std::int64_t run) {
+  const db::RunStore& store = runs.store();
+  const db::RunRecord record = runs.record(run);
+  std::vector<db::RunRecord> of_sensor = store.runs({.sensor_serial = record.sensor_serial});
+  std::erase_if(of_sensor, &db::RunRecord::is_void);
+  const std::optional<db::FitRecord> fit = earlier_models(store, of_sensor, record);
+  if (!fit) return {};
+  const analysis::SensorModel models = analysis::load_fit(*fit);
+  const std::vector<std::int64_t> sources = source_runs(store, models);
+  if (models.fitted().empty() || std::ranges::find(sources, run) != sources.end()) return {};
+  try {
+    analysis::check_same_sensor(runs.dataset(run), models);
+  } catch (const analysis::AnalysisError&) {
+    return {};
+  }
+  return fmt::format("{}:{}", fit->run, fit->fit);
+}
 
 void judge_as_found(analysis::Runs& runs, analysis::ReportInput& input, const std::string& previous,
                     const analysis::Limits& limits) {

@@ -8,6 +8,10 @@
 
 namespace tactbench::bench {
 
+// The models that the sensor had before `run`, as RUN:FIT; empty: the store has none, or they do not go together with
+// it (another scanner), or they rest on it.
+std::string models_before(analysis::Runs& runs, std::int64_t run);
+
 // Fills in `judgement` and `doubt` of input.more.previous, where there are earlier models (`previous`, as named) and
 // the report is judged by `limits`. When it fails, measurements made since the last calibration of this sensor that
 // passed are in doubt.

@@ -136,7 +136,8 @@ doc::Table found_and_left(const PageData& data) {
   const AsFound& found = *input.more.previous;
   const Evaluation &then = found.evaluation, &now = input.evaluation;
   doc::Table table{.id = "as-found",
-                   .caption = "As found, as left: this run read with the models before, and with those made from it",
+                   .caption = "As found, as left: this run read with the models before (" + found.model +
+                              "), and with those made from it",
                    .columns = {{"figure"}, {"as found", true}, {"as left", true}},
                    .dense = true};
   const auto row = [&](const char* name, const Phrase& before, const Phrase& after) {
@@ -212,8 +213,8 @@ Document whole_array(const PageData& data) {
     if (!input.more.previous->doubt.empty())
       shorter.add(doc::Paragraph{{doc::Words{"✗ " + input.more.previous->doubt, doc::Look::kBad}}});
   } else if (!input.evaluation.levels.empty()) {
-    shorter.add(
-        doc::Paragraph{{doc::strong("As found: "), "not assessed, no earlier models were named (--previous)."}});
+    shorter.add(doc::Paragraph{
+        {doc::strong("As found: "), "not assessed, no earlier models of the sensor were used (--previous)."}});
   }
   shorter.add(doc::Paragraph{{doc::strong("Health: "), findings(input.health)}});
   doc::Beside both;

@@ -23,6 +23,7 @@
 #include "bench/common/utc.h"
 #include "bench/config/config.h"
 #include "bench/config/config_laboratory.h"
+#include "bench/reporting/as_found.h"
 #include "bench/reporting/evaluation.h"
 #include "bench/reporting/report_pdf.h"
 #include "bench/reporting/signed_reports.h"
@@ -105,8 +106,12 @@ analysis::ReportInput input_for(analysis::Runs& runs, const ReportOptions& optio
                               options.extras.laboratory.instruments, stored);
   const std::vector<std::int64_t> further =
       several ? std::vector<std::int64_t>() : std::vector<std::int64_t>(options.runs.begin() + 1, options.runs.end());
-  analysis::ReportInput input =
-      report_input(runs, run, fit, evaluations, judged, further, several ? nullptr : &options.extras);
+  ReportExtras extras = options.extras;
+  if (extras.previous == kNoPrevious)
+    extras.previous.clear();
+  else if (extras.previous.empty() && !several && run == fit.run && !evaluations.empty())
+    extras.previous = models_before(runs, run);
+  analysis::ReportInput input = report_input(runs, run, fit, evaluations, judged, further, several ? nullptr : &extras);
   if (const auto worst = std::ranges::max_element(
           input.held_out, {}, [](const analysis::HeldOut& own) { return own.evaluation.mean_error_psi; });
       options.batch && worst != input.held_out.end())
@@ -160,6 +165,13 @@ WrittenReport several_runs(analysis::Runs& runs, const ReportOptions& options, c
   return out;
 }
 
+std::string as_found_words(const analysis::AsFound& found, bool by_store, analysis::PressureUnit unit) {
+  return fmt::format("as found, by the models {}{}: mean |error| {}{}", found.model,
+                     by_store ? " of the sensor's run before (--previous none leaves it out)" : "",
+                     unit.text(found.evaluation.mean_error_psi, 2),
+                     found.judgement.overall ? fmt::format(", {}", to_string(*found.judgement.overall)) : "");
+}
+
 // The runs that the report rests on, its own first.
 std::vector<db::ReportRecord::Evidence> evidence_of(analysis::Runs& runs, const analysis::ReportInput& input,
                                                     const std::vector<std::string>& studies) {
@@ -202,6 +214,8 @@ WrittenReport one_run(db::RunStore& store, analysis::Runs& runs, const ReportOpt
     out.report = analysis::render_report(input);
   }
   out.started_utc = input.run.started_utc;
+  if (input.more.previous)
+    out.as_found = as_found_words(*input.more.previous, options.extras.previous.empty(), session.unit());
   out.judgements.push_back(std::move(input.judgement));
   return out;
 }
@@ -304,6 +318,7 @@ void report_runs(ReportOptions options, Session& session) {
     if (session.quiet && out.blocks.size() > 1) out.blocks.resize(1);
     print_document(out, session.unit());
   }
+  if (!written.as_found.empty() && !session.quiet) tty::print("{}\n", written.as_found);
   tty::print("report {}: {}{}\n", written.report.number, path,
              written.written ? "" : " (signed: the file stays as it is)");
 }

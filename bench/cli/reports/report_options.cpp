@@ -129,7 +129,8 @@ void check_report_runs(analysis::Runs& runs, const ReportOptions& options, const
   if (std::ranges::find(independent, run) != independent.end())
     throw Error("TB-RUN-TWICE", fmt::format("run {} is the report's own", run), "--held-out",
                 "name only further runs: this one is included in any case");
-  if (!options.extras.previous.empty()) check_model_named(runs, options.extras.previous, "--previous", session);
+  if (!options.extras.previous.empty() && options.extras.previous != kNoPrevious)
+    check_model_named(runs, options.extras.previous, "--previous", session);
   std::vector<std::int64_t> studied;
   for (const StudyRun& study : study_runs_of(options.extras.studies))
     if (study.run != run) studied.push_back(study.run);
@@ -161,8 +162,10 @@ void add_report_options(CLI::App& verb, ReportOptions& options, Session& session
           "what the six pages leave out: maps of every level, taxels, models, parameters, events, hashes, or all")
       ->delimiter(',')
       ->check(CLI::IsMember(std::move(annexes)));
-  verb.add_option("--previous", options.extras.previous,
-                  "previous models: the report adds this run's as-found figures with them (a .json file, or RUN[:FIT])")
+  verb.add_option(
+          "--previous", options.extras.previous,
+          "earlier models by which the report says how the sensor was found: a .json file, RUN or RUN:FIT, or none "
+          "(default: those that the store has of the sensor's runs before)")
       ->group(kRareOptions);
   verb.add_option("--studies", options.extras.studies,
                   "further runs of the sensor: under objects, at several rates, held (recognised by their recipes), "

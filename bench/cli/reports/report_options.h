@@ -11,6 +11,8 @@
 
 namespace tactbench::bench {
 
+inline constexpr const char* kNoPrevious = "none";  // of --previous
+
 struct ReportOptions {
   std::vector<std::string> named;  // runs as typed; choose_runs() makes `runs` of them and of `metadata`
   MetadataOptions metadata;

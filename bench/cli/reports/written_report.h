@@ -16,6 +16,7 @@ struct WrittenReport {
   std::vector<analysis::Judgement> judgements;      // of one run, or of each run on the page
   std::string origin, started_utc, path, run_uuid;  // run_uuid: of the first
   analysis::doc::Document summary;                  // of a table, which has no judgement
+  std::string as_found;                             // a line on the run by earlier models; empty: there are none
   bool written = true;                              // false: the file held this report already, signed
 };
 

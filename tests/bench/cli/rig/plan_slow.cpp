@@ -1,5 +1,4 @@
 // The verb plan as a person uses it: no device is there.
-#include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -7,13 +6,10 @@
 #include <string>
 
 #include "bench/run/recipe_check.h"
-#include "bench/run/time_estimate.h"
 #include "sequences/recipe.h"
 #include "tests/bench/cli/check_refusal.h"
-#include "tests/bench/run/stored_past.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
-#include "tests/support/processor_time.h"
 
 using namespace tactbench::tests;
 using namespace tactbench;
@@ -53,29 +49,4 @@ TEST_CASE("plan lists what is shipped, and refuses another name") {
 TEST_CASE("plan refuses at once a step that would use all memory") {
   const TemporaryFolder folder;
   CHECK(call(folder, {"plan", "noise", "--set", "recipe.step=0.00001"}).code == 2);
-}
-
-TEST_CASE("a hundred recipes are estimated from their stored runs in 10 ms") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
-  store.add_sensor({"S-1", "type", "", "", "", "", ""});
-  std::vector<sequences::Recipe> recipes;
-  for (int i = 0; i < 100; ++i) {
-    recipes.push_back(recipe_named("recipe-" + std::to_string(i)));
-    store_run(store, {recipes.back()}, {});
-  }
-  const auto steps = sequences::compile(recipes);
-  double best_ms = 1e9;
-  for (int attempt = 0; attempt < 10; ++attempt) {
-    const double start_s = processor_seconds();
-    bench::TimeEstimate estimate(recipes, steps, sequences::TimeModel());
-    estimate.learn(store, "b", {}, false);
-    const bench::TimeBand total = estimate.total();
-    const double took_ms = 1e3 * (processor_seconds() - start_s);
-    CHECK(total.runs == 1);
-    CHECK(total.p50_s == Approx(100 * 60.0));
-    best_ms = std::min(best_ms, took_ms);
-  }
-  INFO("100 recipes learned in " << best_ms << " ms");
-  CHECK(best_ms < 10.0);
 }
