@@ -10,7 +10,9 @@ namespace tactbench::analysis {
 
 struct Laboratory {
   std::string laboratory, address, place;
-  std::string accreditation;  // its number; without one no document is called a certificate
+  std::string city, postcode, country;  // of the laboratory; country: ISO 3166-1, two capital letters
+  std::string signer_function;          // of who signs: "technical manager"
+  std::string accreditation;            // its number; without one no document is called a certificate
   std::string customer, customer_address, order;
   std::string received;         // date on which the sensor came
   std::string condition;        // of the sensor when it came

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "analysis/error.h"
 #include "analysis/report/data/data.h"
 #include "analysis/report/data/section_data.h"
+#include "analysis/report/dcc/dcc.h"
 #include "analysis/report/document/printers.h"
 #include "analysis/report/page/page.h"
 #include "analysis/report/parts.h"
@@ -65,9 +67,11 @@ const char* document_name(const ReportInput& input) {
                                      : "Test report";
 }
 
-Issue issue_of(const ReportInput& input, const std::string& number) {
+Issue issue_of(const ReportInput& input, const Report& report) {
+  const std::string& number = report.number;
   Issue issue;
   issue.number = number;
+  issue.content_sha256 = report.content_sha256;
   issue.document = document_name(input);
   const auto own = std::ranges::find(input.approvals, number, &db::ReportRecord::number);
   if (own != input.approvals.end()) {
@@ -129,7 +133,7 @@ Report render_report(const ReportInput& input) {
   const std::string results = results_text(input);
   report.content_sha256 = content_hash(input, results);
   report.number = fmt::format("{}-{}", input.run.run, report.content_sha256.substr(0, 8));
-  const Issue issue = issue_of(input, report.number);
+  const Issue issue = issue_of(input, report);
   const std::string head = fmt::format(
       "{{\"schema\":\"tactbench.report\",\"version\":3,\"document\":\"{}\",\"number\":\"{}\",\"content_sha256\":\"{}\","
       "\"replaces\":{},\"reason\":{}",
@@ -144,6 +148,14 @@ Report render_report(const ReportInput& input) {
   page.json = short_data;
   report.html = page_of(page);
   return report;
+}
+
+std::string render_dcc(const ReportInput& input, const Report& report) {
+  if (const std::string lacking = dcc_lacks(input); !lacking.empty())
+    throw AnalysisError("TB-REPORT-DCC", fmt::format("a digital calibration certificate needs {}", lacking),
+                        input.laboratory.sha256.empty() ? "name a laboratory file that states it: --lab lab.toml"
+                                                        : "state it there, or take another format");
+  return dcc_of({input, {}, issue_of(input, report)});
 }
 
 }  // namespace tactbench::analysis

@@ -78,5 +78,8 @@ std::string signed_title_mark(const std::string& number);
 inline constexpr std::array kAnnexes = {"maps", "taxels", "models", "parameters", "events", "hashes"};
 
 Report render_report(const ReportInput& input);
+// `report` as a digital calibration certificate (dcc/dcc.h). Throws AnalysisError TB-REPORT-DCC, naming all that it
+// lacks.
+std::string render_dcc(const ReportInput& input, const Report& report);
 
 }  // namespace tactbench::analysis

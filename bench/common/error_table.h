@@ -339,6 +339,8 @@ inline constexpr ErrorRow kErrorTable[] = {
      "lower the recipe's levels, forces or speeds; the limits are [limits] and [stage] of the bench file"},
     {"TB-REFERENCE-FLAT", kDevice, "the readings of the reference or of the hand gauge do not rise with the pressure",
      "check the transducer's supply, wiring, channel and span and what was typed, or give levels further apart"},
+    {"TB-REPORT-DCC", kUsage, "the report cannot be a digital calibration certificate",
+     "state country, city, customer and customer_address in lab.toml, or take another --format"},
     {"TB-REPORT-NO-VERDICT", kUsage, "the report has no verdict, and signing it was not confirmed",
      "judge first (tactbench fit RUN --held-out RUN --limits limits.toml), or sign anyway with --without-verdict"},
     {"TB-REPORT-PDF", kUsage, "no PDF could be made",

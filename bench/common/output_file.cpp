@@ -53,6 +53,7 @@ constexpr std::array kBeginnings = {
               kPageFile},
     Beginning{"<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" class=\"chart\""sv, kSvgFile},
     Beginning{"<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name="sv, "JUnit XML"},
+    Beginning{"<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<dcc:digitalCalibrationCertificate "sv, kDccFile},
     Beginning{"# HELP tactbench_"sv, "metrics of tactbench"},
     Beginning{kTalkHead, kTalkFile},
     Beginning{"tactbench selfcheck, "sv, "a record of tactbench selfcheck"},

@@ -16,6 +16,7 @@ std::string kind_of_file(const std::string& beginning);
 // Kinds that verbs know before they make the text.
 inline constexpr const char* kPageFile = "a page of tactbench (HTML)";
 inline constexpr const char* kPdfFile = "a PDF";
+inline constexpr const char* kDccFile = "a digital calibration certificate (XML)";
 inline constexpr const char* kSvgFile = "a chart of tactbench (SVG)";
 inline constexpr const char* kRunTable = "frames of a run (CSV)";
 inline constexpr const char* kRunDocument = "a tactbench.run document (JSON)";

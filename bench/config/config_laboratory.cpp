@@ -1,6 +1,10 @@
 // The laboratory file: facts for reports that no instrument knows.
 #include "bench/config/config_laboratory.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "bench/config/config_calibration.h"
 #include "db/run_store.h"
 #include "sequences/toml/key_table.h"
@@ -19,6 +23,11 @@ KeyTable laboratory_rows(analysis::Laboratory& lab) {
       key::schema(),
       key::text("laboratory", lab.laboratory, "Name of the laboratory"),
       key::text("address", lab.address, "Address of the laboratory"),
+      key::text("city", lab.city, "City of the laboratory; a digital calibration certificate needs it"),
+      key::text("postcode", lab.postcode, "Its postcode"),
+      key::text("country", lab.country,
+                "Its country, two capital letters by ISO 3166-1: \"DE\"; a digital calibration certificate needs it"),
+      key::text("signer_function", lab.signer_function, "Function of who signs: \"technical manager\""),
       key::text("place", lab.place, "Where the calibration was made, if elsewhere"),
       key::text("accreditation", lab.accreditation,
                 "Number of the accreditation; only with one, and on real data, a report may call itself a "
@@ -58,6 +67,10 @@ analysis::Laboratory laboratory_of(const TomlDocument& document) {
   analysis::Laboratory lab;
   lab.sha256 = db::sha256_hex(document.text());
   read_keys(root, laboratory_rows(lab));
+  const auto capital = [](char c) { return c >= 'A' && c <= 'Z'; };
+  if (!lab.country.empty() && (lab.country.size() != 2 || !std::ranges::all_of(lab.country, capital)))
+    root.fail("country", fmt::format("'{}' is no code of a country", lab.country),
+              "write two capital letters by ISO 3166-1, as \"DE\", or leave it empty");
   for (const TomlTable& row : root.tables("instrument")) {
     analysis::InstrumentNote& note = lab.instruments.emplace_back();
     read_keys(row, instrument_rows(note));

@@ -1,6 +1,7 @@
 // Protects signed reports from being overwritten.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -9,8 +10,11 @@
 
 namespace tactbench::bench {
 
+// Of the files of a report: a page, a PDF, its data, a digital calibration certificate.
+inline constexpr std::array kReportEndings = {"html", "pdf", "json", "xml"};
+
 // Number of the signed report in the file; empty: no such file, or not a signed report. HTML and JSON are recognised by
-// their data, whatever their names; a PDF by the numbers that were signed in this store.
+// their data, whatever their names; other files by the numbers that were signed in this store.
 std::string signed_report_in(const std::string& path, const db::RunStore& store);
 
 // reports/NAME beside the store; reports/NUMBERED where NAME holds a signed report, or that of a run which is not the

@@ -92,6 +92,10 @@ Json laboratory_json(const Laboratory& l) {
                            {"note", note.note}});
   return {{"laboratory", l.laboratory},
           {"address", l.address},
+          {"city", l.city},
+          {"postcode", l.postcode},
+          {"country", l.country},
+          {"signer_function", l.signer_function},
           {"place", l.place},
           {"accreditation", l.accreditation},
           {"customer", l.customer},

@@ -12,7 +12,7 @@ namespace tactbench::analysis {
 
 // Signatures stored for this report and for earlier reports of the same run.
 struct Issue {
-  std::string number, document;  // "Calibration report"
+  std::string number, content_sha256, document;  // "Calibration report"
   std::string authorised_by, authorised_utc, issued, replaces, reason;
   [[nodiscard]] bool draft() const { return authorised_by.empty(); }
 };

@@ -126,13 +126,16 @@ doc::Table requirements(const ReportInput& input) {
   return table;
 }
 
-Document signature(const Issue& issue) {
+Document signature(const PageData& data) {
+  const Issue& issue = data.issue;
+  const std::string& function = data.input.laboratory.signer_function;
   Document out;
   out.add(doc::Heading{3, "Authorised by", {}});
   out.add(doc::Paragraph{issue.draft()
                              ? Phrase("\n______________________    ______________\n",
                                       doc::quiet("name, function; date. Draft: nobody has signed."))
-                             : Phrase(doc::strong(issue.authorised_by), ", ", moment_text(issue.authorised_utc))});
+                             : Phrase(doc::strong(issue.authorised_by), ", ", function.empty() ? "" : function + ", ",
+                                      moment_text(issue.authorised_utc))});
   out.add(doc::Paragraph{{"Date of issue: ", doc::stated(issue.issued), ". Replaces ",
                           issue.replaces.empty() ? "no earlier report of this run."
                                                  : issue.replaces + ": " + doc::stated(issue.reason).text + "."}});
@@ -165,7 +168,7 @@ Document why_so(const PageData& data) {
   if (input.uncertainty && !input.uncertainty->levels.empty())
     out.add(budget(input, input.uncertainty->levels[input.uncertainty->chosen]));
   out.add(decision_rule(input.judgement));
-  left.add(signature(data.issue));
+  left.add(signature(data));
   right.add(integrity(data));
   out.add(doc::Beside{{left, right}, {1, 1}});
   return out;

@@ -133,11 +133,12 @@ void add_as_found(analysis::Runs& runs, analysis::ReportInput& first, const anal
 // Whose report, and its file; `name` and `numbered` without their ending.
 void place(WrittenReport& out, const db::RunStore& store, const ReportOptions& options, const db::RunRecord& first,
            const std::string& name, const std::string& numbered) {
+  const std::string ending = options.format == "dcc" ? "xml" : options.format;
   out.origin = first.origin;
   out.run_uuid = first.uuid;
   out.path = !options.output.empty() ? options.output
-                                     : free_report_path(store, fmt::format("{}.{}", name, options.format),
-                                                        fmt::format("{}.{}", numbered, options.format), first.uuid);
+                                     : free_report_path(store, fmt::format("{}.{}", name, ending),
+                                                        fmt::format("{}.{}", numbered, ending), first.uuid);
   out.written = may_be_written(out.path, out.report.number, store);
 }
 
@@ -196,6 +197,7 @@ WrittenReport one_run(db::RunStore& store, analysis::Runs& runs, const ReportOpt
     input.annexes.assign(analysis::kAnnexes.begin(), analysis::kAnnexes.end());
   WrittenReport out;
   out.report = analysis::render_report(input);
+  if (options.format == "dcc") out.dcc = analysis::render_dcc(input, out.report);
   const bool signing = !options.signed_by.empty();
   check_reason(input.approvals, out.report.number, options.reason, signing);
   // A signed report has a file of its own, named by its number.
@@ -212,6 +214,7 @@ WrittenReport one_run(db::RunStore& store, analysis::Runs& runs, const ReportOpt
                       evidence_of(runs, input, options.extras.studies)});
     input.approvals = store.reports(input.run.run);
     out.report = analysis::render_report(input);
+    if (options.format == "dcc") out.dcc = analysis::render_dcc(input, out.report);
   }
   out.started_utc = input.run.started_utc;
   if (input.more.previous)
@@ -242,7 +245,8 @@ WrittenReport table_report(analysis::Runs& runs, const ReportOptions& options, c
 }
 
 std::string kind_written(const ReportOptions& options, bool table) {
-  if (options.format != "json") return options.format == "pdf" ? kPdfFile : kPageFile;
+  if (options.format != "json")
+    return options.format == "pdf" ? kPdfFile : options.format == "dcc" ? kDccFile : kPageFile;
   return fmt::format("a tactbench.{} document (JSON)", options.compare ? "comparison"
                                                        : options.batch ? "batch"
                                                        : table         ? "table-report"
@@ -277,7 +281,11 @@ WrittenReport write_reports(ReportOptions options, Session& session) {
     write_pdf({written.report.html, written.report.json, path, options.pdf_with, written.started_utc, written.run_uuid,
                session.replace});
   } else if (written.written) {
-    write_output(path, options.format == "json" ? written.report.json + "\n" : written.report.html, session.replace);
+    write_output(path,
+                 options.format == "json"  ? written.report.json + "\n"
+                 : options.format == "dcc" ? written.dcc
+                                           : written.report.html,
+                 session.replace);
   }
   session.code = exit_code_of(worst_of(written.judgements));
   if (written.written && one) keep_file_of_signed(written.path, written.report.number, options.runs.front(), session);

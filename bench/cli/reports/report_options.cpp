@@ -75,6 +75,8 @@ void check_report_options(const ReportOptions& options) {
                   !options.annexes.empty()))
     refuse("--held-out, --previous, --studies and --annex belong to the report of one run",
            "report each run by itself, then compare");
+  if (several && options.format == "dcc")
+    refuse("a digital calibration certificate is of one run", "write another --format, or report each run by itself");
   if (!options.issued.empty() && !analysis::is_date(options.issued))
     refuse(fmt::format("'{}' is not a date", options.issued), "write it as 2026-01-31");
 }
@@ -114,7 +116,13 @@ void check_report_runs(analysis::Runs& runs, const ReportOptions& options, const
       throw Error(
           "TB-USAGE", fmt::format("run {} came from a table, which no other run goes with", own), "report",
           fmt::format("its report has loop, models and errors alone, and is not signed: tactbench report {}", own));
-  if (runs.record(run).origin == "imported") return;
+  if (runs.record(run).origin == "imported") {
+    if (options.format == "dcc")
+      throw Error("TB-REPORT-DCC",
+                  "a digital calibration certificate needs U of a reading, which a table does not give",
+                  fmt::format("report {} --format dcc", run), "take another --format");
+    return;
+  }
   if (options.compare || options.batch) {
     (void)named_runs(runs, options.runs, {"report --compare and --batch"}, session.void_too);
     return;
@@ -150,8 +158,10 @@ void add_report_options(CLI::App& verb, ReportOptions& options, Session& session
                   "judge by this limits file, without storing (default: the limits that the models were judged by)");
   session.profile.add(verb, "--lab", ProfileKey::kLab, options.lab,
                       "laboratory file: facts that no instrument knows (init writes one)");
-  verb.add_option("--format", options.format, "html, pdf (needs chromium or weasyprint), or json: the data alone")
-      ->check(CLI::IsMember({"html", "pdf", "json"}))
+  verb.add_option("--format", options.format,
+                  "html; pdf (needs chromium or weasyprint); json: the data alone; dcc: a digital calibration "
+                  "certificate (XML)")
+      ->check(CLI::IsMember({"html", "pdf", "json", "dcc"}))
       ->capture_default_str();
   verb.add_option("-o,--output", options.output,
                   "file to write (default: reports/run-N.html in the store's folder, by its number when signed)");

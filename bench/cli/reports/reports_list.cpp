@@ -18,7 +18,7 @@ namespace {
 
 // Where `report` writes a signed one by default; empty where no such file exists.
 std::string file_of(const db::RunStore& store, const db::ReportRecord& report) {
-  for (const char* ending : {"html", "pdf", "json"}) {
+  for (const char* ending : kReportEndings) {
     std::string path = report_path(store, fmt::format("run-{}.{}", report.number, ending));
     if (std::filesystem::exists(path)) return path;
   }

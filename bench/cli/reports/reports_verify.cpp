@@ -162,7 +162,7 @@ void verify_report(const std::string& named, Session& session) {
   } else if (is_file) {
     findings.push_back(look_at(*known, named));
   } else {
-    for (const char* ending : {"html", "pdf", "json"})
+    for (const char* ending : kReportEndings)
       if (const std::string path = report_path(store, fmt::format("run-{}.{}", number, ending));
           std::filesystem::is_regular_file(path))
         findings.push_back(look_at(*known, path));

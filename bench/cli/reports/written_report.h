@@ -13,6 +13,7 @@ namespace tactbench::bench {
 
 struct WrittenReport {
   analysis::Report report;
+  std::string dcc;                                  // where that format was asked for
   std::vector<analysis::Judgement> judgements;      // of one run, or of each run on the page
   std::string origin, started_utc, path, run_uuid;  // run_uuid: of the first
   analysis::doc::Document summary;                  // of a table, which has no judgement

@@ -117,9 +117,10 @@ TEST_CASE("limits in kPa, bar and psi are the same numbers, bit for bit those of
 }
 
 TEST_CASE("laboratory: each field is its own") {
-  const std::vector<std::string> keys = {"laboratory",       "address",     "place",      "accreditation", "customer",
-                                         "customer_address", "order",       "condition",  "cable",         "mounting",
-                                         "medium",           "environment", "deviations", "remarks"};
+  const std::vector<std::string> keys = {
+      "laboratory", "address",   "place", "accreditation", "customer",       "customer_address",
+      "order",      "condition", "cable", "mounting",      "medium",         "environment",
+      "deviations", "remarks",   "city",  "postcode",      "signer_function"};
   std::string text = "schema = 1\nreceived = 2026-02-28\n";
   for (const std::string& key : keys) text += key + " = \"of " + key + "\"\n";
   text +=
@@ -127,17 +128,18 @@ TEST_CASE("laboratory: each field is its own") {
       "due = 2027-01-05\nnote = \"6\"\n";
   const analysis::Laboratory lab = bench::parse_laboratory(text, "f");
   const std::vector<const std::string*> fields = {
-      &lab.laboratory,       &lab.address,     &lab.place,      &lab.accreditation, &lab.customer,
-      &lab.customer_address, &lab.order,       &lab.condition,  &lab.cable,         &lab.mounting,
-      &lab.medium,           &lab.environment, &lab.deviations, &lab.remarks};
+      &lab.laboratory, &lab.address,   &lab.place, &lab.accreditation, &lab.customer,       &lab.customer_address,
+      &lab.order,      &lab.condition, &lab.cable, &lab.mounting,      &lab.medium,         &lab.environment,
+      &lab.deviations, &lab.remarks,   &lab.city,  &lab.postcode,      &lab.signer_function};
   for (std::size_t i = 0; i < keys.size(); ++i) CHECK(*fields[i] == "of " + keys[i]);
   CHECK(lab.received == "2026-02-28");
+  CHECK(bench::parse_laboratory("schema = 1\ncountry = \"DE\"\n", "f").country == "DE");
   REQUIRE(lab.instruments.size() == 1);
   const analysis::InstrumentNote& note = lab.instruments[0];
   CHECK((note.serial == "1" && note.certificate == "2" && note.calibrated_by == "3" && note.note == "6"));
   CHECK((note.calibrated_on == "2026-01-04" && note.due == "2027-01-05"));
-  for (const char* wrong :
-       {"laboratory = 5", "received = \"31.01.2026\"", "received = \"2026-13-01\"", "[[instrument]]\nserial = \"\""})
+  for (const char* wrong : {"laboratory = 5", "received = \"31.01.2026\"", "received = \"2026-13-01\"",
+                            "country = \"de\"", "country = \"DEU\"", "[[instrument]]\nserial = \"\""})
     CHECK(file_refusal([&] { (void)bench::parse_laboratory("schema = 1\n" + std::string(wrong) + "\n", "f"); }).id ==
           "TB-FILE-VALUE");
 }
