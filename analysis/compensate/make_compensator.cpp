@@ -65,25 +65,6 @@ std::unique_ptr<Compensator> of_curve(Curve curve, const CompensatorSetup& setup
   return std::make_unique<TurningCompensator<Curve>>(std::move(curve), setup);
 }
 
-// Sums of weights, rounded: of two that are equal one may come out less, and the table does not fall.
-std::shared_ptr<const PreisachCurve::Film> film_of(const PreisachModel& model, const Divider& divider) {
-  auto film = std::make_shared<PreisachCurve::Film>();
-  const std::size_t n = model.intervals();
-  demand(n >= 1 && n <= 100, "its intervals are not within 1 and 100");
-  *film = {model.x_low(), model.x_high(), n, {0.0, divider.per_amplitude}, {}};
-  const double step = (model.x_high() - model.x_low()) / static_cast<double>(n);
-  const auto at = [&](std::size_t i) { return model.x_low() + step * static_cast<double>(i); };
-  const auto place = [](std::size_t i, std::size_t j) { return i * (i + 1) / 2 + j; };
-  film->everett.assign(place(n, n) + 1, 0.0);
-  for (std::size_t i = 1; i <= n; ++i)
-    for (std::size_t j = i; j-- > 0;)
-      film->everett[place(i, j)] =
-          std::max({model.everett(at(i), at(j)), film->everett[place(i - 1, j)], film->everett[place(i, j + 1)]});
-  demand(film->divider.output(film->top()) * divider.per_amplitude <= Divider::kMost,
-         "its full output exceeds its divider's");
-  return film;
-}
-
 }  // namespace
 
 std::unique_ptr<Compensator> make_compensator(const HysteresisModel& model, const CompensatorSetup& setup) {
@@ -101,7 +82,7 @@ std::unique_ptr<Compensator> make_compensator(const HysteresisModel& model, cons
   if (film != nullptr && (divider.per_amplitude == 0.0 ||
                           std::abs(film->y_low()) <= 1e-9 * film->everett(film->x_high(), film->x_low()))) {
     count_from(divider.zero + (divider.per_amplitude > 0.0 ? 0.0 : film->y_low()));
-    return of_curve(PreisachCurve(film_of(*film, divider)), own);
+    return of_curve(PreisachCurve(PreisachCurve::film_of(*film, divider)), own);
   }
   StateCurve curve(model, setup.highest);
   count_from(curve.low());

@@ -1,5 +1,7 @@
 #include "analysis/compensate/preisach_curve.h"
 
+#include <stdexcept>
+
 namespace tactbench::analysis {
 namespace {
 
@@ -59,6 +61,25 @@ CurvePiece piece_of(const Film& e, bool rises, double x0, double u0, double u) {
 }
 
 }  // namespace
+
+// Sums of weights, rounded: of two that are equal one may come out less, and the table does not fall.
+std::shared_ptr<const Film> PreisachCurve::film_of(const PreisachModel& model, const Divider& divider) {
+  auto film = std::make_shared<Film>();
+  const std::size_t n = model.intervals();
+  if (n < 1 || n > 100) throw std::invalid_argument("its intervals are not within 1 and 100");
+  *film = {model.x_low(), model.x_high(), n, {0.0, divider.per_amplitude}, {}};
+  const double step = (model.x_high() - model.x_low()) / static_cast<double>(n);
+  const auto at = [&](std::size_t i) { return model.x_low() + step * static_cast<double>(i); };
+  const auto place = [](std::size_t i, std::size_t j) { return i * (i + 1) / 2 + j; };
+  film->everett.assign(place(n, n) + 1, 0.0);
+  for (std::size_t i = 1; i <= n; ++i)
+    for (std::size_t j = i; j-- > 0;)
+      film->everett[place(i, j)] =
+          std::max({model.everett(at(i), at(j)), film->everett[place(i - 1, j)], film->everett[place(i, j + 1)]});
+  if (film->divider.output(film->top()) * divider.per_amplitude > Divider::kMost)
+    throw std::invalid_argument("its full output exceeds its divider's");
+  return film;
+}
 
 CurvePiece PreisachCurve::piece(const Way& way, double at) const {
   const Way on = branch_at(way, at);

@@ -12,6 +12,7 @@
 #include "analysis/models/divider.h"
 #include "analysis/models/interval.h"
 #include "analysis/models/piece.h"
+#include "analysis/models/preisach.h"
 
 namespace tactbench::analysis {
 
@@ -26,6 +27,8 @@ class PreisachCurve {
     [[nodiscard]] double at(std::size_t i, std::size_t j) const { return everett[i * (i + 1) / 2 + j]; }
     [[nodiscard]] double top() const { return at(n, 0); }
   };
+  // Of a model of the divider's u. Throws std::invalid_argument where it has none that a stream can use.
+  static std::shared_ptr<const Film> film_of(const PreisachModel& model, const Divider& divider);
   struct Corner {
     double x = 0.0, u = 0.0;
   };

@@ -267,6 +267,9 @@ inline constexpr ErrorRow kErrorTable[] = {
      "give a file that tactbench fit -o or model export wrote"},
     {"TB-MODEL-DYNAMIC", kUsage, "the data tell no times, without which lag and creep cannot be undone",
      "give a run, or a table with a column time_s in seconds"},
+    {"TB-MODEL-FIXED", kUsage, "the model cannot be put in a device's words of 16 bits",
+     "export a model that fit made of a whole array, dynamic or ELAM, and state the device's --frame-rate and "
+     "--per-count"},
     {"TB-MODEL-OPEN", kUsage, "the model named cannot be found",
      "name the path of a .json file, or RUN or RUN:FIT of the store (--db)"},
     {"TB-MODEL-SEQUENCE", kUsage, "the data have no sequence of that name", "name a sequence that the data have"},

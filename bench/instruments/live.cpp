@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <thread>
 
 #include "analysis/error.h"
+#include "analysis/export/fixed_stream.h"
 #include "analysis/identify/compensators.h"
 #include "analysis/statistics/numbers/moments.h"
 #include "bench/common/error.h"
@@ -35,6 +37,47 @@ double microseconds_since(RealClock::time_point start) {
 double percentile(const std::vector<double>& values, double share) {
   return values.empty() ? 0.0 : analysis::quantile_of(values, share);
 }
+
+// A frame by the integers of a device.
+class FixedLive {
+ public:
+  FixedLive(const analysis::SensorModel& model, const LiveOptions& options, double per_count)
+      : frames_(of(model, options, per_count)) {
+    counts_.resize(frames_.model().taxels);
+    words_.resize(frames_.model().taxels);
+  }
+  void frame(std::span<const double> means, bool outside, const analysis::FrameCompensator::Output& output) {
+    std::ranges::transform(means, counts_.begin(),
+                           [](double mean) { return static_cast<std::uint16_t>(std::lround(mean)); });
+    frames_.frame(counts_, words_, output.status);
+    put(outside, output);
+  }
+  void lost_frame(bool outside, const analysis::FrameCompensator::Output& output) {
+    frames_.lost_frame(words_, output.status);
+    put(outside, output);
+  }
+
+ private:
+  static std::shared_ptr<const analysis::FixedModel> of(const analysis::SensorModel& model, const LiveOptions& options,
+                                                        double per_count) {
+    analysis::FixedOptions own = *options.fixed;
+    own.per_count = per_count;
+    own.scans = options.scans;
+    if (own.frame_rate_hz == 0.0 && options.interval_s > 0.0) own.frame_rate_hz = 1.0 / options.interval_s;
+    return std::make_shared<const analysis::FixedModel>(analysis::quantised(model, own));
+  }
+  void put(bool outside, const analysis::FrameCompensator::Output& output) const {
+    for (std::size_t t = 0; t < words_.size(); ++t) {
+      output.pressure_psi[t] = static_cast<float>(frames_.model().pressure(words_[t]));
+      output.uncertainty_psi[t] = std::numeric_limits<float>::quiet_NaN();
+      if (outside && output.status[t] != analysis::kTaxelDead)
+        output.status[t] =
+            static_cast<std::uint16_t>((output.status[t] & ~analysis::kTaxelValid) | analysis::kTaxelOutside);
+    }
+  }
+  analysis::FixedFrames frames_;
+  std::vector<std::uint16_t> counts_, words_;
+};
 
 }  // namespace
 
@@ -67,7 +110,10 @@ LiveSummary live_frames(const BenchConfig& config, const analysis::SensorModel& 
     if (box && reading.quantity == "temperature_c" && !box->contains(reading.value, analysis::kTemperatureSlack))
       summary.outside.push_back(
           fmt::format("temperature {:.1f} degC (fitted at {:.1f} to {:.1f})", reading.value, box->low, box->high));
-  compensator.set_outside_validity(!summary.outside.empty());
+  const bool outside = !summary.outside.empty();
+  compensator.set_outside_validity(outside);
+  std::optional<FixedLive> fixed;
+  if (options.fixed) fixed.emplace(model, options, volts_per_count);
 
   const std::size_t taxels = compensator.taxels();
   std::vector<float> volts(taxels), pressure(taxels), uncertainty(taxels);
@@ -89,13 +135,19 @@ LiveSummary live_frames(const BenchConfig& config, const analysis::SensorModel& 
       means = db::scan_means(scan.counts, static_cast<std::size_t>(scan.scans), means);
       std::ranges::transform(means, volts.begin(),
                              [&](double mean) { return static_cast<float>(volts_per_count * mean); });
-      compensator.frame(volts, passed, output);
+      if (fixed)
+        fixed->frame(means, outside, output);
+      else
+        compensator.frame(volts, passed, output);
       compensations.push_back(microseconds_since(came));
       lost = 0;
     } catch (const devices::Fault& fault) {
       if (fault.id() == "TB-SCANNER-LOST" || ++lost >= kMostLostInARow) throw;
       ++summary.lost;
-      compensator.lost_frame(passed, output);
+      if (fixed)
+        fixed->lost_frame(outside, output);
+      else
+        compensator.lost_frame(passed, output);
     }
     const double latency = microseconds_since(asked);
     summary.worst_us = std::max(summary.worst_us, latency);

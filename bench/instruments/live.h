@@ -4,9 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 
+#include "analysis/export/quantise.h"
 #include "analysis/identify/stored/model_document.h"
 #include "bench/config/config.h"
 
@@ -16,6 +18,8 @@ struct LiveOptions {
   long frames = 0;           // 0: until Ctrl-C or a request to terminate
   double interval_s = 0.01;  // between two requests
   int scans = 1;             // averaged into a frame
+  // By the integers of a device: without uncertainty. Its counts, frame rate and scans are the array's.
+  std::optional<analysis::FixedOptions> fixed;
 };
 
 struct LiveFrame {
@@ -35,7 +39,8 @@ struct LiveSummary {
 
 // Calls `show` with every frame until it returns false. A frame that times out or comes corrupt is lost; ten in a row,
 // or a lost scanner, throw the scanner's Fault. Throws Error TB-LIVE-SHAPE when array and model differ in rows or
-// columns, AnalysisError TB-MODEL-COMPENSATOR when the model is not of a whole array.
+// columns, AnalysisError TB-MODEL-COMPENSATOR when the model is not of a whole array, TB-MODEL-FIXED when it does not
+// fit a device's integers.
 LiveSummary live_frames(const BenchConfig& config, const analysis::SensorModel& model, const LiveOptions& options,
                         const std::function<bool(const LiveFrame&)>& show);
 

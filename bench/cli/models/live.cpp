@@ -21,6 +21,7 @@ constexpr double kBetweenLines = 0.25;  // seconds
 
 struct LiveVerbOptions {
   std::string model, csv;
+  std::string as = "double";
   std::vector<std::string> set;
   LiveOptions live;
   std::optional<double> interval_s;
@@ -109,11 +110,16 @@ void add_live(CLI::App& app, Session& session) {
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   verb->add_option("--csv", options->csv, "write every frame there: frame,time_s,taxel,pressure,uncertainty,status");
+  verb->add_option("--as", options->as,
+                   "fixed: by the integers of a microcontroller, at this pace, without uncertainty")
+      ->check(CLI::IsMember({"double", "fixed"}))
+      ->capture_default_str();
   add_replace(*verb, session);
   add_void_too(*verb, session);
   verb->footer("Read-only, until Ctrl-C.");
   verb->callback([options, &session] {
     options->live.interval_s = options->interval_s.value_or(options->live.interval_s);
+    if (options->as == "fixed") options->live.fixed.emplace();
     live(*options, session);
   });
 }

@@ -16,13 +16,16 @@
 #include <optional>
 #include <span>
 #include <stdexcept>
+#include <type_traits>
 #include <vector>
 
 #include "analysis/counted.h"
+#include "analysis/export/fixed_stream.h"
 #include "analysis/identify/compensators.h"
 #include "analysis/identify/dynamic/dynamic_alone.h"
 #include "analysis/table.h"
 #include "analysis/whole_file.h"
+#include "bench/cli/models/fixed_options.h"
 #include "bench/cli/models/model_table.h"
 #include "bench/cli/runs/source.h"
 #include "bench/common/output_file.h"
@@ -35,6 +38,9 @@ struct PredictOptions {
   std::string model, file = "-", output, taxel;
   TableOptions table;
   double conditioned_s = 0.0;
+  FixedWords fixed;
+  bool counts = false;                                      // the outputs are those of the device's converter
+  std::shared_ptr<const analysis::FixedModel> fixed_model;  // no option: of `fixed`
 };
 
 // The one taxel of a model that the rows speak of when they name none.
@@ -140,6 +146,42 @@ class Compensation {
   std::unique_ptr<analysis::Compensator> stream_;
 };
 
+// The same by the integers of a device.
+class FixedCompensation {
+ public:
+  static constexpr std::array kColumns{"compensated", "pressure_count", "flags"};
+  static std::array<std::string, 3> units(const analysis::SensorModel& model) { return {model.input_unit, {}, {}}; }
+  FixedCompensation(const analysis::SensorModel& model, const analysis::ModelTaxel& taxel,
+                    const PredictOptions& options)
+      : counts_(options.counts), stream_(options.fixed_model, place_of(model, taxel)) {}
+  std::string step(const analysis::TableReader::Row& row, std::size_t column, char separator) {
+    const double output = row.outputs[column];
+    const bool lost = std::isnan(output);
+    const analysis::FixedReading now = lost ? stream_.lost() : stream_.step(count(output));
+    std::vector<const char*> flags;
+    if (lost) flags.push_back("bad");
+    if ((now.status & TB_OUT_OF_RANGE) != 0) flags.push_back("range");
+    if ((now.status & TB_UNKNOWN) != 0) flags.push_back("unknown");
+    if ((now.status & TB_DEAD) != 0) flags.push_back("dead");
+    return fmt::format("{:.6g}{}{}{}{}", stream_.model().pressure(now.pressure), separator, now.pressure, separator,
+                       fmt::join(flags, " "));
+  }
+
+ private:
+  static std::size_t place_of(const analysis::SensorModel& model, const analysis::ModelTaxel& taxel) {
+    const std::span<const analysis::ModelTaxel> array = model.array();
+    if (&taxel < array.data() || &taxel >= array.data() + array.size())
+      throw Error("TB-MODEL-TAXEL", "the mean taxel is not on the device", "--taxel", "name a taxel of the array");
+    return static_cast<std::size_t>(&taxel - array.data());
+  }
+  [[nodiscard]] std::uint16_t count(double output) const {
+    if (!counts_) return analysis::count_of(stream_.model(), output);
+    return static_cast<std::uint16_t>(std::lround(std::clamp(output, 0.0, 65535.0)));
+  }
+  bool counts_;
+  analysis::FixedTaxel stream_;
+};
+
 // What is added to a row, in the table's own way of writing decimals.
 std::string written(std::string added, const analysis::TableReader& reader) {
   if (!reader.decimal_comma() || reader.separator() == ',') return added;
@@ -148,8 +190,14 @@ std::string written(std::string added, const analysis::TableReader& reader) {
 }
 
 template <class Applied>
-void apply(const PredictOptions& options, const Session& session, analysis::TableNeeds needs) {
+void apply(PredictOptions options, const Session& session, analysis::TableNeeds needs) {
   const analysis::SensorModel model = load_model(options.model, session);
+  constexpr bool kFixed = std::is_same_v<Applied, FixedCompensation>;
+  if constexpr (kFixed) {
+    options.fixed.options.conditioned_s = options.conditioned_s;
+    options.fixed_model =
+        std::make_shared<analysis::FixedModel>(fixed_model(options.model, model, options.fixed.options, session));
+  }
   tty::print(stderr, "{}{}", undetermined_text(model), any_unfit(model) ? left_out_text(model) : "");
   std::ifstream file;
   if (options.file != "-") {
@@ -169,7 +217,7 @@ void apply(const PredictOptions& options, const Session& session, analysis::Tabl
                             options.taxel.empty() ? analysis::counted(array.size(), "taxel") : "one taxel"),
                 "--map", "name a column for each of the model's taxels, in their order; or one, and its --taxel");
   const bool in_time = model.dynamics && analysis::in_time(*model.dynamics);
-  if (in_time && needs == analysis::TableNeeds::kOutput && !reader.has_seconds())
+  if (in_time && !kFixed && needs == analysis::TableNeeds::kOutput && !reader.has_seconds())
     throw Error("TB-TABLE-COLUMN", "the model undoes lag and creep, and the table has no column of times", options.file,
                 "add a column time_s in seconds or name it (--map time=COL), or use a model without them");
   if (in_time && needs == analysis::TableNeeds::kInput)
@@ -289,7 +337,14 @@ void add_predict(CLI::App& app, Session& session) {
                    "dynamic: seconds for which the pressure went over its range just before the first row")
       ->check(CLI::Range(0.0, 1e9))
       ->capture_default_str();
-  verb->callback([compensate, &session] { apply<Compensation>(*compensate, session, analysis::TableNeeds::kOutput); });
+  add_fixed_options(*verb, compensate->fixed);
+  verb->add_flag("--counts", compensate->counts, "--as fixed: the outputs are counts of the device's converter");
+  verb->callback([compensate, &session] {
+    if (compensate->fixed.as == "fixed")
+      apply<FixedCompensation>(*compensate, session, analysis::TableNeeds::kOutput);
+    else
+      apply<Compensation>(*compensate, session, analysis::TableNeeds::kOutput);
+  });
 }
 
 }  // namespace tactbench::bench
