@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""The schemas of docs/schema hold for what PROGRAM writes: reports and exports of a calibration and of a pressed object.
+"""The schemas of docs/schema hold for what PROGRAM writes: reports and exports of a calibration, of a pressed object and of a
+table.
 
     schemas.py PROGRAM
 """
@@ -56,3 +57,10 @@ with tempfile.TemporaryDirectory() as folder:
     for run in ("1", "2", "3"):
         call("runs", "export", run, "--format", "json", "-o", f"run-{run}.json", "-q")
         check("run", f"run-{run}.json")
+    with open("loop.csv", "w", encoding="utf-8") as table:
+        loop = [(x, x / 20) for x in range(61)] + [(x, x / 20 + x * (60 - x) / 2000) for x in range(60, -1, -1)]
+        table.write("input,output\n" + "".join(f"{x},{y}\n" for x, y in 3 * loop))
+    call("runs", "import", "loop.csv", "-q")
+    call("fit", "4", "-q")
+    call("report", "4", "--format", "json", "-o", "table.json", "-q")
+    check("table-report", "table.json")
