@@ -8,7 +8,6 @@
 #include <stdexcept>
 
 #include "devices/tactile/scan_report.h"
-#include "tests/support/processor_time.h"
 
 namespace tactbench::bench {
 namespace {
