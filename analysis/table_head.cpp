@@ -234,9 +234,13 @@ void TableReader::find_names(const std::vector<std::string>& wanted) {
   if (separator_of_row(line, {}))
     refuse_names(fmt::format("numbers in place of the names of the columns: {}", listed(split(line, separator_))),
                  kFormat);
+  const std::vector<std::string> names = split(line, separator_);
+  const std::string here = names.size() < 2 ? ""
+                                            : fmt::format("; here it may be --map input=1,output=2{}",
+                                                          names.size() > 2 ? fmt::format("-{}", names.size()) : "");
   refuse_names(fmt::format("no line names the {} \"{}\"; this one names {}", wanted.size() > 1 ? "columns" : "column",
-                           fmt::join(wanted, "\", \""), listed(split(line, separator_))),
-               kFormat);
+                           fmt::join(wanted, "\", \""), listed(names)),
+               kFormat + here);
 }
 
 // The first line with numbers in `columns`; names are what stands above it in as many fields.

@@ -79,8 +79,8 @@ void check(PageVerbOptions& options) {
         fmt::format("on {} everybody on the network could read the link's keys on their way", page.http.address),
         "--listen " + page.http.address,
         fmt::format(
-            "add --tls CERTIFICATE KEY; this makes a pair, --tls page.pem page-key.pem: {0}; or leave --listen out "
-            "and come through a tunnel: ssh -L {1}:127.0.0.1:{1} THIS-MACHINE",
+            "make a certificate: {0}; then add --tls page.pem page-key.pem; or leave --listen out and come through "
+            "a tunnel: ssh -L {1}:127.0.0.1:{1} THIS-MACHINE",
             certificate_command(page.http.address), page.http.port));
   }
 }

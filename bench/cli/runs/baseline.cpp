@@ -137,7 +137,8 @@ void add_baseline(CLI::App& trend, Session& session) {
       ->required();
   accept->add_option("--subject", options->subject, "only this subject, or those that begin so (trend lists them)");
   accept->add_option("--reason", options->reason, "why these runs serve as reference")->required();
-  accept->add_option("--by", options->by, "name of the person who accepts them")->required();
+  session.profile.add(*accept, "--by", ProfileKey::kOperator, options->by, "name of the person who accepts them")
+      ->required();
   accept->callback([options, &session] { accept_baseline(*options, session); });
   CLI::App* list = trend.add_subcommand("baselines", "list the accepted baselines; a subject's last one counts");
   list->callback([&session] { list_baselines(session); });

@@ -85,7 +85,8 @@ void add_run_remarks(CLI::App& runs, Session& session) {
       runs.add_subcommand("void", "declare a run void permanently: it no longer counts; nothing is deleted");
   nullify->add_option("run", remark->run, "run number")->required();
   nullify->add_option("--reason", remark->text, "why")->required();
-  nullify->add_option("--by", remark->by, "name of the person who declares it")->required();
+  session.profile.add(*nullify, "--by", ProfileKey::kOperator, remark->by, "name of the person who declares it")
+      ->required();
   nullify->callback([remark, &session] { void_run(*remark, session); });
 }
 
