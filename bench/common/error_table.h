@@ -344,6 +344,9 @@ inline constexpr ErrorRow kErrorTable[] = {
      "check the transducer's supply, wiring, channel and span and what was typed, or give levels further apart"},
     {"TB-REPORT-DCC", kUsage, "the report cannot be a digital calibration certificate",
      "state country, city, customer and customer_address in lab.toml, or take another --format"},
+    {"TB-REPORT-KEY", kUsage, "a file cannot be signed, or its signature not be checked, with this key or certificate",
+     "name a private key and its valid certificate in PEM (--key, --certificate) or PKCS#12 (--pkcs12); for report "
+     "verify a root's certificate in PEM (--root)"},
     {"TB-REPORT-NO-VERDICT", kUsage, "the report has no verdict, and signing it was not confirmed",
      "judge first (tactbench fit RUN --held-out RUN --limits limits.toml), or sign anyway with --without-verdict"},
     {"TB-REPORT-PDF", kUsage, "no PDF could be made",

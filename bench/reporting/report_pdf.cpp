@@ -64,9 +64,7 @@ PdfProgram find_pdf_program(const std::string& wanted) {
 
 std::vector<std::string> words_of(const PdfProgram& program, const fs::path& folder) {
   const std::string html = (folder / "report.html").string(), pdf = (folder / "report.pdf").string();
-  if (!program.browser) {
-    return {program.path, "--pdf-variant", "pdf/a-3b", "--attachment", (folder / "data.json").string(), html, pdf};
-  }
+  if (!program.browser) return {program.path, html, pdf};
   std::vector<std::string> words = {program.path,
                                     "--headless",
                                     "--disable-gpu",
@@ -140,7 +138,6 @@ std::string write_pdf(const PdfRequest& request) {
   std::string html = request.html;
   if (const auto at = html.find("</title>"); at != std::string::npos) html.insert(at, ", run " + request.run_uuid);
   write_whole(folder / "report.html", html);
-  write_whole(folder / "data.json", request.json);
   const bool done = run_to_end(words_of(program, folder), folder / "log", request.date_utc);
   std::string pdf = file_text(folder / "report.pdf");
   if (!done || pdf.compare(0, 5, "%PDF-") != 0) {
@@ -150,7 +147,8 @@ std::string write_pdf(const PdfRequest& request) {
                "--format pdf", "print the HTML (--format html) from a browser, or take the other program (--pdf-with)");
   }
   for (const char* field : {"/CreationDate", "/ModDate"}) set_pdf_date(pdf, field, request.date_utc);
-  write_output(request.path, pdf, request.replace);
+  write_output(request.path, request.attachments.empty() ? pdf : with_attachments(pdf, request.attachments),
+               request.replace);
   return program.path;
 }
 

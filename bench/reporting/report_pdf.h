@@ -2,16 +2,20 @@
 #pragma once
 
 #include <string>
+#include <vector>
+
+#include "bench/reporting/pdf_attachments.h"
 
 namespace tactbench::bench {
 
 struct PdfRequest {
-  std::string html, json;  // json: attached to the PDF where the program can
-  std::string path;        // of the PDF; written whole
-  std::string program;     // chromium | weasyprint; empty: the first of them that is there
-  std::string date_utc;    // for the document's dates: the same report is the same bytes
-  std::string run_uuid;    // in the document's title: nothing else of a PDF can be read without a PDF's reader
-  bool replace = false;    // a file of another kind (output_file.h)
+  std::string html;
+  std::vector<PdfAttachment> attachments;
+  std::string path;      // of the PDF; written whole
+  std::string program;   // chromium | weasyprint; empty: the first of them that is there
+  std::string date_utc;  // for the document's dates: the same report is the same bytes
+  std::string run_uuid;  // in the document's title: nothing else of a PDF can be read without a PDF's reader
+  bool replace = false;  // a file of another kind (output_file.h)
 };
 
 // Runs the program in a new folder of its own and waits 120 s at most. Returns the program used. Throws Error

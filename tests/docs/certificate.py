@@ -11,6 +11,7 @@ import json
 import math
 import os
 import random
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -128,6 +129,32 @@ def check_verdicts(tree, data):
         assert one.find(D + "conformity") is not None or one.find(f"{D}declaration/{D}content") is not None
 
 
+def check_pdf():
+    """The PDF has both files in it, byte for byte, is the same each time, and its code leads to the report."""
+    if not all(shutil.which(name) for name in ("chromium", "pdfdetach", "pdftoppm", "zbarimg")):
+        print("not run: chromium, poppler-utils, zbar-tools")
+        return
+    for name in ("one.pdf", "two.pdf"):
+        call("report", "1", "--lab", "lab.toml", "--format", "pdf", "-o", name, "-q")
+    with open("one.pdf", "rb") as one, open("two.pdf", "rb") as other:
+        text = one.read()
+        assert text == other.read()
+    assert text.count(b"/AFRelationship /Data") == 2 and b"pdfaid" not in text
+    os.mkdir("attached")
+    subprocess.run(["pdfdetach", "-saveall", "-o", "attached", "one.pdf"], check=True)
+    assert sorted(os.listdir("attached")) == ["certificate.xml", "report.json"]
+    for inside, outside in (("certificate.xml", "first.xml"), ("report.json", "r.json")):
+        with open(os.path.join("attached", inside), "rb") as one, open(outside, "rb") as other:
+            assert one.read() == other.read(), inside
+    subprocess.run(["pdftoppm", "-r", "200", "-f", "1", "-l", "1", "-png", "-singlefile", "one.pdf", "page"], check=True)
+    read = subprocess.run(["zbarimg", "-q", "--raw", "page.png"], capture_output=True, text=True, check=True).stdout.splitlines()
+    with open("r.json", encoding="utf-8") as file:
+        told = json.load(file)
+    assert told["number"] in read[0] and read[1].endswith(told["content_sha256"])
+    # What a laboratory file lacks for a certificate is said, and the PDF is made.
+    assert "city" in call("report", "1", "--lab", "bare.toml", "--format", "pdf", "-o", "bare.pdf", "-q").stderr
+
+
 def validate(name, kinds):
     if not SCHEMA:
         print("not run: TACTBENCH_DCC_SCHEMA names no folder of the schema")
@@ -170,6 +197,7 @@ with tempfile.TemporaryDirectory() as folder:
     assert size <= LARGEST * count, size
     validate("first.xml", count)
     print(f"{size} bytes")
+    check_pdf()
     # Signed it has a file of its own, the signer in it, and is no draft.
     call("report", "sign", "1", "--lab", "lab.toml", "--format", "dcc", "--by", "C. Chief", "-q")
     signed = os.path.join("reports", f"run-{report['number']}.xml")

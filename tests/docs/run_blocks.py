@@ -10,6 +10,7 @@ ends in `# exit code N`. Comments in the Markdown, each before a block:
 
     <!-- not run: REASON -->                        the block is not run
     <!-- not run: REASON; instead: COMMAND -->      COMMAND is run in its place
+    <!-- needs: PROGRAMS -->                        the block is run where all of these are installed
     <!-- output -->                                 the lines that the block of commands before it prints, all of them;
                                                     `...` stands for any characters, alone on a line for any lines
     <!-- example -->                                text that nothing promises
@@ -234,6 +235,8 @@ def write_block(block, shell):
 def run_block(block, shell):
     """Runs a block of commands; what it printed, None if it was not run."""
     commands, not_run = block.lines, block.value("not run")
+    if not all(shutil.which(name) for name in (block.value("needs") or "").split()):
+        return None
     ready = block.value("another terminal, ready at")
     if ready is not None:
         [(command, _)] = commands_of(commands)
@@ -268,7 +271,7 @@ def run_document(text, shell):
                     raise Failure("promised:\n" + "\n".join(block.lines) + "\nprinted:\n" + "\n".join(printed))
                 promises += len(block.lines)
             elif block.language == "sh":
-                if block.comment and not re.match("not run: |another terminal, ready at: ", block.comment):
+                if block.comment and not re.match("not run: |needs: |another terminal, ready at: ", block.comment):
                     raise Failure(f"means nothing here: <!-- {block.comment} -->")
                 printed = run_block(block, shell)
                 count += printed is not None

@@ -7,6 +7,7 @@
 #include "analysis/report/data/conformity.h"
 #include "analysis/report/data/traceability.h"
 #include "analysis/report/document/printers.h"
+#include "analysis/report/page/qr_code.h"
 #include "analysis/report/parts.h"
 #include "analysis/report/sections/sections.h"
 
@@ -195,7 +196,8 @@ Document uses(const ReportInput& input) {
   return out;
 }
 
-Document measured_by(const ReportInput& input) {
+Document measured_by(const PageData& data) {
+  const ReportInput& input = data.input;
   Document out;
   out.add(doc::Heading{3, "Measured by", {}});
   for (const Traceability& one : traceability_of(input, input.unit))
@@ -203,6 +205,11 @@ Document measured_by(const ReportInput& input) {
         {one.traceable ? doc::Words{one.statement} : doc::Words{"✗ " + one.statement, doc::Look::kBad}}});
   for (const std::string& warning : instrument_warnings(input))
     out.add(doc::Paragraph{{doc::Words{"▲ " + warning, doc::Look::kDoubt}}});
+  const std::string check =
+      fmt::format("report {}\nSHA-256 {}\ntactbench report verify FILE", data.issue.number, data.issue.content_sha256);
+  out.add(doc::Figure{qr_code_svg(check, check, 84.0),
+                      "Number, hash of the content, how to check a copy",
+                      {"This report’s number, the hash of its content, how to check a copy."}});
   return out;
 }
 
@@ -256,7 +263,7 @@ Document front_page(const PageData& data) {
     out.add(doc::Heading{2, "How wrong a reading can be was not assessed", "readings"});
   }
   out.add(doc::Beside{
-      .parts = {uses(input), taxels_and_open(data), measured_by(input)}, .shares = {1, 1, 1}, .ruled = true});
+      .parts = {uses(input), taxels_and_open(data), measured_by(data)}, .shares = {1, 1, 1}, .ruled = true});
   return out;
 }
 

@@ -3,12 +3,14 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <filesystem>
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "analysis/identify/stored/model_document.h"
+#include "analysis/report/dcc/dcc.h"
 #include "analysis/report/overview/overview.h"
 #include "analysis/report/overview/table_report.h"
 #include "analysis/statistics/figures/evaluation.h"
@@ -189,6 +191,17 @@ std::vector<db::ReportRecord::Evidence> evidence_of(analysis::Runs& runs, const 
   return evidence;
 }
 
+// Of a PDF it is attached; why it is not is said to who has named a laboratory file.
+std::string dcc_wanted(const analysis::ReportInput& input, const analysis::Report& report,
+                       const ReportOptions& options) {
+  if (options.format != "dcc" && options.format != "pdf") return {};
+  const std::string lacking = options.format == "pdf" ? analysis::dcc_lacks(input) : "";
+  if (lacking.empty()) return analysis::render_dcc(input, report);
+  if (!options.lab.empty())
+    tty::print(stderr, "note: no digital calibration certificate is attached: it needs {}\n", lacking);
+  return {};
+}
+
 WrittenReport one_run(db::RunStore& store, analysis::Runs& runs, const ReportOptions& options, const Session& session) {
   analysis::ReportInput input = input_for(runs, options, options.runs.front(), session);
   input.reason = options.reason;
@@ -197,7 +210,7 @@ WrittenReport one_run(db::RunStore& store, analysis::Runs& runs, const ReportOpt
     input.annexes.assign(analysis::kAnnexes.begin(), analysis::kAnnexes.end());
   WrittenReport out;
   out.report = analysis::render_report(input);
-  if (options.format == "dcc") out.dcc = analysis::render_dcc(input, out.report);
+  out.dcc = dcc_wanted(input, out.report, options);
   const bool signing = !options.signed_by.empty();
   check_reason(input.approvals, out.report.number, options.reason, signing);
   // A signed report has a file of its own, named by its number.
@@ -214,7 +227,7 @@ WrittenReport one_run(db::RunStore& store, analysis::Runs& runs, const ReportOpt
                       evidence_of(runs, input, options.extras.studies)});
     input.approvals = store.reports(input.run.run);
     out.report = analysis::render_report(input);
-    if (options.format == "dcc") out.dcc = analysis::render_dcc(input, out.report);
+    out.dcc = dcc_wanted(input, out.report, options);
   }
   out.started_utc = input.run.started_utc;
   if (input.more.previous)
@@ -253,6 +266,15 @@ std::string kind_written(const ReportOptions& options, bool table) {
                                                                        : "report");
 }
 
+// Who has the PDF has the data. The digital certificate goes with it where the laboratory file states what it needs.
+std::vector<PdfAttachment> attachments_of(const WrittenReport& written) {
+  std::vector<PdfAttachment> all = {
+      {"report.json", "application/json", "all data of the report", written.report.json + "\n"}};
+  if (!written.dcc.empty())
+    all.push_back({"certificate.xml", "application/xml", "digital calibration certificate (DCC)", written.dcc});
+  return all;
+}
+
 std::optional<analysis::Verdict> worst_of(const std::vector<analysis::Judgement>& judgements) {
   std::optional<analysis::Verdict> worst;  // none is better than any
   for (const analysis::Judgement& judgement : judgements) worst = std::max(worst, judgement.overall);
@@ -268,6 +290,11 @@ WrittenReport write_reports(ReportOptions options, Session& session) {
       options.signed_by.empty() ? db::RunStore::open_read_only(session.db) : db::RunStore::open(session.db);
   analysis::Runs runs(store);
   const bool table = runs.record(options.runs.front()).origin == "imported";
+  const std::shared_ptr<const SigningKey> key = options.signer.named() ? read_signing_key(options.signer) : nullptr;
+  if (std::error_code unknown; key && std::filesystem::exists(options.output, unknown) &&
+                               !std::filesystem::is_regular_file(options.output, unknown))
+    throw Error("TB-USAGE", "a signature stands beside a file, and this is none", options.output,
+                "name a file with -o");
   if (!options.output.empty()) check_output(options.output, kind_written(options, table), session.replace);
   check_report_runs(runs, options, session);
   const bool one = !options.compare && !options.batch;
@@ -278,8 +305,8 @@ WrittenReport write_reports(ReportOptions options, Session& session) {
   const std::string& path = written.path;
   progress.begin(kWritingReport);
   if (written.written && options.format == "pdf") {
-    write_pdf({written.report.html, written.report.json, path, options.pdf_with, written.started_utc, written.run_uuid,
-               session.replace});
+    write_pdf({written.report.html, attachments_of(written), path, options.pdf_with, written.started_utc,
+               written.run_uuid, session.replace});
   } else if (written.written) {
     write_output(path,
                  options.format == "json"  ? written.report.json + "\n"
@@ -288,6 +315,7 @@ WrittenReport write_reports(ReportOptions options, Session& session) {
                  session.replace);
   }
   session.code = exit_code_of(worst_of(written.judgements));
+  if (key && written.written) written.signature = sign_file(*key, path, written.report.number);
   if (written.written && one) keep_file_of_signed(written.path, written.report.number, options.runs.front(), session);
   return written;
 }
@@ -310,6 +338,7 @@ void report_runs(ReportOptions options, Session& session) {
                                    {"written", written.written},
                                    {"origin", written.origin},
                                    {"verdicts", verdicts_json(verdicts, written.origin)}};
+    if (!written.signature.empty()) json["signature"] = written.signature;
     if (one) {
       json["judgement"] = judgement_json(written.judgements.front(), written.origin);
     } else {
@@ -329,6 +358,7 @@ void report_runs(ReportOptions options, Session& session) {
   if (!written.as_found.empty() && !session.quiet) tty::print("{}\n", written.as_found);
   tty::print("report {}: {}{}\n", written.report.number, path,
              written.written ? "" : " (signed: the file stays as it is)");
+  if (!written.signature.empty()) tty::print("signature {}\n", one_line(written.signature));
 }
 
 }  // namespace
@@ -351,7 +381,16 @@ void add_report(CLI::App& app, Session& session) {
   auto signed_one = std::make_shared<ReportOptions>();
   add_report_options(*sign, *signed_one, session);
   add_sign_options(*sign, *signed_one);
-  sign->callback([signed_one, &session] { report_runs(*signed_one, session); });
+  sign->footer(
+      "With files of signed reports in place of a run: writes their signatures alone, by --key and --certificate or "
+      "--pkcs12.");
+  sign->callback([signed_one, &session] {
+    const auto is_file = [](const std::string& word) { return std::filesystem::is_regular_file(word); };
+    if (signed_one->signed_by.empty() && !signed_one->named.empty() && std::ranges::all_of(signed_one->named, is_file))
+      return sign_files(signed_one->named, signed_one->signer, session);
+    if (signed_one->signed_by.empty()) throw Error("TB-USAGE", "nobody is named who signs", "report sign", "--by NAME");
+    report_runs(*signed_one, session);
+  });
   add_reports_list(*verb, session);
 }
 

@@ -159,7 +159,8 @@ void add_report_options(CLI::App& verb, ReportOptions& options, Session& session
   session.profile.add(verb, "--lab", ProfileKey::kLab, options.lab,
                       "laboratory file: facts that no instrument knows (init writes one)");
   verb.add_option("--format", options.format,
-                  "html; pdf (needs chromium or weasyprint); json: the data alone; dcc: a digital calibration "
+                  "html; pdf with the data attached (needs chromium or weasyprint); json: the data alone; dcc: a "
+                  "digital calibration "
                   "certificate (XML)")
       ->check(CLI::IsMember({"html", "pdf", "json", "dcc"}))
       ->capture_default_str();
@@ -190,7 +191,7 @@ void add_report_options(CLI::App& verb, ReportOptions& options, Session& session
       ->check(CLI::IsMember({"a4", "letter"}))
       ->capture_default_str()
       ->group(kRareOptions);
-  verb.add_option("--pdf-with", options.pdf_with, "chromium, or weasyprint, which attaches the data")
+  verb.add_option("--pdf-with", options.pdf_with, "the program that prints it: chromium or weasyprint")
       ->check(CLI::IsMember({"chromium", "weasyprint"}))
       ->group(kRareOptions);
   add_replace(verb, session);
@@ -200,9 +201,12 @@ void add_report_options(CLI::App& verb, ReportOptions& options, Session& session
 
 void add_sign_options(CLI::App& verb, ReportOptions& options) {
   const auto filled = [](const std::string& text) { return std::string(db::is_blank(text) ? "it is empty" : ""); };
-  verb.add_option("--by", options.signed_by, "who signs; the signed report is not overwritten")
-      ->required()
-      ->check(filled);
+  verb.add_option("--by", options.signed_by, "who signs; the signed report is not overwritten")->check(filled);
+  verb.add_option("--key", options.signer.key,
+                  "private key (PEM): writes FILE.p7s beside the file, a signature that openssl checks");
+  verb.add_option("--certificate", options.signer.certificate, "its certificate (PEM), then those of its issuers");
+  verb.add_option("--pkcs12", options.signer.pkcs12, "key and certificate in one file, in place of both");
+  verb.add_option("--password-file", options.signer.password, "file whose first line opens the key");
   verb.add_option("--reason", options.reason,
                   "what changed since the signed report that this one replaces, and why; printed on page 1, and needed "
                   "to sign it")

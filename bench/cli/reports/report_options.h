@@ -8,6 +8,7 @@
 #include "bench/cli/runs/metadata_options.h"
 #include "bench/cli/session.h"
 #include "bench/reporting/report_results.h"
+#include "bench/reporting/signature.h"
 
 namespace tactbench::bench {
 
@@ -22,6 +23,7 @@ struct ReportOptions {
   std::vector<std::string> annexes;  // of analysis::kAnnexes, or "all"
   bool compare = false, batch = false, without_verdict = false;
   ReportExtras extras;
+  SignerFiles signer;  // of report sign
 };
 
 // Those of a report, and further those of signing one. `options` outlives the parsing.

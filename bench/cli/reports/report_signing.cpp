@@ -5,7 +5,11 @@
 
 #include <algorithm>
 #include <iostream>
+#include <nlohmann/json.hpp>
 #include <string>
+
+#include "bench/reporting/signed_reports.h"
+#include "db/run_store.h"
 
 namespace tactbench::bench {
 
@@ -44,6 +48,23 @@ void check_reason(const std::vector<db::ReportRecord>& before, const std::string
                 fmt::format("report {} would replace the signed report {}, and no reason is stated", number,
                             before.back().number),
                 "report sign", "state what changed and why: --reason TEXT");
+}
+
+void sign_files(const std::vector<std::string>& files, const SignerFiles& signer, const Session& session) {
+  const std::shared_ptr<const SigningKey> key = read_signing_key(signer);
+  const db::RunStore store = db::RunStore::open_read_only(session.db);
+  std::vector<std::string> numbers;
+  for (const std::string& file : files)
+    if (numbers.emplace_back(signed_report_in(file, store)).empty())
+      throw Error("TB-REPORT-KEY", fmt::format("it is no report that was signed in {}", session.db), file,
+                  "sign the report first: tactbench report sign RUN --by NAME");
+  auto json = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const std::string signature = sign_file(*key, files[i], numbers[i]);
+    json.push_back({{"file", files[i]}, {"number", numbers[i]}, {"signature", signature}});
+    if (!session.json) tty::print("report {}: signature {}\n", numbers[i], one_line(signature));
+  }
+  if (session.json) print_json("report.signatures", {{"files", json}});
 }
 
 }  // namespace tactbench::bench

@@ -6,6 +6,7 @@
 
 #include "bench/cli/session.h"
 #include "bench/reporting/judgement.h"
+#include "bench/reporting/signature.h"
 #include "db/record.h"
 
 namespace tactbench::bench {
@@ -20,5 +21,9 @@ void check_signature(const analysis::Judgement& judgement, std::int64_t run, con
 // and nothing to replace.
 void check_reason(const std::vector<db::ReportRecord>& before, const std::string& number, const std::string& reason,
                   bool signing);
+
+// Writes FILE.p7s beside files of reports that are signed in the store, and tells so. Throws TB-REPORT-KEY, also for a
+// file of any other kind.
+void sign_files(const std::vector<std::string>& files, const SignerFiles& signer, const Session& session);
 
 }  // namespace tactbench::bench

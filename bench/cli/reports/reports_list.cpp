@@ -76,10 +76,14 @@ void add_reports_list(CLI::App& report, Session& session) {
   CLI::App* verify =
       report.add_subcommand("verify", "is a report signed, its file unchanged, and its evidence still good?");
   verify->add_option("report", *named, "number of the report, or a file")->required();
+  auto root = std::make_shared<std::string>();
+  verify->add_option("--root", *root, "certificates (PEM) that the signature FILE.p7s has to lead to");
   verify->footer(
       "Exit codes: 0 signed and unchanged; 1 changed, not signed in this store, or its evidence fell (a run that it "
-      "rests on is void or was changed); 6 it cannot be told.");
-  verify->callback([named, &session] { verify_report(*named, session); });
+      "rests on is void or was changed); 6 it cannot be told. Of a signature FILE.p7s: 0 good; 1 tampered, appended, "
+      "wrong "
+      "file, damaged, other root, invalid when signed; 6 missing, expired since, or no --root.");
+  verify->callback([named, root, &session] { verify_report(*named, *root, session); });
 }
 
 }  // namespace tactbench::bench

@@ -12,6 +12,7 @@
 #include "analysis/whole_file.h"
 #include "bench/common/utc.h"
 #include "bench/reporting/evaluation.h"
+#include "bench/reporting/signature.h"
 #include "bench/reporting/signed_reports.h"
 #include "db/run_store.h"
 
@@ -51,6 +52,7 @@ bool is_number(const std::string& word) {
 struct Finding {
   std::string file, sha256, state, words;  // state: unchanged, changed, not kept, not signed, unknown, no file
   ExitCode code = ExitCode::kPass;
+  std::optional<SignatureFinding> signature = {};
 };
 
 Finding look_at(const KnownReport& known, const std::string& path) {
@@ -75,19 +77,36 @@ Finding look_at(const KnownReport& known, const std::string& path) {
   return out;
 }
 
+void tell_file(const Finding& one) {
+  tty::print("file      {}{}{}\n", one_line(one.file), one.file.empty() ? "" : ": ", one.words);
+  if (!one.signature) return;
+  const SignatureFinding& signature = *one.signature;
+  tty::print("signature {}{}{}\n", one_line(signature.words, kLongestText),
+             signature.signer.empty() ? "" : "; by " + one_line(signature.signer),
+             signature.signed_utc.empty() ? "" : ", " + signature.signed_utc + " by the signer's clock");
+}
+
 void tell(const std::string& number, const std::optional<KnownReport>& known, const std::vector<Finding>& findings,
           const ReportEvidence& evidence, Session& session) {
   const auto worsen = [&](ExitCode code) {
     if (code == ExitCode::kCriterionFailed || session.code == ExitCode::kPass) session.code = code;
   };
-  for (const Finding& finding : findings) worsen(finding.code);
+  for (const Finding& finding : findings) {
+    worsen(finding.code);
+    if (finding.signature) worsen(finding.signature->code);
+  }
   const char* const state = !evidence.fallen.empty() ? "fallen" : !evidence.missing.empty() ? "unknown" : "holds";
   if (known && !evidence.missing.empty()) worsen(ExitCode::kInconclusive);
   if (!evidence.fallen.empty()) worsen(ExitCode::kCriterionFailed);
   if (session.json) {
     auto files = nlohmann::ordered_json::array();
-    for (const Finding& one : findings)
+    for (const Finding& one : findings) {
       files.push_back({{"file", one.file}, {"sha256", one.sha256}, {"state", one.state}});
+      if (one.signature)
+        files.back()["signature"] = {{"state", one.signature->state},
+                                     {"signer", one.signature->signer},
+                                     {"signed_utc", one.signature->signed_utc}};
+    }
     nlohmann::ordered_json json = {{"number", number}, {"signed", known.has_value()}, {"files", files}};
     if (known) {
       json["evidence"] = {{"state", state}, {"fallen", evidence.fallen}, {"missing", evidence.missing}};
@@ -107,8 +126,7 @@ void tell(const std::string& number, const std::optional<KnownReport>& known, co
     tty::print("report {}: of run {}, sensor {}{}; signed by {}, {}\n", number, known->run.run,
                one_line(known->run.sensor_serial), known->run.origin == "simulated" ? " (simulated)" : "",
                one_line(known->report.approved_by), known->report.approved_utc);
-  for (const Finding& one : findings)
-    tty::print("file      {}{}{}\n", one_line(one.file), one.file.empty() ? "" : ": ", one.words);
+  for (const Finding& one : findings) tell_file(one);
   if (known && evidence.fallen.empty() && evidence.missing.empty())
     tty::print("evidence  holds: none of the {} that it rests on is void or changed\n",
                analysis::counted(known->report.evidence.size(), "run"));
@@ -142,9 +160,16 @@ void keep_file_of_signed(const std::string& path, const std::string& number, std
   }
 }
 
-void verify_report(const std::string& named, Session& session) {
-  const db::RunStore store = db::RunStore::open_read_only(session.db);
+void verify_report(const std::string& named, const std::string& root, Session& session) {
   const bool is_file = std::filesystem::is_regular_file(named);
+  if (is_file && !root.empty() && !std::filesystem::exists(session.db)) {  // a customer has none
+    const Finding alone{
+        named,           "",
+        "unknown",       fmt::format("there is no store {}: its signature alone is looked at", session.db),
+        ExitCode::kPass, check_signature_of(named, root)};
+    return tell("", std::nullopt, {alone}, {}, session);
+  }
+  const db::RunStore store = db::RunStore::open_read_only(session.db);
   if (!is_file && !is_number(named))
     throw Error("TB-USAGE", fmt::format("'{}' is neither a file nor the number of a report", named), "report verify",
                 "a number is as in 1-2ccd46bc: tactbench report list shows those that were signed");
@@ -170,6 +195,9 @@ void verify_report(const std::string& named, Session& session) {
       findings.push_back(
           {"", "", "no file", "its file does not lie beside the store: name it", ExitCode::kInconclusive});
   }
+  for (Finding& one : findings)
+    if (!one.file.empty() && (!root.empty() || std::filesystem::exists(one.file + ".p7s")))
+      one.signature = check_signature_of(one.file, root);
   tell(number, known, findings, known ? check_evidence(store, known->report) : ReportEvidence(), session);
 }
 

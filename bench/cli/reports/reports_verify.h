@@ -17,8 +17,10 @@ void keep_file_of_signed(const std::string& path, const std::string& number, std
 
 // `named`: a file, or the number of a signed report, whose files beside the store are looked at. Sets session.code:
 // pass where a file is unchanged and its run counts, criterion failed where something was changed or the run is void,
-// inconclusive where that cannot be told. Throws Error TB-USAGE for what is neither, StoreError.
-void verify_report(const std::string& named, Session& session);
+// inconclusive where that cannot be told. Throws Error TB-USAGE for what is neither, StoreError. With `root`
+// (certificates in PEM), or where a file has a signature (FILE.p7s), also what became of that (signature.h); then a
+// file goes without a store, too.
+void verify_report(const std::string& named, const std::string& root, Session& session);
 
 // The verbs list and verify of `report`.
 void add_reports_list(CLI::App& report, Session& session);

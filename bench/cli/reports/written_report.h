@@ -18,6 +18,7 @@ struct WrittenReport {
   std::string origin, started_utc, path, run_uuid;  // run_uuid: of the first
   analysis::doc::Document summary;                  // of a table, which has no judgement
   std::string as_found;                             // a line on the run by earlier models; empty: there are none
+  std::string signature;                            // FILE.p7s; empty: no key was named
   bool written = true;                              // false: the file held this report already, signed
 };
 

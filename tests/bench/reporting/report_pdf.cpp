@@ -33,7 +33,6 @@ struct PdfByScript {
     write_file(folder.path("pdf"), "%PDF-");
     request.html = "<title>1-ab</title><p>page</p>";
     request.run_uuid = "u-1";
-    request.json = "{\"a\":1}";
     request.path = folder.path("out.pdf");
     request.date_utc = "2026-03-01T12:34:56Z";
   }
@@ -74,15 +73,14 @@ struct PdfByScript {
 
 }  // namespace
 
-TEST_CASE("PDF by weasyprint: PDF/A with the data attached, dated as the report") {
+TEST_CASE("PDF by weasyprint: of the page alone, dated as the report") {
   PdfByScript made;
   made.add("weasyprint");
   CHECK(write_pdf(made.request) == made.folder.path("bin/weasyprint"));
   const std::vector<std::string> words = made.said();
-  REQUIRE(words.size() == 7);
-  const std::string folder = std::filesystem::path(words[6]).parent_path();
-  CHECK(words == std::vector<std::string>{"1772368496", "--pdf-variant", "pdf/a-3b", "--attachment",
-                                          folder + "/data.json", folder + "/report.html", folder + "/report.pdf"});
+  REQUIRE(words.size() == 3);
+  const std::string folder = std::filesystem::path(words[2]).parent_path();
+  CHECK(words == std::vector<std::string>{"1772368496", folder + "/report.html", folder + "/report.pdf"});
   CHECK_FALSE(std::filesystem::exists(folder));
 }
 
@@ -122,9 +120,7 @@ TEST_CASE("PDF dates: the document's date in seconds and digits, and one that sa
 
 TEST_CASE("PDF by a browser: every word, with a profile and files of the page's own folder, which is gone afterwards") {
   PdfByScript made;
-  made.add("chromium-browser",
-           "folder=${last#file://}\ncp \"$folder\" \"$HERE/page\"\ncp \"${folder%report.html}data.json\" "
-           "\"$HERE/json\"\n");
+  made.add("chromium-browser", "folder=${last#file://}\ncp \"$folder\" \"$HERE/page\"\n");
   CHECK(write_pdf(made.request) == made.folder.path("bin/chromium-browser"));
   const std::vector<std::string> words = made.said();
   const std::string& last = words.back();
@@ -142,7 +138,6 @@ TEST_CASE("PDF by a browser: every word, with a profile and files of the page's 
   expected.push_back("file://" + folder + "/report.html");
   CHECK(words == expected);
   CHECK(read_file(made.folder.path("page")) == "<title>1-ab, run u-1</title><p>page</p>");
-  CHECK(read_file(made.folder.path("json")) == "{\"a\":1}");
   CHECK_FALSE(std::filesystem::exists(folder));
 }
 
