@@ -110,7 +110,7 @@ doc::Document body_of(const PageData& data) {
   };
   add(against_what(data), calibrated);
   add(how_measured(data), false);
-  add(under_objects(data), false);
+  if (calibrated) add(under_objects(data), false);  // else on page 1
   add(every_level(data), false);
   add(whole_array(data), false);
   add(further_studies(data), false);

@@ -41,7 +41,7 @@ with tempfile.TemporaryDirectory() as folder:
     def field(name, key):
         return output("dpkg-deb", "--field", files[name], key)
 
-    for library in ("libmodbus5", "libserialport0", "libhidapi-hidraw0", "libsqlite3-0", "libssl3", "libc6"):
+    for library in ("libmodbus5", "libserialport0", "libhidapi-hidraw0", "libsqlite3-0", "libssl3", "libqpdf29", "libqrencode4", "libc6"):
         assert library in field("tactbench", "Depends"), (library, field("tactbench", "Depends"))
     assert f"libtactbench-compensator1 (= {VERSION}-0upstream1)" in field("libtactbench-compensator-dev", "Depends")
 

@@ -65,27 +65,38 @@ std::vector<std::size_t> ranked(const std::vector<ReportInput>& runs, const std:
 }
 
 // A sensor that was not judged, though there are limits, is counted with the judged: its evidence is missing.
-doc::Table yield_table(const std::vector<ReportInput>& sensors, const std::vector<std::string>& left_out) {
-  std::map<std::string, int> words;
+doc::Framed yield_part(const std::vector<ReportInput>& sensors, const std::vector<std::string>& left_out) {
+  std::map<std::string, int> verdicts;
   int with_limits = 0, good = 0;
+  std::optional<Verdict> worst;
   for (const ReportInput& sensor : sensors) {
     const std::optional<Verdict> overall = sensor.judgement.overall;
     const bool judged = !sensor.judgement.not_judged;
-    ++words[!overall ? "no verdict" : judged ? to_string(*overall) : "not judged"];
+    ++verdicts[!overall ? "no verdict" : judged ? to_string(*overall) : "not judged"];
     with_limits += states_conformity(overall) ? 1 : 0;
     good += passes(overall) ? 1 : 0;
+    if (states_conformity(overall)) worst = std::max(worst, overall);
   }
   std::string list;
-  for (const auto& [word, number] : words) list += fmt::format("{}{} {}", list.empty() ? "" : ", ", number, word);
-  return doc::pairs(
+  for (const auto& [word, number] : verdicts) list += fmt::format("{}{} {}", list.empty() ? "" : ", ", number, word);
+  Document words, counts;
+  if (with_limits == 0) {
+    words.add(doc::Paragraph{{"No yield"}, doc::Paragraph::kLarge});
+    words.add(doc::Paragraph{{"No tolerance limits were given."}});
+  } else {
+    words.add(
+        doc::Paragraph{{fmt::format("{} of {} passed", good, counted(with_limits, "sensor"))}, doc::Paragraph::kLarge});
+    words.add(doc::Paragraph{
+        {"Yield ", doc::percent_of(static_cast<double>(good) / with_limits, 1), " %, conditional passes included."}});
+  }
+  doc::Table table = doc::pairs(
       "Yield", {{"sensors, runs named", fmt::format("{}, {}", sensors.size(), sensors.size() + left_out.size())},
-                {"yield: pass or conditional pass",
-                 with_limits == 0 ? Phrase("not assessed: no tolerance limits were given")
-                                  : Phrase(doc::strong(fmt::format("{} of {}", good, counted(with_limits, "sensor"))),
-                                           ", ", doc::percent_of(static_cast<double>(good) / with_limits, 1), " %")},
                 {"verdicts", list},
                 {"left out: the newest run of each sensor stands for it",
                  left_out.empty() ? std::string("none") : fmt::format("{}", fmt::join(left_out, "; "))}});
+  table.dense = true;
+  counts.add(std::move(table));
+  return {worst ? doc::look_of(*worst) : doc::Look::kDoubt, {words, counts}};
 }
 
 std::string outlying_figures(const std::vector<BatchColumn>& columns, std::size_t run) {
@@ -250,7 +261,7 @@ Report render_batch(const std::vector<ReportInput>& named) {
   body.add(doc::Paragraph{{doc::strong("No. " + report.number),
                            fmt::format("\n{}, {} named. Not a calibration report: each run has its own.",
                                        counted(runs.size(), "sensor"), counted(named.size(), "run"))}});
-  body.add(yield_table(runs, left_out));
+  body.add(yield_part(runs, left_out));
   body.add(rank_table(runs, columns));
   body.add(outliers_part(runs, columns));
   body.add(histograms_part(runs, columns));

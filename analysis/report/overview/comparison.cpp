@@ -32,7 +32,8 @@ std::string sequences_of(const db::RunRecord& run) {
 }
 
 doc::Table who_table(const ReportInput& a, const ReportInput& b) {
-  doc::Table table{.id = "runs", .caption = "The two runs", .columns = {{""}, {"first"}, {"second"}}, .rows = {}};
+  doc::Table table{
+      .id = "runs", .caption = "The two runs", .columns = {{""}, {"first"}, {"second"}}, .rows = {}, .dense = true};
   const auto both = [&](const char* name, auto field) { table.rows.push_back({{name, field(a), field(b)}}); };
   const auto text = [&](const char* name, auto field) {
     both(name, [&](const ReportInput& i) { return Phrase(doc::stated(field(i))); });
@@ -53,8 +54,40 @@ doc::Table who_table(const ReportInput& a, const ReportInput& b) {
   });
   both("content, SHA-256",
        [](const ReportInput& i) { return Phrase(doc::code_words(i.run.content_sha256.substr(0, 16))); });
-  both("verdict", [](const ReportInput& i) { return overall_phrase(i, "no tolerance limits were given"); });
   return table;
+}
+
+// What has changed, in one line: the error where both runs have one, else the loops before correction.
+Phrase change_in_words(const ReportInput& a, const ReportInput& b) {
+  const bool models = !a.evaluation.levels.empty() && !b.evaluation.levels.empty();
+  const bool refound = models && same_sensor(a, b) && !a.held_out.empty();
+  if (models) {
+    const double before = refound ? a.held_out.front().evaluation.mean_error_psi : a.evaluation.mean_error_psi;
+    return {"Mean |error| ", doc::pressure(b.evaluation.mean_error_psi, 2), refound ? ", as found " : ", first ",
+            doc::pressure(before, 2)};
+  }
+  if (a.behaviour.loops.empty() || b.behaviour.loops.empty()) return "No figure that both runs have";
+  return {"Hysteresis before correction ", doc::percent_of(b.behaviour.loops.front().hysteresis_mean, 2),
+          " % FS, first ", doc::percent_of(a.behaviour.loops.front().hysteresis_mean, 2), " % FS"};
+}
+
+// Of each run whether it is good; framed by the second's.
+doc::Framed verdicts(const ReportInput& a, const ReportInput& b) {
+  const bool stated = states_conformity(b.judgement.overall) && !b.judgement.not_judged;
+  Document words;
+  words.add(doc::Paragraph{change_in_words(a, b), doc::Paragraph::kLarge});
+  doc::Table table{.id = "verdicts",
+                   .caption = "Verdicts",
+                   .columns = {{"run"}, {"sensor"}, {"measured"}, {"verdict"}},
+                   .rows = {},
+                   .dense = true};
+  for (const auto& [name, own] : {std::pair("first", &a), {"second", &b}})
+    table.rows.push_back(
+        {{doc::strong(fmt::format("{}, run {}", name, own->run.run)), doc::stated(own->run.sensor_serial),
+          date_of(own->run.started_utc), overall_phrase(*own, "no tolerance limits were given")}});
+  Document right;
+  right.add(std::move(table));
+  return {stated ? doc::look_of(*b.judgement.overall) : doc::Look::kDoubt, {words, right}};
 }
 
 doc::Table figures_table(const ReportInput& a, const ReportInput& b) {
@@ -62,7 +95,8 @@ doc::Table figures_table(const ReportInput& a, const ReportInput& b) {
       .id = "figures",
       .caption = "Figures",
       .columns = {{"figure"}, {"first", true}, {"second", true}, {"second − first", true}, {"change, %", true}},
-      .rows = {}};
+      .rows = {},
+      .dense = true};
   for (const OverviewFigure& figure : overview_figures()) {
     const double x = figure.value(a), y = figure.value(b);
     table.rows.push_back({{name_of(figure, a.unit), shown_figure(figure, x), shown_figure(figure, y),
@@ -80,7 +114,8 @@ Document found_and_left_by(const ReportInput& a, const ReportInput& b) {
   doc::Table table{.id = "as-found",
                    .caption = "The second run’s data, corrected with the first run’s models and with its own",
                    .columns = {{"figure"}, {"as found (first run’s models)", true}, {"as left (its own models)", true}},
-                   .rows = {}};
+                   .rows = {},
+                   .dense = true};
   const auto row = [&](const char* name, double Evaluation::*figure, auto shown) {
     table.rows.push_back({{name, shown(found.*figure), shown(left ? b.evaluation.*figure : kNan)}});
   };
@@ -183,12 +218,13 @@ Report render_comparison(const ReportInput& a, const ReportInput& b) {
                            fmt::format("\n{}: {} and {}. Not a calibration report: each run has its own.",
                                        same_sensor(a, b) ? "One sensor at two times" : "Two sensors", sensor_and_run(a),
                                        sensor_and_run(b))}});
-  body.add(who_table(a, b));
+  body.add(verdicts(a, b));
+  body.add(loops_overlaid({&a, &b}));
   body.add(figures_table(a, b));
   if (same_sensor(a, b)) body.add(found_and_left_by(a, b));
-  body.add(loops_overlaid({&a, &b}));
   body.add(ratio_figures(a, b, ratios));
   body.add(health_changes(a, b));
+  body.add(who_table(a, b));
   Page page{
       .document = "Comparison of two runs", .number = report.number, .title = {}, .state = "not a calibration report"};
   page.simulated = is_simulated(a) || is_simulated(b);

@@ -31,7 +31,7 @@ html::Markup qr_code_svg(const std::string& text, const std::string& title, doub
             .literal("z");
     }
   return html::markup(
-      "<svg role=\"img\" viewBox=\"0 0 {0} {0}\" width=\"{1}\" height=\"{1}\" shape-rendering=\"crispEdges\"><title>{2}"
+      "<svg role=\"img\" viewBox=\"0 0 {0} {0}\" width=\"{1}\" height=\"{1}\"><title>{2}"
       "</title><path d=\"{3}\" fill=\"#000\"/></svg>",
       code->width + 2 * kQuiet, html::CssNumber(size), html::Text(title), dark);
 }

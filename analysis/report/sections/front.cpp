@@ -25,7 +25,7 @@ std::string state_of(const Issue& issue) {
 
 doc::Beside letterhead(const PageData& data) {
   const Laboratory& lab = data.input.laboratory;
-  Document left, right;
+  Document left, right, code;
   Phrase who(lab.laboratory.empty() ? doc::quiet("Laboratory not stated") : doc::strong(lab.laboratory));
   if (!lab.address.empty()) who.add("\n" + lab.address);
   who.add(doc::quiet(is_certificate(data.input) ? "\nAccreditation " + lab.accreditation : "\nNot accredited"));
@@ -35,7 +35,11 @@ doc::Beside letterhead(const PageData& data) {
   if (!data.issue.replaces.empty())
     right.add(doc::Paragraph{{"Replaces ", data.issue.replaces, ": ", doc::stated(data.issue.reason)},
                              doc::Paragraph::kNote});
-  return {{left, right}, {3, 2}};
+  // The number, the hash of the content, how to check a copy.
+  const std::string check =
+      fmt::format("report {}\nSHA-256 {}\ntactbench report verify FILE", data.issue.number, data.issue.content_sha256);
+  code.add(doc::Figure{qr_code_svg(check, check, 84.0), check, {}});
+  return {{left, right, code}, {9, 7, 2}};
 }
 
 doc::Beside facts(const PageData& data) {
@@ -196,8 +200,7 @@ Document uses(const ReportInput& input) {
   return out;
 }
 
-Document measured_by(const PageData& data) {
-  const ReportInput& input = data.input;
+Document measured_by(const ReportInput& input) {
   Document out;
   out.add(doc::Heading{3, "Measured by", {}});
   for (const Traceability& one : traceability_of(input, input.unit))
@@ -205,11 +208,6 @@ Document measured_by(const PageData& data) {
         {one.traceable ? doc::Words{one.statement} : doc::Words{"✗ " + one.statement, doc::Look::kBad}}});
   for (const std::string& warning : instrument_warnings(input))
     out.add(doc::Paragraph{{doc::Words{"▲ " + warning, doc::Look::kDoubt}}});
-  const std::string check =
-      fmt::format("report {}\nSHA-256 {}\ntactbench report verify FILE", data.issue.number, data.issue.content_sha256);
-  out.add(doc::Figure{qr_code_svg(check, check, 84.0),
-                      "Number, hash of the content, how to check a copy",
-                      {"This report’s number, the hash of its content, how to check a copy."}});
   return out;
 }
 
@@ -259,11 +257,13 @@ Document front_page(const PageData& data) {
     out.add(doc::Heading{2, headline(data.readings, input.unit), "readings"});
     out.add(readings_chart(*data.readings, input.unit));
     out.add(doc::Paragraph{chart_caption(*data.readings), doc::Paragraph::kNote});
-  } else {
+  } else if (input.more.contacts.empty()) {
     out.add(doc::Heading{2, "How wrong a reading can be was not assessed", "readings"});
+  } else {
+    out.add(under_objects(data));
   }
   out.add(doc::Beside{
-      .parts = {uses(input), taxels_and_open(data), measured_by(data)}, .shares = {1, 1, 1}, .ruled = true});
+      .parts = {uses(input), taxels_and_open(data), measured_by(input)}, .shares = {1, 1, 1}, .ruled = true});
   return out;
 }
 

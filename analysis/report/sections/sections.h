@@ -29,7 +29,7 @@ doc::Document how_measured(const PageData& data);     // 3: method, loops, press
 doc::Document every_level(const PageData& data);      // 4: error and U at every level
 doc::Document whole_array(const PageData& data);      // 5: maps, spread, as found and as left
 doc::Document why_so(const PageData& data);           // 6: budget, decision rule, statements, hashes
-doc::Document under_objects(const PageData& data);    // where there are runs that pressed
+doc::Document under_objects(const PageData& data);    // where there are runs that pressed; of a run without U: page 1
 doc::Document further_studies(const PageData& data);  // where there are any
 // By name: maps, taxels, models, parameters, events, hashes.
 doc::Document annex(const PageData& data, const std::string& name);

@@ -49,11 +49,12 @@ const ContactLevel& highest_level(const ContactResult& contact) {
 }
 
 doc::Table forces(const ContactResult& contact) {
+  const double u = contact.force_uncertainty.expanded();
   doc::Table table{.id = "forces-" + std::to_string(contact.run),
                    .caption = "Total force of the array against the force sensor, centre of pressure",
                    .columns = {{"level, N", true},
                                {"force"},
-                               {"force sensor, N", true},
+                               {u > 0.0 ? "force sensor\n± U (k = 2), N" : "force sensor, N", true},
                                {"indication | force, N", true},
                                {"indication | error, N", true},
                                {"indication | off axis, mm", true},
@@ -63,7 +64,8 @@ doc::Table forces(const ContactResult& contact) {
                                {"corrected | area, mm²", true}},
                    .dense = true};
   for (const ContactLevel& level : contact.levels) {
-    doc::Row row{{doc::number(level.target_n, 1), branch_in_words(level.rising), doc::number(level.force_n, 2)}};
+    doc::Row row{{doc::number(level.target_n, 1), branch_in_words(level.rising),
+                  u > 0.0 ? doc::number_with_u(level.force_n, u) : doc::number(level.force_n, 2)}};
     for (const auto& [figures, off] : {std::pair{&level.raw, level.raw_place_error_mm},
                                        std::pair{&level.compensated, level.compensated_place_error_mm}}) {
       row.cells.push_back(doc::number(figures->force_n, 2));
@@ -183,13 +185,22 @@ Document further_studies(const PageData& data) {
 Document under_objects(const PageData& data) {
   Document out;
   if (data.input.more.contacts.empty()) return out;
-  out.add(doc::Heading{2, "The array under objects", "objects"});
+  const auto& contacts = data.input.more.contacts;
+  const auto worst = std::ranges::max_element(contacts, {}, &ContactResult::compensated_max_error_n);
+  out.add(doc::Heading{2,
+                       fmt::format("Under objects the total force is off by {} N on average, at most {} N{}",
+                                   doc::fixed_text(worst->compensated_mean_error_n, 2),
+                                   doc::fixed_text(worst->compensated_max_error_n, 2),
+                                   contacts.size() > 1 ? ", of the worst of them" : ""),
+                       "objects"});
   for (const ContactResult& contact : data.input.more.contacts) out.add(object_part(contact, data.input));
   out.add(doc::Paragraph{
       {fmt::format(
           "Force of the array: sum of pressure times {} mm², the effective area of a taxel; indication: each taxel "
           "read by one straight line through the ends of the mean taxel’s loop; corrected: by its own model, unloaded "
-          "before each rise. Area and centre: taxels of at least 10 % of the frame’s highest pressure.",
+          "before each rise. Area and centre: taxels of at least 10 % of the frame’s highest pressure. U of the "
+          "array’s own "
+          "force and centre is not stated: U of a reading holds under uniform pressure.",
           doc::fixed_text(data.input.more.contacts.front().geometry.taxel_area_mm2, 2))},
       doc::Paragraph::kNote});
   return out;
