@@ -188,7 +188,7 @@ endwhile()
 
 # Documents and headers that comments, texts and documents name: by the path from the top, by the path from the file's
 # own folder, or by the bare name of any file. Documents have to name sources by such a path, too.
-set(not_ours "^(build/|\\./|CLONE/|(sqlite3|libpq-fe)\\.h$|linux/)")  # made by a build or a user, or a library's
+set(not_ours "^(build/|\\./|CLONE/|tb_model\\.h$|(sqlite3|libpq-fe)\\.h$|linux/)")  # made by a build, an export or a user, or a library's
 file(GLOB_RECURSE named_files RELATIVE ${root} ${root}/bench/* ${root}/devices/* ${root}/sequences/* ${root}/analysis/*
   ${root}/db/* ${root}/tests/* ${root}/docs/*)
 file(GLOB top_files RELATIVE ${root} ${root}/*.md)

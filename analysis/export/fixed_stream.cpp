@@ -87,6 +87,12 @@ FixedReading FixedTaxel::lost() {
   return {elam_taxel_.at.pressure, status};
 }
 
+bool FixedTaxel::tare(std::uint16_t count) {
+  frame_ = gap_ = 0;
+  if (model_->dynamic) return tb_dynamic_tare_taxel(&dynamic_, place_, &dynamic_taxel_, count) != 0;
+  return tb_elam_tare_taxel(&elam_, place_, &elam_taxel_, count) != 0;
+}
+
 std::uint16_t count_of(const FixedModel& model, double output) {
   return static_cast<std::uint16_t>(std::lround(std::clamp(output / model.options.per_count, 0.0, 65535.0)));
 }

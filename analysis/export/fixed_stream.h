@@ -40,6 +40,7 @@ class FixedTaxel {
   FixedTaxel(std::shared_ptr<const FixedModel> model, std::size_t place);
   FixedReading step(std::uint16_t count);
   FixedReading lost();
+  bool tare(std::uint16_t count);  // false: too far off
   [[nodiscard]] const FixedModel& model() const { return *model_; }
 
  private:

@@ -6,8 +6,13 @@
 #include <string>
 #include <vector>
 
+// They are C.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wold-style-cast"
+#pragma GCC diagnostic ignored "-Wzero-as-null-pointer-constant"
 #include "analysis/export/fixed/tb_dynamic.h"
 #include "analysis/export/fixed/tb_elam.h"
+#pragma GCC diagnostic pop
 #include "analysis/identify/sensor_model.h"
 
 namespace tactbench::analysis {

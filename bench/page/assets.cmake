@@ -1,5 +1,6 @@
-# Writes OUT, a source that holds FILES (names with | between) byte by byte: run by the build whenever one of them changes.
-set(text "#include \"bench/page/assets.h\"\n\nnamespace tactbench::bench {\n\nnamespace {\n\n")
+# Writes OUT, a source that holds FILES (names with | between) byte by byte, by the function FUNCTION of NAMESPACE that HEADER declares:
+# run by the build whenever one of them changes.
+set(text "#include \"${HEADER}\"\n\nnamespace ${NAMESPACE} {\n\nnamespace {\n\n")
 set(table "")
 string(REPLACE "|" ";" files "${FILES}")
 set(number 0)
@@ -12,6 +13,6 @@ foreach(file ${files})
   string(APPEND table "  if (name == \"${name}\") return {reinterpret_cast<const char*>(kBytes${number}), sizeof kBytes${number}};\n")
   math(EXPR number "${number} + 1")
 endforeach()
-string(APPEND text "}  // namespace\n\nstd::string_view asset(std::string_view name) {\n${table}  return {};\n}\n\n"
-  "}  // namespace tactbench::bench\n")
+string(APPEND text "}  // namespace\n\nstd::string_view ${FUNCTION}(std::string_view name) {\n${table}  return {};\n}\n\n"
+  "}  // namespace ${NAMESPACE}\n")
 file(WRITE ${OUT} "${text}")

@@ -80,27 +80,33 @@ static inline void tb_dynamic_renew(const tb_dynamic_model* m, const tb_dynamic_
   t->change = (uint16_t)(t->factor < 2U * t->extreme_factor ? tb_r(t->factor, 2U * t->extreme_factor) : 65535U);
 }
 
-static inline uint32_t tb_dynamic_at(const uint16_t* e, uint32_t i, uint32_t j) {
-  return i > j ? e[i * (i - 1) / 2 + j] : 0U;
-}
 static inline uint32_t tb_part_of(uint32_t whole, uint32_t share) { return (whole * share) >> 16; }
 static inline uint16_t tb_below_65536(uint32_t u) { return (uint16_t)(u < 65535U ? u : 65535U); }
 
-/* The piece in which the branch from a corner has output u; x is between lines `place` and the next, `share` of the
- * way. */
+/* The output's rise from the input that is `share` of the way from line `place` to the next, to line i > place. */
+static inline uint32_t tb_dynamic_up(const uint16_t* e, uint32_t i, uint32_t place, uint32_t share) {
+  const uint16_t* const row = e + i * (i - 1) / 2 + place;
+  return row[0] - tb_part_of(i > place + 1 ? row[0] - (uint32_t)row[1] : row[0], share);
+}
+/* Its fall from there to line j <= place; `row`: of line `place`. */
+static inline uint32_t tb_dynamic_down(const uint16_t* row, uint32_t j, uint32_t place, uint32_t share) {
+  const uint32_t a = j < place ? row[j] : 0U;
+  return a + tb_part_of(row[place + j] - a, share);
+}
+
+/* The piece in which the branch from a corner has output u. */
 static inline tb_piece tb_dynamic_rising(const uint16_t* e, uint32_t n, tb_point from, uint32_t u) {
   const uint32_t place = from.x >> 11 < n ? from.x >> 11 : n - 1;
   const uint32_t share = (from.x - (place << 11)) << 5, way = u - from.u;
-  uint32_t low = place, high = n, low_line = 0, high_line, kink;
+  uint32_t low = place, high = n, low_line = 0, high_line;
   tb_piece p;
-  high_line =
-      tb_dynamic_at(e, n, place) - tb_part_of(tb_dynamic_at(e, n, place) - tb_dynamic_at(e, n, place + 1), share);
   if (u <= from.u) {
     p.low = 0;
     p.high = from.u;
     p.x_low = p.x_high = from.x;
     return p;
   }
+  high_line = tb_dynamic_up(e, n, place, share);
   if (way > high_line) {
     p.low = tb_below_65536(from.u + high_line);
     p.high = 65535U;
@@ -108,8 +114,7 @@ static inline tb_piece tb_dynamic_rising(const uint16_t* e, uint32_t n, tb_point
     return p;
   }
   while (high - low > 1) { /* line(low) < way <= line(high) */
-    const uint32_t i = (low + high) / 2, a = tb_dynamic_at(e, i, place);
-    const uint32_t line = a - tb_part_of(a - tb_dynamic_at(e, i, place + 1), share);
+    const uint32_t i = (low + high) / 2, line = tb_dynamic_up(e, i, place, share);
     if (line < way) {
       low = i;
       low_line = line;
@@ -122,10 +127,10 @@ static inline tb_piece tb_dynamic_rising(const uint16_t* e, uint32_t n, tb_point
   p.x_high = (uint16_t)(high << 11);
   if (low == place) {
     p.x_low = from.x;
-  } else {
-    const uint32_t inner = tb_dynamic_at(e, low, place + 1);
-    kink = inner + tb_part_of(tb_dynamic_at(e, high, place + 1) - inner, share) +
-           tb_part_of(tb_dynamic_at(e, low, place) - inner, 65536U - share);
+  } else { /* between the two lines lies a kink */
+    const uint16_t* const row = e + low * (low - 1) / 2 + place;
+    const uint32_t inner = low > place + 1 ? row[1] : 0U;
+    uint32_t kink = inner + tb_part_of(row[low + 1] - inner, share) + tb_part_of(row[0] - inner, 65536U - share);
     if (kink < low_line) kink = low_line;
     if (kink > high_line) kink = high_line;
     if (way <= kink) {
@@ -141,23 +146,19 @@ static inline tb_piece tb_dynamic_rising(const uint16_t* e, uint32_t n, tb_point
   return p;
 }
 
-static inline uint32_t tb_dynamic_down(const uint16_t* e, uint32_t i, uint32_t j, uint32_t share) {
-  const uint32_t a = tb_dynamic_at(e, i, j);
-  return a + tb_part_of(tb_dynamic_at(e, i + 1, j) - a, share);
-}
-
 static inline tb_piece tb_dynamic_falling(const uint16_t* e, uint32_t n, tb_point from, uint32_t u) {
   const uint32_t place = from.x >> 11 < n ? from.x >> 11 : n - 1;
   const uint32_t share = (from.x - (place << 11)) << 5, way = from.u - u;
-  uint32_t low = 0, high = place + 1, low_line, high_line = 0, kink;
+  const uint16_t* const row = e + place * (place + 1) / 2 - place;
+  uint32_t low = 0, high = place + 1, low_line, high_line = 0;
   tb_piece p;
-  low_line = tb_dynamic_down(e, place, 0, share);
   if (u >= from.u) {
     p.low = from.u;
     p.high = 65535U;
     p.x_low = p.x_high = from.x;
     return p;
   }
+  low_line = tb_dynamic_down(row, 0, place, share);
   if (way > low_line) {
     p.low = 0;
     p.high = (uint16_t)(from.u > low_line ? from.u - low_line : 0);
@@ -165,7 +166,7 @@ static inline tb_piece tb_dynamic_falling(const uint16_t* e, uint32_t n, tb_poin
     return p;
   }
   while (high - low > 1) { /* line(low) >= way > line(high) */
-    const uint32_t j = (low + high) / 2, line = tb_dynamic_down(e, place, j, share);
+    const uint32_t j = (low + high) / 2, line = tb_dynamic_down(row, j, place, share);
     if (line >= way) {
       low = j;
       low_line = line;
@@ -180,9 +181,8 @@ static inline tb_piece tb_dynamic_falling(const uint16_t* e, uint32_t n, tb_poin
     p.x_high = from.x;
     high_line = 0;
   } else {
-    const uint32_t inner = tb_dynamic_at(e, place, high);
-    kink = inner + tb_part_of(tb_dynamic_at(e, place + 1, high) - inner, share) +
-           tb_part_of(tb_dynamic_at(e, place, low) - inner, 65536U - share);
+    const uint32_t inner = high < place ? row[high] : 0U;
+    uint32_t kink = inner + tb_part_of(row[place + high] - inner, share) + tb_part_of(row[low] - inner, 65536U - share);
     if (kink > low_line) kink = low_line;
     if (kink < high_line) kink = high_line;
     if (way >= kink) {
@@ -344,17 +344,22 @@ static inline int tb_dynamic_init(const tb_dynamic_model* m, tb_frames* f, tb_dy
   }
   return tb_dynamic_hash(m) == m->hash;
 }
-/* How many taxels were too far off: those keep their zero, and their history is unknown. */
+/* `count` becomes the zero of an unloaded taxel at rest. 0: it is too far off; the zero stays, the history is unknown.
+ */
+static inline int tb_dynamic_tare_taxel(const tb_dynamic_model* m, uint32_t number, tb_dynamic_taxel* t,
+                                        uint32_t count) {
+  const tb_front* const w = &m->words[number].front;
+  const int taken = w->gain == 0 || tb_set_zero(w, m->count_shift, count ^ m->flip, &t->at);
+  tb_dynamic_start(m, &m->words[number], t, taken);
+  return taken;
+}
+/* How many taxels were too far off. */
 static inline uint32_t tb_dynamic_tare(const tb_dynamic_model* m, tb_frames* f, tb_dynamic_taxel* t,
                                        const uint16_t* counts) {
   uint32_t i, refused = 0;
   f->phase = f->gap = 0;
-  for (i = 0; i < m->taxels; ++i) {
-    const tb_front* const w = &m->words[i].front;
-    const int taken = w->gain == 0 || tb_set_zero(w, m->count_shift, (uint32_t)counts[i] ^ m->flip, &t[i].at);
-    tb_dynamic_start(m, &m->words[i], &t[i], taken);
-    if (!taken) ++refused;
-  }
+  for (i = 0; i < m->taxels; ++i)
+    if (!tb_dynamic_tare_taxel(m, i, &t[i], counts[i])) ++refused;
   return refused;
 }
 /* In each frame a part of the taxels is renewed: number i in frame i, i + every, ... */

@@ -10,7 +10,7 @@
 /* x: 65535 at the highest input; outputs: 61440 at the top. */
 #define TB_ELAM_X 65535U
 #define TB_ELAM_Y 61440U
-#define TB_ELAM_POINTS 12U /* when full, the last two, the smallest loop, are forgotten */
+#define TB_ELAM_POINTS 10U /* when full, the last two, the smallest loop, are forgotten */
 
 typedef struct {
   tb_front front;
@@ -29,19 +29,24 @@ typedef struct {
   const uint16_t* patterns; /* outputs at the knots, rising, then falling, of one taxel after another */
 } tb_elam_model;
 
+/* What is searched once a branch: on the pattern the split's x of a rising one or its output of a falling one, and the
+ * turn's x of a rising one; the curve's output at the end's x. */
+typedef struct {
+  uint16_t split, turn, reach;
+} tb_elam_shape;
+
 typedef struct {
   tb_taxel at;
   tb_point points[TB_ELAM_POINTS]; /* turns, the first where the branch of the external loop began */
+  tb_elam_shape shape;             /* of the present branch */
 } tb_elam_taxel;
 
 /* A branch from `from` to `end`, where it closes its loop or ends: the curve of Eqs (31)-(38) from `from` on, its
  * outputs scaled so that it meets `end`. */
 typedef struct {
-  int rises;
   tb_point from, end;
-  uint32_t split_x, split_y;           /* of the curve */
-  uint32_t turn_p, split_p, split_p_y; /* on the pattern: x of turn and split, output of the split */
-  uint32_t reach;                      /* output of the curve at the end's x */
+  uint32_t split_x, split_y;
+  tb_elam_shape shape;
 } tb_elam_curve;
 
 /* v from one range to another, both rising; ranges that are the same: v itself. */
@@ -49,7 +54,7 @@ static inline uint32_t tb_map(uint32_t v, uint32_t low, uint32_t high, uint32_t 
   if (v <= low) return to_low;
   if (v >= high) return to_high;
   if (low == to_low && high == to_high) return v;
-  return to_low + (((to_high - to_low) * tb_r(v - low, high - low)) >> 16);
+  return to_low + (((to_high - to_low) * (((v - low) << 16) / (high - low))) >> 16);
 }
 /* The last of n knots, but for the very last, that is not above v; else the first. */
 static inline uint32_t tb_interval(const uint16_t* knots, uint32_t n, uint32_t v) {
@@ -61,22 +66,30 @@ static inline uint32_t tb_interval(const uint16_t* knots, uint32_t n, uint32_t v
   }
   return first;
 }
-static inline uint32_t tb_through(const uint16_t* from, const uint16_t* to, uint32_t n, uint32_t v) {
-  const uint32_t k = tb_interval(from, n, v);
-  return tb_map(v, from[k], from[k + 1], to[k], to[k + 1]);
+/* The pattern's input of an output, and its output at an input, whose interval is guessed: the knots are even, or
+ * nearly. */
+static inline uint32_t tb_elam_input(const tb_elam_model* m, const uint16_t* pattern, uint32_t y) {
+  const uint32_t k = tb_interval(pattern, m->knots, y);
+  return tb_map(y, pattern[k], pattern[k + 1], m->x[k], m->x[k + 1]);
+}
+static inline uint32_t tb_elam_output(const tb_elam_model* m, const uint16_t* pattern, uint32_t x) {
+  uint32_t k = (x * (m->knots - 1U)) >> 16;
+  while (k > 0 && m->x[k] > x) --k;
+  while (k + 2 < m->knots && m->x[k + 1] <= x) ++k;
+  return tb_map(x, m->x[k], m->x[k + 1], pattern[k], pattern[k + 1]);
 }
 
 static inline const uint16_t* tb_elam_pattern(const tb_elam_model* m, uint32_t number, int rises) {
   return m->patterns + (2 * number + (rises ? 0U : 1U)) * m->knots;
 }
 
-static inline void tb_elam_curve_of(const tb_elam_model* m, uint32_t number, int rises, tb_point from, tb_point end,
-                                    tb_elam_curve* c) {
+/* `known`: what was searched before; else it is searched. */
+TB_INLINE void tb_elam_curve_of(const tb_elam_model* m, uint32_t number, int rises, tb_point from, tb_point end,
+                                const tb_elam_shape* known, tb_elam_curve* c) {
   const tb_elam_words* const w = &m->words[number];
   const uint16_t* const pattern = tb_elam_pattern(m, number, rises);
-  const uint32_t x = from.x, y = rises && from.u > TB_ELAM_Y ? TB_ELAM_Y : from.u;
-  const uint32_t near_end = 655; /* 0.01 */
-  c->rises = rises;
+  const uint32_t x = from.x, e = end.x, y = rises && from.u > TB_ELAM_Y ? TB_ELAM_Y : from.u, near_end = 655; /* 0.01 */
+  int outer = m->exact_outer;
   c->from.x = from.x;
   c->from.u = (uint16_t)y;
   c->end = end;
@@ -87,83 +100,54 @@ static inline void tb_elam_curve_of(const tb_elam_model* m, uint32_t number, int
                                : w->split_short - ((length * (uint32_t)(w->split_short - w->split_long)) >> 16);
     c->split_x = x + ((length * share) >> 16);              /* (21) */
     c->split_y = y + (((TB_ELAM_Y - y) * w->beta_a) >> 16); /* (22) */
-    c->split_p = tb_through(pattern, m->x, m->knots, c->split_y);
-    c->turn_p = tb_through(pattern, m->x, m->knots, y);
-    c->split_p_y = c->split_y;
-    if (m->exact_outer && x <= near_end) c->split_x = c->split_p > x ? c->split_p : x;
+    outer = outer && x <= near_end;
   } else {
     /* Near the top the split is that of a turn at the highest input: within 0.01 of the span, fading out to 0.02. */
     const uint32_t below = y < TB_ELAM_Y ? TB_ELAM_Y - y : 0U;
-    const uint32_t share = below <= 614 ? 65536U : below >= 1228 ? 0U : (1228U - below) * 106U;
-    const uint32_t x_split = x + (share == 65536U ? TB_ELAM_X - x : ((TB_ELAM_X - x) * share) >> 16);
+    const uint32_t x_split = below >= 1228  ? x
+                             : below <= 614 ? TB_ELAM_X
+                                            : x + (((TB_ELAM_X - x) * ((1228U - below) * 106U)) >> 16);
     c->split_x = (x_split * w->alpha_d) >> 16; /* (14) */
     if (c->split_x > x) c->split_x = x;
-    c->split_p = c->split_x;
-    c->turn_p = x;
-    c->split_p_y = tb_through(m->x, pattern, m->knots, c->split_x);
-    c->split_y = m->exact_outer && TB_ELAM_X - x_split <= near_end ? tb_map(c->split_p_y, 0, TB_ELAM_Y, 0, y)
-                                                                   : (y * w->beta_d) >> 16; /* (15) */
+    c->split_y = (y * w->beta_d) >> 16; /* (15) */
+    outer = outer && TB_ELAM_X - x_split <= near_end;
   }
+  if (known) {
+    c->shape = *known;
+  } else {
+    c->shape.split = (uint16_t)(rises ? tb_elam_input(m, pattern, c->split_y) : tb_elam_output(m, pattern, c->split_x));
+    c->shape.turn = rises ? (uint16_t)tb_elam_input(m, pattern, y) : from.x;
+  }
+  if (outer && rises) c->split_x = c->shape.split > x ? c->shape.split : x;
+  if (outer && !rises) c->split_y = tb_map(c->shape.split, 0, TB_ELAM_Y, 0, y);
+  if (known) return;
   /* (16) to (19), (23) to (26) */
-  c->reach = end.u;
-  if (rises ? end.x < TB_ELAM_X : end.x > 0) {
-    const uint32_t e = end.x;
-    if (rises)
-      c->reach = e <= x ? y
-                        : tb_through(m->x, pattern, m->knots,
-                                     e <= c->split_x ? tb_map(e, x, c->split_x, c->turn_p, c->split_p)
-                                                     : tb_map(e, c->split_x, TB_ELAM_X, c->split_p, TB_ELAM_X));
-    else if (e >= x)
-      c->reach = y;
-    else if (e >= c->split_x)
-      c->reach = tb_map(tb_through(m->x, pattern, m->knots, tb_map(e, c->split_x, x, c->split_x, TB_ELAM_X)),
-                        c->split_p_y, TB_ELAM_Y, c->split_y, y);
-    else
-      c->reach = tb_map(tb_through(m->x, pattern, m->knots, e), 0, c->split_p_y, 0, c->split_y);
-  } else if (!rises) {
-    c->reach = 0;
-  } else {
-    c->reach = TB_ELAM_Y;
-  }
-}
-
-/* One of the two parts of a curve: the same stretch as the curve's outputs and inputs, and as the pattern's. */
-typedef struct {
-  uint32_t y_low, y_high, x_low, x_high, p_y_low, p_y_high, p_x_low, p_x_high;
-} tb_elam_part;
-
-static inline void tb_elam_part_of(const tb_elam_curve* c, int upper, tb_elam_part* s) {
-  if (c->rises) {
-    s->y_low = upper ? c->split_y : c->from.u;
-    s->y_high = upper ? TB_ELAM_Y : c->split_y;
-    s->x_low = upper ? c->split_x : c->from.x;
-    s->x_high = upper ? TB_ELAM_X : c->split_x;
-    s->p_y_low = s->y_low;
-    s->p_y_high = s->y_high;
-    s->p_x_low = upper ? c->split_p : c->turn_p;
-    s->p_x_high = upper ? TB_ELAM_X : c->split_p;
-  } else {
-    s->y_low = upper ? c->split_y : 0;
-    s->y_high = upper ? c->from.u : c->split_y;
-    s->x_low = s->p_x_low = upper ? c->split_x : 0;
-    s->x_high = upper ? c->from.x : c->split_x;
-    s->p_y_low = upper ? c->split_p_y : 0;
-    s->p_y_high = upper ? TB_ELAM_Y : c->split_p_y;
-    s->p_x_high = upper ? TB_ELAM_X : c->split_x;
-  }
+  if (rises ? e >= TB_ELAM_X : e == 0)
+    c->shape.reach = (uint16_t)(rises ? TB_ELAM_Y : 0U);
+  else if (rises ? e <= x : e >= x)
+    c->shape.reach = (uint16_t)y;
+  else if (rises)
+    c->shape.reach =
+        (uint16_t)tb_elam_output(m, pattern,
+                                 e <= c->split_x ? tb_map(e, x, c->split_x, c->shape.turn, c->shape.split)
+                                                 : tb_map(e, c->split_x, TB_ELAM_X, c->shape.split, TB_ELAM_X));
+  else if (e >= c->split_x)
+    c->shape.reach = (uint16_t)tb_map(tb_elam_output(m, pattern, tb_map(e, c->split_x, x, c->split_x, TB_ELAM_X)),
+                                      c->shape.split, TB_ELAM_Y, c->split_y, y);
+  else
+    c->shape.reach = (uint16_t)tb_map(tb_elam_output(m, pattern, e), 0, c->shape.split, 0, c->split_y);
 }
 
 /* The piece with output y. Between two knots of the pattern, or their images, low < y <= high. */
-static inline tb_piece tb_elam_piece(const tb_elam_model* m, const uint16_t* pattern, const tb_elam_curve* c,
-                                     uint32_t y) {
-  const uint32_t from =
-      c->rises ? (c->from.u < c->end.u ? c->from.u : c->end.u) : (c->from.u > c->end.u ? c->from.u : c->end.u);
-  const uint32_t low = c->rises ? from : c->end.u, high = c->rises ? c->end.u : from;
-  const uint32_t of_low = c->rises ? c->from.u : c->reach, of_high = c->rises ? c->reach : c->from.u;
-  const uint16_t x_low = c->rises ? c->from.x : c->end.x, x_high = c->rises ? c->end.x : c->from.x;
-  tb_elam_part part;
+TB_INLINE tb_piece tb_elam_piece(const tb_elam_model* m, const uint16_t* pattern, int rises, const tb_elam_curve* c,
+                                 uint32_t y) {
+  const uint32_t from = rises == (c->from.u < c->end.u) ? c->from.u : c->end.u; /* a turn beyond the end: flat */
+  const uint32_t low = rises ? from : c->end.u, high = rises ? c->end.u : from;
+  const uint32_t of_low = rises ? c->from.u : c->shape.reach, of_high = rises ? c->shape.reach : c->from.u;
+  const uint16_t x_low = rises ? c->from.x : c->end.x, x_high = rises ? c->end.x : c->from.x;
+  const int scaled = low != of_low || high != of_high;
+  uint32_t k, of_curve, y_low, y_high, part_low, part_high, p_low, p_high; /* of the part: outputs, x, on the pattern */
   tb_piece p;
-  uint32_t k, of_curve;
   p.low = (uint16_t)low;
   p.high = (uint16_t)high;
   p.x_low = x_low;
@@ -181,22 +165,45 @@ static inline tb_piece tb_elam_piece(const tb_elam_model* m, const uint16_t* pat
     return p;
   }
   if (of_high <= of_low) return p; /* rises too little to be scaled: linear [A12] */
-  of_curve = tb_map(y, low, high, of_low, of_high);
-  tb_elam_part_of(c, c->rises ? of_curve > c->split_y : of_curve >= c->split_y, &part);
-  k = tb_interval(pattern, m->knots, tb_map(of_curve, part.y_low, part.y_high, part.p_y_low, part.p_y_high));
+  of_curve = scaled ? tb_map(y, low, high, of_low, of_high) : y;
+  if (of_curve > c->split_y || (of_curve == c->split_y && !rises)) {
+    y_low = c->split_y;
+    part_low = c->split_x;
+    y_high = rises ? TB_ELAM_Y : c->from.u;
+    part_high = rises ? TB_ELAM_X : c->from.x;
+    p_low = c->shape.split;
+    p_high = rises ? TB_ELAM_X : TB_ELAM_Y;
+  } else {
+    y_low = rises ? c->from.u : 0U;
+    part_low = rises ? c->from.x : 0U;
+    y_high = c->split_y;
+    part_high = c->split_x;
+    p_low = rises ? c->shape.turn : 0U;
+    p_high = c->shape.split;
+  }
+  k = tb_interval(pattern, m->knots, rises ? of_curve : tb_map(of_curve, y_low, y_high, p_low, p_high));
   for (;;) {
     uint32_t own[2], x[2], end;
     for (end = 0; end < 2; ++end) {
-      const uint32_t knot = pattern[k + end], at = m->x[k + end];
-      const uint32_t of = tb_map(knot, part.p_y_low, part.p_y_high, part.y_low, part.y_high);
-      own[end] = tb_map(of, of_low, of_high, low, high);
-      x[end] = knot <= part.p_y_low    ? part.x_low
-               : knot >= part.p_y_high ? part.x_high
-                                       : tb_map(at, part.p_x_low, part.p_x_high, part.x_low, part.x_high);
+      const uint32_t knot = pattern[k + end], at = m->x[k + end], first = rises ? y_low : p_low;
+      if (knot <= first) {
+        own[end] = y_low;
+        x[end] = part_low;
+      } else if (knot >= (rises ? y_high : p_high)) {
+        own[end] = y_high;
+        x[end] = part_high;
+      } else if (rises) { /* (36), (38) */
+        own[end] = knot;
+        x[end] = tb_map(at, p_low, p_high, part_low, part_high);
+      } else { /* (31) to (34) */
+        own[end] = tb_map(knot, p_low, p_high, y_low, y_high);
+        x[end] = y_low == 0 ? at : tb_map(at, part_low, TB_ELAM_X, part_low, part_high);
+      }
+      if (scaled) own[end] = tb_map(own[end], of_low, of_high, low, high);
     }
-    if (y <= own[0] && pattern[k] > part.p_y_low && k > 0) {
+    if (y <= own[0] && k > 0 && pattern[k] > (rises ? y_low : p_low)) {
       --k;
-    } else if (y > own[1] && pattern[k + 1] < part.p_y_high && k + 2 < m->knots) {
+    } else if (y > own[1] && k + 2 < m->knots && pattern[k + 1] < (rises ? y_high : p_high)) {
       ++k;
     } else {
       p.low = (uint16_t)own[0];
@@ -229,27 +236,49 @@ static inline unsigned tb_elam_left(const tb_elam_taxel* t, unsigned below, int 
   }
   return below;
 }
+/* Of the branch from `from` that `below` turns are before, none of them passed; `known`: its shape, where it was
+ * searched. */
+TB_INLINE tb_piece tb_elam_branch(const tb_elam_model* m, uint32_t number, const tb_elam_taxel* t, unsigned below,
+                                  int rises, tb_point from, uint32_t y, const tb_elam_shape* known,
+                                  tb_elam_shape* searched) {
+  const tb_point end = tb_elam_end(t, below, rises);
+  tb_elam_curve curve;
+  tb_piece p;
+  tb_elam_curve_of(m, number, rises, from, end, known, &curve);
+  *searched = curve.shape;
+  p = tb_elam_piece(m, tb_elam_pattern(m, number, rises), rises, &curve, y);
+  if (below >= 2) tb_cut(&p, rises, end);
+  return p;
+}
+static inline tb_piece tb_elam_rising(const tb_elam_model* m, uint32_t number, const tb_elam_taxel* t, unsigned below,
+                                      tb_point from, uint32_t y, const tb_elam_shape* known, tb_elam_shape* searched) {
+  return tb_elam_branch(m, number, t, below, 1, from, y, known, searched);
+}
+static inline tb_piece tb_elam_falling(const tb_elam_model* m, uint32_t number, const tb_elam_taxel* t, unsigned below,
+                                       tb_point from, uint32_t y, const tb_elam_shape* known, tb_elam_shape* searched) {
+  return tb_elam_branch(m, number, t, below, 0, from, y, known, searched);
+}
+/* Of the present branch, whose shape is searched once. */
+static inline tb_piece tb_elam_here(const tb_elam_model* m, uint32_t number, tb_elam_taxel* t, uint32_t y) {
+  const tb_elam_shape* const known = t->at.flags & TB_SEARCHED ? &t->shape : 0;
+  t->at.flags |= TB_SEARCHED;
+  return (t->at.flags & TB_RISES ? tb_elam_rising : tb_elam_falling)(m, number, t, t->at.below, t->points[t->at.below],
+                                                                     y, known, &t->shape);
+}
 /* Of the branch from `from`, which `below` turns are before. */
 static inline tb_piece tb_elam_find(const tb_elam_model* m, uint32_t number, const tb_elam_taxel* t, unsigned below,
                                     int rises, tb_point from, uint32_t y) {
   const unsigned left = tb_elam_left(t, below, rises, y);
-  const tb_point end = tb_elam_end(t, left, rises);
-  tb_elam_curve curve;
-  tb_piece p;
-  tb_elam_curve_of(m, number, rises, left == below ? from : t->points[left], end, &curve);
-  p = tb_elam_piece(m, tb_elam_pattern(m, number, rises), &curve, y);
-  if (left >= 2) tb_cut(&p, rises, end);
-  return p;
-}
-static inline tb_piece tb_elam_here(const tb_elam_model* m, uint32_t number, const tb_elam_taxel* t, uint32_t y) {
-  return tb_elam_find(m, number, t, t->at.below, t->at.flags & TB_RISES, t->points[t->at.below], y);
+  tb_elam_shape shape;
+  return (rises ? tb_elam_rising : tb_elam_falling)(m, number, t, left, left == below ? from : t->points[left], y, 0,
+                                                    &shape);
 }
 /* The branch that turns at y: where it begins, and how many turns are before it. */
-static inline unsigned tb_elam_way(const tb_elam_model* m, uint32_t number, const tb_elam_taxel* t, uint32_t y,
+static inline unsigned tb_elam_way(const tb_elam_model* m, uint32_t number, tb_elam_taxel* t, uint32_t y,
                                    tb_point* from) {
   const int rises = t->at.flags & TB_RISES;
   const tb_piece on = tb_inside(&t->at.here, y) ? t->at.here : tb_elam_here(m, number, t, y);
-  const unsigned below = tb_elam_left(t, t->at.below, rises, y) + 1U;
+  const unsigned below = t->at.below + 1U;
   from->x = (uint16_t)tb_along(&on, y);
   from->u = (uint16_t)y;
   if (rises ? from->x >= TB_ELAM_X : from->x == 0) return 0;
@@ -278,7 +307,9 @@ static inline uint16_t tb_elam_step(const tb_elam_model* m, uint32_t number, tb_
   if (w->front.gain == 0) return TB_DEAD;
   if (!tb_output_of(&w->front, m->count_shift, w->front.gain, count ^ m->flip, &t->at, &y, &status))
     return (uint16_t)(t->at.flags & TB_NOT_KNOWN ? status | TB_UNKNOWN : status);
-  if ((t->at.flags & TB_NOT_KNOWN) && tb_find_history(&w->front, &t->at, y)) t->points[0].x = t->points[0].u = 0;
+  if ((t->at.flags & TB_NOT_KNOWN) && tb_find_history(&w->front, &t->at, y)) {
+    t->points[0].x = t->points[0].u = 0;
+  }
   tb_follow(&t->at, y);
   zone = tb_zone(&t->at, t->at.mean);
   if (zone == TB_TURNED) {
@@ -286,7 +317,7 @@ static inline uint16_t tb_elam_step(const tb_elam_model* m, uint32_t number, tb_
     const unsigned below = tb_elam_way(m, number, t, tb_elam_place(m, w, tb_turn(&t->at)), &from);
     t->points[below] = from;
     t->at.below = (uint8_t)below;
-    t->at.flags ^= TB_RISES;
+    t->at.flags = (uint8_t)((t->at.flags ^ TB_RISES) & ~TB_SEARCHED);
     t->at.here.low = t->at.here.high = 0;
     tb_take_extreme(&t->at);
   }
@@ -300,7 +331,13 @@ static inline uint16_t tb_elam_step(const tb_elam_model* m, uint32_t number, tb_
     t->at.pressure = (uint16_t)tb_along(&t->at.there, u);
   } else {
     if (!tb_inside(&t->at.here, u)) {
-      if (zone >= TB_AHEAD) t->at.below = (uint8_t)tb_elam_left(t, t->at.below, t->at.flags & TB_RISES, u);
+      if (zone >= TB_AHEAD) {
+        const unsigned left = tb_elam_left(t, t->at.below, t->at.flags & TB_RISES, u);
+        if (left != t->at.below) {
+          t->at.below = (uint8_t)left;
+          t->at.flags = (uint8_t)(t->at.flags & ~TB_SEARCHED);
+        }
+      }
       t->at.here = tb_elam_here(m, number, t, u);
     }
     t->at.pressure = (uint16_t)tb_along(&t->at.here, u);
@@ -324,16 +361,20 @@ static inline int tb_elam_init(const tb_elam_model* m, tb_frames* f, tb_elam_tax
   }
   return tb_elam_hash(m) == m->hash;
 }
-/* How many taxels were too far off: those keep their zero, and their history is unknown. */
+/* `count` becomes the zero of an unloaded taxel at rest. 0: it is too far off; the zero stays, the history is unknown.
+ */
+static inline int tb_elam_tare_taxel(const tb_elam_model* m, uint32_t number, tb_elam_taxel* t, uint32_t count) {
+  const tb_front* const w = &m->words[number].front;
+  const int taken = w->gain == 0 || tb_set_zero(w, m->count_shift, count ^ m->flip, &t->at);
+  tb_elam_start(m, &m->words[number], t, taken);
+  return taken;
+}
+/* How many taxels were too far off. */
 static inline uint32_t tb_elam_tare(const tb_elam_model* m, tb_frames* f, tb_elam_taxel* t, const uint16_t* counts) {
   uint32_t i, refused = 0;
   f->phase = f->gap = 0;
-  for (i = 0; i < m->taxels; ++i) {
-    const tb_front* const w = &m->words[i].front;
-    const int taken = w->gain == 0 || tb_set_zero(w, m->count_shift, (uint32_t)counts[i] ^ m->flip, &t[i].at);
-    tb_elam_start(m, &m->words[i], &t[i], taken);
-    if (!taken) ++refused;
-  }
+  for (i = 0; i < m->taxels; ++i)
+    if (!tb_elam_tare_taxel(m, i, &t[i], counts[i])) ++refused;
   return refused;
 }
 static inline void tb_elam_frame(const tb_elam_model* m, tb_frames* f, tb_elam_taxel* t, const uint16_t* counts,

@@ -20,6 +20,13 @@ enum {
   TB_LOST = 64         /* no frame: the last pressure again */
 };
 
+/* Functions that are called with a constant, for which they become short. */
+#if defined(__GNUC__)
+#define TB_INLINE static inline __attribute__((always_inline))
+#else
+#define TB_INLINE static inline
+#endif
+
 /* floor(a b / 65536), b below 65536; two products of 16 bits. */
 static inline int32_t tb_m(int32_t a, uint32_t b) {
   return (a >> 16) * (int32_t)b + (int32_t)((((uint32_t)a & 0xFFFFU) * b) >> 16);
@@ -98,7 +105,7 @@ typedef struct {
   uint16_t up, down;         /* counts from zero to what is possible */
 } tb_front;
 
-enum { TB_RISES = 1, TB_BEGUN = 2, TB_NOT_KNOWN = 4 };
+enum { TB_RISES = 1, TB_BEGUN = 2, TB_NOT_KNOWN = 4, TB_SEARCHED = 8 };
 
 /* State of a taxel that both models have. */
 typedef struct {

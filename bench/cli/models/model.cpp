@@ -1,4 +1,4 @@
-// model show, export, adjust; and what fit --check prints.
+// model show, adjust; and what fit --check prints.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -14,6 +14,7 @@
 #include "bench/cli/models/fit_models.h"
 #include "bench/cli/models/fit_words.h"
 #include "bench/cli/models/model_diff.h"
+#include "bench/cli/models/model_export.h"
 #include "bench/cli/models/model_table.h"
 #include "bench/common/build_info.h"
 #include "bench/common/output_file.h"
@@ -196,7 +197,6 @@ void add_model(CLI::App& app, Session& session) {
   model->require_subcommand(1);
   const char* what = "a .json that fit -o wrote, or RUN or RUN:FIT of the store";
   auto first = std::make_shared<std::string>(), second = std::make_shared<std::string>();
-  auto output = std::make_shared<std::string>();
   CLI::App* show_verb = model->add_subcommand("show", "what a model is, and its parameters");
   show_verb->add_option("model", *first, what)->required();
   add_void_too(*show_verb, session);
@@ -215,14 +215,7 @@ void add_model(CLI::App& app, Session& session) {
   diff_verb->add_option("second", *second, what)->required();
   add_void_too(*diff_verb, session);
   diff_verb->callback([first, second, &session] { diff_models(*first, *second, session); });
-  CLI::App* export_verb = model->add_subcommand("export", "write a model as its JSON document");
-  export_verb->add_option("model", *first, what)->required();
-  export_verb->add_option("-o,--output", *output, "file to write")->required();
-  add_replace(*export_verb, session);
-  add_void_too(*export_verb, session);
-  export_verb->callback([first, output, &session] {
-    write_output(*output, analysis::to_text(load_model(*first, session)), session.replace);
-  });
+  add_model_export(*model, session);
   auto options = std::make_shared<AdjustOptions>();
   CLI::App* adjust_verb =
       model->add_subcommand("adjust", "a child of a model, its zero (and gain) moved to what a short run shows");

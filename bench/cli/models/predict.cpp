@@ -39,7 +39,7 @@ struct PredictOptions {
   TableOptions table;
   double conditioned_s = 0.0;
   FixedWords fixed;
-  bool counts = false;                                      // the outputs are those of the device's converter
+  bool counts = false, tared = false;                       // outputs are the converter's; the first is the zero
   std::shared_ptr<const analysis::FixedModel> fixed_model;  // no option: of `fixed`
 };
 
@@ -153,12 +153,21 @@ class FixedCompensation {
   static std::array<std::string, 3> units(const analysis::SensorModel& model) { return {model.input_unit, {}, {}}; }
   FixedCompensation(const analysis::SensorModel& model, const analysis::ModelTaxel& taxel,
                     const PredictOptions& options)
-      : counts_(options.counts), stream_(options.fixed_model, place_of(model, taxel)) {}
+      : counts_(options.counts), tares_(options.tared), stream_(options.fixed_model, place_of(model, taxel)) {}
   std::string step(const analysis::TableReader::Row& row, std::size_t column, char separator) {
     const double output = row.outputs[column];
     const bool lost = std::isnan(output);
-    const analysis::FixedReading now = lost ? stream_.lost() : stream_.step(count(output));
     std::vector<const char*> flags;
+    analysis::FixedReading now;
+    if (lost) {
+      now = stream_.lost();
+    } else if (tares_) {
+      tares_ = false;
+      now.status = stream_.tare(count(output)) ? 0 : TB_UNKNOWN;
+      flags.push_back("tare");
+    } else {
+      now = stream_.step(count(output));
+    }
     if (lost) flags.push_back("bad");
     if ((now.status & TB_OUT_OF_RANGE) != 0) flags.push_back("range");
     if ((now.status & TB_UNKNOWN) != 0) flags.push_back("unknown");
@@ -178,7 +187,7 @@ class FixedCompensation {
     if (!counts_) return analysis::count_of(stream_.model(), output);
     return static_cast<std::uint16_t>(std::lround(std::clamp(output, 0.0, 65535.0)));
   }
-  bool counts_;
+  bool counts_, tares_;
   analysis::FixedTaxel stream_;
 };
 
@@ -339,6 +348,8 @@ void add_predict(CLI::App& app, Session& session) {
       ->capture_default_str();
   add_fixed_options(*verb, compensate->fixed);
   verb->add_flag("--counts", compensate->counts, "--as fixed: the outputs are counts of the device's converter");
+  verb->add_flag("--tared", compensate->tared,
+                 "--as fixed: the first row is the unloaded sensor, by which the device was tared");
   verb->callback([compensate, &session] {
     if (compensate->fixed.as == "fixed")
       apply<FixedCompensation>(*compensate, session, analysis::TableNeeds::kOutput);

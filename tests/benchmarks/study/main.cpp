@@ -1,5 +1,5 @@
-// Studies on simulated sensors and random numbers, by name. `compensation` and `coverage` print tables, the others
-// lines FIGURE <name> <value> <unit>.
+// Studies on simulated sensors and random numbers, by name. `compensation`, `coverage` and `fixed` print tables, the
+// others lines FIGURE <name> <value> <unit>.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -12,6 +12,7 @@
 #include "tests/benchmarks/study/compensation.h"
 #include "tests/benchmarks/study/coverage.h"
 #include "tests/benchmarks/study/draw_seed.h"
+#include "tests/benchmarks/study/fixed.h"
 #include "tests/benchmarks/study/specimen.h"
 
 using namespace tactbench::bench;
@@ -54,6 +55,13 @@ int main(int count, char** words) try {
     study->add_option("--specimens", chosen, "which simulated sensors (default: all)")
         ->delimiter(',')
         ->check(CLI::IsMember(all));
+  FixedStudyOptions fixed;
+  CLI::App* integers = app.add_subcommand("fixed", "a model in a device's integers against its stream in doubles");
+  integers->add_option("--model", fixed.model, "a .json that fit -o wrote")->required();
+  integers->add_option("--store", fixed.store)->required();
+  integers->add_option("--run", fixed.run, "whose outputs are made a dense noisy stream")->required();
+  integers->add_option("--rate", fixed.rate_hz, "frames a second")->capture_default_str();
+  integers->add_option("--every", fixed.every, "taxels")->check(CLI::Range(1, 256));
   CLI::App* charts = app.add_subcommand("charts", "false alarms and power of the charts of trend and nightly");
   charts->add_option("--draws", draws, "histories a case")->check(CLI::Range(100, 10000000))->capture_default_str();
   CLI11_PARSE(app, count, words);
@@ -67,6 +75,10 @@ int main(int count, char** words) try {
     const CompensationStudy study = study_compensation(compensation, folder.path());
     fmt::print("{}", markdown_of(study));
     if (!json.empty()) write_output(json, json_of(study), true);
+    return 0;
+  }
+  if (*integers) {
+    fmt::print("{}", study_fixed(fixed));
     return 0;
   }
   if (*coverage) {

@@ -1,0 +1,30 @@
+// A model as a folder for a microcontroller: its words, the header that reads them, vectors, an example, a page to
+// read.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "analysis/export/quantise.h"
+
+namespace tactbench::analysis {
+
+struct ExportedFile {
+  std::string name, text;
+};
+
+// A file of analysis/export/fixed, by its name. The build makes this function's source.
+std::string_view device_file(std::string_view name);
+
+// `fixed` is of `model`. `name`: of the folder, by which Arduino's sketch is called. The files: tb_model.h, tb_fixed.h,
+// tb_dynamic.h or tb_elam.h, NAME.ino, vectors.csv, README.md.
+std::vector<ExportedFile> export_files(const SensorModel& model, const FixedModel& fixed, const std::string& name,
+                                       const std::string& program_version);
+
+// Frames of counts that reach all steps of the arithmetic (turns inside turns, halts, jumps, spikes, both ends, lost
+// frames, an unknown start, a tare), and what the integers make of them, as rows of a CSV: event ("frame", "tare",
+// "lost"), then the counts, the pressures and the states of all taxels.
+std::string vectors_of(const FixedModel& fixed, int frames);
+
+}  // namespace tactbench::analysis
