@@ -162,7 +162,7 @@ std::vector<Figure> measured_figures(const Dataset& judged, const Dataset& model
       {Criterion::kUnfitTaxels,
        {},
        static_cast<double>(unfit),
-       {0.0, 0.0, kInfiniteDof, 2.0, "a count by the rules of identification has no uncertainty of its own", {}}}};
+       {0.0, 0.0, kInfiniteDof, 2.0, "a count by the rules of identification has no uncertainty of its own", {}, {}}}};
   for (const LevelFigures& level : evaluation.levels)
     for (const bool up : {true, false})
       figures.push_back({Criterion::kMismatch, Scope::level(level.pressure_psi, up ? Direction::kUp : Direction::kDown),
