@@ -67,14 +67,17 @@ std::string no_drift_text(const SensorState& state) {
   return state.runs.empty() ? "not measured" : "not known: no later run to check models on";
 }
 
-// What moved, and the command that puts it right.
-std::string advice_text(const SensorDrift& found, const std::string& serial) {
+// What moved, and the command that puts it right; where it was calibrated since, by which run.
+std::string advice_text(const SensorState& state) {
+  const SensorDrift& found = *state.drift;
   const analysis::DriftVerdict verdict = found.drift.verdict;
-  const std::string command = verdict == analysis::DriftVerdict::kRecalibrate
-                                  ? "calibrate " + serial
-                                  : fmt::format("model adjust {} {} --{} -o adjusted.json", found.model_run, found.run,
-                                                verdict == analysis::DriftVerdict::kZero ? "zero" : "gain");
-  return fmt::format("{} (tactbench {})", in_words(found.drift), command);
+  std::string way = "tactbench calibrate " + state.runs.back().sensor_serial;
+  if (const std::int64_t newest = state.verdict ? state.verdict->models_run() : 0; newest > found.model_run)
+    way = fmt::format("models made anew since, of run {}", newest);
+  else if (verdict != analysis::DriftVerdict::kRecalibrate)
+    way = fmt::format("tactbench model adjust {} {} --{} -o adjusted.json", found.model_run, found.run,
+                      verdict == analysis::DriftVerdict::kZero ? "zero" : "gain");
+  return fmt::format("{} ({})", in_words(found.drift), way);
 }
 
 std::string yes_or_no(const SensorDrift& found) {
@@ -125,7 +128,7 @@ std::string drift_text(const SensorState& state) {
              "{}: run {} is off the models of run {} by {:.2f} % FS (tolerance {:.2f}); {}, pattern {:.2f} % FS{}",
              yes_or_no(*state.drift), state.drift->run, state.drift->model_run, 100.0 * drift.as_is,
              100.0 * drift.tolerance, changes_text(drift), 100.0 * std::min(drift.adjusted, drift.as_is),
-             drift.drifted() ? "; " + advice_text(*state.drift, state.runs.back().sensor_serial) : "") +
+             drift.drifted() ? "; " + advice_text(state) : "") +
          (state.drift->outside.empty()
               ? ""
               : fmt::format("; outside the models' validity: {}", fmt::join(state.drift->outside, "; ")));

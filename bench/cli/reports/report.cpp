@@ -170,8 +170,7 @@ WrittenReport several_runs(analysis::Runs& runs, const ReportOptions& options, c
 
 std::string as_found_words(const analysis::AsFound& found, bool by_store, analysis::PressureUnit unit) {
   return fmt::format("as found, by the models {}{}: mean |error| {}{}", found.model,
-                     by_store ? " of the sensor's run before (--previous none leaves it out)" : "",
-                     unit.text(found.evaluation.mean_error_psi, 2),
+                     by_store ? " (--previous none leaves it out)" : "", unit.text(found.evaluation.mean_error_psi, 2),
                      found.judgement.overall ? fmt::format(", {}", to_string(*found.judgement.overall)) : "");
 }
 

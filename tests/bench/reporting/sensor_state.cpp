@@ -59,11 +59,14 @@ TEST_CASE("a sensor's drift: by the models before its newest run, since the firs
   const double zero = 0.1 / first.taxels.front().fit.full_scale;
   CHECK(off->drift.zero == Approx(zero).margin(off->drift.zero_u));
   CHECK(off->drift.zero_u < 0.2 * zero);
+  const auto adjusts = [&] { return drift_text(made.state()).find("model adjust 1 4 --zero ") != std::string::npos; };
+  CHECK(adjusts());
   // Calibrated again: run 4 is held out for the new models, and still shows how the sensor was found.
   const analysis::SensorModel second = made.fit(3);
   made.judge(4, second.fit);
   CHECK(made.state().drift->model_run == 1);
   CHECK(made.state().drift->drift.drifted());
+  CHECK_FALSE(adjusts());
   made.measure("2026-06-03", 0.1);
   const auto later = made.state().drift;
   CHECK((later->run == 5 && later->model_run == 3));

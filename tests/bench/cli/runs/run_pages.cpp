@@ -93,6 +93,22 @@ TEST_CASE("runs list: void runs are counted, and of one that has not ended wheth
   CHECK(told.at("runs").at(1).at("frames") == 0);
 }
 
+TEST_CASE("runs list: in a file or a pipe one whole line a run, with its lot, its recipes and all of its purpose") {
+  StoreOfPages store;
+  const std::string purpose = "of the first film " + std::string(300, 'x') + " and its end";
+  store.add([&](db::RunRecord& run) { run.purpose = purpose; });
+  store.add();
+  store.store.set_tags(1, {"lot=A7", "night"}, {});
+  const std::string out = store.runs({"list"}).out;
+  const std::size_t at = out.find("A7");
+  REQUIRE(at != std::string::npos);
+  const std::size_t begin = out.rfind('\n', at) + 1;
+  const std::string line = out.substr(begin, out.find('\n', at) - begin);
+  const std::string recipe = example_run().sequences.front().name;
+  CHECK(line.find(recipe) < line.find(purpose));
+  CHECK_THAT(line, Catch::Contains(purpose) && Catch::EndsWith("[night]"));
+}
+
 TEST_CASE("runs diff: members by their path, settings by their key, and what is no difference") {
   StoreOfPages store;
   store.add();
