@@ -170,7 +170,7 @@ class Calibration {
         not_judged(sequences::compile(judging), sequences::compile(recipes), limits, session_.unit());
     if (open.nothing)
       throw Error("TB-CALIBRATE-LEVELS",
-                  fmt::format("limits '{}' cannot be judged on {}: {}", limits.name,
+                  fmt::format("no level and no [[mpe]] of limits '{}' can be judged on {}: {}", limits.name,
                               fmt::join(form_.held_out_recipes, ", "), fmt::join(open.why, "; ")),
                   "--held-out-recipe");
     if (open.why.empty()) return;
