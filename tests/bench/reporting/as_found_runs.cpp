@@ -91,6 +91,23 @@ TEST_CASE("as found: judged by the limits of the report with the earlier models,
   CHECK(without.more.previous->judgement.figures.empty());
 }
 
+TEST_CASE("as found where no models are named: the newest of the sensor's runs before that counts, else none") {
+  AsFoundStore made;
+  const std::int64_t later = made.add_judged("2025-02-01T00:00:00Z", "pass"),
+                     other = made.add_judged("2025-02-01T00:00:00Z", "pass", "S-2");
+  const auto before = [&](std::int64_t run) {
+    analysis::Runs runs(made.store);
+    const std::string models = bench::models_before(runs, run);
+    return models.substr(0, models.find(':'));
+  };
+  CHECK(before(later) == "3");
+  CHECK(before(1).empty());
+  CHECK(before(2).empty());
+  CHECK(before(other).empty());
+  made.store.void_run(3, "gauge closed", "me", "2025-03-01T00:00:00Z");
+  CHECK(before(later) == "2");
+}
+
 TEST_CASE("as found: an overdue reference withholds, and then nothing is in doubt") {
   AsFoundStore made;
   FilmRun overdue;
