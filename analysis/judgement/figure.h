@@ -48,7 +48,7 @@ struct FigureUncertainty {
   std::string basis;    // how it is formed; without pressures
   std::string missing;  // why it is not known; empty: it is, or the store has it without its parts
   // Of a reading's U: the kinds of history that it was counted for; none: not known, or of no reading.
-  std::vector<UseCondition> kinds;
+  std::vector<UseCondition> kinds = {};
 };
 
 struct Figure {
