@@ -11,6 +11,7 @@
 #include <ctime>
 #include <filesystem>
 
+#include "analysis/whole_file.h"
 #include "bench/common/file_text.h"
 #include "bench/common/output_file.h"
 
@@ -35,17 +36,18 @@ using Certificates = Owned<STACK_OF(X509), free_certificates>;
 using Store = Owned<X509_STORE, X509_STORE_free>;
 
 constexpr unsigned kHow = CMS_DETACHED | CMS_BINARY | CMS_NOSMIMECAP | CMS_CADES;
-constexpr std::size_t kLongestHint = 100;  // bytes: lengths in one byte each
+constexpr std::size_t kLargestKey = 1'000'000, kLargestFile = 1'000'000'000;  // bytes
+constexpr std::size_t kLongestHint = 100;                                     // bytes: lengths in one byte each
 
 [[noreturn]] void refuse(const std::string& what, const std::string& where, const std::string& remedy = {}) {
   ERR_clear_error();
   throw Error("TB-REPORT-KEY", what, where, remedy);
 }
 
-std::string text_of_file(const std::string& path) {
-  std::error_code unknown;
-  if (!std::filesystem::is_regular_file(path, unknown)) refuse("there is no such file", path);
-  return file_text(path);
+// Keys, certificates and passwords may come from a pipe.
+std::string text_of_file(const std::string& path, std::size_t most_bytes = kLargestKey) {
+  return analysis::whole_file(path, {.most_bytes = most_bytes, .or_pipe = most_bytes == kLargestKey}, "TB-REPORT-KEY",
+                              "name a file that is there and can be read");
 }
 
 Bio bytes_of(const std::string& text) { return Bio(BIO_new_mem_buf(text.data(), static_cast<int>(text.size()))); }
@@ -260,7 +262,7 @@ std::shared_ptr<const SigningKey> read_signing_key(const SignerFiles& files) {
 }
 
 std::string sign_file(const SigningKey& key, const std::string& path, const std::string& number) {
-  const std::string content = text_of_file(path);
+  const std::string content = text_of_file(path, kLargestFile);
   const std::string hint =
       text_of(Hint{number, kind_of_file(beginning_of(content)), content.size()}).substr(0, kLongestHint);
   const std::string der = hint_der(hint);
@@ -286,7 +288,9 @@ SignatureFinding check_signature_of(const std::string& path, const std::string& 
   std::error_code unknown;
   if (!std::filesystem::is_regular_file(path + ".p7s", unknown))
     return finding("missing", fmt::format("missing: {}.p7s is not there", path), ExitCode::kInconclusive);
-  const std::string signature = file_text(path + ".p7s"), content = file_text(path);
+  if (std::filesystem::file_size(path + ".p7s", unknown) > kLargestKey)
+    return damaged("is no CMS signature of one signer");
+  const std::string signature = file_text(path + ".p7s"), content = text_of_file(path, kLargestFile);
   const Bio bytes = bytes_of(signature);
   const Cms cms(d2i_CMS_bio(bytes.get(), nullptr));
   STACK_OF(CMS_SignerInfo)* const signers =

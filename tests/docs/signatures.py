@@ -174,6 +174,8 @@ with tempfile.TemporaryDirectory() as folder:
     check("invalid then", page)
     change(page + ".p7s", lambda data: b"dear diary")
     check("damaged", page)
+    change(page + ".p7s", lambda data: data * 200_000)  # too long for a signature
+    check("damaged", page)
     # What another program signed well is good.
     openssl("cms", "-sign", "-binary", "-cades", "-outform", "DER", "-signer", "ec.pem", "-inkey", "ec.key", "-in", page, "-out",
             page + ".p7s")
