@@ -151,10 +151,16 @@ TEST_CASE("a PDF is made by what is installed, with the run's date, else it is a
                        folder.path());
   };
   check_refusal(with_path("/nowhere", "none.pdf"), 2, "TB-REPORT-PDF");
+  write_file(
+      folder.path("printed"),
+      "%PDF-1.4\n1 0 obj <</Type/Catalog/Pages 2 0 R>> endobj\n2 0 obj <</Type/Pages/Kids[]/Count 0>> endobj\n"
+      "3 0 obj <</CreationDate (D:20990909090909+00)>> endobj\ntrailer <</Size 4/Root 1 0 R/Info 3 0 R>>\n%%EOF\n");
   write_file(folder.path("chromium"),
              "#!/bin/sh\nfor word; do case $word in --print-to-pdf=*) out=${word#--print-to-pdf=};; esac; done\n"
-             "printf '%%PDF-1.4 /CreationDate (D:20990909090909+00)' > \"$out\"\n");
+             "cp '" +
+                 folder.path("printed") + "' \"$out\"\n");
   REQUIRE(::chmod(folder.path("chromium").c_str(), 0700) == 0);
   well(with_path(folder.path() + ":/usr/bin:/bin", "made.pdf"));
-  CHECK_THAT(read_file(folder.path("made.pdf")), Catch::StartsWith("%PDF") && !Catch::Contains("D:2099"));
+  CHECK_THAT(read_file(folder.path("made.pdf")), Catch::StartsWith("%PDF") && !Catch::Contains("D:2099") &&
+                                                     Catch::Contains("(D:20") && Catch::Contains("(report.json)"));
 }
