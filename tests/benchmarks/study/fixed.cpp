@@ -19,7 +19,7 @@ namespace tactbench::bench {
 
 std::string study_fixed(const FixedStudyOptions& options) {
   using namespace analysis;
-  const SensorModel model = load_model(options.model, nullptr);
+  const SensorModel model = analysis::load_model(options.model, nullptr);
   const db::RunStore store = db::RunStore::open_read_only(options.store);
   const Dataset data = load_dataset(store, options.run);
   const double per_count = volts_per_count(store.run(options.run)),
