@@ -244,28 +244,31 @@ void put_elam(const SensorModel& model, FixedModel& made) {
   std::vector<Front> fronts(array.size());
   double steepest = 0.0;
   const auto place = [&](std::size_t i) { return 16.0 * TB_ELAM_Y / fronts[i].top; };
-  const ElamModel* first = nullptr;
-  for (std::size_t i = 0; i < array.size(); ++i) {
-    if (!array[i].fitted()) continue;
+  const auto elam_of_taxel = [&](std::size_t i) -> const ElamModel& {
     const ElamModel* const elam = paper_elam_of(array[i]);
     if (elam == nullptr)
       refuse(name_of(array[i]), "it is ELAM with memory or with more than one split",
              "fit it without --memory and --splits");
-    if (first == nullptr) first = elam;
-    if (!std::ranges::equal(elam->ascending.x(), first->ascending.x()) ||
-        elam->options.exact_outer != first->options.exact_outer)
+    return *elam;
+  };
+  const ElamModel& first = elam_of_taxel(model.fitted().front());
+  for (std::size_t i = 0; i < array.size(); ++i) {
+    if (!array[i].fitted()) continue;
+    const ElamModel& elam = elam_of_taxel(i);
+    if (!std::ranges::equal(elam.ascending.x(), first.ascending.x()) ||
+        elam.options.exact_outer != first.options.exact_outer)
       refuse(name_of(array[i]), "its pressures are not those of the other taxels", "fit it again: tactbench fit RUN");
-    fronts[i] = front_of(model, array[i], elam->y0(), elam->yu() - elam->y0(), made.options);
+    fronts[i] = front_of(model, array[i], elam.y0(), elam.yu() - elam.y0(), made.options);
     steepest = std::max(steepest, place(i));
   }
-  made.x_low = first->x0();
-  made.per_pressure = (first->xu() - first->x0()) / TB_ELAM_X;
+  made.x_low = first.x0();
+  made.per_pressure = (first.xu() - first.x0()) / TB_ELAM_X;
   made.highest = TB_ELAM_X;
-  for (const double x : first->ascending.x())
+  for (const double x : first.ascending.x())
     made.x.push_back(word(kOfTheModel, "pressure", (x - made.x_low) / made.per_pressure));
   tb_elam_model& to = made.of_elam;
   to.knots = static_cast<std::uint16_t>(made.x.size());
-  to.exact_outer = first->options.exact_outer ? 1 : 0;
+  to.exact_outer = first.options.exact_outer ? 1 : 0;
   to.count_shift = static_cast<std::uint16_t>(count_shift_of(fronts));
   to.place_shift = static_cast<std::uint16_t>(shift_of("place", kWord * steepest));
   check_shift(fronts, to.place_shift);
@@ -274,7 +277,7 @@ void put_elam(const SensorModel& model, FixedModel& made) {
   for (std::size_t i = 0; i < array.size(); ++i) {
     if (fronts[i].taxel == nullptr) continue;
     const std::string where = name_of(array[i]);
-    const ElamModel& elam = *paper_elam_of(array[i]);
+    const ElamModel& elam = elam_of_taxel(i);
     const ElamParameters& p = elam.parameters;
     tb_elam_words& w = made.elam_words[i];
     w.front = words_of(fronts[i], to.count_shift, place(i), to.place_shift);

@@ -35,7 +35,10 @@ class Stimulus {
       turn();
     else
       now_ += std::copysign(step_, to_ - now_);
-    if (random_() % 100 == 0) return static_cast<std::uint16_t>(random_());  // a spike
+    if (random_() % 64 == 0) {  // a spike
+      const std::uint16_t spikes[] = {0, 65535, static_cast<std::uint16_t>(random_())};
+      return spikes[random_() % 3];
+    }
     return written(zero_ + span_ * now_ + per_noise_ * (part(6.0) - 3.0));
   }
   void begin_at_rest() { now_ = to_ = 0.0; }
@@ -55,8 +58,8 @@ class Stimulus {
     }
     low_ = 0.0;
     high_ = 1.0;
-    to_ = part(1.06) - 0.03;
-    const double steps[] = {0.0, 0.002, 0.02, 0.1, 0.4};
+    to_ = std::clamp(part(1.5) - 0.25, -0.03, 1.03);
+    const double steps[] = {0.0, 0.01, 0.05, 0.2, 0.6};
     step_ = steps[random_() % 5];
     if (step_ == 0.0) {  // a halt
       to_ = now_ + 0.004;

@@ -63,6 +63,9 @@ class FixedLive {
     analysis::FixedOptions own = *options.fixed;
     own.per_count = per_count;
     own.scans = options.scans;
+    if (model.dynamics && !(options.interval_s > 0.0))
+      throw Error("TB-USAGE", "the model undoes creep and lag, and a device's integers have one pace", "--interval",
+                  "name the seconds between two frames, 0.0001 to 0.2");
     if (own.frame_rate_hz == 0.0 && options.interval_s > 0.0) own.frame_rate_hz = 1.0 / options.interval_s;
     return std::make_shared<const analysis::FixedModel>(analysis::quantised(model, own));
   }

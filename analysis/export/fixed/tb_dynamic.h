@@ -71,13 +71,13 @@ static inline void tb_dynamic_mark_extreme(tb_dynamic_taxel* t) {
 
 /* Creep and lag go on as if the pressure had been the last one since the renewal before. */
 static inline void tb_dynamic_renew(const tb_dynamic_model* m, const tb_dynamic_words* w, tb_dynamic_taxel* t) {
-  const uint32_t x = t->at.pressure;
+  const uint32_t x = t->at.pressure, twice = (uint32_t)t->extreme_factor * 2U;
   const int32_t target = (int32_t)(tb_r(x, x + (((uint32_t)m->half[1] << 16) | m->half[0])) << 8);
   int j;
   for (j = 0; j < 3; ++j) t->psi[j] += tb_m(target - t->psi[j], m->decay[j]) >> m->decay_shift[j];
   t->late += tb_m((int32_t)(x << 8) - t->late, m->decay[3]) >> m->decay_shift[3];
   tb_dynamic_set_factor(m, w, t);
-  t->change = (uint16_t)(t->factor < 2U * t->extreme_factor ? tb_r(t->factor, 2U * t->extreme_factor) : 65535U);
+  t->change = (uint16_t)(t->factor < twice ? tb_r(t->factor, twice) : 65535U);
 }
 
 static inline uint32_t tb_part_of(uint32_t whole, uint32_t share) { return (whole * share) >> 16; }

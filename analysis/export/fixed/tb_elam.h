@@ -269,7 +269,7 @@ static inline tb_piece tb_elam_here(const tb_elam_model* m, uint32_t number, tb_
 static inline tb_piece tb_elam_find(const tb_elam_model* m, uint32_t number, const tb_elam_taxel* t, unsigned below,
                                     int rises, tb_point from, uint32_t y) {
   const unsigned left = tb_elam_left(t, below, rises, y);
-  tb_elam_shape shape;
+  tb_elam_shape shape = {0, 0, 0};
   return (rises ? tb_elam_rising : tb_elam_falling)(m, number, t, left, left == below ? from : t->points[left], y, 0,
                                                     &shape);
 }
@@ -348,7 +348,7 @@ static inline uint16_t tb_elam_step(const tb_elam_model* m, uint32_t number, tb_
 static inline uint32_t tb_elam_hash(const tb_elam_model* m) {
   uint32_t hash = tb_hash(TB_HASH_START, m->x, m->knots);
   hash = tb_hash(hash, &m->words[0].front.gain, m->taxels * (uint32_t)(sizeof(tb_elam_words) / sizeof(uint16_t)));
-  return tb_hash(hash, m->patterns, 2U * m->taxels * m->knots);
+  return tb_hash(hash, m->patterns, (uint32_t)m->taxels * m->knots * 2U);
 }
 
 /* 1: the words are those that were exported. All histories are unknown. */

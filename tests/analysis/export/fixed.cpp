@@ -170,9 +170,7 @@ TEST_CASE("a taxel by itself reads what it reads in the array, lost frames and a
   }
 }
 
-TEST_CASE(
-    "a history is unknown until the taxel was at its zero or its top, or is tared; ten lost frames in a row forget "
-    "it") {
+TEST_CASE("a history is unknown until the taxel was at its zero or top or is tared, and after ten lost frames") {
   for (const char* const name : kBoth) {
     const Kind kind = kind_of(name);
     const auto fixed = fixed_of(kind);

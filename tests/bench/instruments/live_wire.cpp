@@ -105,6 +105,14 @@ TEST_CASE("live: the verb sums up its last frame as the table has it") {
     CHECK(frame.at("outside_validity") == last.outside);
     CHECK(frame.at("lost") == last.lost);
   }
+  const Finished by_integers = live({"--frames", "3", "--json", "--as", "fixed"});
+  REQUIRE(by_integers.code == 0);
+  const std::string table = read_file(folder.path("live.csv"));
+  const LastFrame last = last_frame_of(table, 2);
+  CHECK(last.dead == 1);
+  CHECK(last.unknown == 0);  // unloaded, at its zero
+  CHECK(last.sum_psi / 255 == Approx(0.0).margin(1.0));
+  CHECK_THAT(table, Catch::Contains(",nan,"));  // without uncertainty
   const Finished elsewhere = live({"--frames", "1", "-q", "--set", "simulation.scanner_serial=\"ANOTHER\""});
   CHECK_THAT(elsewhere.err, Catch::Contains("ANOTHER"));
   const Finished wrong = run_program(

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "analysis/models/linearised.h"
+#include "tests/analysis/compensate/kinds.h"
 #include "tests/bench/cli/models/known_model.h"
 #include "tests/bench/cli/models/models_here.h"
 
@@ -131,6 +132,35 @@ TEST_CASE("model show --json prints the model's document, and model export write
   last_dead.taxels.resize(2);
   write_model(of.folder, "dead.json", last_dead);
   CHECK(model_verb(of.folder, {"model", "show", "dead.json"}).code == 0);
+}
+
+TEST_CASE("model export --format c: a folder of ELAM, replaced only when asked, of a count that is known") {
+  const FolderOfLines of(moved_table(0.08));
+  write_file(of.folder.path("e.json"), analysis::to_text(synthetic::sensor_of(synthetic::kinds().front())));
+  const auto exported = [&](std::vector<std::string> more) {
+    std::vector<std::string> words = {"model",   "export", "e.json", "--format", "c", "-o", of.folder.path("robot"),
+                                      "--scans", "2"};
+    words.insert(words.end(), more.begin(), more.end());
+    return model_verb(of.folder, std::move(words));
+  };
+  check_refusal(exported({}), 2, "TB-MODEL-FIXED", "");
+  const std::vector<std::string> count = {"--per-count", "8e-5"};
+  REQUIRE(exported(count).code == 0);
+  CHECK_FALSE(read_file(of.folder.path("robot/robot.ino")).empty());
+  const Finished again = exported(count);
+  CHECK(again.code == 2);
+  CHECK_THAT(again.err, Catch::Contains("TB-FILE-EXISTS"));
+  CHECK(exported({"--per-count", "8e-5", "--replace"}).code == 0);
+  check_refusal(model_verb(of.folder, {"model", "export", "m.json", "--format", "c", "-o", of.folder.path("no"),
+                                       "--per-count", "8e-5"}),
+                2, "TB-MODEL-FIXED", "");
+  write_file(of.folder.path("v.csv"), "output\n0.2\n0.2\n");
+  const auto read_by = [&](const char* taxel) {
+    return model_verb(of.folder, {"compensate", "e.json", "v.csv", "--as", "fixed", "--taxel", taxel, "--scans", "2",
+                                  "--per-count", "8e-5"});
+  };
+  CHECK(read_by("0").code == 0);
+  check_refusal(read_by("mean"), 2, "TB-MODEL-TAXEL", "--taxel");
 }
 
 TEST_CASE("model adjust needs --zero or --gain, and fit --check tells what lies outside the validity") {
