@@ -19,7 +19,7 @@ struct LiveOptions {
   double interval_s = 0.01;  // between two requests
   int scans = 1;             // averaged into a frame
   // By the integers of a device: without uncertainty. Its counts, frame rate and scans are the array's.
-  std::optional<analysis::FixedOptions> fixed;
+  std::optional<analysis::FixedOptions> fixed = {};
 };
 
 struct LiveFrame {
