@@ -129,15 +129,12 @@ std::string model_text(const SensorModel& model, const FixedModel& fixed, const 
       "a count {}, {} of a count {:.10g}. */\n"
       "#ifndef TB_MODEL_H\n#define TB_MODEL_H\n\n#include \"tb_{}.h\"\n\n"
       "#define TB_TAXELS {}U\n#define TB_ROWS {}U\n#define TB_COLUMNS {}U\n"
-      "/* pressure = TB_LOWEST + TB_PER_COUNT * count, TB_HIGHEST the largest count; the second pair in millionths. "
-      "*/\n"
-      "#define TB_UNIT \"{}\"\n#define TB_LOWEST {:.10g}\n#define TB_PER_COUNT {:.12g}\n#define TB_MICRO_LOWEST {}\n"
-      "#define TB_MICRO_PER_COUNT {}\n#define TB_HIGHEST {}U\n\n",
+      "/* pressure = TB_LOWEST + TB_PER_COUNT * count, TB_HIGHEST the largest count. */\n"
+      "#define TB_UNIT \"{}\"\n#define TB_LOWEST {:#.10g}\n#define TB_PER_COUNT {:#.12g}\n#define TB_HIGHEST {}U\n\n",
       plain(label_of(model)), plain(model.source), plain(model.origin), plain(model.sensor_serial),
       sha256_of(model).substr(0, 12), plain(program_version), fixed.dynamic ? fixed.options.frame_rate_hz : 0.0,
       fixed.options.scans, plain(model.output_unit), fixed.options.per_count, kind, fixed.taxels, model.rows,
-      model.columns, plain(model.input_unit), fixed.x_low, fixed.per_pressure, std::lround(1e6 * fixed.x_low),
-      std::lround(1e6 * fixed.per_pressure), fixed.highest);
+      model.columns, plain(model.input_unit), fixed.x_low, fixed.per_pressure, fixed.highest);
   text += fmt::format("static const tb_{}_words tb_words[TB_TAXELS] = {{\n", kind);
   for (const tb_dynamic_words& w : fixed.dynamic_words)
     text += fmt::format("{{{}, {}, {}, {}}},\n", front_text(w.front), w.divider, w.creep, w.lag);

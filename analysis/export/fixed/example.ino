@@ -37,7 +37,7 @@ void loop() { /* as often as the model was exported for */
     if ((status[i] & TB_VALID) && pressures[i] > pressures[highest]) highest = i;
   Serial.print((unsigned long)highest);
   Serial.print(' ');
-  Serial.println((long)(TB_MICRO_LOWEST + (long)pressures[highest] * TB_MICRO_PER_COUNT) / 1000); /* milli-units */
+  Serial.println(TB_LOWEST + TB_PER_COUNT * pressures[highest], 3);
 }
 
 #else
