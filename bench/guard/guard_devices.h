@@ -25,6 +25,7 @@ class GuardedSource final : public devices::PressureSource {
   [[nodiscard]] devices::Nanoseconds last_fed() const override { return source_->last_fed(); }
   [[nodiscard]] bool vent() noexcept override;
   [[nodiscard]] devices::Identity identity() const override { return source_->identity(); }
+  [[nodiscard]] std::uint64_t exchanges() const override { return source_->exchanges(); }
   [[nodiscard]] devices::PressureSource& inner() { return *source_; }
 
  private:

@@ -34,10 +34,19 @@ struct RegulatorOptions {
   LinearSpan command_span;
   LinearSpan feedback_span;
   Volts rest{0.0};     // what a vent puts out; not 0 V only where `relief` is named
-  std::string relief;  // what relieves the chamber where 0 V is no vent; empty: nothing is named
+  std::string relief;  // what relieves the chamber where the source itself may not vent; empty: nothing is named
   Nanoseconds feed_interval = std::chrono::milliseconds(400);
   Psi command_limit{60.0};  // inclusive; command() refuses more before anything is sent (Fault TB-CHAMBER-LIMIT)
   Origin origin = Origin::kHardware;
+};
+
+// A pressure controller on a serial line, beside what RegulatorOptions states of it.
+struct SerialControllerOptions {
+  char unit = 'A';                             // its letter on the line
+  int decimals = 2;                            // of a set-point in psi, as it is sent and as it comes back
+  int pressure_field = 1, setpoint_field = 2;  // places in its answer, counted from 1 behind the letter
+  bool exhausts = true;                        // it has an exhaust valve and the command for it
+  Nanoseconds reply_timeout = std::chrono::milliseconds(250);
 };
 
 struct TransducerOptions {

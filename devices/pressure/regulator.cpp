@@ -25,6 +25,25 @@ void check_span(const char* device, const LinearSpan& span) {
               "Correct the span in the bench file.");
 }
 
+void check_setpoint(Psi pressure, Psi limit, const std::string& unreachable, bool armed) {
+  // Written so that NaN is refused too.
+  const bool allowed = pressure >= Psi(0.0) && pressure <= limit;
+  if (!allowed || !unreachable.empty()) {
+    throw Fault(
+        "TB-CHAMBER-LIMIT", "regulator",
+        fmt::format("{:g} psi ({:.4g} kPa) was requested, {}; nothing was sent", pressure.value(),
+                    kilopascals(pressure),
+                    allowed ? unreachable
+                            : fmt::format("allowed is 0 to {:g} psi ({:.4g} kPa)", limit.value(), kilopascals(limit))),
+        "Correct the recipe, or the limit and span in the bench file.");
+  }
+  if (armed) return;
+  throw Fault("TB-CHAMBER-NOT-ARMED", "regulator",
+              fmt::format("{:g} psi ({:.4g} kPa) was requested while the regulator is not armed; nothing was sent",
+                          pressure.value(), kilopascals(pressure)),
+              "Arm it first; a failed exchange disarms it.");
+}
+
 Psi LinearSpan::pressure(Volts volts) const { return Psi(scale().physical(volts.value())); }
 Volts LinearSpan::voltage(Psi pressure) const { return Volts(scale().raw(pressure.value())); }
 Psi LinearSpan::driven(Volts volts) const { return pressure(std::clamp(volts, volts_low, volts_high)); }
@@ -56,26 +75,13 @@ void Regulator::arm() {
 
 std::uint16_t Regulator::command(Psi pressure) {
   const LinearScale& scale = output_.profile().outputs.volts;
-  // Written so that NaN is refused too.
-  const bool allowed = pressure >= Psi(0.0) && pressure <= options_.command_limit;
   const Volts volts = options_.command_span.voltage(pressure);
   const bool reachable = volts >= Volts(scale.low) && volts <= Volts(scale.high);
-  if (!allowed || !reachable) {
-    throw Fault("TB-CHAMBER-LIMIT", "regulator",
-                fmt::format("{:g} psi ({:.4g} kPa) was requested, {}; nothing was sent", pressure.value(),
-                            kilopascals(pressure),
-                            allowed ? fmt::format("which needs {:g} V of an output of {:g} to {:g} V", volts.value(),
-                                                  scale.low, scale.high)
-                                    : fmt::format("allowed is 0 to {:g} psi ({:.4g} kPa)",
-                                                  options_.command_limit.value(), kilopascals(options_.command_limit))),
-                "Correct the recipe, or the limit and span in the bench file.");
-  }
-  if (!armed_) {
-    throw Fault("TB-CHAMBER-NOT-ARMED", "regulator",
-                fmt::format("{:g} psi ({:.4g} kPa) was requested while the regulator is not armed; nothing was sent",
-                            pressure.value(), kilopascals(pressure)),
-                "Arm it first; a failed exchange disarms it.");
-  }
+  check_setpoint(pressure, options_.command_limit,
+                 reachable ? std::string()
+                           : fmt::format("which needs {:g} V of an output of {:g} to {:g} V", volts.value(), scale.low,
+                                         scale.high),
+                 armed_);
   const std::uint16_t counts = output_.counts(volts);
   input_.forget_image();
   or_disarm([&] {

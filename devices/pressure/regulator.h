@@ -16,6 +16,9 @@ inline constexpr Nanoseconds kSameImage = std::chrono::microseconds(500);
 // Throw Fault TB-MODULE-CHANNEL and TB-MODULE-SPAN, naming `device`.
 void check_channel(const char* device, const char* what, int channel, int channels);
 void check_span(const char* device, const LinearSpan& span);
+// Throws Fault TB-CHAMBER-LIMIT unless `pressure` is 0 to `limit` and `unreachable` (why not, by other limits) is
+// empty, TB-CHAMBER-NOT-ARMED unless `armed`.
+void check_setpoint(Psi pressure, Psi limit, const std::string& unreachable, bool armed);
 
 class Regulator final : public PressureSource {
  public:
@@ -30,6 +33,7 @@ class Regulator final : public PressureSource {
   [[nodiscard]] Nanoseconds last_fed() const override { return output_.last_write_time(); }
   [[nodiscard]] bool vent() noexcept override;
   [[nodiscard]] Identity identity() const override;
+  [[nodiscard]] std::uint64_t exchanges() const override { return 0; }
 
  private:
   template <class Act>

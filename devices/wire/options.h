@@ -35,6 +35,8 @@ struct SerialAddress {
   char parity = 'N';  // 'N', 'E' or 'O'
   int stop_bits = 1;
   std::string usb_serial;  // with a port: it must have this serial number; without: the port that has it is used
+  bool lock = true;        // as in ModbusEndpoint; a pseudo-terminal never has TIOCEXCL
+  bool exclusive = true;
 };
 
 struct HidAddress {

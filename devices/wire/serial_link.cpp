@@ -183,9 +183,10 @@ std::vector<SerialPortInfo> list_serial_ports() {
 
 std::unique_ptr<ByteStream> open_serial(const SerialAddress& address) {
   if (address.port.empty() && address.usb_serial.empty()) fail_open("''", "neither a port nor a USB serial is given");
-  if (is_stream_address(address.port)) return open_stream(address.port);
+  constexpr Nanoseconds kStream = std::chrono::seconds(2);
+  if (is_stream_address(address.port)) return open_stream(address.port, kStream, address.lock);
   const std::string name = address.port.empty() ? port_with_serial(address.usb_serial) : resolved(address.port);
-  if (is_stream_address(name)) return open_stream(name);
+  if (is_stream_address(name)) return open_stream(name, kStream, address.lock);
 
   sp_port* found = nullptr;
   sp_return result = sp_get_port_by_name(name.c_str(), &found);
@@ -200,8 +201,8 @@ std::unique_ptr<ByteStream> open_serial(const SerialAddress& address) {
   // From here the link closes the port, whatever fails. flock() keeps other tactbench programs out, TIOCEXCL all but
   // root.
   auto link = std::make_unique<SerialLink>(std::move(port), handle, name);
-  if (::flock(handle, LOCK_EX | LOCK_NB) != 0) busy(name);
-  ::ioctl(handle, TIOCEXCL);
+  if (address.lock && ::flock(handle, LOCK_EX | LOCK_NB) != 0) busy(name);
+  if (address.exclusive) ::ioctl(handle, TIOCEXCL);
   ::fcntl(handle, F_SETFD, FD_CLOEXEC);  // sp_open() lets child processes inherit the port
   configure(found, address, name);
   return link;

@@ -118,10 +118,10 @@ class StreamLink final : public ByteStream {
 
 // O_NOCTTY: the terminal must not become the controlling one, which could hang up this program. flock() alone keeps a
 // second client out: TIOCEXCL would stay set after a killed client, since the simulated end keeps the terminal open.
-Descriptor open_pty(const std::string& path) {
+Descriptor open_pty(const std::string& path, bool lock) {
   Descriptor opened(::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (opened.get() < 0) fail_open_stream(path, std::strerror(errno));
-  if (::flock(opened.get(), LOCK_EX | LOCK_NB) != 0) {
+  if (lock && ::flock(opened.get(), LOCK_EX | LOCK_NB) != 0) {
     if (errno != EWOULDBLOCK) fail_open_stream(path, std::strerror(errno));
     throw Fault("TB-SERIAL-BUSY", path, fmt::format("opening {}: another program or device holds it", path),
                 "Close the other program, or correct the address in the bench file.");
@@ -198,8 +198,8 @@ bool is_stream_address(const std::string& address) {
   return address.starts_with(kPty) || address.starts_with(kTcp) || address.starts_with(kUnix);
 }
 
-std::unique_ptr<ByteStream> open_stream(const std::string& address, Nanoseconds timeout) {
-  if (address.starts_with(kPty)) return std::make_unique<StreamLink>(open_pty(address), address, false, timeout);
+std::unique_ptr<ByteStream> open_stream(const std::string& address, Nanoseconds timeout, bool lock) {
+  if (address.starts_with(kPty)) return std::make_unique<StreamLink>(open_pty(address, lock), address, false, timeout);
   if (address.starts_with(kUnix)) {
     return std::make_unique<StreamLink>(connect_unix(address, timeout), address, true, timeout);
   }

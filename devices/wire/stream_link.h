@@ -14,9 +14,9 @@ namespace tactbench::devices {
 
 // Opens `address`; a connection not made within `timeout` is a fault (resolving a host's name takes further time).
 // Unread bytes are discarded. Throws Fault TB-SERIAL-OPEN, and TB-SERIAL-BUSY when another ByteStream
-// holds the pseudo-terminal. Each write() takes at most `timeout`.
+// holds the pseudo-terminal; without `lock` it is neither asked for nor held. Each write() takes at most `timeout`.
 [[nodiscard]] std::unique_ptr<ByteStream> open_stream(const std::string& address,
-                                                      Nanoseconds timeout = std::chrono::seconds(2));
+                                                      Nanoseconds timeout = std::chrono::seconds(2), bool lock = true);
 
 // A stream over a non-blocking descriptor that was opened and configured elsewhere (a serial port, a pseudo-terminal, a
 // socket); the destructor closes it. `address` names it in faults.

@@ -45,6 +45,7 @@ class NotingSource final : public devices::PressureSource {
     return vents;
   }
   devices::Identity identity() const override { return {}; }
+  std::uint64_t exchanges() const override { return 0; }
   double psi = 0.0;
   bool vents = true;
 
