@@ -61,6 +61,7 @@ struct SimulationConfig {
   devices::SimulatedScannerFaults scanner_faults;
 };
 
+enum class RegulatorKind { kModule, kSerial };  // a row each in bench/pressure/pressure_kinds.cpp
 enum class ScannerKind { kHid, kDaqmx, kFrameSource };
 enum class ForceKind { kNet, kDaq, kDigital };
 
@@ -100,6 +101,7 @@ struct ModuleConfig {
   devices::ModuleProfile profile;
   devices::ModbusEndpoint endpoint;
   bool same_line = false;  // as [module], another unit
+  [[nodiscard]] bool present() const { return !profile.name.empty(); }
 };
 
 struct GaugeConfig {  // a digital gauge as reference
@@ -123,10 +125,13 @@ struct BenchConfig {
   SafetyLimits limits;
   DeadManConfig dead_man;
   Settling settling;
-  ModuleConfig module;                       // drives the regulator
+  RegulatorKind regulator_kind = RegulatorKind::kModule;
+  ModuleConfig module;                       // drives the regulator, or reads the transducer of a serial one
   std::optional<ModuleConfig> input_module;  // reads feedback and transducer; none: `module` does
   double watchdog_s = 0.0;                   // 0: the module has none
   devices::RegulatorOptions regulator;
+  devices::SerialControllerOptions controller;  // of a serial regulator, with its line
+  devices::SerialAddress controller_address;
   devices::TransducerOptions reference;
   StatedCalibration reference_stated;  // a correction's own U wins
   ReferenceLimits reference_limits;
@@ -158,6 +163,8 @@ struct BenchConfig {
 // sets.
 double zero_volt_psi(const BenchConfig& config);
 bool zero_volt_vents(const BenchConfig& config);  // it is within safe_psi of 0 psi
+// The pressure source hangs on a serial line, which has one user at a time.
+bool on_serial_line(const BenchConfig& config);
 
 struct SensorType {
   std::string name;

@@ -28,6 +28,10 @@ bool has_own_line(const TomlTable& table) { return table.has("host") || table.ha
 // Of a line of its own, or another unit on the module's.
 devices::ModbusEndpoint endpoint_or_unit(const TomlTable& table, const BenchConfig& config) {
   if (has_own_line(table)) return read_endpoint(table, config.in_process, std::chrono::seconds(1));
+  if (!config.module.present()) {
+    table.fail("unit", "the bench has no [module] whose line it could share",
+               "give it a host or a serial_port of its own");
+  }
   devices::ModbusEndpoint endpoint = config.module.endpoint;
   read_keys(table, unit_keys(endpoint, 1));
   return endpoint;
@@ -37,7 +41,8 @@ KeyTable profile_keys(std::string& profile, const char* meaning) {
   return {key::required(key::text("profile", profile, meaning))};
 }
 constexpr const char* kOfModule =
-    "Analog module in front of the regulator: name of a shipped profile, or a file of yours";
+    "Analog module in front of the regulator, or, beside a serial one, that reads the transducer: name of a shipped "
+    "profile, or a file of yours";
 constexpr const char* kOfInputModule =
     "Module that reads feedback and reference, where the first has no inputs: name of a shipped profile, or a file";
 
@@ -94,6 +99,22 @@ ModuleConfig read_module(const TomlTable& table, const BenchConfig& config, cons
   return module;
 }
 
+// Beside a regulator that needs no module, one may read the transducer.
+void read_reading_module(const TomlTable& root, BenchConfig& config) {
+  if (root.has("input_module")) {
+    root.fail("input_module", "a serial regulator has no output module that another one would stand beside",
+              "name the module that reads the transducer in [module]");
+  }
+  if (!root.has("module")) return;
+  const TomlTable table = root.table("module");
+  config.module = read_module(table, config, kOfModule);
+  if (config.module.profile.inputs.channels == 0) {
+    table.fail("profile", fmt::format("'{}' has no inputs", config.module.profile.name),
+               "name the module that reads the transducer, or remove [module]");
+  }
+  table.finish();
+}
+
 void read_modules(const TomlTable& root, BenchConfig& config) {
   const TomlTable table = root.table("module");
   config.module = read_module(table, config, kOfModule);
@@ -137,26 +158,56 @@ void read_modules(const TomlTable& root, BenchConfig& config) {
   }
 }
 
-KeyTable regulator_keys(devices::RegulatorOptions& regulator) {
-  regulator.command_span = {Volts(0.0), Volts(10.0), Psi(0.0), Psi(9.0 * devices::kPsiPerBar)};
+KeyTable named_keys(devices::RegulatorOptions& regulator) {
   regulator.feed_interval = std::chrono::milliseconds(450);
-  devices::LinearSpan& span = regulator.command_span;
   return {
       key::text("model", regulator.model, "Maker and model, stored with each run"),
       key::required(key::text("serial", regulator.serial, "Serial number, stored with each run")),
+      key::optional(key::text("relief", regulator.relief,
+                              "What relieves the chamber where the regulator may not, e.g. \"relief valve, 5 psi\": "
+                              "without it a regulator that 0 V does not vent is refused, and a serial one, which "
+                              "keeps its set-point on a dead line")),
+      key::number("feed_interval_ms", regulator.feed_interval, kMilliseconds, {50.0, 500.0},
+                  "The set-point is written again and read back this often; at most 0.6 of the module's "
+                  "watchdog_ms")};
+}
+
+KeyTable module_regulator_keys(devices::RegulatorOptions& regulator) {
+  regulator.command_span = {Volts(0.0), Volts(10.0), Psi(0.0), Psi(9.0 * devices::kPsiPerBar)};
+  devices::LinearSpan& span = regulator.command_span;
+  return {
       key::number("output_channel", regulator.output_channel, kOne, {0, 63},
                   "Output of the module that carries the set-point, counted from 0"),
       key::number("feedback_channel", regulator.feedback_channel, kOne, {0, 63},
                   "Input of the module that carries the regulator's monitor voltage, counted from 0"),
       key::span("span_v", span.volts_low, span.volts_high, {"V"},
                 "Lowest and highest voltage of set-point and monitor ..."),
-      key::span("span_bar", span.low, span.high, {"bar", devices::kPsiPerBar}, "... and the pressures that they mean"),
-      key::optional(key::text("relief", regulator.relief,
-                              "Where 0 V is not 0 psi: what then relieves the chamber, e.g. \"relief valve, 5 psi\"; "
-                              "without it such a regulator is refused")),
-      key::number("feed_interval_ms", regulator.feed_interval, kMilliseconds, {50.0, 500.0},
-                  "The set-point is written again and read back this often; at most 0.6 of the module's "
-                  "watchdog_ms")};
+      key::span("span_bar", span.low, span.high, {"bar", devices::kPsiPerBar}, "... and the pressures that they mean")};
+}
+
+KeyTable serial_regulator_keys(BenchConfig& config) {
+  devices::SerialControllerOptions& controller = config.controller;
+  devices::SerialAddress& line = config.controller_address;
+  line.baud = 19200;
+  config.regulator.command_span = {Volts(0.0), Volts(10.0), Psi(0.0), Psi(100.0)};  // of the simulated plant
+  return {key::text("port", line.port, "Serial: its line, a device, best a name in /dev/serial/by-id"),
+          key::text("usb_serial", line.usb_serial,
+                    "Serial: serial number of the USB adapter; finds the line instead of port, or checks it"),
+          key::number("baud", line.baud, {"bit/s"}, {2400, 921600}, "Serial: speed of the line"),
+          key::word("unit", controller.unit, {"A", "B", "C", "D", "E", "F", "G", "H", "I", "J", "K", "L", "M",
+                                              "N", "O", "P", "Q", "R", "S", "T", "U", "V", "W", "X", "Y", "Z"},
+                    "Serial: letter of the controller on its line"),
+          key::number("full_scale_psi", config.regulator.command_span.high, {"psi"}, {1.0, 600.0},
+                      "Serial: highest set-point of the controller, which has to be set to psi gauge"),
+          key::number("decimals", controller.decimals, kOne, {0, 2},
+                      "Serial: decimals of its set-point, as its display shows them"),
+          key::number("pressure_field", controller.pressure_field, kOne, {1, 16},
+                      "Serial: place of the pressure in its answer, counted from 1 behind the letter"),
+          key::number("setpoint_field", controller.setpoint_field, kOne, {1, 16},
+                      "Serial: place of the set-point in its answer"),
+          key::flag("exhaust", controller.exhausts, "Serial: it has an exhaust valve, which every vent then opens"),
+          key::number("reply_timeout_ms", controller.reply_timeout, kMilliseconds, {20.0, 5000.0},
+                      "Serial: longest time to wait for an answer")};
 }
 
 // A bench that cannot be vented, or that the module's own fallback to 0 V would load.
@@ -184,11 +235,11 @@ void check_zero_volt(const TomlTable& table, BenchConfig& config) {
   if (!zero_volt_vents(config)) regulator.rest = at_zero;
 }
 
-void read_regulator(const TomlTable& table, BenchConfig& config) {
+void read_module_regulator(const TomlTable& table, BenchConfig& config) {
   devices::RegulatorOptions& regulator = config.regulator;
-  read_keys(table, regulator_keys(regulator));
+  read_keys(table, named_keys(regulator));
+  read_keys(table, module_regulator_keys(regulator));
   check_zero_volt(table, config);
-  regulator.feedback_span = regulator.command_span;
   const double feed_ms = std::chrono::duration<double, std::milli>(regulator.feed_interval).count();
   if (config.watchdog_s > 0.0 && feed_ms / 1000.0 > 0.6 * config.watchdog_s) {
     table.fail(
@@ -196,6 +247,53 @@ void read_regulator(const TomlTable& table, BenchConfig& config) {
         fmt::format("feeding every {:g} ms is too slow for a watchdog of {:g} ms", feed_ms, 1000.0 * config.watchdog_s),
         "keep it at or below 0.6 of [module] watchdog_ms");
   }
+}
+
+void read_serial_regulator(const TomlTable& table, BenchConfig& config) {
+  devices::RegulatorOptions& regulator = config.regulator;
+  regulator.model = "Alicat PCD-100PSIG-D";
+  read_keys(table, named_keys(regulator));
+  read_keys(table, serial_regulator_keys(config));
+  const devices::SerialAddress& line = config.controller_address;
+  if (line.port.empty() && line.usb_serial.empty() && !config.in_process) {
+    table.fail("port", "no serial port is named", "e.g. \"/dev/ttyUSB1\", or usb_serial of its adapter");
+  }
+  if (config.controller.pressure_field == config.controller.setpoint_field) {
+    table.fail("setpoint_field", "pressure and set-point are read from one field",
+               "see the controller's own list of its data fields");
+  }
+  if (regulator.relief.empty()) {
+    table.fail("relief",
+               "a serial pressure controller has no watchdog: on a dead line, and without power, it may keep the "
+               "chamber under pressure",
+               "name what relieves the chamber then, e.g. relief = \"relief valve, 62 psi, and a hand valve\"");
+  }
+}
+
+// In the order of RegulatorKind.
+constexpr struct {
+  const char* word;
+  void (*read_modules)(const TomlTable& root, BenchConfig& config);
+  void (*read)(const TomlTable& table, BenchConfig& config);
+} kRegulators[] = {{"module", read_modules, read_module_regulator},
+                   {"serial", read_reading_module, read_serial_regulator}};
+
+KeyTable kind_keys(BenchConfig& config) {
+  std::vector<std::string> words;
+  for (const auto& kind : kRegulators) words.emplace_back(kind.word);
+  return {key::word("kind", config.regulator_kind, words,
+                    "How it is commanded: by a voltage of the analog module, or as a pressure controller with ASCII "
+                    "commands on a serial line (Alicat's manner)")};
+}
+
+void read_regulator(const TomlTable& root, BenchConfig& config) {
+  const TomlTable table = root.table("regulator");
+  read_keys(table, kind_keys(config));
+  const auto& kind = kRegulators[static_cast<std::size_t>(config.regulator_kind)];
+  kind.read_modules(root, config);
+  kind.read(table, config);
+  devices::RegulatorOptions& regulator = config.regulator;
+  regulator.feedback_span = regulator.command_span;
   regulator.command_limit = Psi(config.limits.command_psi);
   regulator.origin = config.origin;
   table.finish();
@@ -331,8 +429,13 @@ void read_reference(const TomlTable& table, BenchConfig& config) {
     config.reference_stated.covers = "chain";
     read_gauge(table.table("gauge"), config);
   } else if (config.reference_independent) {
+    if (!config.module.present()) {
+      table.fail("independent", "no [module] reads the transducer",
+                 "add [module], or [reference.gauge] with a line of its own; or set independent = false: the "
+                 "controller's own transducer then stands in");
+    }
     read_keys(table, channel_keys(reference));
-    if (reference.channel == config.regulator.feedback_channel) {
+    if (config.regulator_kind == RegulatorKind::kModule && reference.channel == config.regulator.feedback_channel) {
       table.fail("channel", "the reference shares the regulator's feedback channel",
                  "wire the transducer to an input of its own, or set independent = false");
     }
@@ -408,11 +511,14 @@ EnvironmentSensor read_sensor(const TomlTable& table, const BenchConfig& config)
 
 double zero_volt_psi(const BenchConfig& config) { return config.regulator.command_span.driven(Volts(0.0)).value(); }
 
+bool on_serial_line(const BenchConfig& config) {
+  return config.regulator_kind == RegulatorKind::kSerial || !config.module.endpoint.serial_port.empty();
+}
+
 bool zero_volt_vents(const BenchConfig& config) { return std::abs(zero_volt_psi(config)) < config.limits.safe_psi; }
 
 void read_pressure(const TomlTable& root, BenchConfig& config) {
-  read_modules(root, config);
-  read_regulator(root.table("regulator"), config);
+  read_regulator(root, config);
   read_reference(root.table("reference"), config);
   const TomlTable environment = root.table("environment");
   for (const TomlTable& sensor : environment.tables("sensor")) {
@@ -435,7 +541,8 @@ void add_pressure_keys(std::vector<sequences::KeyFacts>& all) {
     add_endpoint_keys(all, path);
     if (first) add(path, {watchdog_keys(config), dump_keys(config.module.profile)});
   }
-  add("regulator", {regulator_keys(config.regulator)});
+  add("regulator", {kind_keys(config), named_keys(config.regulator), module_regulator_keys(config.regulator),
+                    serial_regulator_keys(config)});
   StatedCalibration& stated = config.reference_stated;
   add("reference",
       {independent_keys(config), reference_stated_keys(stated), chain_keys(stated, kSimulated, kReferenceChain),

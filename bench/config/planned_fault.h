@@ -19,11 +19,16 @@ enum class FaultKind {  // with the unit of the value, where there is one
   kModuleSilent,
   kModuleLate,
   kModuleCorrupt,
-  kModuleStale,      // reads return the previous values
-  kModuleException,  // server device failure
-  kModuleBusy,       // server device busy
-  kModuleUnplugged,  // TCP: connections close at once; serial: silence
-  kStageStalled,     // 1 x, 2 y, 3 z, 0 all: does not move although the device counts steps
+  kModuleStale,       // reads return the previous values
+  kModuleException,   // server device failure
+  kModuleBusy,        // server device busy
+  kModuleUnplugged,   // TCP: connections close at once; serial: silence
+  kControllerSilent,  // of a serial regulator
+  kControllerLate,
+  kControllerCorrupt,
+  kControllerRefused,    // it carries nothing out
+  kControllerUnplugged,  // the line hangs up for good
+  kStageStalled,         // 1 x, 2 y, 3 z, 0 all: does not move although the device counts steps
   kStageSilent,
   kStageLate,
   kStageCorrupt,

@@ -65,6 +65,8 @@ void share_lines(BenchConfig& config, bool as_dead_man) {
     if (as_dead_man) endpoint.lock = false;
   };
   share(config.module.endpoint);
+  config.controller_address.exclusive = false;
+  if (as_dead_man) config.controller_address.lock = false;
   if (config.input_module) share(config.input_module->endpoint);
   if (config.reference_gauge) share(config.reference_gauge->endpoint);
   for (EnvironmentSensor& sensor : config.environment) share(sensor.endpoint);

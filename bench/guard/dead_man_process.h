@@ -76,8 +76,8 @@ class DeadManProcess final : public Watcher {
   std::thread relay_;
 };
 
-// The dead-man must reach an RTU line that a stopped program still holds open: neither opens it exclusively, and the
-// dead-man takes no lock.
+// The dead-man must reach a serial line of the pressure side that a stopped program still holds open: neither opens it
+// exclusively, and the dead-man takes no lock.
 void share_lines(BenchConfig& config, bool as_dead_man);
 
 }  // namespace tactbench::bench

@@ -16,7 +16,6 @@
 #include "bench/rig/device_records.h"
 #include "bench/safety/fail_safe.h"
 #include "devices/fault.h"
-#include "devices/pressure/analog_module.h"
 
 namespace tactbench::bench {
 
@@ -26,10 +25,11 @@ using State = DeviceCheck::State;
 
 // Faults that mean that nothing answers; all others mean that the device is not the expected one or not sound.
 bool means_absent(const std::string& id) {
-  constexpr std::array kAbsent{"TB-MODBUS-CONNECT", "TB-MODBUS-TIMEOUT", "TB-HID-OPEN",      "TB-SERIAL-OPEN",
-                               "TB-SERIAL-LOST",    "TB-HID-LOST",       "TB-SCANNER-LOST",  "TB-SCANNER-TIMEOUT",
-                               "TB-FORCE-TIMEOUT",  "TB-UDP-OPEN",       "TB-DAQMX-LIBRARY", "TB-DAQMX-DEVICE",
-                               "TB-STAGE-TIMEOUT",  "TB-HTTP-OPEN",      "TB-HTTP-TIMEOUT",  "TB-UDP-LOST"};
+  constexpr std::array kAbsent{"TB-MODBUS-CONNECT", "TB-MODBUS-TIMEOUT",     "TB-HID-OPEN",      "TB-SERIAL-OPEN",
+                               "TB-SERIAL-LOST",    "TB-HID-LOST",           "TB-SCANNER-LOST",  "TB-SCANNER-TIMEOUT",
+                               "TB-FORCE-TIMEOUT",  "TB-UDP-OPEN",           "TB-DAQMX-LIBRARY", "TB-DAQMX-DEVICE",
+                               "TB-STAGE-TIMEOUT",  "TB-CONTROLLER-TIMEOUT", "TB-HTTP-OPEN",     "TB-HTTP-TIMEOUT",
+                               "TB-UDP-LOST"};
   return std::find(kAbsent.begin(), kAbsent.end(), id) != kAbsent.end();
 }
 
@@ -71,11 +71,10 @@ std::string name_of(const devices::Identity& identity) {
 }
 
 void look_at_module(Rig& rig, DeviceCheck& result) {
-  result.found = name_of(rig.module().identity());
-  const auto outputs = rig.module().read_all();
+  const auto [identity, outputs] = rig.look_at_module();
+  result.found = name_of(identity);
   result.reading =
       outputs.empty() ? "outputs cannot be read" : fmt::format("outputs {} counts", fmt::join(outputs, " "));
-  for (const std::string& layer : fail_safe_layers(rig.config())) result.notes.push_back(layer);
 }
 
 // As a run would judge the same reading before its first command.
@@ -97,6 +96,7 @@ void look_at_regulator(Rig& rig, DeviceCheck& result) {
   result.reading = "feedback " + analysis::both_units(psi, 2);
   judge_zero(rig.guard().feedback(), rig.config(),
              "vent the chamber; check span_v and span_bar, the monitor's wiring and the regulator's zero", result);
+  for (const std::string& layer : fail_safe_layers(rig.config())) result.notes.push_back(layer);
 }
 
 void look_at_reference(Rig& rig, DeviceCheck& result, const std::string& today) {
@@ -187,7 +187,8 @@ std::string array_summary(const devices::ScanSet& scan, devices::Volts volts_per
 
 std::vector<DeviceCheck> check_devices(Rig& rig, const std::string& today) {
   std::vector<DeviceCheck> all;
-  all.push_back(check("analog module", [&](DeviceCheck& result) { look_at_module(rig, result); }));
+  if (rig.config().module.present())
+    all.push_back(check("analog module", [&](DeviceCheck& result) { look_at_module(rig, result); }));
   all.push_back(check("regulator", [&](DeviceCheck& result) { look_at_regulator(rig, result); }));
   all.push_back(check("pressure reference", [&](DeviceCheck& result) { look_at_reference(rig, result, today); }));
   for (std::size_t i = 0; i < rig.config().environment.size(); ++i) {

@@ -18,6 +18,10 @@ RecordJson span_json(const devices::LinearSpan& span) {
           {"psi_high", span.high.value()}};
 }
 
+RecordJson psi_json(const devices::LinearSpan& span) {  // of what states pressures itself
+  return {{"psi_low", span.low.value()}, {"psi_high", span.high.value()}};
+}
+
 RecordJson scale_json(const devices::LinearScale& scale) {
   return {{"raw_low", scale.raw_low}, {"raw_high", scale.raw_high}, {"low", scale.low}, {"high", scale.high}};
 }
@@ -54,12 +58,16 @@ db::DeviceRecord module_record(const devices::Identity& identity, const devices:
 }
 
 db::DeviceRecord regulator_record(const devices::Identity& identity, const BenchConfig& config) {
-  return record_of(identity, span_json(config.regulator.command_span));
+  const devices::LinearSpan& span = config.regulator.command_span;
+  if (config.regulator_kind == RegulatorKind::kModule) return record_of(identity, span_json(span));
+  return record_of(identity, psi_json(span));
 }
 
 db::DeviceRecord reference_record(const devices::Identity& identity, const BenchConfig& config) {
-  RecordJson json =
-      config.reference_gauge ? scale_json(config.reference_gauge->quantity.scale) : span_json(config.reference.span);
+  const bool states_psi = !config.reference_independent && config.regulator_kind != RegulatorKind::kModule;
+  RecordJson json = config.reference_gauge ? scale_json(config.reference_gauge->quantity.scale)
+                    : states_psi           ? psi_json(config.reference.span)
+                                           : span_json(config.reference.span);
   if (const devices::PressureCorrection& correction = config.reference_correction; !correction.empty()) {
     json["correction"] = {{"reading_psi", correction.reading_psi},
                           {"correction_psi", correction.correction_psi},

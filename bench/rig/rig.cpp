@@ -4,6 +4,7 @@
 
 #include "bench/common/process_time.h"
 #include "bench/config/config_calibration.h"
+#include "bench/pressure/pressure_kinds.h"
 #include "bench/simulation/simulated_rig.h"
 #include "devices/fault.h"
 #include "devices/force/daq_ft.h"
@@ -12,7 +13,6 @@
 #include "devices/force/net_ft.h"
 #include "devices/pressure/analog_module.h"
 #include "devices/pressure/pressure_reference.h"
-#include "devices/pressure/regulator.h"
 #include "devices/tactile/daqmx_scanner.h"
 #include "devices/tactile/frame_source.h"
 #include "devices/tactile/hid_scanner.h"
@@ -71,9 +71,7 @@ void Rig::make_guard() {
 void Rig::prepare_arming() {
   refuse_tripped(config_);
   if (config_.in_process || !config_.dead_man.enabled || dead_man_) return;
-  // Reports a missing module as such, not as a dead-man that does not start.
-  (void)module_->read_all();
-  if (input_module_) (void)input_module_->read_all();
+  look();  // reports a missing module as such, not as a dead-man that does not start
   dead_man_ = std::make_unique<DeadManProcess>(config_);
   guard_->set_watcher(dead_man_.get());
 }
@@ -82,9 +80,22 @@ void Rig::dismiss_dead_man() {
   if (dead_man_) dead_man_->goodbye();
 }
 
+std::pair<devices::Identity, std::vector<std::uint16_t>> Rig::look_at_module() {
+  if (!module_) throw std::logic_error("Rig::look_at_module() without [module]");
+  return {module_->identity(), module_->read_all()};
+}
+
+void Rig::look() {
+  if (module_) (void)module_->read_all();
+  if (input_module_) (void)input_module_->read_all();
+  (void)source_->inner().feedback();
+}
+
 void Rig::make_pressure() {
-  module_ = std::make_unique<devices::AnalogModule>(config_.module.profile, config_.module.endpoint,
-                                                    seconds(config_.watchdog_s), *clock_, config_.origin);
+  if (config_.module.present()) {
+    module_ = std::make_unique<devices::AnalogModule>(config_.module.profile, config_.module.endpoint,
+                                                      seconds(config_.watchdog_s), *clock_, config_.origin);
+  }
   if (config_.input_module) {
     const ModuleConfig& inputs = *config_.input_module;
     input_module_ = inputs.same_line
@@ -93,10 +104,9 @@ void Rig::make_pressure() {
                         : std::make_unique<devices::AnalogModule>(inputs.profile, inputs.endpoint,
                                                                   devices::Nanoseconds(0), *clock_, config_.origin);
   }
-  devices::AnalogModule& inputs = input_module_ ? *input_module_ : *module_;
-  source_ = std::make_unique<GuardedSource>(
-      std::make_unique<devices::Regulator>(*module_, inputs, config_.regulator, *clock_), *guard_,
-      [this] { prepare_arming(); });
+  devices::AnalogModule* const inputs = input_module_ ? input_module_.get() : module_.get();
+  source_ = std::make_unique<GuardedSource>(pressure_kind(config_).make(config_, module_.get(), inputs, *clock_),
+                                            *guard_, [this] { prepare_arming(); });
   if (config_.reference_gauge) {
     const GaugeConfig& gauge = *config_.reference_gauge;
     const devices::TransducerOptions& named = config_.reference;
@@ -105,8 +115,10 @@ void Rig::make_pressure() {
         devices::GaugeOptions{named.model, named.serial, gauge.quantity, named.origin}, *clock_);
     gauge_ = made.get();
     reference_ = std::move(made);
+  } else if (config_.reference_independent) {
+    reference_ = std::make_unique<devices::ModuleTransducer>(*inputs, config_.reference);
   } else {
-    reference_ = std::make_unique<devices::ModuleTransducer>(inputs, config_.reference);
+    reference_ = std::make_unique<devices::FeedbackReference>(source_->inner(), config_.reference);
   }
   if (!config_.reference_correction.empty()) {
     reference_ = std::make_unique<devices::CorrectedReference>(std::move(reference_), config_.reference_correction);
@@ -191,9 +203,10 @@ void Rig::name_press_instruments() {
 }
 
 std::vector<db::DeviceRecord> Rig::devices() const {
-  std::vector<db::DeviceRecord> records = {module_record(module_->identity(), module_->profile()),
-                                           regulator_record(source_->identity(), config_),
-                                           reference_record(reference_->identity(), config_)};
+  std::vector<db::DeviceRecord> records;
+  if (module_) records.push_back(module_record(module_->identity(), module_->profile()));
+  records.push_back(regulator_record(source_->identity(), config_));
+  records.push_back(reference_record(reference_->identity(), config_));
   if (input_module_) records.push_back(module_record(input_module_->identity(), input_module_->profile()));
   for (const EnvironmentSensor& sensor : config_.environment) records.push_back(environment_record(sensor, config_));
   if (press_force_) {
@@ -220,7 +233,8 @@ std::string Rig::as_stored(const std::string& text) const {
 Plant* Rig::plant() { return simulated_ ? &simulated_->plant() : nullptr; }
 
 std::uint64_t Rig::exchanges() const {
-  std::uint64_t sum = module_->exchanges() + (input_module_ ? input_module_->exchanges() : 0) +
+  std::uint64_t sum = source_->exchanges() + (module_ ? module_->exchanges() : 0) +
+                      (input_module_ ? input_module_->exchanges() : 0) +
                       (gauge_ != nullptr ? gauge_->link().exchanges() : 0) + (array_ ? array_->exchanges() : 0) +
                       (stage_ ? stage_->exchanges() : 0) + (force_ ? force_->exchanges() : 0);
   for (const auto& link : environment_) sum += link->exchanges();
@@ -228,7 +242,8 @@ std::uint64_t Rig::exchanges() const {
 }
 
 std::vector<std::string> Rig::take_busy() const {
-  std::vector<const devices::ModbusLink*> links{&module_->link()};
+  std::vector<const devices::ModbusLink*> links;
+  if (module_) links.push_back(&module_->link());
   if (input_module_) links.push_back(&input_module_->link());
   if (gauge_ != nullptr) links.push_back(&gauge_->link());
   for (const auto& link : environment_) links.push_back(link.get());

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/config/config.h"
@@ -63,7 +64,9 @@ class Rig {
   [[nodiscard]] devices::PressureReference& reference() { return *reference_; }
   // Throws std::logic_error before open().
   [[nodiscard]] devices::TactileArray& array();
-  [[nodiscard]] devices::AnalogModule& module() { return *module_; }
+  // The module of the bench and its output words; empty: it cannot read them back. Writes nothing. Throws Fault.
+  [[nodiscard]] std::pair<devices::Identity, std::vector<std::uint16_t>> look_at_module();
+  void look();  // reads what is on the wires of the pressure source, and writes nothing; throws Fault
   // Null: the bench has none. All moves go through stage_gate(); stage() is for reading and for benchmarks.
   [[nodiscard]] devices::Stage* stage_gate() { return stage_gate_.get(); }
   [[nodiscard]] devices::ZaberStage* stage() { return stage_.get(); }
@@ -102,9 +105,9 @@ class Rig {
   std::unique_ptr<SimulatedRig> simulated_;
   std::unique_ptr<Guard> guard_;
   std::unique_ptr<DeadManProcess> dead_man_;
-  std::unique_ptr<ProcessTimeWatcher> watcher_;  // in its place on a bench simulated in this process
-  std::unique_ptr<devices::Clock> clock_;        // own_clock_, feeding
-  std::unique_ptr<devices::AnalogModule> module_;
+  std::unique_ptr<ProcessTimeWatcher> watcher_;          // in its place on a bench simulated in this process
+  std::unique_ptr<devices::Clock> clock_;                // own_clock_, feeding
+  std::unique_ptr<devices::AnalogModule> module_;        // null: the bench has none
   std::unique_ptr<devices::AnalogModule> input_module_;  // null: module_ reads the inputs too
   std::unique_ptr<GuardedSource> source_;
   std::unique_ptr<devices::PressureReference> reference_;

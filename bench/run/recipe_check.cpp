@@ -17,6 +17,7 @@
 #include "analysis/statistics/uncertainty/history_kind.h"
 #include "bench/common/error.h"
 #include "bench/guard/witness.h"
+#include "bench/pressure/pressure_kinds.h"
 #include "bench/run/stage_steps.h"
 
 namespace tactbench::bench {
@@ -53,12 +54,10 @@ std::string remedy_of(const Margin& margin) {
 
 // As far as the guard lets a run go and its regulator and witnesses reach.
 Margin pressure_margin(const sequences::Extremes& all, const BenchConfig& bench) {
-  const devices::LinearSpan& span = bench.regulator.command_span;
-  const double driven =
-      std::min(span.high, span.pressure(devices::Volts(bench.module.profile.outputs.volts.high))).value();
+  const double driven = pressure_kind(bench).highest_psi(bench);
   const auto [limit, key] = std::min(
       {std::pair(bench.limits.command_psi, std::string("[limits] command_psi in the bench file")),
-       std::pair(driven, "what [module] and [regulator] can set by the bench file, " + analysis::both_units(driven)),
+       std::pair(driven, "what the regulator can be set to by the bench file, " + analysis::both_units(driven)),
        std::pair(reference_range(bench).high_psi, "the end of [reference]'s span in the bench file, " +
                                                       analysis::both_units(bench.reference.span.high.value()))});
   // No lower limit for gauge pressure: falling to 0 is not dangerous.
@@ -251,15 +250,13 @@ bool needs_press(const std::vector<Recipe>& recipes) {
 
 std::vector<std::string> recipe_warnings(const std::vector<Recipe>& recipes, const BenchConfig& bench,
                                          analysis::PressureUnit unit) {
-  const devices::LinearScale volts = bench.module.profile.outputs.volts, psi = bench.regulator.command_span.scale();
-  const double count_psi = std::abs((volts.high - volts.low) / (volts.raw_high - volts.raw_low) * (psi.high - psi.low) /
-                                    (psi.raw_high - psi.raw_low));
+  const double count_psi = pressure_kind(bench).step_psi(bench);
   std::vector<std::string> warnings;
   for (const Recipe& recipe : recipes) {
     if (recipe.kind == RecipeKind::kPress || recipe.turning_points.size() < 2) continue;
     std::string finer;
     if (recipe.step.value() < count_psi)
-      finer = fmt::format("one count of the output, {}: several levels have the same set-point",
+      finer = fmt::format("one step of the set-point, {}: several levels have the same set-point",
                           fmt::format("{:.3g} {}", unit.of(count_psi), unit.symbol()));
     if (recipe.settle && recipe.step.value() < bench.settling.band_psi)
       finer += fmt::format("{}[settling] band_psi, {}: a level counts as reached where its neighbour is",

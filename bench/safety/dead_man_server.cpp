@@ -27,7 +27,6 @@
 #include "bench/run/control/locks.h"
 #include "bench/safety/safe_state.h"
 #include "devices/fault.h"
-#include "devices/pressure/analog_module.h"
 #include "devices/stage/zaber_retreat.h"
 #include "devices/wire/descriptor_channel.h"
 #include "devices/wire/serial_link.h"
@@ -43,7 +42,7 @@ constexpr Nanoseconds kFirstPacket = std::chrono::seconds(10);
 constexpr Nanoseconds kEarlierEnds = std::chrono::seconds(8);  // less than the starter waits
 constexpr Nanoseconds kLongestPoll = std::chrono::seconds(5);
 constexpr Nanoseconds kSeldom = std::chrono::seconds(5);
-constexpr Nanoseconds kRtuSilence = std::chrono::milliseconds(50);  // longer than the answer to the last request
+constexpr Nanoseconds kLineSilence = std::chrono::milliseconds(50);  // longer than the answer to the last request
 constexpr Nanoseconds kBackOff = std::chrono::seconds(10);
 constexpr int kDeadManTries = 2;
 
@@ -69,14 +68,14 @@ class Server {
  public:
   Server(devices::DescriptorChannel& channel, const BenchConfig& config)
       : channel_(channel), config_(config), rig_(config) {
-    if (!is_rtu()) read_module();  // an RTU line has one user at a time: opened only when needed
+    if (!on_serial_line(config)) rig_.look();  // a serial line has one user at a time: opened only when needed
   }
   ~Server() { stop_reading(); }
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
   int serve() {
-    if (!is_rtu()) reading_ = std::thread([this] { keep_reading(); });
+    if (!on_serial_line(config_)) reading_ = std::thread([this] { keep_reading(); });
     const DeadMan fresh(seconds(config_.dead_man.timeout_s));
     DeadMan dead_man = fresh;
     dead_man.feed(now());
@@ -106,13 +105,6 @@ class Server {
   }
 
  private:
-  [[nodiscard]] bool is_rtu() const { return !config_.module.endpoint.serial_port.empty(); }
-
-  void read_module() {
-    (void)rig_.module().read_all();
-    (void)rig_.source().feedback();
-  }
-
   // In a thread of its own: an exchange that times out must not delay the answers to the sequencer.
   void keep_reading() {
     const Nanoseconds pause = poll_interval(config_);
@@ -122,7 +114,7 @@ class Server {
         if (wake_.wait_for(lock, pause, [this] { return stop_; })) return;
       }
       try {
-        read_module();
+        rig_.look();
         for (const std::string& words : rig_.take_busy()) (void)channel_.send("busy: " + words);
         if (blind) (void)channel_.send("sees");
         blind = false;
@@ -165,7 +157,7 @@ class Server {
     });
     SafeProof proof;
     stop_reading();  // from now on this thread owns the connection
-    if (is_rtu()) std::this_thread::sleep_for(kRtuSilence);
+    if (on_serial_line(config_)) std::this_thread::sleep_for(kLineSilence);
     for (int i = 0; i < kDeadManTries && proof.state != db::SafeState::kVerified; ++i) proof = make_safe(rig_, {});
     const double pressure_s = devices::in_seconds(now() - start);
     retreating.join();

@@ -9,11 +9,12 @@
 
 namespace tactbench::bench {
 
-// One line per layer, fastest first. Never empty: a module without any gets a line that says so.
+// One line per layer, fastest first. Never empty: a source without any gets a line that says so.
 std::vector<std::string> fail_safe_layers(const BenchConfig& config,
                                           analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 
-// What becomes of the set-point when nothing reaches the module any more: "its watchdog (1000 ms) sets 0 V, ...".
-std::string when_module_is_lost(const BenchConfig& config, analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
+// What becomes of the set-point when nothing reaches the pressure source any more: "its watchdog (1000 ms) sets 0 V,
+// ...".
+std::string when_source_is_lost(const BenchConfig& config, analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 
 }  // namespace tactbench::bench

@@ -196,7 +196,8 @@ SafeProof prove(Rig& rig, const Baseline& baseline) {
   const char* head = verified                                ? "vented, verified"
                      : proof.state == db::SafeState::kFailed ? "NOT SAFE: pressure remains"
                                                              : "vent NOT verified";
-  const std::string order = ordered ? "" : "the module did not take the order: " + when_module_is_lost(config) + "; ";
+  const std::string order =
+      ordered ? "" : "the pressure source did not take the order: " + when_source_is_lost(config) + "; ";
   proof.text = fmt::format("{} ({}", head, order);
   proof.text.add(told) += ")";
   if (!verified) proof.text += "; read a hand gauge before the chamber is opened";
@@ -211,10 +212,10 @@ void hear_module(Rig& rig, SafeProof& proof) {
   if (zero_volt_vents(config)) return;
   try {
     rig.source().keep_alive();
-    proof.text += "; once the module is no longer written to: " + when_module_is_lost(config);
+    proof.text += "; once it is no longer written to: " + when_source_is_lost(config);
   } catch (const std::exception&) {
     proof.state = db::SafeState::kUnverified;
-    proof.text += "; NOT verified: the module was lost: " + when_module_is_lost(config);
+    proof.text += "; NOT verified: the pressure source was lost: " + when_source_is_lost(config);
   }
 }
 

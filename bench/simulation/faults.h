@@ -16,7 +16,7 @@
 
 namespace tactbench::bench {
 
-enum class Instrument { kModule, kStage, kForce, kScanner };
+enum class Instrument { kModule, kController, kStage, kForce, kScanner };
 
 // Thread-safe; makes no calls outside.
 class Faults {

@@ -39,7 +39,7 @@ void wire_module(SimulatedUnit& unit, const ModuleConfig& module, const BenchCon
 
 SimulatedLines::SimulatedLines(BenchConfig& config, Plant& plant, const devices::Clock& clock) {
   Line shared;
-  wire_module(shared.unit(config.module.endpoint), config.module, config);
+  if (config.module.present()) wire_module(shared.unit(config.module.endpoint), config.module, config);
   std::vector<Line> others;
   const auto line_of = [&](bool own) -> Line& { return own ? others.emplace_back() : shared; };
   if (config.input_module) {
@@ -61,7 +61,7 @@ SimulatedLines::SimulatedLines(BenchConfig& config, Plant& plant, const devices:
   }
   devices::SimulatedModuleFaults faults = config.simulation->module_faults;
   faults.inject = [&plant] { return plant.injected(Instrument::kModule); };
-  serve(std::move(shared.units), shared.endpoints, plant, clock, faults);
+  if (!shared.units.empty()) serve(std::move(shared.units), shared.endpoints, plant, clock, faults);
   for (Line& line : others) serve(std::move(line.units), line.endpoints, plant, clock, {});
 }
 

@@ -45,6 +45,7 @@ SimulatedRig::SimulatedRig(BenchConfig& config, const devices::Clock& clock, boo
   lines_ = std::make_unique<SimulatedLines>(config, plant_, clock_);
   if (free_running_) lines_->serve_waveshare(plant_, clock_);
   for (const std::string& line : lines_->descriptions()) served_.push_back({"pressure and environment", line});
+  serve_pressure(config);
   serve_scanner(config);
   if (config.stage) serve_stage(config);
   if (config.force) serve_force(config);
@@ -56,12 +57,23 @@ SimulatedRig::~SimulatedRig() {
   digital_ft_.reset();
   plant_.forget_stage();
   chain_.reset();
+  pressure_ends_.clear();
   scanner_.reset();
   frame_source_.reset();
 }
 
 devices::FaultInjector SimulatedRig::injector_of(Instrument instrument) {
   return [this, instrument] { return plant_.injected(instrument); };
+}
+
+// Free-running: of all kinds, on the same plant; whoever writes last drives it.
+void SimulatedRig::serve_pressure(BenchConfig& config) {
+  for (const RegulatorKind kind : {RegulatorKind::kModule, RegulatorKind::kSerial}) {
+    const auto serve = pressure_kind(kind).serve;
+    if (serve == nullptr || (kind != config.regulator_kind && !free_running_)) continue;
+    pressure_ends_.push_back(serve(config, plant_, injector_of(Instrument::kController)));
+    served_.push_back({pressure_ends_.back().what, pressure_ends_.back().where});
+  }
 }
 
 void SimulatedRig::serve_scanner(BenchConfig& config) {

@@ -8,6 +8,7 @@
 
 #include "bench/common/private_files.h"
 #include "bench/config/config.h"
+#include "bench/pressure/pressure_kinds.h"
 #include "bench/simulation/passing_names.h"
 #include "bench/simulation/plant.h"
 #include "bench/simulation/simulated_lines.h"
@@ -39,6 +40,7 @@ class SimulatedRig {
 
  private:
   devices::FaultInjector injector_of(Instrument instrument);
+  void serve_pressure(BenchConfig& config);
   void serve_scanner(BenchConfig& config);
   void serve_stage(BenchConfig& config);
   void serve_force(BenchConfig& config);
@@ -49,6 +51,7 @@ class SimulatedRig {
   std::vector<Served> served_;
   PassingNames passing_names_;
   std::unique_ptr<SimulatedLines> lines_;
+  std::vector<PressureEnd> pressure_ends_;
   std::unique_ptr<devices::SimulatedScanner> scanner_;
   std::unique_ptr<devices::SimulatedFrameSource> frame_source_;
   std::unique_ptr<devices::SimulatedChain> chain_;

@@ -36,9 +36,16 @@ PressureReading ModuleTransducer::read() {
   return {options_.span.pressure(voltage), voltage, module_.input(options_.channel).counts, module_.image_time()};
 }
 
-Identity ModuleTransducer::identity() const {
-  return {"pressure reference", options_.model, options_.serial, "", options_.origin};
+namespace {
+template <class Options>
+Identity reference_identity(const Options& options) {
+  return {"pressure reference", options.model, options.serial, "", options.origin};
 }
+}  // namespace
+
+Identity ModuleTransducer::identity() const { return reference_identity(options_); }
+Identity ModbusGauge::identity() const { return reference_identity(options_); }
+Identity FeedbackReference::identity() const { return reference_identity(options_); }
 
 RegisterValue read_quantity(ModbusLink& link, const ModbusQuantity& quantity) {
   std::array<std::uint16_t, 2> words{};
@@ -64,10 +71,6 @@ PressureReading ModbusGauge::read() {
   const Nanoseconds time = clock_.now();
   const RegisterValue value = read_quantity(*link_, options_.quantity);
   return {Psi(value.value), Volts(0.0), value.counts, time};
-}
-
-Identity ModbusGauge::identity() const {
-  return {"pressure reference", options_.model, options_.serial, "", options_.origin};
 }
 
 Psi PressureCorrection::corrected(Psi reading) const {

@@ -1,5 +1,5 @@
-// Pressure references: a transducer on an input of an analog module, a digital gauge over Modbus, and either of them
-// with the corrections of its certificate. Not verified on hardware.
+// Pressure references: a transducer on an input of an analog module, a digital gauge over Modbus, the pressure source's
+// own transducer, and each of them with the corrections of its certificate. Not verified on hardware.
 #pragma once
 
 #include <memory>
@@ -38,6 +38,19 @@ class ModbusGauge final : public PressureReference {
   std::unique_ptr<ModbusLink> link_;
   GaugeOptions options_;
   Clock& clock_;
+};
+
+// The source's own transducer, where there is no independent one.
+class FeedbackReference final : public PressureReference {
+ public:
+  FeedbackReference(PressureSource& source, TransducerOptions options)
+      : source_(source), options_(std::move(options)) {}
+  [[nodiscard]] PressureReading read() override { return source_.feedback(); }
+  [[nodiscard]] Identity identity() const override;
+
+ private:
+  PressureSource& source_;
+  TransducerOptions options_;
 };
 
 class CorrectedReference final : public PressureReference {

@@ -23,23 +23,26 @@ namespace tactbench::tests {
 
 class HostedRig {
  public:
-  // The shipped simulated bench, without the lines that begin with one of `left_out`.
+  // A shipped simulated bench, without the lines that begin with one of `left_out`.
   explicit HostedRig(const std::vector<sequences::Override>& overrides = {},
-                     const std::vector<std::string>& left_out = {})
-      : text_(text_without(left_out)),
-        config_(bench::parse_bench(text_, "simulated.toml", with_room(overrides))),
+                     const std::vector<std::string>& left_out = {}, const std::string& shipped = "simulated.toml")
+      : text_(text_without(left_out, shipped)),
+        config_(bench::parse_bench(text_, "simulated.toml", with_room(overrides, shipped))),
         rig_(config_, clock_, true) {
     const bench::TripFile trip(config_.id);  // of the test before
     std::filesystem::remove(trip.path());
     std::filesystem::remove(trip.dead_man_path());
     auto document = sequences::TomlDocument::from_text(text_, "simulated.toml");
-    for (const sequences::Override& one : with_room(overrides)) {
+    for (const sequences::Override& one : with_room(overrides, shipped)) {
       if (!one.key.starts_with("simulation.")) document.set(one);
     }
     const auto quoted = [](const std::string& text) { return fmt::format("\"{}\"", text); };
     document.remove("simulation");
     document.set({"bench.simulator", quoted("external")});
-    if (const auto& endpoint = config_.module.endpoint; endpoint.serial_port.empty()) {
+    if (config_.regulator_kind == bench::RegulatorKind::kSerial) {
+      document.set({"regulator.port", quoted(config_.controller_address.port)});
+      document.set({"reference.gauge.port", fmt::format("{}", config_.reference_gauge->endpoint.port)});
+    } else if (const auto& endpoint = config_.module.endpoint; endpoint.serial_port.empty()) {
       document.set({"module.port", fmt::format("{}", endpoint.port)});
     } else {
       document.set({"module.serial_port", quoted(endpoint.serial_port)});
@@ -73,13 +76,14 @@ class HostedRig {
   TemporaryFolder folder;
 
  private:
-  static std::vector<sequences::Override> with_room(const std::vector<sequences::Override>& overrides) {
-    std::vector<sequences::Override> all = roomy_times(1.0);
+  static std::vector<sequences::Override> with_room(const std::vector<sequences::Override>& overrides,
+                                                    const std::string& shipped) {
+    std::vector<sequences::Override> all = roomy_times(1.0, shipped == "simulated-serial.toml");
     all.insert(all.end(), overrides.begin(), overrides.end());
     return all;
   }
-  static std::string text_without(const std::vector<std::string>& left_out) {
-    std::istringstream lines(read_file(bench::find_config("simulated.toml")));
+  static std::string text_without(const std::vector<std::string>& left_out, const std::string& shipped) {
+    std::istringstream lines(read_file(bench::find_config(shipped)));
     std::string text;
     for (std::string line; std::getline(lines, line);) {
       const bool out =

@@ -22,22 +22,28 @@ inline double roominess() {
 }
 
 // Of a bench whose process time runs `rate` times as fast as real time, as the bench file takes them.
-inline std::vector<sequences::Override> roomy_times(double rate) {
+inline std::vector<sequences::Override> roomy_times(double rate, bool serial_regulator = false) {
   const double room = roominess();
   const auto process = [&](double shipped, double most) {
     return fmt::format("{:.0f}", std::min(most, shipped * room * rate));
   };
   const auto real = [&](double shipped) { return fmt::format("{:.0f}", shipped * room); };
-  return {{"module.watchdog_ms", process(1000.0, 60000.0)},
-          {"limits.vent_timeout_s", process(20.0, 120.0)},
-          {"settling.timeout_s", process(20.0, 600.0)},
-          {"limits.stale_s", real(1.0)},  // which the bench stretches by the rate itself
-          {"dead_man.timeout_ms", real(400.0)},
-          {"dead_man.progress_ms", real(1500.0)},
-          {"module.response_timeout_ms", real(500.0)},
-          {"scanner.frame_timeout_ms", real(500.0)},
-          {"stage.reply_timeout_ms", fmt::format("{:.0f}", room > 1.0 ? 10000.0 : 300.0)},
-          {"force.reply_timeout_ms", real(500.0)}};
+  std::vector<sequences::Override> all = {
+      {"limits.vent_timeout_s", process(20.0, 120.0)},
+      {"settling.timeout_s", process(20.0, 600.0)},
+      {"limits.stale_s", real(1.0)},  // which the bench stretches by the rate itself
+      {"dead_man.timeout_ms", real(400.0)},
+      {"dead_man.progress_ms", real(1500.0)},
+      {"scanner.frame_timeout_ms", real(500.0)},
+      {"stage.reply_timeout_ms", fmt::format("{:.0f}", room > 1.0 ? 10000.0 : 300.0)},
+      {"force.reply_timeout_ms", real(500.0)}};
+  if (serial_regulator) {
+    all.push_back({"regulator.reply_timeout_ms", real(250.0)});
+  } else {
+    all.push_back({"module.watchdog_ms", process(1000.0, 60000.0)});
+    all.push_back({"module.response_timeout_ms", real(500.0)});
+  }
+  return all;
 }
 
 }  // namespace tactbench::tests

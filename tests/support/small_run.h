@@ -29,9 +29,10 @@ inline std::string press_text(int repeats) {
 }
 
 inline bench::RunRequest small_request(const std::vector<sequences::Override>& bench_overrides = {},
-                                       bench::SeedOptions seeds = {}) {
+                                       bench::SeedOptions seeds = {},
+                                       const std::string& bench_file = "simulated.toml") {
   bench::RunRequest request;
-  request.bench = bench::read_bench(bench::find_config("simulated.toml"), bench_overrides, seeds);
+  request.bench = bench::read_bench(bench::find_config(bench_file), bench_overrides, seeds);
   request.recipes = {small_recipe()};
   request.overrides = bench_overrides;
   const bench::SensorType type = bench::read_sensor_type(bench::find_config("sensor.toml"));

@@ -41,7 +41,13 @@ std::string client_bench(const SimulateOptions& options, const BenchConfig& conf
       document.set({table + ".serial_port", quoted(endpoint.serial_port)});
     }
   };
-  set_endpoint("module", config.module.endpoint);
+  if (config.module.present()) set_endpoint("module", config.module.endpoint);
+  if (config.reference_gauge && config.reference_gauge->own_line) {
+    set_endpoint("reference.gauge", config.reference_gauge->endpoint);
+  }
+  if (config.regulator_kind == RegulatorKind::kSerial) {
+    document.set({"regulator.port", quoted(config.controller_address.port)});
+  }
   if (config.scanner_kind == ScannerKind::kFrameSource) {
     document.set({"scanner.address", quoted(config.frame_source.address)});
   } else {

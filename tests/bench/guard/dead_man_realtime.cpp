@@ -233,6 +233,22 @@ TEST_CASE("dead-man: reaches a serial module whose line the sequencer still hold
   CHECK(record_of(rig.config())["ended"] == "safe, verified");
 }
 
+TEST_CASE("dead-man: vents a serial pressure controller whose line a killed or stopped sequencer still holds") {
+  const int signal = GENERATE(SIGKILL, SIGSTOP);
+  HostedRig hosted({}, {}, "simulated-serial.toml");
+  const BenchConfig config = hosted.client();
+  const auto run = run_to_60_psi(hosted);
+  REQUIRE(HostedRig::seconds_until([&] { return hosted.psi() > 59.5; }, 40.0) < 40.0);
+  run->signal(signal);
+  const double safe = HostedRig::seconds_until([&] { return hosted.psi() < 1.0; }, kSafeWithin);
+  figure(signal == SIGKILL ? "serial_safe_after_kill_at_60_psi" : "serial_safe_after_stop_at_60_psi", safe);
+  CHECK(safe < kSafeWithin);
+  CHECK(record_of(config)["ended"] == "safe, verified");
+  run->signal(SIGCONT);
+  CHECK(run->wait() == (signal == SIGKILL ? -SIGKILL : 4));
+  CHECK(hosted.psi() < 1.0);
+}
+
 TEST_CASE("dead-man: a module that does not answer is named before the dead-man is started") {
   HostedRig hosted;
   BenchConfig config = hosted.client();

@@ -94,11 +94,11 @@ TEST_CASE("fail-safe layers: what 0 V and a dead supply mean is computed from th
   set(config.regulator.command_span, -10, 10, 0, 130.5);
   CHECK(warnings(config) == 1);
   CHECK(told("65.2") == 2);  // without power, and with a silent bus
-  CHECK_THAT(when_module_is_lost(config), Catch::Contains("1000 ms") && Catch::Contains("65.2 psi"));
+  CHECK_THAT(when_source_is_lost(config), Catch::Contains("1000 ms") && Catch::Contains("65.2 psi"));
   config.regulator.relief = "RV-1";
-  CHECK_THAT(when_module_is_lost(config), Catch::Contains("RV-1"));
+  CHECK_THAT(when_source_is_lost(config), Catch::Contains("RV-1"));
   config.watchdog_s = 0.0;
-  CHECK_THAT(when_module_is_lost(config), Catch::Contains("RV-1") && !Catch::Contains("watchdog"));
+  CHECK_THAT(when_source_is_lost(config), Catch::Contains("RV-1") && !Catch::Contains("watchdog"));
 }
 
 TEST_CASE("shared lines: neither side keeps a line to itself, and the dead-man takes no lock") {
@@ -114,8 +114,10 @@ TEST_CASE("shared lines: neither side keeps a line to itself, and the dead-man t
   for (devices::ModbusEndpoint* endpoint : endpoints()) endpoint->exclusive = endpoint->lock = true;
   share_lines(config, false);
   for (const devices::ModbusEndpoint* endpoint : endpoints()) CHECK((!endpoint->exclusive && endpoint->lock));
+  CHECK((!config.controller_address.exclusive && config.controller_address.lock));
   share_lines(config, true);
   for (const devices::ModbusEndpoint* endpoint : endpoints()) CHECK((!endpoint->exclusive && !endpoint->lock));
+  CHECK((!config.controller_address.exclusive && !config.controller_address.lock));
 }
 
 TEST_CASE("unloaded frame: the mean of all scans of each taxel") {

@@ -172,6 +172,11 @@ TEST_CASE("faults: each kind maps to a defect of one instrument") {
                                                   {K::kModuleException, I::kModule, T::kRefused},
                                                   {K::kModuleBusy, I::kModule, T::kBusy},
                                                   {K::kModuleUnplugged, I::kModule, T::kUnplugged},
+                                                  {K::kControllerSilent, I::kController, T::kSilent},
+                                                  {K::kControllerLate, I::kController, T::kLate},
+                                                  {K::kControllerCorrupt, I::kController, T::kCorrupt},
+                                                  {K::kControllerRefused, I::kController, T::kRefused},
+                                                  {K::kControllerUnplugged, I::kController, T::kUnplugged},
                                                   {K::kStageSilent, I::kStage, T::kSilent},
                                                   {K::kStageLate, I::kStage, T::kLate},
                                                   {K::kStageCorrupt, I::kStage, T::kCorrupt},
@@ -187,11 +192,12 @@ TEST_CASE("faults: each kind maps to a defect of one instrument") {
                                                   {K::kScannerUnplugged, I::kScanner, T::kUnplugged}};
   for (const auto& [kind, instrument, trouble] : table) {
     INFO(fault_words()[static_cast<std::size_t>(kind)]);
-    for (const I asked : {I::kModule, I::kStage, I::kForce, I::kScanner})
+    for (const I asked : {I::kModule, I::kController, I::kStage, I::kForce, I::kScanner})
       CHECK(met(kind, asked) == (asked == instrument ? trouble : T::kNone));
   }
   for (const K other : {K::kLeak, K::kRowStuck, K::kStageStalled}) {
-    for (const I asked : {I::kModule, I::kStage, I::kForce, I::kScanner}) CHECK(met(other, asked) == T::kNone);
+    for (const I asked : {I::kModule, I::kController, I::kStage, I::kForce, I::kScanner})
+      CHECK(met(other, asked) == T::kNone);
   }
 }
 

@@ -43,8 +43,8 @@ TEST_CASE("simulated rig: each instrument of the bench is served at a place of i
   const ServedEnds shipped = served_by({}, false);
   CHECK((shipped.ends == 5 && shipped.passing >= 4));
   CHECK(served_by({{"scanner.kind", "frame-source"}, {"force.kind", "digital"}}, false).ends == 4);
-  // A second line of modules, the other scanner and the other force sensor beside them.
-  CHECK(served_by({}, true).ends == 8);
+  // A second line of modules, a pressure controller, the other scanner and the other force sensor beside them.
+  CHECK(served_by({}, true).ends == 9);
 }
 
 TEST_CASE("simulated rig: a process that is killed leaves no folder for long") {

@@ -237,8 +237,12 @@ const bool registered = [] {
     wire(name, [=](benchmark::State& state) { on_rig(state, overrides, prepare); });
   };
   wire("echo", echo);
-  plain("modbus_tcp_read",
-        [](Rig& rig) -> Exchange { return [&rig] { rig.module().refresh(devices::Nanoseconds(-1)); }; });
+  plain("modbus_tcp_read", [](Rig& rig) -> Exchange {
+    const ModuleConfig& module = rig.config().module;
+    auto own = std::make_shared<devices::AnalogModule>(module.profile, module.endpoint, devices::Nanoseconds(0),
+                                                       rig.clock(), devices::Origin::kSimulated);
+    return [own] { own->refresh(devices::Nanoseconds(-1)); };
+  });
   plain("modbus_tcp_command",
         [](Rig& rig) -> Exchange { return [&rig] { (void)rig.source().command(devices::Psi(0.0)); }; });
   plain("hid_scan_256_taxels", [](Rig& rig) -> Exchange { return [&rig] { (void)rig.array().read(1); }; });

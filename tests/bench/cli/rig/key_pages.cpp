@@ -46,7 +46,7 @@ TEST_CASE("each row of a table of keys has a type, a unit and a meaning, and eac
 TEST_CASE("each shipped file is read, and of a bench file each value that is read is a row") {
   std::set<std::string> rows;
   for (const sequences::KeyFacts& row : bench::bench_keys()) rows.insert(without_numbers(row.key));
-  for (const char* name : {"simulated.toml", "paper-rig.example.toml"})
+  for (const char* name : {"simulated.toml", "simulated-serial.toml", "paper-rig.example.toml"})
     for (const sequences::Setting& setting : bench::read_bench(bench::find_config(name), {}).settings) {
       INFO(setting.key);
       CHECK(rows.contains(without_numbers(setting.key)));
@@ -78,7 +78,7 @@ TEST_CASE("a file with the meanings of its keys holds each meaning once and keep
     REQUIRE(row != keys.end());
     CHECK(text.find("# " + row->meaning.substr(0, 40)) != std::string::npos);
   }
-  for (const char* name : {"simulated.toml", "paper-rig.example.toml"}) {
+  for (const char* name : {"simulated.toml", "simulated-serial.toml", "paper-rig.example.toml"}) {
     const std::string shipped = read_file(bench::find_config(name));
     CHECK(values_of(bench::with_meanings(shipped, keys)) == values_of(shipped));
   }

@@ -88,6 +88,19 @@ TEST_CASE("simulate: modules on a serial line, on a bench without stage and forc
   CHECK(served.value("force", "port") == "none");
 }
 
+TEST_CASE("simulate: a serial pressure controller is connected by its terminal, and offered on every bench") {
+  const ServedOnce served({"--bench", "simulated-serial.toml"});
+  CHECK(served.value("regulator", "kind") == "'serial'");
+  CHECK(served.value("regulator", "port") == "'" + served.where("pressure controller") + "'");
+  CHECK(served.value("module", "port") == "none");
+  const std::string gauge = served.where("pressure and environment");  // "Modbus TCP 127.0.0.1:40001, unit 5: ..."
+  const std::size_t port = gauge.find(':') + 1;
+  CHECK_THAT(served.bench, Catch::Contains("port = " + gauge.substr(port, gauge.find(',') - port) + "\n"));
+  const ServedOnce usual;
+  CHECK(usual.where("pressure controller").starts_with("/dev/pts/"));
+  CHECK(usual.value("regulator", "port") == "none");
+}
+
 TEST_CASE("simulate: a bench file that names no host gets the one that is served") {
   const TemporaryFolder folder;
   write_file(folder.path("least.toml"),
@@ -102,8 +115,8 @@ TEST_CASE("simulate: as JSON, without a bench file, and what cannot be simulated
   const TemporaryFolder folder;
   const auto told = nlohmann::ordered_json::parse(call(folder, {"simulate", "--for", "0.1", "--json"}).out);
   check_members(told, R"({"schema": "tactbench.simulate", "rate": 1.0, "bench": ""})");
-  REQUIRE(told.at("served").size() == 8);
-  CHECK_THAT(told.at("served").at(4).at("where").get<std::string>(), Catch::StartsWith("/dev/"));
+  REQUIRE(told.at("served").size() == 9);
+  CHECK_THAT(told.at("served").at(5).at("where").get<std::string>(), Catch::StartsWith("/dev/"));
   const Finished hardware = call(folder, {"simulate", "--for", "0.1", "--bench", "paper-rig.example.toml"});
   CHECK(hardware.code == 2);
   CHECK(hardware.out.empty());

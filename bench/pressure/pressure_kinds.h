@@ -1,0 +1,44 @@
+// The registry of pressure sources: what [regulator] kind = "..." names, one row a kind. A further kind is a driver,
+// its codec and its simulated end in devices/pressure, its keys in a row of bench/config/config_pressure.cpp, and a row
+// here.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "analysis/pressure_unit.h"
+#include "bench/config/config.h"
+#include "devices/fault_injection.h"
+#include "devices/pressure/chamber_port.h"
+#include "devices/pressure/pressure_source.h"
+
+namespace tactbench::devices {
+class AnalogModule;
+}  // namespace tactbench::devices
+
+namespace tactbench::bench {
+
+struct PressureEnd {             // a simulated end other than a module's
+  std::shared_ptr<void> server;  // serves as long as it is held
+  std::string what, where;       // "pressure controller, ASCII lines", "/dev/pts/3"
+};
+
+struct PressureKind {
+  // `output` and `input` are the modules of the bench; null: none. Talks to nothing yet. Throws Fault.
+  std::unique_ptr<devices::PressureSource> (*make)(const BenchConfig& config, devices::AnalogModule* output,
+                                                   devices::AnalogModule* input, devices::Clock& clock);
+  // Serves it and writes where into `config`; null: the modules are its simulated end. Throws Fault TB-SIM-LISTEN.
+  PressureEnd (*serve)(BenchConfig& config, devices::ChamberPort& chamber, devices::FaultInjector inject);
+  double (*highest_psi)(const BenchConfig& config);  // that it can be set to
+  double (*step_psi)(const BenchConfig& config);     // between two neighbouring set-points
+  // What makes the chamber safe without the program, and what does not, one line a layer, fastest first.
+  std::vector<std::string> (*layers)(const BenchConfig& config, analysis::PressureUnit unit);
+  // What becomes of the set-point when nothing reaches it any more: "its watchdog (1000 ms) sets 0 V, ...".
+  std::string (*when_lost)(const BenchConfig& config, analysis::PressureUnit unit);
+};
+
+const PressureKind& pressure_kind(RegulatorKind kind);
+inline const PressureKind& pressure_kind(const BenchConfig& config) { return pressure_kind(config.regulator_kind); }
+
+}  // namespace tactbench::bench
