@@ -24,6 +24,7 @@ namespace {
 
 constexpr double kPatience_s = 30.0;  // of process time, after the end of the run
 constexpr int kRepeats = 2;
+const std::string kSerialBench = "simulated-serial.toml";
 constexpr int kHeldUp = 2;  // times that a run may end by a time-out before its fault strikes, and is done anew
 
 const std::string kLevels = R"(unit = "psi"
@@ -43,13 +44,17 @@ branch = 1
 const std::string kPress = press_text(2) + "[retry]\nbranch = 1\n";
 
 // Lost replies cost real time. A busy machine may need longer for an answer, though seldom: see kHeldUp.
-const std::vector<sequences::Override> kImpatient = {{"module.response_timeout_ms", "100"},
-                                                     {"scanner.frame_timeout_ms", "100"},
-                                                     {"force.reply_timeout_ms", "100"},
-                                                     {"stage.reply_timeout_ms", "100"}};
+std::vector<sequences::Override> impatient(const std::string& bench_file) {
+  std::vector<sequences::Override> all = {
+      {"scanner.frame_timeout_ms", "100"}, {"force.reply_timeout_ms", "100"}, {"stage.reply_timeout_ms", "100"}};
+  const bool serial = bench_file == kSerialBench;
+  all.push_back({serial ? "regulator.reply_timeout_ms" : "module.response_timeout_ms", "100"});
+  return all;
+}
 
-bench::RunRequest request_for(Bench bench, const std::vector<sequences::Override>& overrides = {}) {
-  bench::RunRequest request = small_request(overrides);
+bench::RunRequest request_for(Bench bench, const std::string& bench_file,
+                              const std::vector<sequences::Override>& overrides) {
+  bench::RunRequest request = small_request(overrides, {}, bench_file);
   request.recipes = {recipe_of(bench == Bench::kChamber ? kLevels : kPress)};
   request.assume_yes = true;
   return request;
@@ -225,8 +230,9 @@ std::string suffered(Bench bench, Point point, const Breakage& breakage, int hel
   const TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   std::vector<sequences::Override> settings = breakage.bench;
-  settings.insert(settings.end(), kImpatient.begin(), kImpatient.end());
-  bench::RunRequest request = request_for(bench, settings);
+  const std::vector<sequences::Override> times = impatient(breakage.bench_file);
+  settings.insert(settings.end(), times.begin(), times.end());
+  bench::RunRequest request = request_for(bench, breakage.bench_file, settings);
   Fate fate(point, breakage, request, store.path());
   const bench::RunResult result = run_small(request, store);
   INFO((result.error ? result.error->id() + ": " + result.error->what() : std::string("completed"))
@@ -249,7 +255,7 @@ std::string suffered(Bench bench, Point point, const Breakage& breakage, int hel
     check_complete(store, result.run);
     return text_of(result, "");
   }
-  bench::RunRequest again = request_for(bench, breakage.bench);
+  bench::RunRequest again = request_for(bench, breakage.bench_file, breakage.bench);
   again.resume = result.run;
   const bench::RunResult resumed = run_small(again, store);
   INFO("resumed: " << (resumed.error ? resumed.error->id() + ": " + resumed.error->what() : std::string("completed")));
@@ -261,6 +267,11 @@ std::string suffered(Bench bench, Point point, const Breakage& breakage, int hel
 }
 
 }  // namespace
+
+Breakage on_serial_bench(Breakage breakage) {
+  breakage.bench_file = kSerialBench;
+  return breakage;
+}
 
 std::string cell_of(Bench bench, Point point, const Breakage& breakage) {
   INFO(breakage.name << ", " << word_of(point));

@@ -45,6 +45,7 @@ struct Breakage {
   std::function<void()> mend = [] {};  // before the run is resumed; the plant of the resumed run is whole anyway
   // The plant may stay loaded for good, because no way leads to the actuator; then the run has to say so.
   bool beyond_reach = false;
+  std::string bench_file = "simulated.toml";
   // No step may begin while it holds, and the next one begins from the safe state. Null: nothing of the kind.
   std::function<bool()> holds = nullptr;
   // The store cannot be written until mended: the row is closed by the next start.
@@ -69,6 +70,9 @@ std::string cell_of(Bench bench, Point point, const Breakage& breakage);
 // All points of the bench, or only these. Writes the row for the table and compares it with the one in
 // tests/faults/README.md.
 void check_row(Bench bench, const Breakage& breakage, const std::vector<Point>& only = {});
+// The same on the bench with a pressure controller on a serial line.
+Breakage on_serial_bench(Breakage breakage);
+
 // A row whose cells were made otherwise.
 void check_row(const std::string& table, const std::string& name, const std::vector<std::string>& cells);
 
