@@ -1,4 +1,4 @@
-// A number with its noun: "1 frame", "2 frames".
+// Formats a number with its noun in singular or plural: "1 frame", "2 frames".
 #pragma once
 
 #include <concepts>

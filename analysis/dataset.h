@@ -1,5 +1,5 @@
-// Stored run -> aligned arrays. Every analysis starts from a Dataset: per sequence and repeat the measured pressures
-// and the output voltages of all taxels, in step order, without void branches.
+// Aligned arrays from a stored run. Every analysis starts from a Dataset: per sequence and repeat the measured
+// pressures and the output voltages of all taxels, in step order, without void branches.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@ struct Sample {
   double held_s = 0.0;         // since the set-point was commanded
 };
 
-// What lies between two samples in time order: time that no command accounts for was conditioning over the whole range,
-// which ended at rest at the lowest pressure.
+// Time between two successive samples: time that no command accounts for was conditioning over the whole range, which
+// ended at rest at the lowest pressure.
 struct TimePassed {
   double worked_s = 0.0, step_s = 0.0;  // conditioning; since the set-point was commanded, or since the sample before
 };

@@ -1,4 +1,4 @@
-// The error type of this room: a stable identifier, the fault and its place, and how to correct it.
+// The error type of analysis/: a stable identifier, the fault and its place, and how to correct it.
 #pragma once
 
 #include <cstddef>

@@ -23,7 +23,7 @@ class PressureUnit {
   [[nodiscard]] double per(double per_psi) const;  // a figure per psi as one per this unit
   // The decimals that resolve about as much as `in_psi` decimals of psi.
   [[nodiscard]] int digits(int in_psi) const;
-  // The unit that stands behind in brackets: psi; of psi itself kPa.
+  // The second unit, shown in brackets: psi; for psi itself kPa.
   [[nodiscard]] PressureUnit beside() const;
 
   // Without a sign for zero; "not available" when not finite. `digits`: those of psi.
@@ -64,7 +64,7 @@ class PressureText {
   std::vector<Pressure> pressures_;
 };
 
-// What the report and the glossary say once.
+// A sentence for report and glossary.
 inline constexpr const char* kGaugeInWords =
     "All pressures are gauge pressures: the excess over the pressure of the surrounding air.";
 

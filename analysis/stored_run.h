@@ -1,5 +1,5 @@
-// What the store holds of one run, read in one go: what a Dataset, its presses, its history and the rig's figures are
-// made of.
+// All rows that the store holds of one run, read at once: input of a Dataset, its presses, its event log and the rig's
+// figures.
 #pragma once
 
 #include <vector>

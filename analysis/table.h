@@ -38,7 +38,7 @@ struct TableSeries {
   std::vector<std::uint32_t> lines{};  // of the table; empty: of none
 };
 
-// Samples whose input or output no sensor can have between its neighbours, which are alike. One a row of the table.
+// Samples whose input or output is implausible between its neighbours, which agree. At most one per row of the table.
 struct WildSample {
   std::size_t place = 0;  // in the series
   bool input = false;
@@ -79,7 +79,7 @@ class TableReader {
     std::string sequence;
     int taxel = 0;
     double input = 0.0;           // 0 where not asked for
-    std::vector<double> outputs;  // one a column
+    std::vector<double> outputs;  // one per column
     // Where outputs alone are asked for: why some are nan, or all, since the row is too short or tells no taxel; its
     // text is filled up, and `outputs` is empty.
     std::string bad;
@@ -105,7 +105,7 @@ class TableReader {
   [[nodiscard]] std::size_t outputs() const { return outputs_.size(); }  // columns
   [[nodiscard]] const SkippedRows& skipped() const { return skipped_; }
   void check_skipped() const;  // throws TB-TABLE-SKIPPED
-  // What was taken for granted in what was read so far, a line each: separators, decimal commas, names, units.
+  // Assumptions made in what was read so far, one line each: separators, decimal commas, names, units.
   [[nodiscard]] std::vector<std::string> assumed() const;
 
  private:

@@ -1,4 +1,4 @@
-// One line of a text table -> its fields, and a field -> its number.
+// Splits one line of a text table into fields, and converts a field to a number.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// How many columns of a terminal a text takes, and its part that fits.
+// Number of terminal columns that a text takes, and the part of it that fits.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// How far the work at hand is, for whoever shows progress: work is counted where it is split into many equal pieces
-// (workers.h, rows of a table). One count for the program; what counts asks nobody and waits for nobody.
+// Counts how far the current work is, for progress display: work is counted where it is split into many equal pieces
+// (workers.h, rows of a table). One count per program; counting never blocks.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +12,8 @@ struct WorkNow {
 };
 WorkNow work_now();  // from any thread
 
-// Counts `count` pieces while it lives. Within another one, on whatever thread, it counts nothing: its pieces are part
-// of a piece.
+// Counts `count` pieces during its lifetime. Nested in another one, on any thread, it counts nothing: its pieces are
+// part of one piece.
 class Work {
  public:
   explicit Work(std::size_t count);

@@ -1,4 +1,4 @@
-// Splits independent pieces of work over threads; what each piece computes does not depend on how many there are.
+// Distributes independent pieces of work over threads; the result of each piece does not depend on their number.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// What a run measured, apart from who carried it out.
+// Hash of a run's measured frames, independent of the program, commit and build that took them.
 #pragma once
 
 #include <cstdint>

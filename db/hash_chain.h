@@ -45,7 +45,7 @@ class HashChain {
   [[nodiscard]] Digest header(const RunRecord& run);
   [[nodiscard]] Digest frame(const Digest& before, const BranchRecord& branch, const FrameRecord& frame);
   [[nodiscard]] Digest close(const Digest& before, std::int64_t frames, const RunEnd& run_end);
-  // Digests of the rows stored beside the content (seals.cpp).
+  // Digests of the rows stored next to the content (seals.cpp).
   [[nodiscard]] Digest fits(const std::vector<FitRecord>& fits);
   [[nodiscard]] Digest verdicts(const std::vector<VerdictRecord>& verdicts);
   [[nodiscard]] Digest approvals(const std::vector<ReportRecord>& reports);

@@ -169,8 +169,8 @@ struct EventRecord {
   std::string detail;
 };
 
-// What was identified from one run: all taxels of a sensor, or their mean. All of it is in the document; model, stands
-// and fitted are taken from it.
+// A fit of one run: the models of all taxels of a sensor, or of their mean. The document holds all of it; model, stands
+// and fitted are copied from it.
 struct FitRecord {
   std::int64_t fit = 0;
   std::int64_t run = 0;
@@ -225,7 +225,7 @@ struct ReportRecord {
   std::string replaces;  // number of the previously approved one; empty: none
   std::string reason;    // what changed and why; empty: replaces none
   // The runs that it rests on: its own first, those that its models and verdicts are from, those that it was given. A
-  // copy of the store numbers runs anew; their content stays.
+  // copy of the store gives runs new numbers; their content stays.
   struct Evidence {
     std::int64_t run = 0;
     std::string content_sha256;

@@ -1,5 +1,5 @@
-// One run that another process may be writing, looked at again and again: its frames behind a place, over a read-only
-// connection that stays open. For who follows a run for hours.
+// Reads the frames of one run that another process may still be writing, repeatedly and from a given position on, over
+// a read-only connection that stays open. For readers that follow a run for hours, such as the page.
 #pragma once
 
 #include <cstdint>
@@ -35,8 +35,8 @@ class RunLook {
   RunLook& operator=(RunLook&&) noexcept;
   ~RunLook();
   [[nodiscard]] std::int64_t run() const { return run_; }
-  // Oldest first, those behind `position` (0: from the first), at most `most`. One is in memory at a time. They wait
-  // for nobody and throw StoreError, also for a frame whose counts do not fit its shape.
+  // The frames after `position` (0: from the first), oldest first, at most `most`; one is in memory at a time. Does not
+  // wait for the writer. Throws StoreError, also for a frame whose counts do not fit its shape.
   void frames_after(std::int64_t position, int most, const std::function<void(const SeenFrame&)>& see);
   std::optional<SeenFrame> newest();
   // Position of the frame before the newest `most`; 0: there are no more than these.

@@ -32,7 +32,7 @@ class StoreError : public std::runtime_error {
 
 enum class Durability {
   kFull,    // synchronous=FULL: survives a power failure; on hardware
-  kNormal,  // survives the process's death; under the turned clock
+  kNormal,  // survives the process's death; under the manual clock
 };
 
 inline constexpr int kSchemaVersion = 1;
@@ -63,7 +63,7 @@ struct ContentCheck {
 
 // Schema version of the file, which is neither opened for writing nor migrated. TB-STORE-OPEN when it is not a store.
 int schema_version_of(const std::string& path);
-// Name of the backup made when an older store is opened: beside it, first free name ("runs.db.schema-2.backup").
+// Name of the backup made when an older store is opened: next to it, first free name ("runs.db.schema-2.backup").
 std::string backup_path(const std::string& path, int version);
 
 struct RunFilter {
@@ -74,7 +74,7 @@ class RunStore {
  public:
   // Opens or creates `path`; refuses the store of a build with another schema (TB-STORE-OTHER-SCHEMA), a file that is
   // not a store, further tables, indexes, views or triggers in a store (TB-STORE-FOREIGN), and network file systems. An
-  // older schema is migrated to kSchemaVersion after a backup has been made beside it (backup_path).
+  // older schema is migrated to kSchemaVersion after a backup has been made next to it (backup_path).
   static RunStore open(const std::string& path, Durability durability = Durability::kFull);
   // Opens an existing file without ever writing to it. TB-STORE-OPEN when it does not exist. A store on a network file
   // system is read as it is, with a warning (tell_warnings_to); TB-STORE-NETWORK when it has a write-ahead log.
@@ -207,7 +207,7 @@ class RunStore {
   // figures of the subject, for runs of several origins, and for several runs that all repeat one, so that no figure
   // has a spread.
   std::int64_t add_baseline(const BaselineRecord& baseline);
-  // One that was accepted in another store, with the numbers of its runs here; judged there, and not again.
+  // Copies a baseline that was accepted in another store, with the numbers of its runs here; it is not judged again.
   // TB-STORE-CONFLICT when a run does not exist.
   std::int64_t take_baseline(const BaselineRecord& baseline);
   [[nodiscard]] std::vector<BaselineRecord> baselines() const;  // oldest first; of a subject the last one counts

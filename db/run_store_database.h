@@ -65,7 +65,7 @@ class RunStore::Database {
   sqlite::Connection connection;
   HashChain hasher;
   std::map<std::int64_t, OpenRun> open_runs;
-  BranchRecord last_branch;  // branch of the last frame; its run beside it
+  BranchRecord last_branch;  // branch of the last frame; its run next to it
   std::int64_t last_branch_run = 0;
   std::unique_ptr<sqlite::Statement> frame_statement, time_statement;
 };

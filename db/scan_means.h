@@ -1,5 +1,5 @@
-// The scans of one frame, and the samples among them that the frame's others contradict. Counts are scans x taxels,
-// scan slowest.
+// Mean of the scans of one frame without outliers: samples that the other scans of the frame contradict. Counts are
+// scans x taxels, scan slowest.
 #pragma once
 
 #include <cstddef>
@@ -19,16 +19,16 @@ struct Nearby {
   double one, other;
 };
 
-// What most samples of a taxel agree on, each within kOutlying; of two that differ the one that clearly is nearer to
-// the neighbouring frames, or, where there are none, the one that is not at an end of the converter. Not a number: none
-// is left out, since all agree, or none can be told.
+// The value that most samples of a taxel agree on, each within kOutlying; of two that differ the one that clearly is
+// nearer to the neighbouring frames, or, where there are none, the one that is not at an end of the converter. NaN: no
+// sample is left out, since all agree or the outlier cannot be identified.
 double agreed_count(std::span<const std::uint16_t> counts, std::size_t scans, std::size_t taxel, Nearby nearby);
 
-// A taxel's scans differ by more than kOutlying; any's do.
+// True when the scans of a taxel, or of any taxel, differ by more than kOutlying.
 bool disagree(std::span<const std::uint16_t> counts, std::size_t scans, std::size_t taxel);
 bool scans_disagree(std::span<const std::uint16_t> counts, std::size_t scans);
 
-// The mean of each taxel's scans, without outliers. `before`: those of the frame before; empty: there is none.
+// The mean of each taxel's scans, without outliers. `before`: the means of the previous frame; empty: there is none.
 std::vector<double> scan_means(std::span<const std::uint16_t> counts, std::size_t scans,
                                std::span<const double> before = {});
 

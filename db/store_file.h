@@ -1,4 +1,4 @@
-// Checks of a store's file before SQLite opens it: that it exists, is a store, and is on a local disk.
+// Checks of a store's file before SQLite opens it: it exists, is a store, and is on a local disk.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +15,8 @@ FileKind look_at_file(const std::string& path);
 
 // Throws TB-STORE-NETWORK with the reason: locks and shared memory of WAL do not work over a network.
 void refuse_network(const std::string& path);
-// For reading. True for a store on a network file system without a log, which can be read as it is; warns of it
-// (tell_warnings_to), once per store. With a log TB-STORE-NETWORK. False on a local disk.
+// For reading. True for a store on a network file system that has no write-ahead log, so that it can be read as it is;
+// warns once per store (tell_warnings_to). With a log throws TB-STORE-NETWORK. False on a local disk.
 bool lies_still_on_network(const std::string& path);
 
 // Who has locked the store for writing, as the kernel lists it: "python3 (pid 812)"; empty: not known. Opens no file of

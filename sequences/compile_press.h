@@ -1,4 +1,4 @@
-// Steps of a press recipe: positions x (up, down). Used by compile.cpp alone.
+// Compiles a press recipe into steps: for each position x (up, down). Used only by compile.cpp.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// Turning points drawn instead of listed, for recipes ([random]) and for studies that draw the same without a bench.
+// Randomly drawn turning points, for recipes ([random]) and for studies that draw the same points without a bench.
 #pragma once
 
 #include <cstdint>

@@ -16,8 +16,8 @@ namespace tactbench::sequences {
 
 enum class RecipeKind { kLevels, kPress };
 
-// Where frames are taken and `frames_per_level` of them are: kLevels: at each level, all; kTurns: all at the turning
-// points, one at the levels between; kHolds: at the turning points alone, all but for one at the lowest.
+// Where frames are taken. kLevels: `frames_per_level` at each level. kTurns: `frames_per_level` at the turning points,
+// one at each level between. kHolds: `frames_per_level` at the turning points only, but one at the lowest.
 enum class FramesAt { kLevels, kTurns, kHolds };
 
 // Cycles 0 -> peak -> 0 without frames: for levels before the first repeat, for press in the first repeat before the

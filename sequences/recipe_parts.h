@@ -1,4 +1,4 @@
-// The parts of a recipe file, one reader each. Used by recipe_*.cpp alone; all throw FileError.
+// Readers of the parts of a recipe file, one per part. Used only by recipe_*.cpp; all throw FileError.
 #pragma once
 
 #include <vector>

@@ -1,5 +1,5 @@
-// A taxel's stream: outputs in, inputs out, sample by sample, whatever the model. The direction comes from the output
-// itself, with a dead band that follows its noise [A13]. Standard library alone.
+// Streaming compensator of one taxel: outputs in, inputs out, sample by sample, for any model. The direction comes from
+// the output itself, with a dead band that follows its noise [A13]. Standard library only.
 #pragma once
 
 #include <memory>
@@ -35,8 +35,9 @@ class Compensator {
   // A sample was lost: the next one is taken as it comes, since the output may have gone anywhere meanwhile.
   virtual Compensated lost(double seconds) = 0;
   virtual void start(Start how) = 0;
-  // The input went over its whole range for so long, unseen, and came to rest at the lowest: conditioning. And: the
-  // load was taken off, and the film rested for so long. Lag and creep go on by it; rest() starts at rest.
+  // work(): for so long the input cycled over its whole range without being measured, and came to rest at the lowest:
+  // conditioning. rest(): the load was removed and the film rested for so long. Both advance lag and creep; rest()
+  // starts at rest.
   virtual void work(double seconds) = 0;
   virtual void rest(double seconds) = 0;
   // `output` is that of the unloaded taxel: it becomes its zero, and the taxel is at rest. False: it would move by more
@@ -80,7 +81,7 @@ struct CompensatorOptions {
 // beyond a small piece: it is at most this x the mean one.
 inline constexpr double kSteepestGuess = 4.0;
 
-// CompensatorOptions::top_share where lag and creep are undone.
+// CompensatorOptions::top_share where lag and creep are removed.
 inline constexpr double kTopShare = 0.005;
 
 // What remains of lag and creep after the time between two samples; shared by the taxels of an array.

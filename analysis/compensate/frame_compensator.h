@@ -1,4 +1,5 @@
-// Frames of outputs in, pressures out: a compensator a taxel, streaming, without allocation after construction.
+// Compensates frames of the array: outputs in, pressures out; one streaming compensator per taxel, without allocation
+// after construction.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +26,7 @@ enum TaxelBits : std::uint16_t {
 
 class FrameCompensator {
  public:
-  // One entry a taxel each, as long as taxels().
+  // One entry per taxel each, as long as taxels().
   struct Output {
     std::span<float> pressure_psi;
     std::span<float> uncertainty_psi;  // standard uncertainty
@@ -34,17 +35,17 @@ class FrameCompensator {
   struct Setup {
     std::vector<std::unique_ptr<Compensator>> taxels;  // null: dead
     double x_low = 0.0, x_high = 1.0;
-    bool in_time = false;  // they undo lag or creep, and have to be told the time
+    bool in_time = false;  // they remove lag or creep, and need the time
     int longest_gap = 10;  // frames lost in a row after which all histories are unknown
   };
   explicit FrameCompensator(Setup setup) : setup_(std::move(setup)) {}
 
   [[nodiscard]] std::size_t taxels() const { return setup_.taxels.size(); }
-  // The next frame has to be told the time since the one before.
+  // The next frame needs the time since the one before.
   [[nodiscard]] bool needs_time() const { return setup_.in_time && begun_; }
   // One frame, as measured, `seconds` after the one before (NaN: not known). Throws std::invalid_argument when a span's
   // length is not taxels(), seconds are negative or infinite, or not known to a model that needs them; the state is
-  // then as before. The first frame is a start: its seconds are not looked at.
+  // then as before. The first frame is a start: its seconds are not used.
   void frame(std::span<const float> outputs, double seconds, const Output& output);
   void lost_frame(double seconds, const Output& output);
   void start(Start how);

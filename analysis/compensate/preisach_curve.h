@@ -1,6 +1,6 @@
 // Preisach's model as a curve of the compensator: Everett's function at grid points, its branches' linear pieces, and
 // the staircase of turning points. Inside, inputs count in intervals of the grid, from 0 to n, and outputs are u, with
-// the readout's divider undone.
+// the readout's divider inverted.
 #pragma once
 
 #include <algorithm>

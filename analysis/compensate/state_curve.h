@@ -1,4 +1,4 @@
-// Any model as a curve of the compensator: a state that stands at the last remembered turn.
+// Adapts any hysteresis model to the compensator's curve interface, by a model state at the last remembered turn.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The one rule by which outputs become inputs, for any curve: a model's memory at the last remembered turn. A curve
+// Converts outputs to inputs for any curve, which holds a model's memory at the last remembered turn. A curve
 // counts outputs from that of the lowest input, and has
 //   top(), x_low(), x_high()    output at the highest input; ends of the inputs
 //   place(y), stretch(y)        the output u in which its branches are linear; slope of the inputs over a piece's
@@ -82,7 +82,7 @@ class TurningCompensator final : public Compensator {
       factor = creep_factor(time_->dynamics, dynamics_, *passed, guess, creep_scale_);
       y = above / factor;
     }
-    // Before creep is undone, which may be smaller than the model says.
+    // Before creep is removed, which may be smaller than the model says.
     const bool beyond = above < -margin_ || above > top_ + margin_;
     if (beyond || std::isnan(above)) [[unlikely]] {
       if (!taken_though_beyond(y)) return hold(passed, beyond);

@@ -1,5 +1,5 @@
-// What people name of a run as KEY=VALUE: lot, order and others. They are those of its tags that hold "=", remarks like
-// all tags, and no part of its content (db/hash_chain.h).
+// Metadata of a run as KEY=VALUE pairs: lot, order and others. They are those of its tags that contain "="; like all
+// tags they are remarks and not part of its content (db/hash_chain.h).
 #pragma once
 
 #include <map>

@@ -1,4 +1,5 @@
-// A sensor's model as streams: of one taxel, of a dataset's stored samples, of frames of the array.
+// Makes streaming compensators from a sensor's model: for one taxel, for the stored samples of a dataset, for frames of
+// the array.
 #pragma once
 
 #include <memory>
@@ -9,7 +10,7 @@
 
 namespace tactbench::analysis {
 
-// Of a taxel that has a model, at rest, with lag and creep undone where the model has them and the taxel is fitted.
+// Of a taxel that has a model, at rest, with lag and creep removed where the model has them and the taxel is fitted.
 // Outputs as measured, of a falling sensor negated. Keeps a pointer to `taxel`. `noisier`: by how much more noise a
 // sample has than those that were fitted. Throws AnalysisError TB-MODEL-COMPENSATOR when the model's numbers make none.
 std::unique_ptr<Compensator> compensator_of(const SensorModel& model, const ModelTaxel& taxel, double noisier = 1.0);

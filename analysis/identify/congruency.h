@@ -8,7 +8,7 @@
 namespace tactbench::analysis {
 
 struct Congruency {
-  Divider divider;         // per_amplitude 0 where undoing a divider does not help, or nothing can tell
+  Divider divider;         // per_amplitude 0 where inverting a divider does not help, or nothing can tell
   int pairs = 0;           // crossings of first-order falls and rises that were compared
   double plain_rms = 0.0;  // misfit of their predictions in outputs, nothing undone
   double rms = 0.0;        // and with `divider`

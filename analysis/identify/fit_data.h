@@ -40,7 +40,7 @@ struct IdentifyOptions {
   int starts = 16;  // GPI: of the search
   int cells = 30;   // Preisach: intervals of the input range
   bool by_input = false;  // Preisach: errors count as inputs, by the local slope, not as outputs
-  // The model is one of the output with its readout divider undone, where the congruency test tells its amplitude
+  // The model is one of the output with its readout divider inverted, where the congruency test tells its amplitude
   // (linearised_identifier.h).
   bool linearise = false;
 };
@@ -61,7 +61,7 @@ struct ModelFit {
 };
 
 // One a model, in the model's own file; deterministic. Throw std::invalid_argument when the data cannot carry the model
-// (what is missing stands in the message).
+// (the message states what is missing).
 ModelFit identify_elam(const FitData& data, const IdentifyOptions& options);
 ModelFit identify_gpi(const FitData& data, const IdentifyOptions& options);
 ModelFit identify_mpi(const FitData& data, const IdentifyOptions& options);

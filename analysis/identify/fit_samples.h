@@ -1,4 +1,5 @@
-// The samples of all histories in one row, checked once, and what every identification does with them.
+// The samples of all histories in one sequence, checked once, and the operations on them that every identification
+// shares.
 #pragma once
 
 #include <algorithm>

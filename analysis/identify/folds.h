@@ -1,4 +1,4 @@
-// A history's inner branches dealt into parts, for fits that are judged on what they were not made from.
+// Splits the inner branches of histories into folds for cross-validation.
 #pragma once
 
 #include <vector>
@@ -12,8 +12,8 @@ struct Fold {
   std::vector<std::vector<Branch>> kept, held;
 };
 
-// As many as `most`, or as there are inner branches; none when there are fewer than two of these. Only the inputs and
-// branches of `data` are looked at.
+// At most `most` folds, and no more than there are inner branches; none when there are fewer than two of these. Only
+// the inputs and branches of `data` are used.
 std::vector<Fold> folds_of(const FitData& data, int most = 5);
 
 // `data` with other branches, those of each history.

@@ -22,8 +22,8 @@ struct TaxelHistories {
   double noise = 0.0;                         // standard deviation of a sample; 0: not known
   double turn = 0.0;         // of a table: an input that goes back by more has turned; 0: inputs are commanded
   std::string wild;          // of a table: the first of the samples to fit that no sensor can have, in words (table.h)
-  std::vector<History> fit;  // one a sequence: a run's repeats brought to common inputs and averaged
-  std::vector<History> score;  // one a sequence and repeat, as measured
+  std::vector<History> fit;  // one per sequence: a run's repeats brought to common inputs and averaged
+  std::vector<History> score;  // one per sequence and repeat, as measured
   [[nodiscard]] bool usable() const { return status == TaxelStatus::kFitted; }
 };
 inline constexpr int kMeanTaxel = -1;
@@ -43,8 +43,8 @@ struct Histories {
   std::vector<std::string> sequences;
   std::vector<double> temperatures_c;  // of the surroundings, where a run measured it
   std::vector<TaxelHistories> taxels;  // mean included, at the end, when there are several
-  std::vector<std::string> assumed;    // of a table: what was taken for granted in reading it, a line each
-  std::vector<std::string> warnings;   // of a table: what is doubtful about it, a line each
+  std::vector<std::string> assumed;    // of a table: what was taken for granted in reading it, one line each
+  std::vector<std::string> warnings;   // of a table: what is doubtful about it, one line each
 };
 
 struct HistoriesOptions {

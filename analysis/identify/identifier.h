@@ -1,5 +1,5 @@
-// Identification in two steps: what depends on the inputs alone, then the outputs. The taxels of an array share their
-// inputs, so that the first step is made once for all of them.
+// Identification in two steps: first what depends only on the inputs, then the outputs. The taxels of an array share
+// their inputs, so that the first step is made once for all of them.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,5 @@
-// What the streams of a sensor's models leave on ways that were not measured: for the uncertainty of compensated
-// values.
+// Residuals of a sensor model's compensators on paths that were not fitted, by leaving branches out: for the
+// uncertainty of compensated values.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@ namespace tactbench::analysis {
 // part): of up to 32 of its fitted taxels, evenly chosen. None where what is left carries no model.
 struct LeftOut {
   std::vector<std::size_t> places;     // of the chosen taxels in `model`, in the order of theirs in each of models
-  std::vector<SensorModel> models;     // a part each
+  std::vector<SensorModel> models;     // one per part
   std::vector<std::vector<int>> part;  // that the sample belongs to, by fitted history; -1: of none
 };
 LeftOut leave_out(Histories histories, const std::vector<std::string>& sequences, const SensorModel& model,
@@ -24,13 +24,13 @@ LeftOut leave_out(Histories histories, const std::vector<std::string>& sequences
 struct InnerErrors {
   double held = 0.0, fitted = 0.0;  // with the models that did not see them, and with the one in use
 };
-// Ways in use lie between those that were measured, nearer to them than a branch that is left out: half of what is left
-// there, and no less than what is left of the fitted branches.
+// A path in use lies between measured ones, nearer to them than a branch that is left out: half of the residual there,
+// and no less than the residual of the fitted branches.
 double between_branches(const InnerErrors& errors);
 // The square of a taxel's residual: halfway between that of the array and one as far above it as its `own` mean square
 // on all fitted samples is above the taxels' `mean` one.
 double residual2_of_taxel(double array, double own, double mean);
-// Where no inner branch tells: anywhere between the branches of the external loop, the mean square in inputs.
+// Where there is no inner branch: the mean square in inputs of anything between the branches of the external loop.
 double between_external_branches(const ModelTaxel& taxel);
 
 // Fills in residual_psi of the taxels of a model without dynamics that was fitted on the named sequences (empty: all)

@@ -1,5 +1,5 @@
-// The model of a sensor: what any identification makes of a run or table, for each taxel and their mean, and what
-// predicting, compensating, judging and reporting need of it. The same whatever the model is.
+// The model of a sensor: the result of any identification on a run or table, for each taxel and their mean, with
+// everything that prediction, compensation, judgement and reports need of it; independent of the kind of model.
 #pragma once
 
 #include <cstdint>
@@ -37,8 +37,8 @@ struct Validity {
 
 Validity validity_of(const std::vector<History>& histories, const std::vector<double>& temperatures_c);
 
-// What a film does in time: the taxels' models are then those of its outputs with creep undone at the pressures that
-// have arrived (dynamic/dynamic_fit.h), and a stream is told the time.
+// What a film does in time: the taxels' models are then those of its outputs with creep removed at the pressures that
+// have arrived (dynamic/dynamic_fit.h), and a stream is given the time.
 struct SensorDynamics {
   Dynamics shared;
   // What the stream leaves over what it leaves on the whole (ModelTaxel::residual_psi): by interval of the models,
@@ -113,7 +113,7 @@ struct SensorModel {
 const ElamModel* elam_of(const ModelTaxel& taxel);
 const ElamModel* paper_elam_of(const ModelTaxel& taxel);  // ELAM with one split point a branch and without memory
 
-// Of the output with its readout divider undone (analysis/models/divider.h); nullptr: another, or none.
+// Of the output with its readout divider inverted (analysis/models/divider.h); nullptr: another, or none.
 const LinearisedModel* linearised_of(const ModelTaxel& taxel);
 
 // A branch of a taxel's external loop as its model has it, in outputs as measured (of a falling sensor negated).
@@ -146,7 +146,7 @@ SensorModel fit_models_alone(const std::string& model, const Histories& historie
                              const std::vector<std::string>& sequences, const IdentifyOptions& options,
                              int threads = 0);
 
-// In what the named sequences (empty: all) of `used` lie outside the model's validity, a line each: serials, inputs
+// In what the named sequences (empty: all) of `used` lie outside the model's validity, one line each: serials, inputs
 // beyond 2 % of the range, holds and rates beyond 10 %, temperatures beyond 1 degC. What either does not know is
 // passed. Pressures in `shown`.
 std::vector<std::string> outside_validity(const SensorModel& model, const Histories& used,

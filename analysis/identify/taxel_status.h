@@ -1,4 +1,5 @@
-// Which taxels of a run or table can be modelled, and which were: the one place that decides dead, stuck and saturated.
+// Decides which taxels of a run or table can be modelled, and which were: the only place that decides dead, stuck and
+// saturated.
 #pragma once
 
 #include <string_view>

@@ -1,4 +1,4 @@
-// What is compared with a limit: which figure, of what, its value with U, and the verdict on it.
+// A figure that is compared with a limit: which criterion, of what scope, its value with U, and the verdict on it.
 #pragma once
 
 #include <cstdint>
@@ -69,7 +69,7 @@ struct JudgedFigure : Figure {
   [[nodiscard]] double use_of_limit() const;
 };
 
-// Words of stores, limits files and JSON: "mean_compensation_error"; "psi", "FS", "taxels"; "array", "level", "span";
+// Names in stores, limits files and JSON: "mean_compensation_error"; "psi", "FS", "taxels"; "array", "level", "span";
 // "both", "up", "down". *_from(): none for an unknown word.
 const char* to_string(Criterion criterion);
 const char* to_string(Quantity quantity);

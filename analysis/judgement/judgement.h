@@ -1,6 +1,6 @@
-// From evidence to verdict: Evidence (runs, who may count, why not) -> judge(Evidence, Limits) -> Judgement, which is
-// stored, printed, rendered. Pure. The models' own run flatters them and is no evidence, and neither are those that lag
-// and creep of a dynamic model were taken from; nor is a void run.
+// Derives verdicts from evidence: Evidence (runs, which of them count, why others do not) -> judge(Evidence, Limits) ->
+// Judgement, which is stored, printed, rendered. Pure functions. Runs that the models were made from, including those
+// for lag and creep of a dynamic model, would look too good and are no evidence; nor is a void run.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@
 
 namespace tactbench::analysis {
 
-// What dominates in use. Each is assessed when a judged run shows it or a study is in the budgets.
+// Dominant sources of error in use. Each is assessed when a judged run shows it or a study is in the budgets.
 enum class Source { kHistory, kRemounting, kTemperature, kTime, kCreep, kReferenceAge };
 inline constexpr std::array kSources = {Source::kHistory, Source::kRemounting, Source::kTemperature,
                                         Source::kTime,    Source::kCreep,      Source::kReferenceAge};
@@ -35,7 +35,7 @@ VoidRun void_of(const db::RunRecord& run);
 // "run 7 was declared void by me on 2026-01-31T12:00:00Z: gauge closed".
 std::string in_words(const VoidRun& run);
 
-// Something to say beside the verdicts, or instead of them.
+// A statement in addition to the verdicts, or in place of them.
 struct Remark {
   enum class Kind {
     kNoIndependentData,  // there are only runs that the models were made from
@@ -114,8 +114,8 @@ void conclude(Judgement& judgement);
 // The worst of the verdicts; none without figures.
 std::optional<Verdict> worst_of(std::span<const JudgedFigure> figures);
 
-// Behind the verdict's own word: ", under repeatability conditions only", ", of means alone", ": reference overdue
-// since ..."; empty: nothing.
+// Text after the verdict itself: ", under repeatability conditions only", ", of means alone", ": reference overdue
+// since ..."; empty: none.
 std::string condition_in_words(const Judgement& judgement, PressureUnit unit);
 // The overall verdict as a statement: "pass, under repeatability conditions only"; empty without one.
 std::string statement_in_words(const Judgement& judgement, PressureUnit unit);

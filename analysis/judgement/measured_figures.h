@@ -1,4 +1,4 @@
-// The figures of an evaluated run that limits may be set for, each with its U.
+// Computes the figures of an evaluated run that limits can be set for, each with its U.
 #pragma once
 
 #include <optional>
@@ -13,7 +13,7 @@
 
 namespace tactbench::analysis {
 
-// What several judged runs need of the models' run, computed when the first one does.
+// Results of the models' run that several judged runs share, computed when the first one needs them.
 struct OfModelsRun {
   std::optional<SweepErrors> sweeps;               // outputs rising
   std::optional<std::vector<Evaluation>> repeats;  // each by itself

@@ -1,4 +1,4 @@
-// What a judged figure scatters by from full sweep to full sweep: of measured_figures.cpp alone.
+// Scatter of a judged figure from full sweep to full sweep. Used only by measured_figures.cpp.
 #pragma once
 
 #include <fmt/format.h>
@@ -20,7 +20,7 @@
 
 namespace tactbench::analysis {
 
-// What one criterion's figure scatters by, as a standard uncertainty of the judged figure.
+// Scatter of one criterion's figure, as a standard uncertainty of the judged figure.
 struct FigureScatter {
   double u = 0.0, dof = 0.0;
   std::string words;  // empty: not known

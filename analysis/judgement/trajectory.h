@@ -1,5 +1,5 @@
-// Which trajectory of pressures a run judges, beside the one that the models were fitted on: an error holds for the
-// trajectories that it was found on, and for no other.
+// Compares the pressure trajectory of a judged run with the one that the models were fitted on: an error holds only for
+// the trajectories that it was measured on.
 #pragma once
 
 #include <cstddef>

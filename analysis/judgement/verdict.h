@@ -1,5 +1,5 @@
-// Verdicts and decision rules (ILAC-G8:09/2019). The store, JSON and people use their words; decisions compare the
-// type.
+// Verdicts and decision rules (ILAC-G8:09/2019). The store, JSON and printed output use their names; decisions compare
+// the enum.
 #pragma once
 
 #include <array>
@@ -34,7 +34,7 @@ bool passes(std::optional<Verdict> verdict);  // also conditionally
 // Report-only: no verdict.
 const char* to_string(DecisionRule rule);  // "default", "simple", "guarded", "four-way", "report-only"
 std::optional<DecisionRule> decision_rule_from(std::string_view word);
-// The rule and its risk in words, for reports.
+// Text on the rule and its risk, for reports.
 std::string rule_in_words(DecisionRule rule);
 // The rule that is applied: of the default one four-way where U (`expanded`) is known, simple where it is NaN.
 DecisionRule rule_applied(DecisionRule asked, double expanded);

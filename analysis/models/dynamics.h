@@ -1,5 +1,5 @@
-// What a film does in time, shared by all taxels of an array: a share of the pressure arrives late, and the output
-// creeps toward what the present pressure leads to. Both are undone sample by sample.
+// Time-dependent behaviour of a film, shared by all taxels of an array: a share of the pressure arrives late (lag), and
+// the output creeps toward the value that belongs to the present pressure. Both are compensated sample by sample.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ struct Dynamics {
   double lag_s = 1.0, lag_share = 0.0;
 };
 
-// Whether a stream has anything to undo, and has to be told the times.
+// Whether a compensator has lag or creep to remove, and needs the times of the samples.
 inline bool undoes(const Dynamics& d) {
   return d.lag_share != 0.0 || d.creep_share != std::array<double, kCreepElements>{};
 }
@@ -72,7 +72,8 @@ inline void advance(const Dynamics& d, DynamicsState& state, const DynamicsStep&
   state.late = pressure + (state.late - pressure) * step.lag;
 }
 
-// A time in which the pressure went to and fro over 0 to `span` unseen (conditioning), and came to rest at 0.
+// Advances the state by a time in which the pressure cycled unmeasured over 0 to `span` (conditioning), and came to
+// rest at 0.
 inline void work_unseen(const Dynamics& d, DynamicsState& state, double seconds, double span) {
   const double target = 1.0 - d.creep_half / span * std::log1p(span / d.creep_half);  // the mean
   for (std::size_t j = 0; j < kCreepElements; ++j)

@@ -1,5 +1,5 @@
-// A single-valued monotone curve, without hysteresis: the usual practice today, and the floor that every model has to
-// beat.
+// A single-valued monotone curve without hysteresis: the usual practice today, and the baseline error that every model
+// has to beat.
 #pragma once
 
 #include "analysis/models/model.h"

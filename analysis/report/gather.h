@@ -1,4 +1,4 @@
-// A report's input on a run besides models, figures and verdicts: runs -> ReportInput.
+// Collects a report's input from a run, apart from models, figures and verdicts.
 #pragma once
 
 #include "analysis/report/report.h"

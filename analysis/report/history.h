@@ -1,4 +1,4 @@
-// The events of a run: attempts, voids, flags, pauses, environment. Store -> report.
+// Log of a run's events for the report, read from the store: attempts, voids, flags, pauses, environment.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Facts of a report's input that several of its pages state.
+// Facts about a report's input that several of its pages state.
 #pragma once
 
 #include <span>
@@ -30,7 +30,7 @@ std::string valid_until(const Laboratory& lab, const std::string& measured_utc);
 std::string cable_of(const ReportInput& input);
 // As typed with the run, else by the laboratory file; both where they differ.
 std::string order_of(const ReportInput& input);
-// What the signer of a pass must know: taxels left out, noisy, lines swapped. Empty: nothing.
+// Findings that the signer of a pass must know: taxels left out, noisy, lines swapped. Empty: none.
 doc::Phrase findings_in_brief(const Health& health);
 
 struct Spread {

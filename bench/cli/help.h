@@ -1,4 +1,4 @@
-// How --help looks: verbs in groups, one line each; lines of at most 90 columns; options that are rarely needed only
+// Layout of --help: verbs in groups, one line each; lines of at most 90 columns; options that are rarely needed only
 // with --help-all.
 #pragma once
 

@@ -1,4 +1,4 @@
-// A judgement as people and programs read it: the verdict with the figure that decides first, then what does not pass.
+// Output of a judgement as text and JSON: the verdict with the figure that decides first, then what does not pass.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -11,7 +11,7 @@
 
 namespace tactbench::bench {
 
-// "PASS", "FAIL" or "INCONCLUSIVE", as the exit code says; empty where no conformity is stated.
+// "PASS", "FAIL" or "INCONCLUSIVE", in agreement with the exit code; empty where no conformity is stated.
 std::string large_verdict(const analysis::Judgement& judgement);
 // The verdict, what decides it, and how many checks pass; one paragraph without a line end.
 std::string headline(const analysis::Judgement& judgement, const std::string& origin, analysis::PressureUnit unit);
@@ -19,7 +19,7 @@ std::string headline(const analysis::Judgement& judgement, const std::string& or
 // check, the decision rules, and each run's trajectory.
 analysis::doc::Document judgement_document(const analysis::Judgement& judgement, const std::string& origin,
                                            analysis::PressureUnit unit, bool all);
-// A row an evaluation: errors, and the mean taxel's hysteresis before and after; the first is the models' own run.
+// One row per evaluation: errors, and the mean taxel's hysteresis before and after; the first is the models' own run.
 analysis::doc::Table figures_table(const std::vector<NamedEvaluation>& evaluations,
                                    const analysis::Judgement& judgement, analysis::PressureUnit unit);
 // As analysis::judgement_json(), with the verdict's words.

@@ -1,5 +1,5 @@
-// Options that the environment or the operator's profile may give (bench/config/operator_profile.h), declared in one
-// way for all verbs.
+// Options with defaults from the environment or the operator's profile (bench/config/operator_profile.h), declared in
+// the same way for all verbs.
 #pragma once
 
 #include <functional>

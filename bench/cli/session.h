@@ -50,7 +50,7 @@ struct Session {
   // As typed, else empty: the id of a bench, or its file, of verbs that only ask for a live run.
   [[nodiscard]] std::string typed_bench() const { return typed("--bench") ? bench : std::string(); }
   [[nodiscard]] std::string typed_db() const { return typed("--db") ? db : std::string(); }
-  // What a demonstration or a night keeps does not belong into the store of one's own runs.
+  // Uses --db only if typed: what a demonstration or a nightly run stores does not belong in the user's own store.
   void take_db_only_as_typed();
   ProfileOptions profile;
   ExitCode code = ExitCode::kPass;

@@ -1,5 +1,6 @@
-// Every error that reaches a person: what, where, how to mend it, and the state the rig was left in. Its identifier is
-// one of bench/common/error_table.h, from which it has exit code, cause and remedy.
+// The error type of the program, for every error that is shown to a person: what, where, how to mend it, and the state
+// in which the rig was left. Its identifier is one of bench/common/error_table.h, which gives exit code, cause and
+// remedy.
 #pragma once
 
 #include <exception>
@@ -25,11 +26,11 @@ class ErrorId {
 
 class Error : public std::runtime_error {
  public:
-  // `remedy`: only where this place knows more than the table (a name, a number, a command with its arguments).
+  // `remedy`: only where the caller knows more than the table (a name, a number, a command with its arguments).
   Error(ErrorId id, const std::string& message, std::string where, std::string remedy = {}, std::string rig_state = {})
       : Error(id.row().exit_code, std::string(id.row().id), message, std::move(where), std::move(remedy),
               std::move(rig_state)) {}
-  // By an identifier that only another room or another process knows; one that the table lacks has kInternal.
+  // For an identifier that comes from another library or process; one that the table lacks has the exit code kInternal.
   static Error by_text(const std::string& id, const std::string& message, std::string where, std::string remedy);
   Error(ExitCode code, std::string id, const std::string& message, std::string where, std::string remedy,
         std::string rig_state = {});
@@ -41,7 +42,7 @@ class Error : public std::runtime_error {
 
   [[nodiscard]] std::string_view cause() const;  // the table's
 
-  // The same as the result of an operator's command, not a failure: error_text() does not call it an error.
+  // The same error marked as the result of an operator's command, not a failure: error_text() then omits "error".
   [[nodiscard]] Error by_word() const;
   [[nodiscard]] bool asked_for() const { return asked_for_; }
   [[nodiscard]] Error with_message(const std::string& message) const;
@@ -57,7 +58,7 @@ class Error : public std::runtime_error {
   bool asked_for_ = false;
 };
 
-// Converts the rooms' own errors. `where` is used when the room's error names no place.
+// Converts the error types of the libraries. `where` is used when the error itself names no place.
 Error as_error(const std::exception_ptr& exception, const std::string& where = {});
 
 // Up to four lines, each through for_people() and of bounded length: what (without "error" where the operator asked for

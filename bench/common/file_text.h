@@ -1,4 +1,4 @@
-// A file's text in one piece, for files of the program's own.
+// Reads a whole file as text, for files that belong to the program.
 #pragma once
 
 #include <filesystem>
@@ -6,7 +6,7 @@
 
 namespace tactbench::bench {
 
-// Every byte of it; nothing of a file that cannot be opened. Throws std::ios_base::failure where reading fails.
+// All bytes of the file; empty when it cannot be opened. Throws std::ios_base::failure where reading fails.
 std::string file_text(const std::filesystem::path& path);
 
 }  // namespace tactbench::bench

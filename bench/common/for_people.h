@@ -14,8 +14,8 @@
 
 namespace tactbench::bench {
 
-// Control characters as \x1b, \u009b, \u202e (bidirectional marks, line separators, what takes no room), bytes that are
-// not UTF-8 as \xff; line ends, tabs and all other characters stay. Valid JSON stays valid JSON.
+// Control characters become \x1b, \u009b, \u202e (bidirectional marks, line separators, zero-width characters), bytes
+// that are not UTF-8 become \xff; line ends, tabs and all other characters stay. Valid JSON stays valid JSON.
 std::string for_people(std::string_view text);
 
 // The same with line ends and tabs shown as well, cut with ... (U+2026) to `columns` of a terminal.
@@ -30,7 +30,7 @@ std::string clock_text(double seconds);
 
 namespace tty {
 
-// As fmt::print, through for_people(). Standard output that cannot be written throws Error TB-FILE-WRITE; standard
+// Like fmt::print, through for_people(). Standard output that cannot be written throws Error TB-FILE-WRITE; standard
 // error that cannot be written is ignored, so that it does not end a run.
 void vprint(std::FILE* stream, fmt::string_view format, fmt::format_args args);
 

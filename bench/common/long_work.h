@@ -1,6 +1,6 @@
-// The progress line of verbs that compute: after two seconds, on a terminal alone, one line that is written over and
-// erased at the end. Nothing in pipes, with --json, -q, CI or TERM=dumb. How far a stage is comes from
-// analysis/work_count.h, or where that does not tell, from what its share of the time was expected to be.
+// Progress line of verbs that compute for long: shown after two seconds and only on a terminal, as one line that is
+// overwritten and erased at the end. Nothing in pipes, with --json, -q, CI or TERM=dumb. The progress within a stage
+// comes from analysis/work_count.h or, where nothing is counted, from the stage's expected share of the time.
 #pragma once
 
 #include <chrono>
@@ -22,10 +22,10 @@ struct WorkStage {
 // "fit: gpi (2 of 4)   37 %   0:12 left". `in_stage`: how much of stage `at` is done, 0 to 1.
 std::string work_line(const std::string& label, const std::vector<WorkStage>& stages, std::size_t at, double in_stage,
                       double elapsed_s);
-// in_stage of a stage that nothing counts: by its share and the pace so far; below 1.
+// Estimate of in_stage for a stage without counted work: from its share and the pace so far; below 1.
 double guessed_part(const std::vector<WorkStage>& stages, std::size_t at, double before_s, double in_stage_s);
 
-// Of the LongWork that lives, if any: for what does not know which verb it works for. The main thread's.
+// Acts on the current LongWork, if there is one: for code that does not know the verb it works for. Main thread only.
 void begin_stage(const std::string& name);
 void pause_progress();  // for good: a question is asked
 

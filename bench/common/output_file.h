@@ -9,7 +9,7 @@
 
 namespace tactbench::bench {
 
-// What a file is, by how it begins: "a page of tactbench (HTML)", "a tactbench.model document (JSON)",
+// The kind of a file, recognised by its beginning: "a page of tactbench (HTML)", "a tactbench.model document (JSON)",
 // "frames of a run (CSV)", "a table (CSV) with the columns ...", "an SQLite database (a store, perhaps)", ...
 std::string kind_of_file(const std::string& beginning);
 

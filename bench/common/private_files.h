@@ -1,5 +1,5 @@
-// The program's own folders and files (trips, records, scratch), closed to other users, or to all but a group's
-// members. What exists is checked before it is used, and no link is followed.
+// The program's own folders and files (trips, records, scratch), closed to other users, or to all but the members of a
+// group. Existing ones are checked before use, and no link is followed.
 #pragma once
 
 #include <string>

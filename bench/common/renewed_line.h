@@ -1,5 +1,5 @@
-// The line of standard error that tty::renew_line() writes over (for_people.h). What tty::print() writes erases it
-// first; a line end alone on standard error leaves it.
+// Erases the line of standard error that tty::renew_line() overwrites (for_people.h). tty::print() erases it before it
+// writes; a line end alone on standard error leaves it.
 #pragma once
 
 namespace tactbench::bench::tty {

@@ -22,8 +22,8 @@ struct Span {
 };
 using PaintedLine = std::vector<Span>;
 
-// What the lines send to a terminal of that width: each span through one_line(), lines cut to columns - 1. After
-// `above` > 0 lines of the block before, the cursor first goes back to that block's first line.
+// The bytes that draw the lines on a terminal of that width: each span through one_line(), lines cut to columns - 1.
+// `above` > 0: first moves the cursor up by as many lines, to the first line of the previous block.
 std::string painted(const std::vector<PaintedLine>& block, std::size_t columns, std::size_t above);
 
 // A block on standard output that each paint() writes over. A block has to leave one row of the screen free.

@@ -1,5 +1,5 @@
-// One of N equal parts of a night, for several machines: `nightly --shard K/N`. Each part is carried out by itself; all
-// N of them together do the whole work, and no item twice.
+// One of N equal parts of a nightly run, for several machines: `nightly --shard K/N`. Each part runs by itself; all N
+// together do the whole work, and no item twice.
 #pragma once
 
 #include <cstddef>

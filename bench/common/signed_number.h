@@ -1,4 +1,4 @@
-// Recognises signed reports by their data.
+// Recognises signed reports by the data that they contain.
 #pragma once
 
 #include <string>

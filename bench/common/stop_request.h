@@ -1,5 +1,5 @@
-// Remembers Ctrl-C and the requests to end, so that the sequencer can act at its next step. One object at a time, or
-// one within another's life, and then both know of the same signals; the old handlers come back with its end.
+// Records Ctrl-C and termination signals, so that the sequencer can act at its next step. One object at a time, or one
+// nested in the life of another, and then both see the same signals; the old handlers are restored at its end.
 #pragma once
 
 #include <csignal>
@@ -16,8 +16,8 @@ class StopRequest {
   ~StopRequest();
   StopRequest(const StopRequest&) = delete;
   StopRequest& operator=(const StopRequest&) = delete;
-  // What comes from now on ends the process no more, also after this object: how it ends is decided, and its code may
-  // be one that outranks a signal's. Until the next object is made.
+  // From now on signals no longer end the process, even after this object is destroyed: the exit code is already
+  // decided and may be one that outranks a signal's. Until the next object is made.
   static void keep();
   [[nodiscard]] int signal() const;      // the first that came; 0: none
   [[nodiscard]] int interrupts() const;  // number of Ctrl-C

@@ -1,4 +1,4 @@
-// Calibration status of the instruments that results are traced to, in words: for devices check, plan and run.
+// Calibration status of the instruments that results are traced to, as text for `devices check`, `plan` and `run`.
 #pragma once
 
 #include <string>
@@ -10,8 +10,8 @@
 
 namespace tactbench::bench {
 
-// "certificate C-1, due 2027-01-31", "certificate not stated, OVERDUE since 2025-01-31", and what was not taken. `day`
-// as 2026-01-31.
+// "certificate C-1, due 2027-01-31", "certificate not stated, OVERDUE since 2025-01-31", and which statements were not
+// used. `day` as 2026-01-31.
 std::string calibration_words(const analysis::InstrumentCalibration& calibration, const std::string& day,
                               analysis::PressureUnit unit);
 

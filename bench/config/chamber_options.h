@@ -1,4 +1,4 @@
-// The simulated regulator and chamber in numbers.
+// Parameters of the simulated regulator and chamber.
 #pragma once
 
 namespace tactbench::bench {

@@ -18,8 +18,9 @@ sequences::KeyTable stated_keys(StatedCalibration& stated, const char* uncertain
 // Throws FileError where the dates contradict each other.
 void check_dates(const sequences::TomlTable& table, const StatedCalibration& stated);
 
-// What the certificate covers and what it does not contain: certificate_covers, drift and limit of what reads the
-// instrument (keys and units of the instrument, 0 to 10). A simulated bench that does not say has "chain".
+// What the certificate covers and does not cover: certificate_covers, drift, and the limit of error of the input that
+// reads the instrument (keys and units of the instrument, 0 to 10). A simulated bench that does not state it has
+// "chain".
 struct ChainKeys {
   const char *drift, *drift_unit, *input, *input_unit, *covers_meaning, *input_meaning;
 };

@@ -1,4 +1,5 @@
-// The laboratory file: facts for reports that no instrument knows. Unknown keys are errors; missing ones are empty.
+// Reads the laboratory file: facts for reports that no instrument knows. Unknown keys are errors; missing ones are
+// empty.
 #pragma once
 
 #include <string>

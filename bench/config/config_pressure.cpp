@@ -453,7 +453,7 @@ void read_reference(const TomlTable& table, BenchConfig& config) {
     if (table.has("correction")) {
       table.fail("correction_file", "the correction is given twice", "keep [reference.correction] or correction_file");
     }
-    // Beside the bench file, as its other relative names.
+    // Relative to the bench file, as its other relative names.
     const auto path = std::filesystem::path(config.file).parent_path() / correction_file;
     const auto document = sequences::TomlDocument::from_file(path.string());
     config.reference_correction = read_correction(document.root(), true);

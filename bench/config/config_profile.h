@@ -1,4 +1,4 @@
-// Module profiles: files of devices/profiles, or one of the user's own.
+// Reads module profiles: shipped files of devices/profiles, or the user's own.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// The simulated contact in numbers: an object under the z stage, fabric, and how the sensor was put there.
+// Parameters of the simulated contact: an object under the z stage, the fabric, and how the sensor is mounted.
 #pragma once
 
 namespace tactbench::bench {

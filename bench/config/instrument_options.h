@@ -1,5 +1,5 @@
-// Errors of the simulated reference, force sensor and thermometer in numbers: what the bench file states of them,
-// within which they are drawn.
+// Limits of the errors of the simulated reference, force sensor and thermometer: what the bench file states about them;
+// the errors are drawn within these limits.
 #pragma once
 
 #include <cstdint>

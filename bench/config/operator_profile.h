@@ -1,4 +1,4 @@
-// What need not be typed with every verb: tactbench.toml in the working folder, and environment variables, which take
+// Defaults for command-line options: tactbench.toml in the working folder, and environment variables, which take
 // precedence over it. The command line takes precedence over both.
 #pragma once
 

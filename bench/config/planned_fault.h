@@ -1,4 +1,4 @@
-// What can break in the simulated rig, and what starts it.
+// Faults that can be injected into the simulated rig, and what triggers them.
 #pragma once
 
 #include <limits>

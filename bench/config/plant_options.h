@@ -1,4 +1,4 @@
-// The simulated rig in numbers: what a bench file's [simulation] sets.
+// Parameters of the simulated rig, set by the table [simulation] of a bench file.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The simulated sensor in numbers: seeds, mount, effects of known size, defects.
+// Parameters of the simulated sensor: seeds, mount, effects of known size, defects.
 #pragma once
 
 #include <cstdint>
@@ -42,8 +42,8 @@ struct TaxelDefect {
   int other_column = 0;
 };
 
-// How the sensor lies under its wiring: what the scanner calls row and column against the film's own. The first four
-// are all that an array can do that is not square.
+// Orientation of the sensor under its wiring: the scanner's rows and columns relative to the film's. Only the first
+// four are possible for an array that is not square.
 enum class MountTurn { kNone, kBy180, kRowsMirrored, kColumnsMirrored, kBy90, kBy270, kTransposed, kAntiTransposed };
 std::vector<std::string> mount_turn_words(bool square);
 

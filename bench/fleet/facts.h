@@ -1,5 +1,5 @@
-// What the fleet keeps of a run beside its body, and people ask by: facts in JSON. Also what of a store the fleet does
-// not have, and the way back: verdicts of runs that come from several rows.
+// Builds the facts that the fleet database stores next to a packed run, as JSON for queries; compares a store with the
+// fleet; and, after import, links verdicts to the fits of other imported runs.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@
 
 namespace tactbench::bench {
 
-// A hash of the run's content and of all that is said of it: tags, notes, void, fits, verdicts, figures, reports. The
-// same in each copy of the store.
+// Hash of the run's content and of everything recorded about it: tags, notes, void, fits, verdicts, figures, reports.
+// The same in each copy of the store.
 std::string said_sha256(const db::RunStore& store, const db::RunRecord& run);
 // The facts: run_json() with frames, sensor_type, verdict (the standing one), fits, verdicts (each with the UUID of its
 // models' run and the fit's position among that run's), figures, reports, rests_on: the UUIDs of the runs that its
@@ -28,14 +28,16 @@ struct LocalRun {
 };
 // Ended runs by number; without those whose frames were removed, since the fleet keeps whole runs.
 std::vector<LocalRun> ended_runs(const db::RunStore& store);
-// Those of `runs` that the server does not have as they are. A state that some store pushed already is sent again only
-// when it is a change to the last one of this store (`source`): an old copy of a store takes nothing back.
+// Those of `runs` that the server does not have in their present state. A state that some store has pushed already is
+// sent again only when it is a change to the last one from this store (`source`): an old copy of a store reverts
+// nothing.
 std::vector<LocalRun> waiting_runs(db::fleet::Link& link, const std::vector<LocalRun>& runs, const std::string& source);
 
 // "host:/path/runs.db": the store, as the fleet knows it.
 std::string source_name(const std::string& store);
 
-// Which models the verdicts of a run are by, from its facts. Throws nlohmann::json::exception where they are none.
+// The models by which the verdicts of a run were made, from its facts. Throws nlohmann::json::exception where they are
+// malformed.
 using ModelsOfVerdicts = std::vector<std::pair<std::string, std::size_t>>;  // UUID of the run, position of the fit
 ModelsOfVerdicts models_of_verdicts(const nlohmann::json& facts);
 // Links the verdicts of a run to the fits of other runs of `store`, as far as these are there.

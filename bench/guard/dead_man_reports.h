@@ -1,4 +1,4 @@
-// The state of a dead-man's process by its answers: watching, fired, ended, frozen, or blind (it cannot reach the
+// State of a dead-man process derived from its answers: watching, fired, ended, frozen, or blind (it cannot reach the
 // module). Thread-safe.
 #pragma once
 

@@ -60,7 +60,7 @@ class Guard {
   // Vents and halts at once, latches and stores. A first trip stays. Never throws.
   void trip(const std::string& id, const std::string& what) noexcept;
   [[nodiscard]] const std::optional<Trip>& tripped() const { return trip_; }
-  // After a trip: whether the stage confirmed that it stands.
+  // After a trip: whether the stage confirmed that it is at rest.
   [[nodiscard]] const char* halt_words() const {
     return halted_ ? "; stage halted" : "; the stage did NOT confirm that it stands";
   }
@@ -86,8 +86,9 @@ class Guard {
   // TB-CHAMBER-WITNESS, TB-STAGE-LIMIT, TB-STAGE-ENVELOPE, TB-FORCE-STALE.
   void check_pressure(devices::Psi pressure);
   void check_rewriting();  // of the present set-point
-  // z toward its home passes a trip too: away from the specimen is the stage's vent. x and y move only while z is
-  // homed, at rest and not beyond clear_z_mm, and no contact was felt last. `read` is called only when it matters.
+  // z toward its home is allowed even after a trip: away from the specimen is the safe direction. x and y move only
+  // while z is homed, at rest and not beyond clear_z_mm, and the last force reading showed no contact. `read` is called
+  // only when it matters.
   using ReadAxis = std::function<devices::AxisState(devices::Axis)>;
   void check_move(devices::Axis axis, double target_mm, double speed_mm_per_s, const ReadAxis& read);
   void check_home(devices::Axis axis, const ReadAxis& read);
@@ -102,7 +103,7 @@ class Guard {
   }
   void stage_armed();
   [[nodiscard]] double setpoint_psi() const { return setpoint_psi_; }
-  // For a halt: the line is ours, or was left to us in time.
+  // For a halt: whether this process may use the stage's line, after waiting for the dead-man to release it.
   [[nodiscard]] bool line_is_ours();
 
  private:

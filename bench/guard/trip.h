@@ -32,7 +32,7 @@ class TripFile {
   // Written to a temporary file, synced and renamed; an earlier trip stays (the first cause counts). False: could not
   // be stored.
   bool store(Trip trip) const noexcept;
-  // Removes the trip and appends a line to the log beside it. Throws Error TB-FILE-WRITE.
+  // Removes the trip and appends a line to the log next to it. Throws Error TB-FILE-WRITE.
   void reset(const Trip& trip, const std::string& operator_name) const;
   [[nodiscard]] const std::string& path() const { return path_; }
   [[nodiscard]] std::string log_path() const;
@@ -46,7 +46,7 @@ class TripFile {
 // keeps trips in memory alone.
 void refuse_tripped(const BenchConfig& config);
 
-// Replaces `path` by `text`: written beside it, synced, moved. Throws std::system_error.
+// Replaces `path` by `text`: written next to it, synced, moved. Throws std::system_error.
 void write_durably(const std::string& path, const std::string& text);
 
 }  // namespace tactbench::bench

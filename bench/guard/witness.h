@@ -24,8 +24,8 @@ class PressureWitness {
  public:
   explicit PressureWitness(const TrueRange& range) : range_(range) {}
   void see(double psi, devices::Nanoseconds time);
-  // After each reading of the other instrument: one that stays the same to the last bit while the other moves by more
-  // than 5 psi stands still.
+  // After each reading of the other instrument: an instrument whose reading stays bit-identical while the other moves
+  // by more than 5 psi is frozen.
   void see_other(const PressureWitness& other);
 
   [[nodiscard]] double psi() const { return psi_; }

@@ -160,7 +160,7 @@ LiveSummary live_frames(const BenchConfig& config, const analysis::SensorModel& 
     ++summary.frames;
     if (!looked_at) break;
     rig.clock().wait_until(rig.clock().now() + seconds(options.interval_s * config.rate));
-    // A turned clock does not wait, but a person needs real time.
+    // A manual clock does not wait, but a person needs real time.
     if (config.in_process && options.interval_s > 0.0) std::this_thread::sleep_for(seconds(options.interval_s));
   }
   summary.median_us = percentile(latencies, 0.5);

@@ -1,4 +1,5 @@
-// Compensated frames from a bench's tactile array as they come: `live`. Read-only; touches no actuator.
+// Acquires and compensates frames from a bench's tactile array as they arrive, for `live`. Read-only; touches no
+// actuator.
 #pragma once
 
 #include <cstddef>
@@ -33,7 +34,7 @@ struct LiveFrame {
 struct LiveSummary {
   long frames = 0, lost = 0;
   bool other_scanner = false;        // than the one the model is of
-  std::vector<std::string> outside;  // the model's validity, a line each; any: all values are flagged
+  std::vector<std::string> outside;  // the model's validity, one line each; any: all values are flagged
   double median_us = 0.0, p99_us = 0.0, worst_us = 0.0, compensation_median_us = 0.0;
 };
 

@@ -1,5 +1,5 @@
-// Calibrating the pressure reference against a hand gauge: from readings at rising and falling levels to corrections,
-// residuals and an expanded uncertainty. Pure functions.
+// Calibration of the pressure reference against a hand gauge: from readings at rising and falling levels to
+// corrections, residuals and an expanded uncertainty. Pure functions.
 #pragma once
 
 #include <string>
@@ -18,7 +18,7 @@ struct GaugePoint {
 
 struct ReferenceCalibration {
   devices::PressureCorrection correction;  // by level, rising readings
-  std::vector<double> residual_psi;        // one a point: gauge - corrected reference
+  std::vector<double> residual_psi;        // one per point: gauge - corrected reference
   double largest_residual_psi = 0.0;
   double hysteresis_psi = 0.0;  // largest difference of correction between up and down at one level
 };

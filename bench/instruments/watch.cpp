@@ -119,7 +119,7 @@ void watch_devices(const BenchConfig& config, const WatchOptions& options) {
     tty::print("{}{}", text, options.terminal ? "" : "\n");
     std::fflush(stdout);
     rig.clock().wait_until(rig.clock().now() + seconds(options.interval_s * config.rate));
-    // A turned clock does not wait, but a person needs real time.
+    // A manual clock does not wait, but a person needs real time.
     if (config.in_process) std::this_thread::sleep_for(seconds(options.interval_s));
   }
 }

@@ -1,4 +1,4 @@
-// The newest picture of the array that a run's store holds: its last frame, before the first one that of the seating
+// The most recent image of the array in a run's store: the last frame or, before the first frame, that of the seating
 // check.
 #pragma once
 
@@ -32,7 +32,7 @@ std::optional<ArrayBasis> array_basis(const db::RunStore& store, const db::RunRe
 ArrayView view_of_frame(const ArrayBasis& basis, const db::SeenFrame& frame,
                         analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 
-// None: the run has neither, or its scanner's scale is not known yet. Throws StoreError.
+// None: the run has neither a frame nor a seating check, or its scanner's scale is not known yet. Throws StoreError.
 std::optional<ArrayView> newest_array(const db::RunStore& store, const db::RunRecord& run,
                                       analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 

@@ -1,5 +1,5 @@
-// A picture of the array for terminals: two columns a taxel, a scale in volts beside it, and the taxels with the
-// highest output and without any by name.
+// Heat map of the array for terminals: two columns per taxel, a scale in volts next to it, and a list of the taxels
+// with the highest output and of those without output.
 #pragma once
 
 #include <array>

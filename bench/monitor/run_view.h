@@ -1,4 +1,4 @@
-// What `status` and `watch` show of a run: the answer of the live run, completed by what its store holds. Only reads.
+// What `status` and `watch` show of a run: the live run's own status, completed from its store. Read-only.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace tactbench::bench {
 
-// Commands to actuators, readings and accounts do not show how a run goes.
+// Whether an event shows the progress of a run; commands to actuators, readings and accounts do not.
 bool shows_progress(const db::EventRecord& event);
 
 struct StoredRun {
@@ -33,7 +33,7 @@ struct RunView {
   std::string unread;  // why the store cannot be read
 };
 
-// With what the run's own store holds; a store that cannot be read leaves the run's answer.
+// Adds what the run's own store holds; if the store cannot be read, only the live status is shown.
 RunView view_of(const LiveRun& live);
 
 // In lines for people: run, recipe, phase, pressure or force, time, frames, events; the first `kNeeded` are the most
@@ -49,8 +49,8 @@ std::vector<std::string> stored_lines(const StoredRun& run, std::optional<bool> 
 nlohmann::ordered_json stored_json(const StoredRun& run, std::optional<bool> carried_out);
 // The command to type after a run that has ended; `db`: the store, as it is to be typed.
 std::string next_command(const StoredRun& run, const std::string& db);
-// As the run itself should have ended, from what is stored: 0 completed, 1 a check refused it, 3 device, process or
-// another failure, 4 stopped or aborted, 5 store, 7 the safe state was not verified.
+// The exit code that the run itself should have had, from what is stored: 0 completed, 1 a check refused it, 3 device,
+// process or another failure, 4 stopped or aborted, 5 store, 7 the safe state was not verified.
 ExitCode exit_code_of(const db::RunRecord& run);
 
 }  // namespace tactbench::bench

@@ -1,4 +1,4 @@
-// Figures followed over time: those of a subject (a scenario of the nightly suite, a sensor, a rig) run by run,
+// Trends of figures: the figures of a subject (a scenario of the nightly suite, a sensor, a rig) from run to run,
 // compared with the spread of the runs that were accepted as its baseline.
 #pragma once
 
@@ -41,7 +41,7 @@ struct Followed {
   std::vector<FollowedFigure> figures;         // by name
 };
 
-// What a store has of a subject, read once.
+// The records of a subject in a store, read once.
 class SubjectHistory {
  public:
   SubjectHistory(const db::RunStore& store, const std::string& subject);
@@ -75,8 +75,8 @@ struct FigureWords {
 };
 FigureWords in_words(const std::string& figure);
 
-// What a plot of a figure's runs spans: with a band three times its width, the band in the middle; without one from 0
-// to the largest value, so that small changes look small.
+// Range of the plot of a figure over its runs: with a band three times its width, the band in the middle; without one
+// from 0 to the largest value, so that small changes look small.
 struct FigureScale {
   double low = 0.0, high = 1.0;
 };
@@ -85,7 +85,7 @@ FigureScale scale_of(const FollowedFigure& figure);
 // One line per figure outside its band, and one per shifted figure.
 std::vector<std::string> outside_lines(const Followed& followed);
 std::vector<std::string> shift_lines(const Followed& followed);
-// What a baseline that is too short for charts does not judge; empty where it is not.
+// What is not judged because the baseline is too short for control charts; empty where it is long enough.
 std::string short_baseline(const Followed& followed);
 
 // The newest values, at most `width`, as a sparkline of blocks; an arrow for one beyond the scale.

@@ -1,4 +1,4 @@
-// HTML pages: a night with its changes over time, and the figures of a sensor or rig over its runs. One file each, no
+// HTML pages of a nightly run with its trends, and of the figures of a sensor or rig over its runs. One file each, no
 // script, inline SVG, well-formed XML.
 #pragma once
 

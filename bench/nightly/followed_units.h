@@ -1,5 +1,5 @@
-// Followed figures in the unit of pressure of who reads them. Stores, JSON and baselines keep psi and the names with
-// it.
+// Converts trends of figures to the unit of pressure of the reader. Stores, JSON and baselines keep psi and the names
+// with it.
 #pragma once
 
 #include "analysis/pressure_unit.h"

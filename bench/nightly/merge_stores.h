@@ -1,6 +1,5 @@
-// Several stores into one: runs, figures, baselines, and the parts of a night that several machines carried out. A
-// night that is put together of its parts is that of one machine: the same runs under the same numbers, figures,
-// comparisons.
+// Merges several stores into one: runs, figures, baselines, and the parts of a nightly run that several machines
+// carried out. The merged night equals that of one machine: the same runs under the same numbers, figures, comparisons.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
-// A night: the scenarios of a suite, each in a process and a store of its own, several at once, reported in the suite's
-// order. A scenario whose process dies is reported red; the others continue.
+// Carries out a nightly run: the scenarios of a suite, each in a process and a store of its own, several at once,
+// reported in the suite's order. A scenario whose process dies is reported red; the others continue.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,5 @@
-// The store that keeps nights: takes each scenario's runs and compares the results with baselines and earlier nights.
+// Stores nightly runs: copies the runs of each scenario into one store and compares the results with baselines and
+// earlier nights.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-// What was stored of a run after its end in another store: fits, verdicts by them, figures.
+// Copies to a store what another store recorded about a run after its end: fits, verdicts by them, figures.
 #pragma once
 
 #include <cstddef>

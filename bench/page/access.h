@@ -1,4 +1,5 @@
-// Who may read and who may command: two secrets, and the marks by which a browser tells whose page asks. Pure.
+// Access rules of the page: one token for reading, one for commands, and the request headers by which a browser shows
+// which page the request comes from. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -24,9 +25,9 @@ enum class PageNeeds {
   kCommand,
 };
 
-// None: it may. Refuses, in this order: a foreign Host 421 (an attacker's name that leads to this address), a foreign
-// Origin or site 403, what changes something by another way than the page's own POST 405, 415, 403, and a missing or
-// wrong token 401. Never says which token would have been right.
+// None: the request is allowed. Refuses, in this order: a foreign Host with 421 (an attacker's name that resolves to
+// this address), a foreign Origin or site with 403, a change by anything other than the page's own POST with 405, 415
+// or 403, and a missing or wrong token with 401. Never reveals which token would have been right.
 std::optional<HttpResponse> refusal(const HttpRequest& request, PageNeeds needs, const PageAccess& access);
 
 // Whether the request carries the operator's token, or at least one that reads.

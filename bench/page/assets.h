@@ -1,4 +1,5 @@
-// The page's own files (bench/page/assets) inside the program. The build makes their source (bench/page/assets.cmake).
+// The page's own files (bench/page/assets), compiled into the program. The build generates their source
+// (bench/page/assets.cmake).
 #pragma once
 
 #include <string_view>

@@ -1,5 +1,5 @@
-// Commands and answers from the page to the live run: sent on a connection of their own, answered when the run has
-// acknowledged, or refused when it does not in time.
+// Passes commands and answers from the page to the live run: each is sent on a connection of its own and answered when
+// the run has acknowledged it, or refused when it does not in time.
 #pragma once
 
 #include <chrono>

@@ -1,5 +1,5 @@
-// Pages that other verbs write, for the page's frame: reports, comparisons, trends. Each is made by this same program
-// in a process of its own, so that figures and words have one source and the server stays small and answers meanwhile.
+// HTML documents that other verbs write, shown in the page's frame: reports, comparisons, trends. Each is made by this
+// same program in a process of its own, so that its content has one source and the server stays small and responsive.
 #pragma once
 
 #include <chrono>
@@ -27,8 +27,8 @@ class Documents {
   Documents(std::string db, std::string program = "/proc/self/exe");
 
   using Ready = std::function<void(const Document&)>;
-  // The words before the store and the output file: {"report", "5"}, `output` "-o"; `ready` is called once, from here
-  // or from look(). At most two are made at a time, and some wait.
+  // `words`: the command line without the store and the output file: {"report", "5"}, `output` "-o"; `ready` is called
+  // once, from here or from look(). At most two are made at a time; others wait, up to a limit.
   void make(const std::vector<std::string>& words, const std::string& output, Ready ready);
   // A file that is there, kept as it is now.
   Document keep(const std::string& path);

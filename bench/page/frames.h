@@ -1,4 +1,4 @@
-// The frames of the run on show: its newest picture, also as pressures where the sensor has models.
+// Frames of the run that the page displays: the most recent image, also as pressures where the sensor has models.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The store's runs and sensors for the page, with what was judged of them.
+// Lists of the store's runs and sensors for the page, with their verdicts.
 #pragma once
 
 #include <cstddef>
@@ -13,11 +13,11 @@ namespace tactbench::bench {
 
 inline constexpr std::size_t kListedRuns = 500;  // the newest
 
-// word of_means models_of decided: the verdict, whether by mean errors alone, the run whose models were judged, and the
-// deciding figure in words. Null without a verdict.
+// Members word, of_means, models_of, decided: the verdict, whether it is by mean errors alone, the run whose models
+// were judged, and the deciding figure as text. Null without a verdict.
 nlohmann::ordered_json verdict_json(const Standing& stands);
-// What stands for the models by which `run` was judged, or that were made from it: on all runs that they were judged
-// on.
+// The verdict that is valid for the models by which `run` was judged, or that were made from it: over all runs that
+// they were judged on.
 Standing calibration_of(const db::RunStore& store, std::int64_t run);
 // Newest first, void ones too; `left_out`: older ones. `report`: reporting_run().
 nlohmann::ordered_json runs_list(const db::RunStore& store);

@@ -1,5 +1,5 @@
-// The page to follow the bench by: a server of its own process. It reads the store, follows the live run through its
-// control socket, and passes on the operator's commands; it holds no instrument and no lock.
+// Web page for monitoring a bench: an HTTP server in a process of its own. It reads the store, follows the live run
+// through its control socket, and passes on the operator's commands; it holds no instrument and no lock.
 #pragma once
 
 #include <chrono>

@@ -1,5 +1,5 @@
-// The page's answers as HTTP: which path needs which right, the page's own files, and the fields that every answer
-// carries.
+// HTTP responses of the page: which path needs which right, the page's own files, and the header fields that every
+// response carries.
 #pragma once
 
 #include <cstdint>

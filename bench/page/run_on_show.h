@@ -1,5 +1,5 @@
-// What the page's first view tells: the live run of a store, or its last one, in the words of `tactbench status`, its
-// safe state with the witnesses, its newest events with what to do about them, and the array's picture.
+// Content of the page's first view: the live run of a store, or its last one, described as by `tactbench status`, its
+// safe state with the witnesses, its newest events with their remedies, and the array's image.
 #pragma once
 
 #include <chrono>
@@ -30,14 +30,14 @@ class RunOnShow {
   // `bench`: its id, of which the last run is shown when none is live; empty: of any.
   RunOnShow(std::string db, std::string bench) : db_(std::move(db)), bench_(std::move(bench)) {}
 
-  // Reads the store where `live` tells of something new, else every few seconds; null: no run is live.
+  // Reads the store when `live` reports something new, else every few seconds; null: no run is live.
   void look(const LiveRun* live);
   // True once for each newer picture.
   bool take_new_picture();
   [[nodiscard]] nlohmann::json picture() const;
   // `silent_s`: since the run's last word.
   [[nodiscard]] nlohmann::json state(const LiveRun* live, double silent_s) const;
-  // The store, opened when it is first there. Null: it cannot be read; `why` says it in words.
+  // The store, opened once it exists. Null: it cannot be read; `why` is then the reason.
   const db::RunStore* store(std::string* why = nullptr);
   [[nodiscard]] std::int64_t run() const { return stored_ ? stored_->record.run : 0; }
 
@@ -51,7 +51,7 @@ class RunOnShow {
 
   std::string db_, bench_, unread_;
   std::optional<db::RunStore> store_;
-  std::uint64_t file_ = 0;  // its inode: a store that was replaced is opened anew
+  std::uint64_t file_ = 0;  // its inode: a store that was replaced is opened again
   std::optional<StoredRun> stored_;
   std::vector<db::EventRecord> events_;  // newest first
   std::optional<db::EventRecord> newest_safe_;

@@ -1,4 +1,4 @@
-// The verdict on a sensor as found: this run's data with the models that were in use before it, by the report's limits.
+// Judges a sensor as found: this run's data with the models that were in use before it, by the report's limits.
 #pragma once
 
 #include <string>

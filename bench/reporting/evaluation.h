@@ -1,4 +1,4 @@
-// From run numbers to figures: shared by fit, report and demo.
+// Evaluates runs by number: fits, figures, stored results and reports; shared by fit, report and demo.
 #pragma once
 
 #include <optional>
@@ -51,7 +51,7 @@ std::string write_report(analysis::Runs& runs, const analysis::SensorModel& fit,
                          const std::vector<NamedEvaluation>& evaluations, const Judged& judged, std::string path,
                          std::string* number, const ReportExtras& extras = {}, bool replace = false);
 
-// reports/NAME beside the store.
+// reports/NAME next to the store.
 std::string report_path(const db::RunStore& store, const std::string& name);
 
 }  // namespace tactbench::bench

@@ -1,4 +1,5 @@
-// Runs -> Evidence for judge(): which runs may count, what was measured on them, what they show of conditions in use.
+// Collects the Evidence for judge() from runs: which runs may count, what was measured on them, which conditions of use
+// they cover.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The figures of a run that judge() takes: gathered from datasets and budgets.
+// Computes the figures of a run that judge() compares with limits, from datasets and uncertainty budgets.
 #pragma once
 
 #include <vector>

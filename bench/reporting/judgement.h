@@ -1,4 +1,5 @@
-// Judgements of stored runs: gathered, judged (analysis/judgement/judgement.h), stored, and what stands for a run.
+// Judges stored runs (analysis/judgement/judgement.h), stores the verdicts, and finds the verdict that is valid for a
+// run.
 #pragma once
 
 #include <optional>
@@ -9,7 +10,7 @@
 
 namespace tactbench::bench {
 
-// A judgement with what it was made of; the evidence is empty for one that was stored.
+// A judgement with its input; the evidence is empty for one that was stored.
 struct Judged {
   analysis::Evidence evidence;
   analysis::Limits limits;
@@ -31,7 +32,7 @@ Judged judge_for_report(analysis::Runs& runs, const analysis::SensorModel& fit,
 // The stored verdicts on a run without models: the newest judgement, and worse ones.
 analysis::Judgement judgement_on(const db::RunStore& store, std::int64_t run);
 
-// What stands for a run.
+// The verdicts that are valid for a run.
 struct Standing {
   // All stored verdicts of a run that still count: on it, and on any run by models made from it. Verdicts on the
   // models' own runs are inconclusive and count only when there are no others. None for a void run, and none by models
@@ -45,7 +46,7 @@ struct Standing {
   [[nodiscard]] const analysis::JudgedFigure* deciding() const;
 };
 Standing standing(const db::RunStore& store, std::int64_t run);
-// The run whose report tells of this one: that of the models it was judged by, else its own where it has models; 0:
+// The run whose report covers this one: that of the models it was judged by, else its own where it has models; 0:
 // neither.
 std::int64_t reporting_run(const db::RunStore& store, const Standing& of, std::int64_t run);
 

@@ -1,4 +1,4 @@
-// How each sequence of a run was carried out, in words: what its recipe, with the values that were set, says.
+// Describes how each sequence of a run was measured, from its recipe and the overridden values.
 #pragma once
 
 #include <string>

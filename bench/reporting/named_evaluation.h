@@ -1,4 +1,4 @@
-// The evaluation of one run, and the run's name as typed.
+// The evaluation of one run, with the title under which it is shown.
 #pragma once
 
 #include <string>

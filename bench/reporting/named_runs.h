@@ -1,4 +1,4 @@
-// Runs named on the command line, and the rules which of them a verb may use.
+// Checks the runs that are named on the command line: which of them a verb may use.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +15,8 @@ struct RunsNamed {
   bool void_can_be_taken = true;  // --void-too is an option of the verb
 };
 
-// The runs as stored. Each must be there, be named once (TB-RUN-TWICE), not be the models' own (TB-RUN-OWN), and count:
-// a void one is refused (TB-RUN-VOID), or, with `void_too` (--void-too), used with a warning on standard error.
+// The runs as stored. Each must exist, be named once (TB-RUN-TWICE), not be the models' own (TB-RUN-OWN), and count: a
+// void one is refused (TB-RUN-VOID), or, with `void_too` (--void-too), used with a warning on standard error.
 std::vector<db::RunRecord> named_runs(analysis::Runs& runs, const std::vector<std::int64_t>& numbers,
                                       const RunsNamed& named, bool void_too);
 

@@ -1,5 +1,5 @@
-// Contributions of further runs to the uncertainty budgets: chamber and mounts from the studies, creep from holds,
-// temperature from loops at another temperature. Runs are recognised by their data.
+// Contributions of further runs to the uncertainty budgets: chamber uniformity and mounting from the studies, creep
+// from holds, temperature from loops at another temperature. The kind of a run is recognised from its data.
 #pragma once
 
 #include <cstdint>
@@ -21,12 +21,13 @@ analysis::UncertaintyInputs budget_inputs(analysis::Runs& runs, const analysis::
 analysis::HistoryRuns held_out_histories(analysis::Runs& runs, std::int64_t calibration,
                                          const std::vector<std::int64_t>& held_out);
 
-// Rows of re-mounting, common and own: the sensor is calibrated in one mount and used in another, so that a reading
-// errs by the difference of two mounts, sqrt(2) times what one mount varies by. Nothing where mounts were not assessed.
+// Adds the budget rows of re-mounting, common to all taxels and per taxel: the sensor is calibrated in one mount and
+// used in another, so that a reading errs by the difference of two mounts, sqrt(2) times the variation of one mount.
+// Adds nothing where mounts were not assessed.
 void add_mounts(const analysis::Remount& found, analysis::UncertaintyInputs& inputs);
 
 struct StateChange {
-  bool later = false, mounted = false, unknown = false;  // another day or age; mounted anew; cannot be told
+  bool later = false, mounted = false, unknown = false;  // another day or age; mounted again; cannot be determined
   std::string words;                                     // the first of them; empty: none
   [[nodiscard]] bool any() const { return !words.empty(); }
 };
@@ -36,7 +37,7 @@ StateChange state_change(const db::RunRecord& run, const db::RunRecord& other);
 // for a simulated sensor, age and mount. Empty: none.
 std::string other_state(const db::RunRecord& run, const db::RunRecord& other);
 
-// By their thermometers, or, for a simulated sensor, by its configuration.
+// Whether two runs differ in temperature, by their thermometers or, for a simulated sensor, by its configuration.
 bool temperature_differs(const db::RunRecord& run, const db::RunRecord& other, const analysis::Dataset& ours,
                          const analysis::Dataset& theirs);
 

@@ -16,9 +16,9 @@ struct ReportExtras {
   analysis::PressureUnit unit = {};  // of the page
 };
 
-// A further run of the sensor. Its recipes show its purpose: under an object, at several rates, held; its thermometer
-// shows another temperature. The purpose of other plain loops is typed as a role: mount (mounted again), or 0, 90, 180,
-// 270 (turned in the chamber by that many degrees counter-clockwise, row 0 on top).
+// A further run of the sensor. Its purpose follows from its recipes (under an object, at several rates, held) or from
+// its thermometer (another temperature). For other plain loops the purpose is typed as a role: mount (mounted again),
+// or 0, 90, 180, 270 (turned in the chamber by that many degrees counter-clockwise, row 0 on top).
 struct StudyRun {
   std::int64_t run = 0;
   std::string role;  // mount, 0, 90, 180, 270; empty: by its recipes, or its temperature

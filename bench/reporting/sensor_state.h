@@ -1,4 +1,5 @@
-// What a store knows of a sensor: when it was measured, what stands of it, until when, and whether it drifted.
+// State of a sensor according to a store: when it was measured, its valid verdict, until when it is valid, and whether
+// the sensor drifted.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,5 @@
-// The runs that models were made from: the fitted one, and of a dynamic model those that its lag and creep were taken
-// from. None of them is independent data for the models, and the models rest on each of them.
+// Runs that models were made from: the fitted run and, for a dynamic model, those that lag and creep were taken from.
+// None of them is independent data for the models.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,9 @@
 
 namespace tactbench::bench {
 
-// The number that a source of lag or creep has in this store. A copy numbers runs anew: the run is known by its
-// content, and by its number alone where the model does not tell the content. None: the store does not have it.
+// The number in this store of a run that lag or creep was taken from. Runs get new numbers in a copy of a store: the
+// run is identified by its content, and by its number only where the model does not state the content. None: the store
+// does not have it.
 std::optional<std::int64_t> run_of_source(const db::RunStore& store, const analysis::SensorDynamics::Source& source);
 
 // Each once, the fitted run first; what this store does not have is left out.

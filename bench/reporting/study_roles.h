@@ -1,5 +1,5 @@
-// The role of a further run as typed, "7:mount" or "4:90", held against what that run itself records: its recipes, how
-// the simulated sensor lay, and the metadata `turned` and `mount` of its operator.
+// Compares the typed role of a further run, "7:mount" or "4:90", with what that run itself records: its recipes, how
+// the simulated sensor was mounted, and the metadata `turned` and `mount` of its operator.
 #pragma once
 
 #include "bench/reporting/report_results.h"
@@ -9,7 +9,7 @@ namespace tactbench::bench {
 
 enum class StudyPurpose { kPlainLoops, kPresses, kPaces };  // by its recipes
 
-// Throws Error TB-REPORT-STUDY where a record contradicts the role. A run without such a record is believed.
+// Throws Error TB-REPORT-STUDY where a record contradicts the role. Without such a record the typed role is accepted.
 void check_role(const StudyRun& study, const db::RunRecord& own, const db::RunRecord& other, StudyPurpose purpose);
 
 }  // namespace tactbench::bench

@@ -1,5 +1,5 @@
-// One run from request to closed row: checks before any device is touched, the row before the first device is opened,
-// setup, steps, and a way out that always proves the safe state and says why the run ended.
+// Carries out one run from request to closed row: checks before any device is touched, the row before the first device
+// is opened, setup, steps, and a teardown that always tries to prove the safe state and records why the run ended.
 #pragma once
 
 #include "bench/run/control/progress.h"

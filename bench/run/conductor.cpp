@@ -224,7 +224,7 @@ void Conductor::carry_out(const Step& step, const std::string& before) {
   board_.step_done();
 }
 
-// Judged once, at the first frame at the recipe's highest level.
+// Checked once, at the first frame at the recipe's highest level.
 void Conductor::fail_fast(const Step& step) {
   const Recipe& recipe = work_.recipes[static_cast<std::size_t>(step.sequence)];
   const sequences::FailFast& limits = recipe.limits;

@@ -37,7 +37,7 @@ class Conductor {
   // Until all branches are done. Throws what ends the run: Fault, Error, Leave, StoreError.
   void run();
   void set_state(RunState state, const std::string& reason);
-  // Does `work` again after each suspension that it throws.
+  // Repeats `work` after each suspension that it throws.
   void outlast(const std::function<void()>& work);
   [[nodiscard]] StageSteps& press_steps() { return stage_; }
   [[nodiscard]] int redone() const { return redone_; }  // branches voided and done again

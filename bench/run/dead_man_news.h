@@ -1,4 +1,4 @@
-// Reports the dead-man's state while an actuator is held, and modules that were busy: to the record and to people.
+// Reports what the dead-man and busy modules signalled while an actuator is held: to the run's record and to people.
 #pragma once
 
 namespace tactbench::bench {

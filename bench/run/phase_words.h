@@ -1,4 +1,4 @@
-// What a step of a run does, in words: for the progress line, `status` and `watch`.
+// Describes a step of a run as text, for the progress line, `status` and `watch`.
 #pragma once
 
 #include <string>

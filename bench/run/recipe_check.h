@@ -1,5 +1,5 @@
-// The recipes that names stand for, and their preflight against a bench, before anything is touched: limits, axes, and
-// whether the bench has the devices that they need.
+// Resolves recipe names, and checks the recipes against a bench before anything is touched: limits, axes, and the
+// devices that they need.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace tactbench::bench {
 
-// Of a file or shipped recipe: what it is, and all recipes that the names stand for.
+// read_recipe_file(): a file or shipped recipe by name. read_recipes(): all recipes that the names refer to.
 sequences::RecipeFile read_recipe_file(const std::string& name, const std::vector<sequences::Override>& overrides = {});
 std::vector<sequences::Recipe> read_recipes(const std::vector<std::string>& names,
                                             const std::vector<sequences::Override>& overrides = {});
@@ -51,8 +51,8 @@ NotJudged not_judged(const std::vector<sequences::Step>& steps, const std::vecto
 // True when a recipe presses objects on the array, which needs stage and force sensor.
 bool needs_press(const std::vector<sequences::Recipe>& recipes);
 
-// What a run would carry out otherwise than asked, a sentence each: steps finer than a count of the output or than the
-// band in which a level counts as reached, and ramps faster than the bench allows.
+// What a run would carry out differently than requested, one sentence each: steps finer than a count of the output or
+// than the band in which a level counts as reached, and ramps faster than the bench allows.
 std::vector<std::string> recipe_warnings(const std::vector<sequences::Recipe>& recipes, const BenchConfig& bench,
                                          analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 

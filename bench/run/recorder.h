@@ -1,6 +1,6 @@
-// Typed readings -> rows: one frame a step with the trace since the frame before it, branches with their attempts, and
-// the only writer of a run's state while it runs. What cannot be written because another program has locked the store
-// waits here, in order.
+// Writes a run to the store: one frame per step with the trace since the previous frame, branches with their attempts,
+// and the state of the run, whose only writer it is while the run is live. What cannot be written because another
+// program has locked the store waits here, in order.
 #pragma once
 
 #include <chrono>
@@ -37,16 +37,17 @@ class Recorder {
   // after the stored ones.
   Recorder(db::RunStore& store, std::int64_t run, const devices::Clock& clock, devices::Nanoseconds offset = {});
 
-  // What texts become before they are stored (bench/simulation/passing_names.h); they are stored as they are without.
+  // Transformation of texts before they are stored (bench/simulation/passing_names.h); without it they are stored
+  // unchanged.
   void name_by(std::function<std::string(const std::string&)> names) { names_ = std::move(names); }
   [[nodiscard]] std::string as_stored(const std::string& text) const { return names_ ? names_(text) : text; }
 
-  // Called between two tries while the store is locked, with its error and the seconds waited so far. It may throw;
-  // false: the work goes on, and what waits is written with what comes next. Without one, 5 s are waited.
+  // Called between two tries while the store is locked, with the error and the seconds waited so far. It may throw;
+  // false: the work continues, and what waits is written later. Without a handler it waits 5 s.
   using Bear = std::function<bool(const db::StoreError& locked, double waited_s)>;
   void when_locked(Bear bear) { bear_ = std::move(bear); }
-  // Does `job`, one transaction of the store, after all that waits. One that met the lock is repeated as it is, perhaps
-  // after this has returned or thrown.
+  // Executes `job`, one transaction of the store, after everything that waits. A job that met a locked store is
+  // repeated unchanged, perhaps after this has returned or thrown.
   void write(std::function<void()> job);
   // Writes what waits; false: the store is still locked, and locked() says by whom.
   [[nodiscard]] bool flush();

@@ -1,5 +1,5 @@
-// Opens an interrupted or ended run again: its complete branches are kept, an incomplete branch becomes void, and after
-// a long rest the whole repeat.
+// Reopens an interrupted or ended run: its complete branches are kept, an incomplete branch becomes void, and after a
+// long rest the whole repeat.
 #pragma once
 
 #include <set>

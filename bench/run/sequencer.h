@@ -48,7 +48,7 @@ class Sequencer {
   void wait_until(devices::Nanoseconds time);
   // Waits 0.2 s for a person on a vented rig, watching both pressures. Throws Leave.
   void idle();
-  // Stays where it is for a moment, watching both pressures. Throws Leave, PathBroken.
+  // Holds the present set-point for a moment, watching both pressures. Throws Leave, PathBroken.
   void stand();
   // Waits `duration_s` at 0 psi, feeding the module and watching the pressures.
   void hold_vented(double duration_s);
@@ -58,7 +58,7 @@ class Sequencer {
   [[nodiscard]] bool leaving() const { return control_.asked(signals_).has_value(); }
   // Called after each poll of commands and signals.
   void set_listener(std::function<void()> listener) { listener_ = std::move(listener); }
-  // Of a turned clock: process time goes on no faster than `rate` times real time, for people who watch.
+  // Of a manual clock: process time goes on no faster than `rate` times real time, for people who watch.
   void pace(double rate) { pace_ = rate; }
   [[nodiscard]] TimeSpent& times() { return times_; }
   [[nodiscard]] Rig& rig() { return rig_; }
@@ -67,7 +67,7 @@ class Sequencer {
     setpoint_ = devices::Psi(0.0);
     moving_ = false;
   }
-  // Tells Control the newest readings; poll() does it for those of the chamber.
+  // Passes the newest readings to Control; poll() does it for those of the chamber.
   void tell_readings();
 
  private:

@@ -71,7 +71,7 @@ void Sequencer::stand() {
 
 void Sequencer::idle() {
   step_deadline_ = Nanoseconds::max();
-  // A turned clock does not wait, but a person needs real time.
+  // A manual clock does not wait, but a person needs real time.
   if (rig_.config().in_process) std::this_thread::sleep_for(kTurn / 10);
   const Nanoseconds end = rig_.clock().now() + kTurn;
   while (rig_.clock().now() < end) {

@@ -12,7 +12,7 @@ namespace tactbench::bench {
 
 class StatusBoard;
 
-void record_environment(Rig& rig, Recorder& recorder);  // one event a sensor
+void record_environment(Rig& rig, Recorder& recorder);  // one event per sensor
 // Throws Fault TB-SCANNER-SERIAL when the scanner is not the one that the sensor is registered with.
 void check_scanner(const RunRequest& request, const std::string& serial);
 // Warm-up by the first recipe's criterion, then seating; each a stored check. Throws Error TB-SEATING and what the

@@ -1,4 +1,4 @@
-// The simulated specimen of a run: its film's memory, kept in a file between runs, and the object that presses on it.
+// State of the simulated specimen between runs: the film's memory, kept in a file; and the object that presses on it.
 #pragma once
 
 #include <string>

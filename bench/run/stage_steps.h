@@ -1,5 +1,5 @@
-// The stage's steps of a run that presses: home, move, approach, press, retract. Recipe steps -> Press, its results ->
-// the recorder. The chamber is disarmed and vented meanwhile.
+// Carries out the stage's steps of a run that presses: home, move, approach, press, retract. Passes recipe steps to
+// Press and its results to the recorder. The chamber is disarmed and vented meanwhile.
 #pragma once
 
 #include <memory>

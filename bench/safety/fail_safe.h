@@ -1,4 +1,4 @@
-// The fail-safe layers of a bench that act when the program dies, in words for preflight.
+// Describes, for the preflight, the fail-safe layers of a bench that act when the program dies.
 #pragma once
 
 #include <string>

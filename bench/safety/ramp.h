@@ -1,4 +1,4 @@
-// Brings the set-point to a level in ticks within the guard's limits; all ramps use this loop.
+// Ramps the set-point to a level in ticks within the guard's limits; all ramps use this loop.
 #pragma once
 
 #include <cstdint>

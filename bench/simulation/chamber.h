@@ -10,7 +10,7 @@ namespace tactbench::bench {
 struct ChamberTrouble {                 // what is broken at present
   bool valve_shut = false;              // neither fills nor exhausts, whatever is commanded
   double no_supply_fall_psi_per_s = 0;  // above 0: cannot fill, and loses that much backward through the valve
-  double leak_psi_per_s = 0.0;          // beside that of the options
+  double leak_psi_per_s = 0.0;          // in addition to that of the options
 };
 
 class Chamber {

@@ -1,5 +1,5 @@
-// What breaks in the simulated rig, and when: a schedule of faults by process time, by pressure, by force, or by a
-// test's call. Plant and simulated ends ask it. No wall clock: the same schedule and questions give the same run.
+// Schedule of the faults of the simulated rig: by process time, by pressure, by force, or by a test's call. Plant and
+// simulated instruments query it. No wall clock: the same schedule and queries give the same run.
 #pragma once
 
 #include <atomic>

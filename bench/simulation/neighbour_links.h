@@ -1,4 +1,4 @@
-// Links between neighbouring taxels, in row and column and across a corner, each its own by the sensor's seed: the
+// Coupling between neighbouring taxels, in row and column and diagonally, each link drawn by the sensor's seed: the
 // harsh film's electrical coupling, the skin of the foam.
 #pragma once
 
@@ -12,7 +12,8 @@ namespace tactbench::bench {
 
 class NeighbourLinks {
  public:
-  // `beside`, `corner`: the usual link; each differs by up to half of it. `stream`: of the sensor's seed.
+  // `beside`, `corner`: the mean share of a link in row or column, and of a diagonal one; each differs by up to half of
+  // it. `stream`: of the sensor's seed.
   NeighbourLinks(const SpecimenOptions& options, std::uint64_t stream, double beside, double corner);
   // Neighbours draw each other's values together.
   void couple(std::span<double> values) const;

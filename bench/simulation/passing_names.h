@@ -1,6 +1,6 @@
-// Where the simulated ends of this process were found: ports, terminals and sockets that are others in each run. What
-// is stored of a run names them by words that last, so that the same seed gives the same content, also where an error
-// quotes an address.
+// Addresses of the simulated instruments of this process: ports, terminals and sockets that differ from run to run.
+// Before a run's texts are stored, they are replaced by constant names, so that the same seed gives the same content,
+// even where an error message quotes an address.
 #pragma once
 
 #include <string>

@@ -1,6 +1,6 @@
-// One plant couples the simulated ends: chamber, stage, contact and specimen behind the ports that they ask. Moves
-// lazily to the clock's time at each question, on a fixed grid of process time, under one lock; asking changes nothing
-// but the noise drawn, so the same seeds and questions give the same answers.
+// One plant couples the simulated instruments: chamber, stage, contact and specimen behind the ports that they query.
+// It advances lazily to the clock's time at each query, on a fixed grid of process time, under one lock; a query
+// changes nothing but the noise drawn, so the same seeds and queries give the same answers.
 #pragma once
 
 #include <algorithm>
@@ -36,9 +36,9 @@ class Plant final : public devices::ChamberPort, public devices::TactilePort, pu
   [[nodiscard]] devices::Volts feedback() override;
   // The truth with the transducer's noise and errors, 0-10 V over its span; not clipped.
   [[nodiscard]] devices::Volts reference() override;
-  // What a digital gauge on the chamber tells: the truth with the transducer's noise and errors.
+  // Reading of a digital gauge on the chamber: the truth with the transducer's noise and errors.
   [[nodiscard]] devices::Psi reference_pressure();
-  // What the thermometer tells.
+  // Reading of the thermometer.
   [[nodiscard]] double temperature_c() const { return options_.specimen.temperature_c + instruments_.thermometer_c(); }
   [[nodiscard]] double supply_bar();
   // Throws std::invalid_argument when a span does not fit the array.
@@ -78,7 +78,7 @@ class Plant final : public devices::ChamberPort, public devices::TactilePort, pu
   void follow_stage(double seconds);           // contact up to time_
   void follow(double seconds);                 // the specimen follows the load
   void move_specimen(const Load& load, double seconds);
-  void suffer();                     // what is broken at time_
+  void suffer();                     // applies the faults that are active at time_
   [[nodiscard]] Load load() const {  // a vacuum does not load the specimen
     return {std::max(0.0, chamber_.pressure().value()), contact_state_.force_n};
   }

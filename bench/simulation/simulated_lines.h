@@ -1,4 +1,4 @@
-// The Modbus side of a simulated rig: which units stand on which simulated line, as the bench file describes them.
+// The Modbus side of a simulated rig: which units are on which simulated line, as described by the bench file.
 #pragma once
 
 #include <memory>
@@ -15,7 +15,7 @@ class SimulatedLines {
  public:
   // Starts the servers and writes where they are into the endpoints of `config`. Both outlive this. Throws Fault.
   SimulatedLines(BenchConfig& config, Plant& plant, const devices::Clock& clock);
-  // Beside the lines of the bench file: Waveshare's output module (unit 1, channel 0) and input module (unit 2,
+  // In addition to the lines of the bench file: Waveshare's output module (unit 1, channel 0) and input module (unit 2,
   // feedback on channel 0, reference on 1) on a serial line, on the same plant; whoever writes last drives it.
   void serve_waveshare(Plant& plant, const devices::Clock& clock);
   // "Modbus TCP 127.0.0.1:1502, unit 1: Beckhoff EK9000 + EL4xxx/EL3xxx", one a line.

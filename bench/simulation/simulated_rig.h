@@ -1,5 +1,5 @@
-// The whole simulated rig: one plant and the simulated ends of all instruments of a bench file, each on a real wire.
-// A bench of origin "simulated" has it in its own process; `tactbench simulate` serves it to any client.
+// The whole simulated rig: one plant, and simulated instruments for all entries of a bench file, each on a real wire. A
+// bench of origin "simulated" has it in its own process; `tactbench simulate` serves it to any client.
 #pragma once
 
 #include <memory>

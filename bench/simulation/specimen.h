@@ -25,7 +25,7 @@ class Specimen {
 
   // Holds the chamber at `pressure_psi` for `seconds` (> 0): plays, creep and conditioning move. The result of a ramp
   // depends on how finely it is cut into calls; Plant cuts it the same way every time.
-  // `contact_psi`, a value a taxel or empty, is what an object adds to the chamber's pressure: it does not pass the
+  // `contact_psi`, one value per taxel or empty, is what an object adds to the chamber's pressure: it does not pass the
   // membrane, and does not condition the film, which takes a load on the whole array.
   void advance(double pressure_psi, double seconds, std::span<const double> contact_psi = {});
   // Output voltages now, rows x columns row-major, defects and crosstalk included, noise not.

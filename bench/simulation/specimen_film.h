@@ -1,5 +1,5 @@
-// Inside of the specimen: its constants (Make, fixed by the sensor seed), the film's memory (Memory) and the physics
-// between them. Structure of arrays over taxels; equations in bench/simulation/README.md.
+// Internals of the specimen: its constants (FilmMake, fixed by the sensor seed), the film's memory (FilmMemory) and the
+// physics between them. Structure of arrays over taxels; equations in bench/simulation/README.md.
 #pragma once
 
 #include <array>
@@ -83,7 +83,7 @@ FilmMake make_film(const SpecimenOptions& options);
 // Shares of the friction elements, adding up to 1: a Gaussian bump over their widths.
 std::array<double, kFrictionElements> element_shares(double centre, double spread);
 
-// Local over chamber pressure, a value a taxel of the film: non-uniformity, tilt, mount, edge outside the membrane.
+// Local over chamber pressure, one value per taxel of the film: non-uniformity, tilt, mount, edge outside the membrane.
 std::vector<double> shares_of_chamber(const SpecimenOptions& options);
 // Which taxel of the film each taxel of the scanner reads; throws std::invalid_argument.
 std::vector<std::size_t> turned_wiring(const SpecimenOptions& options);
@@ -101,7 +101,7 @@ struct FilmMemory {
 
 struct Specimen::Film {
   explicit Film(const SpecimenOptions& given);
-  // contact_psi: empty, or a value a taxel.
+  // contact_psi: empty, or one value per taxel.
   void advance(FilmMemory& state, double pressure_psi, double seconds, std::span<const double> contact_psi) const;
   void output(const FilmMemory& state, std::span<double> volts) const;
 

@@ -1,6 +1,7 @@
-// The harsh film: what it has that the paper's specimen has not, for models and compensation to be tried on something
-// that was not tuned to one paper's figures. Equations and measured figures: bench/simulation/README.md. All of it is
-// fixed by the sensor's seed (its make) and the noise's seed (what differs from run to run): same seeds, same outputs.
+// The harsh film: effects that the paper's specimen does not have, so that models and compensation are tested on a
+// sensor that was not tuned to one paper's figures. Equations and measured figures: bench/simulation/README.md. All of
+// it is fixed by the sensor's seed (its make) and the noise's seed (what differs from run to run): same seeds, same
+// outputs.
 #pragma once
 
 #include <array>
@@ -42,7 +43,7 @@ inline constexpr double kSlideShare = 0.25;
 // Share of the contact that follows the load at once: more than sliding takes after a turn, so that no output falls
 // while the load rises.
 inline constexpr double kReversible = 0.2;
-// Friction from cycle to cycle: drawn anew at each knot of the way that the load has gone.
+// Friction from cycle to cycle: drawn again at each knot of the way that the load has gone.
 inline constexpr double kCycleFriction = 0.07;
 inline constexpr double kCycleKnotPsi = 100.0;
 // Creep: equal shares at relaxation times ten times apart add up to a straight line over the logarithm of time.
@@ -77,7 +78,7 @@ class HarshFilm {
 
   // A new film at the start of a run.
   void begin(FilmMemory& state) const;
-  // local_psi: a value a taxel, 0 or more. friction_now: the virgin film's factor.
+  // local_psi: one value per taxel, 0 or more. friction_now: the virgin film's factor.
   void advance(FilmMemory& state, std::span<const double> local_psi, double seconds, double friction_now) const;
   // Output of a taxel as a share of its amplitude, walk of the gain included.
   [[nodiscard]] double response(const FilmMemory& state, std::size_t taxel) const;

@@ -1,4 +1,5 @@
-// A run as the fleet keeps it: a store with this run alone and all that is stored of it, compressed by zlib.
+// Packs one run for the fleet database: an SQLite store that holds only this run and everything stored about it,
+// compressed with zlib.
 #pragma once
 
 #include <cstddef>
@@ -12,9 +13,11 @@ namespace tactbench::db::fleet {
 // Bytes of a run's store: about a million frames of 16 x 16 taxels. A value in PostgreSQL has less than 1 GiB.
 inline constexpr std::size_t kLargestStore = 1'000'000'000;
 
-// `scratch`: a folder of one's own. Throws StoreError when the run is not what was stored, FleetError TB-FLEET-LARGE.
+// `scratch`: a temporary folder that nobody else uses. Throws StoreError when the run is not what was stored,
+// FleetError TB-FLEET-LARGE.
 std::string pack_run(const RunStore& store, std::int64_t run, const std::string& scratch);
-// Writes the store to `path`. Throws FleetError TB-FLEET-CHANGED when `body` is none; the file is then of no use.
+// Writes the store to `path`. Throws FleetError TB-FLEET-CHANGED when `body` is not a packed run; the file is then
+// unusable.
 void unpack_run(const std::string& body, const std::string& path);
 
 }  // namespace tactbench::db::fleet

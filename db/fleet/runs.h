@@ -1,4 +1,4 @@
-// Runs in the fleet: what is there, adding to it, finding and reading.
+// Runs in the fleet database: list, add, find and read them.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace tactbench::db::fleet {
 
-// A run at one push.
+// A run as one push sends it.
 struct SentRun {
   std::string uuid, content_sha256;
   std::string said_sha256;  // of the content's hash and all that is said of the run
@@ -19,7 +19,7 @@ struct SentRun {
   std::string body;         // db/fleet/body.h
 };
 
-// A row that is there, without what it holds; oldest first.
+// Identity of a row that the fleet has, without its content; oldest first.
 struct KnownRow {
   std::string uuid, content_sha256, said_sha256, source;
 };
@@ -42,7 +42,7 @@ FleetRun run_named(Link& link, const std::string& name);
 // the rights of who logged in, without a possibility to write, for a minute at most; empty: all. TB-FLEET-WHERE.
 std::vector<FleetRun> find_runs(Link& link, const std::string& origin, const std::string& where);
 std::map<std::string, std::int64_t> runs_by_origin(Link& link);
-// The run, and those that its models and verdicts rest on (facts' rests_on), as far as they are there.
+// The run and the runs that its models and verdicts are based on (rests_on of the facts), as far as the fleet has them.
 std::vector<FleetRun> with_what_it_rests_on(Link& link, const FleetRun& run);
 // Compared with its hash. TB-FLEET-CHANGED.
 std::string body_of(Link& link, const FleetRun& run);

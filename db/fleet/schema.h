@@ -1,4 +1,4 @@
-// The fleet's tables, roles and views, as one text of SQL.
+// Tables, roles and views of the fleet database, as one SQL script.
 #pragma once
 
 #include "db/fleet/postgres.h"

@@ -21,7 +21,7 @@ struct SimulatedDigitalFtFaults {  // test and nightly switches, all off by defa
 
 class SimulatedDigitalFt {
  public:
-  // The wrench is requested at each start of the stream and, free-running, then every 100 samples. On a turned clock,
+  // The wrench is requested at each start of the stream and, free-running, then every 100 samples. On a manual clock,
   // which stands still during a reading, a stream repeats its first: how many samples are sent before the stop arrives
   // depends on real time, and the same seed has to give the same readings. The calibration's matrix must be
   // invertible. Throws Fault TB-SIM-LISTEN.

@@ -1,6 +1,6 @@
-// A Modbus analog module as data (profile) and as process image: writes output words and reads them back, reads input
-// words, keeps raw counts beside volts. Profiles are files (devices/profiles/*.toml), read by
-// bench/config/config_profile.h.
+// Driver of a Modbus analog module that a profile describes (devices/profiles/*.toml, read by
+// bench/config/config_profile.h): writes output words and reads them back, reads input words, and keeps raw counts next
+// to volts.
 #pragma once
 
 #include <cstdint>
@@ -47,8 +47,8 @@ class AnalogModule {
   void refresh(Nanoseconds max_age = Nanoseconds(0));
   void forget_image() { image_time_ = Nanoseconds(-1); }  // the next refresh() reads again
 
-  // Of the last image. Throws Fault TB-MODULE-INPUT when the channel's own status word tells that it is out of range:
-  // the other channels' readings stand.
+  // From the last image. Throws Fault TB-MODULE-INPUT when the channel's own status word reports that it is out of
+  // range; the readings of the other channels remain valid.
   [[nodiscard]] RegisterValue input(int channel) const;
   [[nodiscard]] std::uint16_t output(int channel) const;  // raw counts last written and read back
   [[nodiscard]] Nanoseconds image_time() const { return image_time_; }
@@ -61,7 +61,7 @@ class AnalogModule {
   [[nodiscard]] Identity identity() const;
   [[nodiscard]] const ModuleProfile& profile() const { return profile_; }
   [[nodiscard]] const ModbusLink& link() const { return link_; }
-  // From now on this output rests at `volts` instead of 0 V; bring_up() and zero_outputs() put it there.
+  // From now on the resting voltage of this output is `volts` instead of 0 V; bring_up() and zero_outputs() set it.
   void rest_at(int output, Volts volts) { rest_.at(static_cast<std::size_t>(output)) = counts(volts); }
   // Writes the resting voltage, 0 V, to every output and reads it back; reconnects once if needed: at most two attempts
   // of two exchanges. True: every output was read back so.

@@ -1,5 +1,5 @@
-// A Modbus analog module as data: its registers, scales and fail-safe. Profiles are files (devices/profiles/*.toml),
-// read by bench/config/config_profile.h.
+// Description of a Modbus analog module as data: its registers, scales and fail-safe behaviour. Profiles are files
+// (devices/profiles/*.toml), read by bench/config/config_profile.h.
 #pragma once
 
 #include <chrono>

@@ -1,4 +1,4 @@
-// Options of the pressure side beside the module's profile, as a bench file states them: regulator, reference
+// Options of the pressure instruments apart from the module's profile, as given in a bench file: regulator, reference
 // transducer or gauge, and the faults of a simulated module.
 #pragma once
 

@@ -1,4 +1,5 @@
-// Instruments of the chamber: the source sets the pressure, the independent reference measures it.
+// Interfaces of the chamber's instruments: a PressureSource sets the pressure, an independent PressureReference
+// measures it.
 #pragma once
 
 #include <cstdint>

@@ -40,7 +40,7 @@ class ChainDevice {
   void receive(const ZaberFrame& frame, Nanoseconds now, std::uint8_t place, std::vector<ZaberFrame>& replies);
   // Unsolicited replies up to `now`: the end of a move, tracking, a limit.
   void run(Nanoseconds now, std::vector<ZaberFrame>& replies);
-  // As a loss of power: it stands where it is, and its counter starts there.
+  // As a loss of power: it stays where it is, and its counter starts there.
   void reset(Nanoseconds now);
   // Time at which run() has its next reply to send.
   [[nodiscard]] std::optional<Nanoseconds> due() const;

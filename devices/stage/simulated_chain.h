@@ -24,7 +24,7 @@ struct SimulatedChainOptions {
   std::vector<ChainDeviceOptions> devices = paper_chain();
   std::array<std::size_t, kAxes> axes{0, 1, 2};  // which device is x, y, z
   std::string listen;                            // "" a pseudo-terminal, "tcp:PORT" (0: any), "unix:PATH"
-  // True with a clock that runs by itself: ends of moves are sent when due. False with a turned clock: they are sent
+  // True with a clock that runs by itself: ends of moves are sent when due. False with a manual clock: they are sent
   // before the next request is answered.
   bool free_running = false;
 };

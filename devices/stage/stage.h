@@ -17,7 +17,7 @@ enum class Activity { kIdle, kHoming, kMoving, kStopping, kByHand };
 
 struct AxisState {
   Millimetres position;
-  std::int32_t microsteps = 0;  // raw, beside the scaled value
+  std::int32_t microsteps = 0;  // raw, next to the scaled value
   Activity activity = Activity::kIdle;
   bool homed = false;
   Nanoseconds time{0};

@@ -1,4 +1,4 @@
-// The plant's view of a simulated stage: the true positions of its axes.
+// Interface from the simulated stage to the simulated plant: the true positions of the axes.
 #pragma once
 
 #include <array>

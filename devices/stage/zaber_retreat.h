@@ -1,5 +1,5 @@
-// The dead-man's retreat of the stage, using only a line: stops every axis, then moves z away from the specimen. Needs
-// no armed driver and no message ids. Not verified on hardware.
+// Emergency retreat of the stage, used by the dead-man process over a bare serial line: stops every axis, then moves z
+// away from the specimen. Needs no armed driver and no message ids. Not verified on hardware.
 #pragma once
 
 #include <string>

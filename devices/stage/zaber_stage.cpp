@@ -232,7 +232,7 @@ bool ZaberStage::send_home(Axis axis) noexcept {
   armed_ = false;
   try {
     open();
-    // The reply comes at the end of the travel. The wait lets the command arrive before a turned clock advances.
+    // The reply comes at the end of the travel. The wait lets the command arrive before a manual clock advances.
     (void)line_->ask_plainly(option(axis).device, kHome, 0);
     clock_.reply_lost(options_.reply_timeout);
   } catch (...) {

@@ -54,7 +54,7 @@ class ZaberStage final : public Stage {
   [[nodiscard]] AxisState state(Axis axis) override;
   // Also disarms: commands are refused (TB-STAGE-HALTED) until arm(). Opens the line if none is open. Longest duration:
   // the exchange in progress, then twice: opening the line, the halt timeout and two reply timeouts per axis. Under a
-  // turned clock only the thread that armed can see axes come to rest; in another one the answer is false while they
+  // manual clock only the thread that armed can see axes come to rest; in another one the answer is false while they
   // slow down.
   [[nodiscard]] bool halt() noexcept override;
   // Last resort for a stage whose replies are lost: commands the axis home and waits one reply timeout, so that the

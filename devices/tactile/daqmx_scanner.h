@@ -24,7 +24,7 @@ class DaqmxScanner final : public TactileArray {
   DaqmxScanner(const DaqmxScanner&) = delete;
   DaqmxScanner& operator=(const DaqmxScanner&) = delete;
 
-  // The settling time is process time: a turned clock advances by rows x settle per scan. All relays are open when this
+  // The settling time is process time: a manual clock advances by rows x settle per scan. All relays are open when this
   // returns or throws. Also throws TB-SCANNER-TIMEOUT, TB-SCANNER-LOST, TB-SCANNER-CORRUPT (samples lost). Device time
   // is process time, because the card has no clock that can be read.
   [[nodiscard]] ScanSet read(int scans) override;

@@ -19,7 +19,7 @@ class ReportLink {
   // Waits for one report; 0 when none came before `timeout`. Retries EINTR. Throws Fault TB-HID-LOST when the device
   // is gone (the link never recovers: make a new one).
   [[nodiscard]] virtual std::size_t read(std::span<std::uint8_t> into, Nanoseconds timeout) = 0;
-  // Discards the reports in the queue, so that no stale one is used; returns their number.
+  // Discards the queued reports, so that no stale one is used; returns their number.
   virtual std::size_t drain() = 0;
   [[nodiscard]] virtual std::string description() const = 0;
 };

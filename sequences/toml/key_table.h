@@ -1,7 +1,7 @@
-// Tables of keys. A row says once what a key of a TOML file is: name, type, unit, range, default, meaning, and which
-// variable takes its value. read_keys() reads a file's table by its rows; add_facts() gives the same rows as text, for
-// the reference of keys and the comments of the files that `tactbench init` writes. The default of a row is what the
-// variable holds when the row is made.
+// Tables that declare the keys of TOML files. Each row states once what a key is: name, type, unit, range, default,
+// meaning, and the variable that receives its value. read_keys() reads a table of the file by these rows; add_facts()
+// gives the same rows as text, for the reference of keys and the comments in the files that `tactbench init` writes.
+// The default of a row is the value of the variable when the row is made.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@
 
 namespace tactbench::sequences {
 
-// Of a number in the file; the variable takes number * times / per.
+// Unit of a number in the file: the variable is set to number * times / per.
 struct Unit {
   const char* name;  // "1": a pure number or a count
   double times = 1.0, per = 1.0;
@@ -57,7 +57,7 @@ void read_whole(const TomlTable& table, const KeyTable& keys);
 // of another kind of the same table, gets what differs added.
 void add_facts(std::vector<KeyFacts>& all, const std::string& path, const KeyTable& keys);
 
-// What makes rows: key::number("dwell_s", recipe.dwell_s, {"s"}, {0.0, 86400.0}, "Time from ...").
+// Functions that make rows: key::number("dwell_s", recipe.dwell_s, {"s"}, {0.0, 86400.0}, "Time from ...").
 namespace key {
 
 namespace detail {

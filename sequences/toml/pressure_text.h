@@ -1,5 +1,5 @@
-// Pressures as people type them: a number with its unit, "20kPa", "0.2 bar", "3 psi". Recipes, bench files and the
-// command line take them where a key holds a pressure; a bare number keeps the unit of its key.
+// Pressures as people type them: a number with its unit, "20kPa", "0.2 bar", "3 psi". Accepted by recipes, bench files
+// and the command line where a key holds a pressure; a bare number is in the unit of its key.
 #pragma once
 
 #include <optional>

@@ -1,4 +1,4 @@
-// A store that a test begins with, and processes beside its own.
+// A new store for a test, and processes next to the test's own.
 #pragma once
 
 #include <sys/wait.h>

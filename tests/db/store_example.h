@@ -1,4 +1,5 @@
-// A small run for tests of the store: every field filled, no value like another, doubles that have no short decimal.
+// A small run for tests of the store: every field filled, all with different values, doubles that have no short
+// decimal.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
-// The table of actuators on which the laws of devices/actuator.h are tested (actuator_laws_wire.cpp). A driver joins by
-// an adapter: an ActuatorBed, and one JoinsActuatorLaws at namespace scope of a *_wire.cpp. tests/actuator_rules.cmake
-// fails when a driver in devices/ has none.
+// Table of the actuators that are tested against the rules of devices/actuator.h (actuator_laws_wire.cpp). A driver is
+// added by an adapter: an ActuatorBed, and one JoinsActuatorLaws at namespace scope of a *_wire.cpp.
+// tests/actuator_rules.cmake fails when a driver in devices/ has none.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ struct BedOptions {
 
 using Act = std::function<void()>;
 
-// A driver and its simulated end at the two ends of one real wire, under a turned clock.
+// A driver and its simulated end at the two ends of one real wire, under a manual clock.
 class ActuatorBed {
  public:
   virtual ~ActuatorBed() = default;

@@ -1,5 +1,5 @@
-// The promise of a codec on one message: its bytes and its value are each other's, and a damaged byte is noticed or is
-// another value.
+// Checks a codec on one message: encoding and decoding are inverse to each other, and a damaged byte is detected or
+// gives another value.
 #pragma once
 
 #include <algorithm>

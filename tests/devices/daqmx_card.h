@@ -1,4 +1,5 @@
-// The card of the substitute NI-DAQmx library, new for each test; at its end no task is left and nothing was misused.
+// The card of the substitute NI-DAQmx library, new for each test; checks at the end that no task is left and nothing
+// was misused.
 #pragma once
 
 #include <algorithm>

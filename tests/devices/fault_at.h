@@ -1,4 +1,4 @@
-// The fault of one request to a simulated end, which counts its requests from 0.
+// Injects a fault into one request to a simulated instrument, which counts its requests from 0.
 #pragma once
 
 #include <atomic>

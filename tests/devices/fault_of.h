@@ -1,4 +1,4 @@
-// The fault that an action ends in.
+// Returns the fault that an action throws.
 #pragma once
 
 #include <catch2/catch.hpp>

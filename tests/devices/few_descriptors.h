@@ -1,4 +1,4 @@
-// A process that may open so many more descriptors and no others, while this lives.
+// Limits the number of further descriptors that this process may open, during the object's lifetime.
 #pragma once
 
 #include <fcntl.h>

@@ -1,5 +1,5 @@
-// A TCP port on loopback: bound, so that nobody else listens there, and then listened at with a full queue, so that no
-// connection is answered.
+// A TCP port on loopback that never accepts: bound, so that nobody else listens there, then listening with a full
+// queue, so that no connection is answered.
 #pragma once
 
 #include <arpa/inet.h>

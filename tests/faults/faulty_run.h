@@ -1,5 +1,6 @@
-// One cell of the matrix: a run in this process in which one thing breaks at one point, and all that has to hold after
-// it: the plant's truth against what the run says of it, the stored row, its frames, and that it can be resumed.
+// One cell of the fault matrix: a run in this process in which one thing breaks at one point, and everything that must
+// hold afterwards: the plant's truth compared with what the run reports of it, the stored row, its frames, and that it
+// can be resumed.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-// Recipes made from the part of their text that a test needs.
+// Builds recipes from the part of their text that a test needs.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// How a reading is refused: by its id, at its place, with the number or the word that it is about.
+// Checks how a file is rejected: the error's id, its place, and the number or word that it names.
 #pragma once
 
 #include <catch2/catch.hpp>

@@ -1,4 +1,4 @@
-// Runs of this process that do nothing but answer what they are asked, and runs that do not answer.
+// Runs of this process that only answer requests, and runs that do not answer.
 #pragma once
 
 #include <memory>

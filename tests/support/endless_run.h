@@ -1,5 +1,4 @@
-// `tactbench run` of a recipe that takes for ever, on a bench simulated in its own process, under a bench id of one's
-// own.
+// `tactbench run` of a recipe that does not end, on a bench simulated in its own process, with a bench id of its own.
 #pragma once
 
 #include <fmt/format.h>

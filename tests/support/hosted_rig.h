@@ -1,5 +1,5 @@
 // A simulated rig in the test's own process, in real time, and the bench file with which another process (or a Rig of
-// this one) is its client; the test can look at the plant's truth.
+// this one) is its client; the test can read the plant's truth.
 #pragma once
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
-// Stands between clients and a Modbus TCP server, and can cut off those that only read: a dead-man's connection, while
-// the sequencer's goes on; or the sequencer's.
+// Proxy between clients and a Modbus TCP server that can cut off those that only read: a dead-man's connection, while
+// the sequencer's continues; or the sequencer's.
 #pragma once
 
 #include <arpa/inet.h>

@@ -1,4 +1,4 @@
-// The error that ends a piece of work of the bench.
+// Returns the error that an operation of the bench throws.
 #pragma once
 
 #include <optional>

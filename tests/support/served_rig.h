@@ -1,5 +1,5 @@
-// The simulated rig in a process of its own (`tactbench simulate`), whose plant outlives the sequencers that work on
-// it; programs on it, and a look at its chamber over a connection of the test's own.
+// The simulated rig in a process of its own (`tactbench simulate`), whose plant outlives the sequencers that use it;
+// programs on it, and a reading of its chamber over a connection of the test's own.
 #pragma once
 
 #include <fmt/format.h>
@@ -41,7 +41,7 @@ class ServedRig {
   [[nodiscard]] Finished run(const std::vector<std::string>& arguments) const {
     return run_program(program_path(), arguments, folder.path());
   }
-  // Beside the test; what it says goes to the file `log`.
+  // Runs next to the test; its output goes to the file `log`.
   [[nodiscard]] std::unique_ptr<ChildProcess> start(const std::vector<std::string>& arguments) const {
     std::string line = fmt::format("cd '{}' && exec env {} '{}'", folder.path(), environment, program_path());
     for (const std::string& argument : arguments) line += fmt::format(" '{}'", argument);

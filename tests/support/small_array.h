@@ -1,4 +1,4 @@
-// A bench with a smaller array, for tests that go through every step and ask of none what only a large array shows.
+// A bench with a smaller array, for tests that go through every step and check nothing that needs a large array.
 #pragma once
 
 #include <catch2/catch.hpp>

@@ -1,4 +1,4 @@
-// The store of a program that runs with the power_cut library before it, and what a power cut makes of it.
+// The store of a program that runs with the power_cut library preloaded, and what a power cut leaves of it.
 #pragma once
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// An environment variable that a test sets or removes for a while.
+// Sets or removes an environment variable for the lifetime of an object.
 #pragma once
 
 #include <cstdlib>

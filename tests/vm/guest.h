@@ -1,5 +1,5 @@
-// What the programs that run inside the virtual machine share: figures to print, conditions to wait for, a fault's
-// parts. Time is real here, on an emulated processor.
+// Shared by the programs that run inside the virtual machine: values to print, conditions to wait for, a fault's parts.
+// Time is real here, on an emulated processor.
 #pragma once
 
 #include <fmt/format.h>

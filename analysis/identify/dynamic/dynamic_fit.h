@@ -15,7 +15,7 @@ struct DynamicFitOptions {
   bool by_input = true;  // IdentifyOptions::by_input
 };
 
-// The taxels' models and figures are of the static film: outputs of `fitted` with creep undone, at the pressures that
+// The taxels' models and figures are of the static film: outputs of `fitted` with creep removed, at the pressures that
 // have arrived. Validity covers the holds and rates of all three runs. `rate` and `creep` may be one run. Content
 // hashes are left empty: a Dataset does not tell them. Deterministic; threads by taxel. Throws AnalysisError
 // TB-ANALYSIS-OTHER-SENSOR and TB-ANALYSIS-ORIGIN where a run is of another array or origin than `fitted`,

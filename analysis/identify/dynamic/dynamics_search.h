@@ -13,7 +13,7 @@ struct ArrayDynamics {
   // Per taxel: its creep over the array's, and its share that comes late. Drawn toward the array's where they are
   // uncertain.
   std::vector<double> creep_scale, lag_share;
-  int holds = 0, rate_samples = 0;  // that were looked at
+  int holds = 0, rate_samples = 0;  // that were used
 };
 
 // `zero_v` and `usable` are per taxel. Creep: within each held level of `creep` the static output is constant, so that

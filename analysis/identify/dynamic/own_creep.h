@@ -1,5 +1,5 @@
-// Creep of an array as the run tells it that the models are fitted on: a run that passes the same levels again and
-// again shows the output rising from pass to pass.
+// Estimates the creep of an array from the run that the models are fitted on: in a run that passes the same levels
+// repeatedly the output rises from pass to pass.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace tactbench::analysis {
 
-// How badly one Preisach model on the linearised output describes the array's mean with the creep of `d` undone.
+// Misfit of one Preisach model of the array's mean, on the linearised output with the creep of `d` removed.
 class CreepMisfit {
  public:
   // `zero_v`, `usable`: per taxel. `fit`: as the models are fitted. Pressures from 0 to `highest`.
@@ -39,7 +39,7 @@ Dynamics creep_of_one_run(const CreepMisfit& misfit);
 // where it explains a good part of the misfit that the other leaves.
 Dynamics dynamics_of_recording(const CreepMisfit& misfit, double highest, double step_s, double longest_s);
 
-// The outputs of a run with lag and creep undone, at the pressures that have arrived.
+// The outputs of a run with lag and creep removed, at the pressures that have arrived.
 Dataset lag_and_creep_undone(Dataset data, const ArrayDynamics& dynamics, const std::vector<double>& zero_v,
                              double span);
 

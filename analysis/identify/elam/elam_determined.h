@@ -1,4 +1,4 @@
-// Which of ELAM's parameters the samples determine, and the member that is taken where they do not.
+// Finds which of ELAM's parameters the samples determine, and chooses the values of the others.
 #pragma once
 
 #include <span>

@@ -1,5 +1,6 @@
-// ELAM's parameters by a genetic algorithm as the paper finds them (section 5), beside the exact way of identify.h: for
-// comparison, never the default. The algorithm is pagmo2's sga (Biscani, Izzo 2020), a component that a build may lack.
+// Identifies ELAM's parameters by a genetic algorithm as the paper does (section 5), as an alternative to the exact
+// method of identify.h: for comparison, never the default. The algorithm is pagmo2's sga (Biscani, Izzo 2020), an
+// optional component of a build.
 #pragma once
 
 #include <span>

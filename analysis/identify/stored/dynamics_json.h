@@ -1,4 +1,4 @@
-// What a dynamic model's document has beside any other's: "dynamics", and three members a taxel.
+// Additional members of a dynamic model's document: "dynamics", and three members per taxel.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -1,6 +1,6 @@
-// Models kept: as JSON documents, complete in themselves, in files and in the run store. A document says what was
-// fitted on what, and carries for each taxel all that predicting and compensating need. Schema "tactbench.model",
-// version 1, described in analysis/README.md. Every finite double comes back bit for bit; NaN is null.
+// Stores models as self-contained JSON documents, in files and in the run store. A document states what was fitted on
+// what, and holds for each taxel everything that prediction and compensation need. Schema "tactbench.model", version 1,
+// described in analysis/README.md. Every finite double is restored bit for bit; NaN is null.
 #pragma once
 
 #include <cstdint>
@@ -26,8 +26,9 @@ SensorModel load_model(const std::string& model, const db::RunStore* store);
 // The model with its options, as tables name it: "elam", "elam, free run".
 std::string label_of(const SensorModel& model);
 
-// To the store; returns the fit's number. It stands for its run (db::FitRecord) where it is the dynamic model, or ELAM
-// in the paper's mode of the whole array on all sequences. `made_by`: build and class of processor.
+// Writes the model to the store; returns the fit's number. It is the default fit of its run (db::FitRecord::stands) if
+// it is the dynamic model, or ELAM in the paper's mode of the whole array on all sequences. `made_by`: build and class
+// of processor.
 std::int64_t store_fit(db::RunStore& store, const SensorModel& model, const std::string& program_version,
                        const std::string& utc, const std::string& made_by = {});
 // What is stored, as it was written. Throws AnalysisError TB-MODEL-STORED.

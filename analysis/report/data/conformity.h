@@ -1,4 +1,4 @@
-// Judged figures as the pages state them.
+// Text of judged figures, their limits and decision rules, for the report's pages.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// JSON as the report carries it: one line, ASCII; what is not finite becomes null.
+// JSON helpers for the report's data: one line, ASCII; what is not finite becomes null.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -22,7 +22,7 @@ std::string json_text(const nlohmann::ordered_json& json);
 // of them were flagged, no observable one is left.
 nlohmann::ordered_json whole_evaluation_json(const Evaluation& evaluation, int fitted);
 
-// What creep and temperature were found to be; both assessed.
+// Effects of creep and of temperature; both must be assessed.
 nlohmann::ordered_json creep_effect_json(const CreepEffect& creep);
 nlohmann::ordered_json temperature_effect_json(const TemperatureEffect& effect);
 

@@ -1,5 +1,5 @@
-// How wrong a reading is: the figures of pages 1, 4 and 5, over the taxels at each level, each computed here alone and
-// kept in the report's data. A quantile is quantile_of() (moments.h).
+// How wrong a reading is: the figures of pages 1, 4 and 5, over the taxels at each level. Each is computed only here
+// and stored in the report's data. A quantile is quantile_of() (moments.h).
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -2,10 +2,10 @@
 
 namespace tactbench::analysis::doc {
 
-Words strong(std::string text) { return {std::move(text), Look::kStrong, {}}; }
-Words quiet(std::string text) { return {std::move(text), Look::kQuiet, {}}; }
-Words code_words(std::string text) { return {text.empty() ? "none" : std::move(text), Look::kCode, {}}; }
-Words stated(const std::string& untrusted) {
+StyledText strong(std::string text) { return {std::move(text), Look::kStrong, {}}; }
+StyledText quiet(std::string text) { return {std::move(text), Look::kQuiet, {}}; }
+StyledText code_words(std::string text) { return {text.empty() ? "none" : std::move(text), Look::kCode, {}}; }
+StyledText stated(const std::string& untrusted) {
   return {untrusted.find_first_not_of(" \t\r\n") == std::string::npos ? "not stated" : untrusted, Look::kPlain, {}};
 }
 
@@ -35,7 +35,7 @@ Phrase& Phrase::add(const Phrase& more) {
   pieces_.insert(pieces_.end(), more.pieces_.begin(), more.pieces_.end());
   return *this;
 }
-Phrase& Phrase::add(Words words) {
+Phrase& Phrase::add(StyledText words) {
   pieces_.emplace_back(std::move(words));
   return *this;
 }
@@ -51,7 +51,7 @@ Phrase& Phrase::add(Verdict verdict) {
   pieces_.emplace_back(verdict);
   return *this;
 }
-Phrase& Phrase::add(std::string text) { return add(Words{std::move(text)}); }
+Phrase& Phrase::add(std::string text) { return add(StyledText{std::move(text)}); }
 Phrase& Phrase::add(const char* text) { return add(std::string(text)); }
 
 template <class Part>
@@ -66,7 +66,7 @@ template void Document::add(Heading);
 template void Document::add(Paragraph);
 template void Document::add(List);
 template void Document::add(Table);
-template void Document::add(Figure);
+template void Document::add(Drawing);
 template void Document::add(Beside);
 template void Document::add(Framed);
 template void Document::add(NewPage);

@@ -1,5 +1,6 @@
-// A document as data: headings, paragraphs, lists, tables of typed cells, figures. Sections return it; printers
-// (printers.h) write it. A pressure is a number in psi here and becomes text in the printer, in the unit asked for.
+// A printable document as data: headings, paragraphs, lists, tables of typed cells, drawings. Report sections return
+// it; printers (printers.h) write it. A pressure is a number in psi here and becomes text in the printer, in the
+// requested unit.
 #pragma once
 
 #include <concepts>
@@ -16,13 +17,13 @@ namespace tactbench::analysis::doc {
 
 enum class Look { kPlain, kStrong, kQuiet, kCode, kGood, kDoubt, kBad };
 
-struct Words {
+struct StyledText {
   std::string text = {};
   Look look = Look::kPlain;
   std::string to = {};  // the id of a heading or table that it leads to; empty: no link
 };
 
-// A number for people. Beside a known U (`expanded` > 0) it has the decimal place of U's two digits, else `digits`
+// A number to print. With a known U (`expanded` > 0) it has the decimal place of U's two digits, else `digits`
 // decimals; of a pressure those of psi.
 struct Quantity {
   enum class Unit { kNone, kNamed, kBoth };  // "20.7", "20.7 kPa", "20.7 kPa (3.0 psi)": of a pressure alone
@@ -39,7 +40,7 @@ struct Taxel {
   int taxel = -1, columns = 1;
 };
 
-using Piece = std::variant<Words, Quantity, Taxel, Verdict>;
+using Piece = std::variant<StyledText, Quantity, Taxel, Verdict>;
 
 class Phrase;
 template <class T>
@@ -59,7 +60,7 @@ class Phrase {
   Phrase& add(const Phrase& more);
   Phrase& add(std::string text);
   Phrase& add(const char* text);
-  Phrase& add(Words words);
+  Phrase& add(StyledText words);
   Phrase& add(Quantity quantity);
   Phrase& add(Taxel taxel);
   Phrase& add(Verdict verdict);
@@ -70,11 +71,11 @@ class Phrase {
   std::vector<Piece> pieces_;
 };
 
-Words strong(std::string text);
-Words quiet(std::string text);
-Words code_words(std::string text);
+StyledText strong(std::string text);
+StyledText quiet(std::string text);
+StyledText code_words(std::string text);
 // As typed by a person; "not stated" when empty or blank.
-Words stated(const std::string& untrusted);
+StyledText stated(const std::string& untrusted);
 Quantity number(double value, int digits);
 Quantity number_with_u(double value, double expanded);
 Quantity two_digits(double expanded);  // U itself
@@ -121,7 +122,7 @@ struct Table {
   bool dense = false, keep = false;  // small rows; not cut between two pages
 };
 
-struct Figure {
+struct Drawing {
   html::Markup svg = {};
   std::string title = {};
   Phrase caption;
@@ -141,7 +142,7 @@ struct Framed {
 };
 struct NewPage {};
 
-using Block = std::variant<Heading, Paragraph, List, Table, Figure, Beside, Framed, NewPage>;
+using Block = std::variant<Heading, Paragraph, List, Table, Drawing, Beside, Framed, NewPage>;
 
 struct Document {
   std::vector<Block> blocks;

@@ -43,7 +43,7 @@ Markup with_breaks(const std::string& text) {
 struct PieceMarkup {
   PressureUnit unit;
 
-  Markup operator()(const Words& words) const {
+  Markup operator()(const StyledText& words) const {
     Markup out = with_breaks(words.text);
     if (words.look == Look::kCode)
       out = markup("<code>{}</code>", out);
@@ -127,7 +127,7 @@ class HtmlPrinter {
     out += markup("</tbody></table>\n");
     return out;
   }
-  Markup operator()(const Figure& figure) const {
+  Markup operator()(const Drawing& figure) const {
     Markup out = markup("<figure>{}", figure.svg);
     if (!figure.caption.empty()) out += markup("<figcaption>{}</figcaption>", phrase(figure.caption));
     out += markup("</figure>\n");

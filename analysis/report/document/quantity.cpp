@@ -8,7 +8,7 @@ namespace {
 
 struct PieceText {
   PressureUnit unit;
-  std::string operator()(const Words& words) const { return words.text; }
+  std::string operator()(const StyledText& words) const { return words.text; }
   std::string operator()(const Quantity& quantity) const { return text_of(quantity, unit); }
   std::string operator()(Verdict verdict) const { return sign_of(verdict) + " " + to_string(verdict); }
   std::string operator()(const Taxel& taxel) const {

@@ -49,7 +49,7 @@ class TextPrinter {
   std::string operator()(const Table& table) const {
     return (table.caption.empty() ? "" : table.caption + "\n") + grid(table);
   }
-  std::string operator()(const Figure& figure) const { return lines_of("[" + figure.title + "]"); }
+  std::string operator()(const Drawing& figure) const { return lines_of("[" + figure.title + "]"); }
   std::string operator()(const Beside& beside) const { return all_of(beside.parts); }
   std::string operator()(const Framed& framed) const { return all_of(framed.parts); }
   std::string operator()(const NewPage&) const { return {}; }

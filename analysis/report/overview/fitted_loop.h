@@ -1,4 +1,5 @@
-// A measured loop with those of models drawn over it, and what a model leaves: of the mean taxel, or the only one.
+// Charts of a measured loop with the loops of models drawn over it, and of a model's residuals: for the mean taxel, or
+// the only one.
 #pragma once
 
 #include <vector>

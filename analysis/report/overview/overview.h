@@ -1,4 +1,5 @@
-// Pages on several runs: a comparison of two, or a batch of sensors. Each run's figures are those of its own report.
+// Report pages on several runs: a comparison of two, or a batch of sensors. Each run's figures are those of its own
+// report.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// Where the names of a chart's lines stand: at their right ends, or within the plot where they cover least.
+// Places the labels of a chart's lines: at their right ends, or within the plot where they cover least.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// The report's pages, one function and one source each: pure functions of what was gathered and computed before.
+// The report's pages, one function and one source file each: pure functions of the collected input.
 #pragma once
 
 #include <optional>
@@ -34,7 +34,7 @@ doc::Document further_studies(const PageData& data);  // where there are any
 // By name: maps, taxels, models, parameters, events, hashes.
 doc::Document annex(const PageData& data, const std::string& name);
 
-// The chart of page 1, one panel a direction.
+// The chart of page 1, one panel per direction.
 doc::Beside readings_chart(const ReadingFigures& readings, PressureUnit unit);
 // "28 to 345 kPa"; "at 28 kPa alone"; "nowhere".
 std::string span_text(const MeasuringInterval& span, PressureUnit unit);

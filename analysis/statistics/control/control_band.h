@@ -1,4 +1,4 @@
-// Prediction interval of a figure from earlier runs, for gross changes, and the slope of a row of runs.
+// Prediction interval of a figure from earlier runs, to detect gross changes, and the slope of a sequence of runs.
 #pragma once
 
 #include <optional>

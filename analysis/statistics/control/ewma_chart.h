@@ -1,4 +1,4 @@
-// The chart of one figure: an exponentially weighted moving average (EWMA) of the runs since a baseline, with limits
+// EWMA control chart of one figure: an exponentially weighted moving average of the runs since a baseline, with limits
 // for a mean and a deviation that are estimated from few runs.
 #pragma once
 

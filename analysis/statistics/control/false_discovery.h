@@ -1,4 +1,4 @@
-// Which of many figures, judged together, are reported.
+// Decides which of many figures, judged together, are reported as changed.
 #pragma once
 
 #include <span>

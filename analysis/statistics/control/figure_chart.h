@@ -1,4 +1,5 @@
-// How a figure is held against its baseline: by its chart, by a wide band for gross changes, or exactly.
+// Compares the values of a figure with its baseline: by an EWMA control chart, by a wide band for gross changes, or
+// exactly.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,5 @@
-// What another dwell does to corrected readings: one loop at several dwell times (recipe rate), each reading against
-// that of the repeat whose dwell is nearest to the calibration's.
+// Effect of another dwell on corrected readings: one loop at several dwell times (recipe rate), each reading compared
+// with that of the repeat whose dwell is nearest to the calibration's.
 #pragma once
 
 #include <cstdint>

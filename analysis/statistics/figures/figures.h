@@ -1,4 +1,4 @@
-// The figures of a run that the nightly suite, trend and control charts follow from run to run.
+// The figures of a run that the nightly suite, trends and control charts track from run to run.
 #pragma once
 
 #include <map>

@@ -1,5 +1,5 @@
-// Errors of corrected readings over histories: of every frame of a run, and pooled by direction and by a window of
-// pressure. From them comes what a reading errs by at any point of a kind of history.
+// Errors of corrected readings along pressure histories: of every frame of a run, and pooled by direction and by a
+// window of pressure. They give the error of a reading at any point of a kind of history.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The limits that an evaluation is judged by: a limits file in numbers.
+// The limits that an evaluation is judged by, as read from a limits file.
 #pragma once
 
 #include <string>

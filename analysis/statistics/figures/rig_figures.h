@@ -1,5 +1,5 @@
-// Figures of the rig itself, from a run's pressures, forces and positions alone: followed from check to check, to
-// separate changes of the rig from changes of the sensors.
+// Figures of the rig itself, computed only from a run's pressures, forces and positions, and tracked from check to
+// check: they separate changes of the rig from changes of the sensors.
 #pragma once
 
 #include <map>

@@ -1,4 +1,4 @@
-// Where in its history each step of a sequence stands: on a full sweep of the range or on an inner branch, up or down.
+// Classifies each step of a sequence: on a full sweep of the range or on an inner branch, up or down.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// Compensates every stored frame in time order; the figures of an Evaluation are computed from the result.
+// Compensates every stored frame of a dataset in time order; the figures of an Evaluation are computed from the result.
 #pragma once
 
 #include <algorithm>
@@ -36,7 +36,7 @@ struct CompensatedStreams {
 };
 
 // Each fitted taxel's stored samples through its compensator in time order (stream_samples). A model with lag and creep
-// is told the times, and what of them was conditioning. `take_of(taxel)` returns the function to call with (sequence,
+// is given the times, and what of them was conditioning. `take_of(taxel)` returns the function to call with (sequence,
 // repeat, step, Compensated), in that taxel's order. Threads by taxel.
 template <class TakeOf>
 void compensate_in_order(const Dataset& dataset, const SensorModel& fit, int threads, const TakeOf& take_of) {

@@ -1,5 +1,5 @@
-// Errors of compensated readings at each level of each full sweep of the external loop, from which the uncertainty of a
-// reading is made.
+// Errors of compensated readings at each level of each full sweep of the external loop; input of the uncertainty of a
+// reading.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ namespace tactbench::analysis {
 struct LevelReadings {
   double pressure_psi = 0.0;  // the level's set-point
   bool up = true;
-  std::size_t readings = 0;       // of each taxel: one a full sweep
+  std::size_t readings = 0;       // of each taxel: one per full sweep
   std::vector<double> error_psi;  // readings x taxels: estimate - measured reference; NaN where not fitted
   // Of each reading: the group that its sweep belongs to, from 0 (SweepErrors::groups). Sweeps of one group have the
   // same way behind them: same sequence, same place in it.

@@ -1,4 +1,4 @@
-// Compensated pressures of an array at each level of each full loading sweep, by which runs of one sensor are compared.
+// Compensated pressures of an array at each level of each full loading sweep; used to compare runs of one sensor.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The noise on samples that are smooth but for it, from differences of neighbours that see neither slope nor curvature.
+// Estimates the noise of otherwise smooth samples, from differences of neighbours that cancel slope and curvature.
 #pragma once
 
 #include <span>

@@ -49,7 +49,7 @@ struct LineFit {
 LineFit line_fit(std::span<const double> x, std::span<const double> y);
 LineFit line_fit(std::span<const double> x, std::span<const double> y, double mean_x, double mean_y);
 LineFit line_fit_by_shares(std::span<const double> x, std::span<const double> y);  // means by mean_by_shares()
-// Sum of the squares that the line leaves.
+// Sum of the squared residuals of the line.
 double squares_off(const LineFit& line, std::span<const double> x, std::span<const double> y);
 
 }  // namespace tactbench::analysis

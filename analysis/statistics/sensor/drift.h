@@ -1,5 +1,5 @@
-// How well a stored model describes later data: the change of each taxel's zero and gain since the fit, and whether
-// adjusting them is enough.
+// Checks how well a stored model describes later data: the change of each taxel's zero and gain since the fit, and
+// whether adjusting them is enough.
 #pragma once
 
 #include "analysis/identify/stored/model_document.h"

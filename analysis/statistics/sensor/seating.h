@@ -1,5 +1,5 @@
-// How a sensor sits before a run: an unloaded and a lightly loaded frame in, findings for people out. Compared with the
-// frames of the sensor's last good seating where there are any. Stores and reads nothing itself.
+// Checks how a sensor is seated before a run: from an unloaded and a lightly loaded frame to findings for people.
+// Compared with the frames of the sensor's last good seating where there are any. Stores and reads nothing itself.
 #pragma once
 
 #include <optional>

@@ -1,4 +1,4 @@
-// Part of the seating check: rows and columns as wholes. For seating.cpp only.
+// Part of the seating check: whole rows and columns. Used only by seating.cpp.
 #pragma once
 
 #include <vector>

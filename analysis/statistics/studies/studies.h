@@ -43,7 +43,7 @@ struct Uniformity {
 // root mean square over the levels from a tenth of the highest on.
 struct Remount {
   std::string not_assessed = "no runs of this sensor mounted anew were given";  // empty: assessed
-  std::vector<std::int64_t> runs;                                               // one a mount, this report's first
+  std::vector<std::int64_t> runs;                                               // one per mount, this report's first
   std::vector<double> pressure_psi;                                             // levels that all runs have, above 0
   std::vector<double> within_psi, between_psi;
   std::vector<double> mean_between_psi;      // the same of the array's mean alone: what all taxels have in common

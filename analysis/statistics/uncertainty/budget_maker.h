@@ -1,4 +1,4 @@
-// One budget, as in assess_uncertainty: for tests and for further levels.
+// Makes one uncertainty budget, as assess_uncertainty does: for tests and for further levels.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ class BudgetMaker {
   [[nodiscard]] const DwellEffect& dwell() const { return dwell_; }
   [[nodiscard]] const CountedErrors& counted() const { return counted_; }
   [[nodiscard]] const LevelCorrections& corrections() const { return corrections_; }  // mean errors of full sweeps
-  // u of what no run of this sensor in this chamber against this reference can show; NaN: not known.
+  // u of the effects that no run of this sensor in this chamber against this reference can show; NaN: not known.
   [[nodiscard]] double hidden_psi(double pressure_psi) const;
 
  private:

@@ -1,7 +1,7 @@
-// U of a reading from what held-out histories erred by: no error model, no budget of sources. Each history is held
-// against U of the others, and U is scaled until it holds 95.45 % of them (JCGM 100, G.1.2: k is that of the
-// distribution), as far as three of four such sets of histories would need it. What the reference's own error is no run
-// against it can show: that is added.
+// U of a reading from the errors observed on held-out pressure histories, without an error model or a budget of
+// sources. Each history is compared with the U of the others, and U is scaled until it covers 95.45 % of them (JCGM
+// 100, G.1.2: k is that of the distribution), as far as three of four such sets of histories would need it. The
+// reference's own error, which no run against it can show, is added.
 #pragma once
 
 #include <array>
@@ -19,12 +19,12 @@ struct HistoryRuns {
   std::vector<const Dataset*> same;     // held out: same mount, same day, same temperature
   std::vector<const Dataset*> later;    // held out: another day, or for a simulated sensor another age
   std::vector<const Dataset*> warm;     // held out: same mount, same day, another temperature
-  std::vector<const Dataset*> mounted;  // held out, or of a study of mounts: mounted anew
+  std::vector<const Dataset*> mounted;  // held out, or of a study of mounts: mounted again
   std::vector<const Dataset*> paced;    // candidates for the effect of dwell
 };
 
-// What was counted under one condition. In the state of the calibration a history is one of its kind; in another state
-// all histories of a run are one, because they share that state.
+// Histories observed under one condition. In the state of the calibration each history is one of its kind; in another
+// state all histories of a run are one, because they share that state.
 struct CountedEvidence {
   std::vector<FrameHistory> histories;
   std::vector<UseCondition> kinds;                                 // of the histories, each once

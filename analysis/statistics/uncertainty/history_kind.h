@@ -1,4 +1,4 @@
-// What kind of history a held-out run went through, by its trajectory alone: names of recipes say nothing.
+// Classifies the pressure history of a held-out run by its trajectory alone, not by names of recipes.
 #pragma once
 
 #include <array>

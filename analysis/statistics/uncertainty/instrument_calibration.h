@@ -1,5 +1,5 @@
-// What is stated of an instrument's calibration, resolved in one place for every section of a report, its data and
-// every verb: from what the run stored with the device and what a laboratory file says of its serial number.
+// Resolves the calibration of an instrument in one place for every section of a report, its data and every verb: from
+// what the run stored with the device and what a laboratory file states for its serial number.
 // Precedence, field by field: the run's stored value, which its hash covers and verdicts rest on. The laboratory file
 // fills in what the run leaves open. Of two due dates the earlier one counts. Where both state something else,
 // `remarks` says so. An invalid date and a value that still says FILL-IN count as not stated.
@@ -38,7 +38,7 @@ struct InstrumentCalibration {
   std::string certificate, calibrated_by, calibrated_on, due;  // dates as 2026-01-31; empty: not stated
   std::optional<StatedU> stated_u;
   std::string note;
-  std::vector<std::string> remarks;  // what was not taken and why, a sentence each
+  std::vector<std::string> remarks;  // what was not taken and why, one sentence each
   [[nodiscard]] bool traceable() const { return !certificate.empty(); }
 };
 

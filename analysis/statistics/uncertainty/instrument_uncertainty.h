@@ -1,5 +1,5 @@
-// What is known of the error of an instrument beside the pressure reference: force sensor, thermometer. From the
-// calibration kept with the run's devices, as rows by JCGM 100; and what a certificate covers.
+// Uncertainty of the instruments other than the pressure reference: force sensor, thermometer. Rows by JCGM 100 from
+// the calibration stored with the run's devices; and what a certificate covers.
 #pragma once
 
 #include <span>

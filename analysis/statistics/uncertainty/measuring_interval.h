@@ -1,4 +1,4 @@
-// Where a reading is as good as was asked for.
+// The pressure interval in which a reading is within a requested error.
 #pragma once
 
 #include "analysis/statistics/uncertainty/use_condition.h"

@@ -1,4 +1,4 @@
-// What is known of the pressure reference's own error, from the calibration kept with the run's devices.
+// Uncertainty of the pressure reference itself, from the calibration stored with the run's devices.
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
-// What temperature adds to the uncertainty of a reading: the change of the output a kelvin, from runs of one sensor at
-// several temperatures, over the temperatures of the calibration. Datasets in, a coefficient with its standard
-// uncertainty out, which the uncertainty budgets take.
+// Contribution of temperature to the uncertainty of a reading: the change of the output per kelvin, from runs of one
+// sensor at several temperatures, over the temperatures of the calibration. Datasets in, a coefficient with its
+// standard uncertainty out, used by the uncertainty budgets.
 #pragma once
 
 #include <cmath>

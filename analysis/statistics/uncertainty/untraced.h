@@ -1,4 +1,4 @@
-// Why errors against the pressure reference are not traceable in a run.
+// Why errors of a run relative to the pressure reference are not traceable.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
-// U of one compensated reading, as it was counted: for each kind of history that held-out runs went through, and for
-// each other state of the sensor that they were made in. A kind is named for what was counted.
+// U of one compensated reading by condition of use: for each kind of pressure history that held-out runs went through,
+// and for each other state of the sensor in which they were made. A kind is named after what was observed.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// The result of `calibrate` as people and programs read it: the verdict with its reason, the bad taxels.
+// Output of `calibrate` as text and JSON: the verdict with its reason, and the bad taxels.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,8 @@ struct BadTaxel {
 std::vector<BadTaxel> bad_taxels(const JudgedFit& fit, const analysis::Judgement& judgement,
                                  analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 
-// One line on the fit, without its end, and what ends `calibrate`, below the large word.
+// One line about the fit, without a line end; and the document that ends `calibrate`, below the verdict in block
+// letters.
 std::string fit_line(const CalibrationResult& result);
 analysis::doc::Document verdict_document(const CalibrationResult& result, const Session& session);
 nlohmann::ordered_json calibration_json(const CalibrationResult& result);

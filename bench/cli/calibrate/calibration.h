@@ -1,6 +1,6 @@
-// `calibrate`: from a serial number to a verdict. Registers the sensor, measures it twice, fits models
-// on the first run, judges them on the second, and writes the report: by what `sensors add`, `run`, `fit` and `report`
-// do.
+// `calibrate`: from a serial number to a verdict. Registers the sensor, measures it twice, fits models on the first
+// run, judges them on the second, and writes the report, with the same code as `sensors add`, `run`, `fit` and
+// `report`.
 #pragma once
 
 #include <cstdint>
@@ -25,11 +25,12 @@ struct CalibrateOptions {
   bool assume_yes = false, no_seating = false;
 };
 
-// The words that carry on with these options from runs that exist: "tactbench calibrate MY-1 --run 1". Options that the
-// profile gives are left out. 0: no such run.
+// The command line that continues with these options from existing runs: "tactbench calibrate MY-1 --run 1". Options
+// that the profile gives are left out. 0: no such run.
 std::string calibrate_again(const CalibrateOptions& options, Session& session, std::int64_t run, std::int64_t held_out);
 
-// What is measured for the models, and what to judge by: the forms that `minutes` chooses from, the longest first.
+// Recipes for the models and for the held-out run, one pair per form; `minutes` chooses among these forms. Longest
+// first.
 struct CalibrationForm {
   std::vector<std::string> recipes, held_out_recipes;
 };
@@ -37,7 +38,7 @@ const std::vector<CalibrationForm>& calibration_forms();
 
 // Sets session.code by the verdict. Throws before anything is touched where files, recipes or limits do not go together
 // (sequences::FileError, Error TB-CALIBRATE-LEVELS, TB-CALIBRATE-MINUTES, TB-USAGE, ...), later what `run`, `fit` and
-// `report` throw, with the words that carry on added to the remedy.
+// `report` throw, with the command line to continue added to the remedy.
 void calibrate(const CalibrateOptions& options, Session& session);
 
 }  // namespace tactbench::bench

@@ -1,4 +1,4 @@
-// A word in letters that are read from across a room.
+// Prints a word in block letters that can be read from a distance.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// A run's frames, or an imported run's series, as a table that every program reads.
+// Exports a run's frames, or an imported run's series, as CSV.
 #pragma once
 
 #include <iosfwd>
@@ -9,9 +9,10 @@ namespace tactbench::bench {
 
 inline constexpr const char* kSeriesHead = "sequence,name,taxel,position,input,output\n";
 
-// First the run, in lines that begin with '#'; then the columns' names, which end in their unit; then a line a scan:
-// its frame's numbers, raw counts and, where the scanner's volts per count are stored, volts. Times have all their
-// digits, volts seven; what was not measured is empty. Goes frame by frame, for a long run needs too much memory.
+// First the run, in lines that begin with '#'; then the names of the columns, which end in their unit; then one line
+// per scan: the numbers of its frame, raw counts and, where the scanner's volts per count are stored, volts. Times have
+// all their digits, volts seven; what was not measured is empty. Written frame by frame, because a long run needs too
+// much memory.
 void frames_csv(const db::RunStore& store, const db::RunRecord& run, std::ostream& stream);
 void series_csv(const db::RunStore& store, const db::RunRecord& run, std::ostream& stream);
 

@@ -1,4 +1,4 @@
-// The verbs of the fleet, one function for each file.
+// The subcommands of `fleet`, one function per source file.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@ void add_fleet_push(CLI::App& fleet, Session& session);
 void add_fleet_status(CLI::App& fleet, Session& session);
 void add_fleet_readers(CLI::App& fleet, Session& session);  // runs, show, trend
 
-// How a verb names the fleet: --to where it writes, --from where it reads; otherwise by TACTBENCH_FLEET or
+// Option that names the fleet: --to where a verb writes, --from where it reads; otherwise TACTBENCH_FLEET or
 // tactbench.toml.
 void add_fleet_option(CLI::App& verb, const char* name, std::string& value, Session& session);
 

@@ -1,4 +1,5 @@
-// Which model `fit` makes where none is named: the dynamic model, or ELAM of what that does not take.
+// Selects the model of `fit` if none is named: the dynamic model, or ELAM for data that the dynamic model does not
+// accept.
 #pragma once
 
 #include <string>
@@ -10,13 +11,13 @@
 
 namespace tactbench::bench {
 
-// Why ELAM is made; empty: the dynamic model is.
+// Why ELAM is used; empty: the dynamic model is used.
 std::string why_elam(const FitModelsOptions& options, const analysis::Histories& fitted);
 
-// The dynamic model's data leave the inner branches open.
+// True when the data of the dynamic model do not determine the inner branches.
 bool without_inner_branches(const analysis::SensorModel& dynamic);
 
-// Of the work on `models`; none is named: of either.
+// Progress stages for fitting `models`; if none is named, for either choice.
 std::vector<WorkStage> fit_stages(const std::vector<std::string>& models);
 inline constexpr const char* kFiguresStage = "figures";  // the last: cross-validation, evaluation, judgement
 

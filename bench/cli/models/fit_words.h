@@ -1,4 +1,4 @@
-// One fitted model of a run as `fit` prints it: headline, figures, verdicts.
+// Output of `fit` for one fitted model of a run: headline, figures, verdicts.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -20,8 +20,8 @@ struct FittedRun {
   analysis::Judgement judgement;             // empty without limits
 };
 
-// How many taxels have the readout divider undone, and by which c; whether lag and creep are. A line each, without its
-// end; empty where the model has none.
+// Lines without a line end. linearised_text(): for how many taxels the readout divider is inverted, and by which c.
+// dynamics_text(): whether lag and creep are compensated. Empty where the model has neither.
 std::string linearised_text(const analysis::SensorModel& fit);
 std::string dynamics_text(const analysis::SensorModel& fit);
 
@@ -29,14 +29,14 @@ struct LeftOut {
   int taxel = 0, row = 0, column = 0;
   std::string status, why;
 };
-// Each taxel that no model was made for, in the order of their numbers.
+// Each taxel without a model, in the order of their numbers.
 std::vector<LeftOut> left_out_of(const analysis::SensorModel& fit);
 
 // The verdict first, then the model and its figures. `all`: every check, and the mean taxel's parameters.
 analysis::doc::Document fitted_document(const FittedRun& fitted, analysis::PressureUnit unit, bool all);
-// Prints it; of a judged one with -q the verdict alone.
+// Prints the document; with -q only the verdict of a judged model.
 void print_fitted(const FittedRun& fitted, const Session& session);
-// Adds what a program wants of it to `json`.
+// Adds the members for --json to `json`.
 void add_fitted_json(const FittedRun& fitted, nlohmann::ordered_json& json);
 
 }  // namespace tactbench::bench

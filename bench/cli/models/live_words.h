@@ -1,4 +1,4 @@
-// A compensated frame as `live` shows it: summed up, as a line for people, as JSON, as rows of a table.
+// Output of `live` for a compensated frame: summary, one text line, JSON, and CSV rows.
 #pragma once
 
 #include <cstddef>
@@ -26,7 +26,7 @@ std::string frame_line(const LiveFrame& frame, const SummedFrame& sum, std::size
                        analysis::PressureUnit unit);
 std::string summary_line(const LiveSummary& summary);
 
-// A row a taxel, and the line above them all.
+// CSV: one row per taxel, and the header line.
 inline constexpr const char* kFramesHead = "frame,time_s,taxel,pressure_psi,uncertainty_psi,status\n";
 std::string frame_rows(const LiveFrame& frame);
 

@@ -1,4 +1,4 @@
-// The inputs of models in the unit of who reads them, and `model diff`.
+// `model diff`, and the conversion of a model's inputs and parameters to the display unit of pressure.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace tactbench::bench {
 
-// The unit of a model's inputs as it is shown, and how many of it one of the model's own is: pressures alone change.
+// The displayed unit of a model's inputs, and the factor from the model's own unit to it. Only pressures are converted.
 struct ShownInput {
   std::string unit;
   double factor = 1.0;
@@ -17,7 +17,7 @@ ShownInput shown_input(const analysis::SensorModel& model, analysis::PressureUni
 
 // "1/x" as "1/psi" where the model knows the units of its input x and its output y.
 std::string parameter_unit(const std::string& unit, const analysis::SensorModel& model, const ShownInput& input);
-// What a parameter of the unit "x", "1/x" or "y/x^3" is multiplied by.
+// The factor by which a parameter with the unit "x", "1/x" or "y/x^3" is multiplied for display.
 double parameter_factor(const std::string& unit, const ShownInput& input);
 
 // Prints the differences of the parameters of two models (names as `model diff` takes them) and sets the exit code: 1

@@ -1,4 +1,4 @@
-// The table of models: what each was fitted to, and how well it does on what it was not fitted to.
+// Tables of models: the data that each was fitted to, and its errors on data that it was not fitted to.
 #pragma once
 
 #include <functional>
@@ -23,32 +23,32 @@ struct ModelRow {
   std::string label;
   analysis::SensorModel document;
   analysis::ErrorSum crossed;                // of the shown taxel, by cross_validate(); no samples: not made
-  std::vector<analysis::ModelScore> scores;  // a target each
+  std::vector<analysis::ModelScore> scores;  // one per target
 };
 
-// A model that the data cannot carry.
+// A model that cannot be fitted to the data, and why.
 struct ModelRefusal {
   std::string model, why;
 };
 
-// Fits each model on the named sequences (empty: all) and scores it on each target. With `refusals` a model that the
-// data cannot carry goes there, as long as they carry another. `begun` is told each model before its fit. Throws
-// AnalysisError.
+// Fits each model on the named sequences (empty: all) and scores it on each target. With `refusals` a model that cannot
+// be fitted to the data is listed there, as long as another one can. `begun` is called with the name of each model
+// before its fit. Throws AnalysisError.
 std::vector<ModelRow> model_rows(const std::vector<std::string>& models, const analysis::Histories& histories,
                                  const std::vector<std::string>& sequences, const analysis::IdentifyOptions& options,
                                  const std::vector<ScoreTarget>& targets, std::vector<ModelRefusal>* refusals = nullptr,
                                  const std::function<void(const std::string&)>& begun = {});
 
-// Fills in the columns that a table of models has beside each fit. Throws AnalysisError.
+// Fills in the cross-validation columns of the table. Throws AnalysisError.
 void cross_validate(std::vector<ModelRow>& rows, const analysis::Histories& histories,
                     const std::vector<std::string>& sequences);
 
-// What the data leave open, with the number of taxels it is open for (of an array without its mean), as a line with its
-// end; empty where all is determined.
+// The parameters that the data do not determine, with the number of taxels concerned (of an array without its mean), as
+// one line with a line end; empty where all are determined.
 std::string undetermined_text(const analysis::SensorModel& document);
-// Taxels without a model that holds, with the reason, a line each; empty where all are fitted.
+// Taxels without a model that holds, with the reason, one line each; empty where all are fitted.
 std::string left_out_text(const analysis::SensorModel& document);
-// A model of theirs errs by too much, or there is none.
+// True when the model of any taxel has too large an error, or a taxel has no model.
 bool any_unfit(const analysis::SensorModel& document);
 // `all`: also parameters, largest errors and the direct model's.
 analysis::doc::Document fits_document(const std::vector<ModelRow>& rows, bool all);

@@ -1,4 +1,4 @@
-// What verbs do with a night's results, carried out by one machine or merged of several: files, printing, exit code.
+// Results of a nightly run, of one machine or merged from several: files, printed output, exit code.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

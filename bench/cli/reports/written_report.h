@@ -1,4 +1,4 @@
-// The reports that `report` writes, for verbs that write one among other things.
+// Writes the reports of `report`, also for other verbs that write a report.
 #pragma once
 
 #include <string>

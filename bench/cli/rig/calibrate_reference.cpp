@@ -54,7 +54,7 @@ void check_interruptions(Rig& rig, const StopRequest& stop) {
   if (stop.signal() != 0) stopped("stopped by a signal");
 }
 
-// Reads a line from the operator and feeds the module meanwhile. Without the line end; a turned clock does not advance
+// Reads a line from the operator and feeds the module meanwhile. Without the line end; a manual clock does not advance
 // here.
 class Prompt {
  public:

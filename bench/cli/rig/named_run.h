@@ -1,4 +1,5 @@
-// The live run that a person means by RUN, --db and --bench: shared by the verbs that command or watch one.
+// Selects the live run that RUN, --db and --bench on the command line refer to; shared by the verbs that command or
+// watch a run.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +23,7 @@ struct NamedRun {
   std::string bench;  // an id, or a bench file; empty: any
 };
 
-// The live runs of this machine that could be meant.
+// The live runs of this machine that match the selection.
 struct Candidates {
   std::vector<LiveRun> runs, others;  // runs that answer: meant; not meant
   std::vector<SilentBench> silent;    // benches that do not answer and could be meant
@@ -30,7 +31,7 @@ struct Candidates {
 
 // Asks all of them; waits at most 2 s.
 Candidates candidates(const NamedRun& named, const Session& session);
-// The one that is meant, for `verb`. `urgent`: although others that could be meant do not answer. Throws Error
+// The single matching run, for `verb`. `urgent`: also when other benches that could match do not answer. Throws Error
 // TB-RUN-AMBIGUOUS, TB-RUN-NOT-LIVE, TB-RUN-SILENT, TB-RUN-DENIED.
 LiveRun only_one(const Candidates& found, const NamedRun& named, const std::string& verb, bool urgent);
 // Throws Error TB-RUN-SILENT or TB-RUN-DENIED for the first of them.
@@ -43,7 +44,7 @@ std::string silent_text(const SilentBench& silent);
 std::string listed(const std::vector<LiveRun>& runs, const std::vector<SilentBench>& silent = {});
 
 void add_named_run(CLI::App& verb, NamedRun& named);
-// --db and --bench as typed alone: no file may keep a command from the run that it is meant for.
+// Uses --db and --bench only as typed: no file may redirect a command to another run.
 void take_typed(NamedRun& named, const Session& session);
 
 }  // namespace tactbench::bench

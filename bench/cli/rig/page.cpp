@@ -97,7 +97,7 @@ std::unique_ptr<PageServer> open_server(const PageVerbOptions& options) {
   }
 }
 
-// Beside a run nothing of its streams is kept: who reads them would wait for this process, too.
+// Next to a run nothing of its streams is kept: who reads them would wait for this process, too.
 void leave_streams() {
   const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})

@@ -1,4 +1,4 @@
-// The verb `page`, and the same page started beside a run or a demonstration.
+// The verb `page`, and the same page started in a background process next to a run or a demonstration.
 #pragma once
 
 #include <string>
@@ -13,9 +13,9 @@ struct Session;
 
 void add_page(CLI::App& app, Session& session);
 
-// Starts it in a process of its own, which prints its address on standard error, survives Ctrl-C in this terminal, and
-// ends by itself once this process has ended and nobody looks any more. To be called before a device is opened. Throws
-// std::system_error when no process can be made.
+// Starts the page in a process of its own, which prints its address on standard error, survives Ctrl-C in this
+// terminal, and ends by itself once this process has ended and nobody views the page any more. To be called before a
+// device is opened. Throws std::system_error when no process can be made.
 void start_page_beside(const std::string& db, const std::string& bench_id, const std::string& operator_name);
 
 }  // namespace tactbench::bench

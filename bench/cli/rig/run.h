@@ -1,4 +1,4 @@
-// Shared by `run`, `resume` and `devices test`: carries out a run, or opens a stored one again.
+// Executes a new run, or resumes a stored one; shared by `run`, `resume` and `devices test`.
 #pragma once
 
 #include <cstdint>

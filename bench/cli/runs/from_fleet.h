@@ -1,4 +1,5 @@
-// Runs of the fleet for a verb that reads a store: they are copied into a temporary store, and the verb reads that.
+// Makes runs of the fleet available to a verb that reads a store: copies them into a temporary store, which the verb
+// then reads.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What `runs` and `fleet runs|show` share: the list of a store's runs and all that is stored about one.
+// The list of a store's runs, and everything stored about one run; shared by `runs` and `fleet runs|show`.
 #pragma once
 
 #include <cstdint>
@@ -35,9 +35,9 @@ struct ListedRun {
 class RunsList {
  public:
   RunsList(const RunsListOptions& options, const Session& session);  // throws Error TB-USAGE
-  // Whether it is what was asked for; sensor and start are not looked at.
+  // Whether the run matches the options; sensor and start are not checked here.
   [[nodiscard]] bool takes(const db::RunRecord& run, std::optional<analysis::Verdict> verdict);
-  // `row`: run_json() of the run, which is completed; only looked at where --json is given.
+  // `row`: run_json() of the run, to which members are added; only used with --json.
   void add(const ListedRun& listed, nlohmann::ordered_json row);
   void end(bool any_stored);  // prints what is left to say
 

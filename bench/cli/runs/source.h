@@ -1,4 +1,4 @@
-// Sources of samples on the command line: a run of the store, or a table.
+// Reads the samples that a command-line argument names: a run of the store, or a table.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// A table as a file: its series and the hash of its bytes.
+// Reads a table of samples from a file: its series and the hash of its bytes.
 #pragma once
 
 #include <string>
@@ -22,9 +22,9 @@ TableFile read_table_file(const std::string& path, const TableOptions& options);
 // How its series are read. `fitted`: as for read_run().
 analysis::HistoriesOptions options_of(const TableOptions& table, const std::vector<std::string>& fitted = {});
 
-// What was assumed in reading the table, and which rows were left out: lines for standard error.
+// Prints on standard error what was assumed in reading the table, and which rows were left out.
 void tell_reading(const std::string& path, const analysis::Table& table);
-// What is doubtful about its data.
+// Prints on standard error what is doubtful about the data.
 void tell_doubts(const analysis::Histories& histories);
 
 }  // namespace tactbench::bench

@@ -1,4 +1,4 @@
-// What `trend` and `fleet trend` share.
+// Shared by `trend` and `fleet trend`.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// The value of `runs list --verdict`.
+// Parser and filter of the option --verdict of `runs list`.
 #pragma once
 
 #include <fmt/format.h>

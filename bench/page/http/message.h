@@ -1,4 +1,4 @@
-// A request as the page's server hands it on, and what is answered: plain texts, free of the HTTP library.
+// HTTP requests and responses as plain structs, without types of the HTTP library.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-// A client's bytes, plain or over TLS, as the connection reads and writes them.
+// Byte stream of a client's connection, plain or TLS, as the Connection reads and writes it.
 #pragma once
 
 #include <functional>

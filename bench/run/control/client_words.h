@@ -1,6 +1,6 @@
-// What a client of the control socket sends: one packet of text, a word with its arguments, and on a second line for
-// whom it asks. `follow`: the run's status again and again. `answer ID TEXT`: to the question of that number. All
-// other words are commands (control.h).
+// Requests of a client of the control socket, one packet of text each: a command word with its arguments, and on a
+// second line the person on whose behalf the client asks. `follow`: sends the run's status repeatedly. `answer ID
+// TEXT`: answers the question with that number. All other words are commands (control.h).
 #pragma once
 
 #include <cstddef>

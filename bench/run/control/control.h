@@ -1,4 +1,4 @@
-// Commands of people and signals to a live run. Any thread may ask; the sequencer's thread alone acts, at its next
+// Commands of people and signals to a live run. Any thread may request; only the sequencer's thread acts, at its next
 // wait.
 #pragma once
 
@@ -41,7 +41,8 @@ class Control {
   };
   // Answers from the present status; never waits for the sequencer.
   Answer ask(Command command, const std::string& who);
-  // To the question of that number, from any place. One answer wins: a later one is refused and told whose it was.
+  // Answers the question with that number, from any client. The first answer is accepted; a later one is refused and
+  // told who gave the first.
   Answer answer(int question, const std::string& text, const std::string& who);
   // Grows with each publish() and see().
   [[nodiscard]] std::uint64_t news() const { return news_.load(std::memory_order_relaxed); }
@@ -68,7 +69,7 @@ class Control {
   [[nodiscard]] std::optional<GivenAnswer> answer_to(int question) const;
   // Readings are kept as see() gave them.
   void publish(const RunStatus& status);
-  // Never waits: while another thread looks at the status, these readings are left out and the next ones come.
+  // Never waits: while another thread reads the status, these readings are dropped and the next ones are used.
   void see(const RunReadings& readings);
   [[nodiscard]] std::string who() const;  // asked last
 

@@ -26,7 +26,7 @@ struct LiveRun {
 // Parses a server's text; none: not the answer of a run.
 std::optional<LiveRun> read_answer(const std::string& name, const Peer& server, const std::string& text);
 
-// A bench's name whose holder did not answer.
+// A bench whose name is held by a process that did not answer.
 struct SilentBench {
   std::string name, bench;  // bench: its id as far as the name shows it
   std::int64_t run = 0;     // 0: not known
@@ -51,8 +51,9 @@ struct ListenOptions {
   std::optional<Peer> known;                   // was believed before: it may be ending now
 };
 
-// Sends `command` to all of them. Strangers count as silent: root asks them, but believes only those that carry out a
-// run of the store that they name (locks.h); other users do not ask them.
+// Sends `command` to the runs with these names and collects the answers. Untrusted processes count as silent: root asks
+// them, but believes only those that carry out a run of the store that they name (locks.h); other users do not ask
+// them.
 Heard say_to(const std::vector<std::string>& names, Command command, const ListenOptions& options = {});
 
 // The same to one; none: no answer that is believed.

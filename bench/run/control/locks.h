@@ -31,7 +31,7 @@ class BenchLock {
   MachineName name_;
 };
 
-// Locks on the file STORE-lock beside the store, one byte each: every process that can open the store sees them, and
+// Locks on the file STORE-lock next to the store, one byte each: every process that can open the store sees them, and
 // they end with their process. Locks on the store itself would release SQLite's when that file is closed. The lock file
 // is empty, has the store's mode and owner, and stays.
 class StoreLocks {
@@ -47,8 +47,8 @@ class StoreLocks {
   void share(std::chrono::milliseconds longest) const;
   // Locks the run for this process. Throws Error TB-RUN-LIVE when another process still holds it after `longest`.
   void take_run(std::int64_t run, std::chrono::milliseconds longest) const;
-  // The file is empty and looks like rubbish. True: it had been removed or replaced, and another one was made and holds
-  // the same locks. Throws as share() and take_run() where another process was quicker.
+  // Makes the lock file again if it was removed or replaced (it is empty and looks like rubbish). True: another one was
+  // made and holds the same locks. Throws as share() and take_run() where another process was quicker.
   bool renew(std::int64_t run);
 
  private:
@@ -74,11 +74,11 @@ class RunLock {
 
 // Whether a process carries out that run of the store now; takes no lock. None: no readable lock file.
 std::optional<bool> is_carried_out(const std::string& db_path, std::int64_t run);
-// Whether that very process carries out a run of the store: by the kernel's account it holds a lock that only who may
-// write the store can take. False, too, where the kernel does not tell: root learns it of any process.
+// Whether that process carries out a run of the store: according to the kernel it holds a lock that only a process with
+// write access to the store can take. Also false where the kernel does not tell; root can learn it of any process.
 bool carries_out_run_of(const Peer& process, const std::string& db_path);
 
-// Opens the store for a run: FULL durability on hardware, NORMAL under the turned clock. If no process writes a run to
+// Opens the store for a run: FULL durability on hardware, NORMAL under the manual clock. If no process writes a run to
 // this store, unended runs of dead processes become `interrupted`.
 db::RunStore open_for_running(const std::string& db_path, const BenchConfig& config);
 

@@ -1,6 +1,6 @@
-// The process at the other end of a local socket, as reported by the kernel, and who may command a run: root, the run's
-// own user, and members of the group `tactbench`. The same users are trusted when they answer as a run; root believes
-// another one only if it carries out a run of the store that it names (locks.h).
+// The process at the other end of a local socket, as reported by the kernel. May command a run: root, the run's own
+// user, and members of the group `tactbench`. The same users are trusted when they answer as a run; root believes any
+// other only if it carries out a run of the store that it names (locks.h).
 #pragma once
 
 #include <sys/types.h>

@@ -15,7 +15,7 @@ namespace tactbench::bench {
 std::string progress_line(const RunStatus& status, double left_s,
                           analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 
-// The time left by the pace so far, counted anew where the work went back to an earlier step or has rested.
+// The time left by the pace so far, counted again where the work went back to an earlier step or has rested.
 class Pace {
  public:
   using Clock = std::chrono::steady_clock;

@@ -1,5 +1,5 @@
-// One connection to a live run that waits for nothing: what is sent goes at once, answers are looked for. For a
-// process that serves others meanwhile (bench/page); control_client.h asks several runs and waits.
+// Non-blocking connection to one live run: requests are sent at once, answers are polled. For a process that serves
+// others meanwhile (bench/page); control_client.h asks several runs and waits.
 #pragma once
 
 #include <cstdint>

@@ -52,7 +52,7 @@ std::string stage_of(const std::string& phase);
 // Texts of a recipe may be long; in an answer they are cut to this many columns.
 inline constexpr std::size_t kLongestAnswer = 300;
 
-// Adds the members of `status` to the object `told`.
+// Adds the members of `status` to the JSON object `told`.
 void tell_status(nlohmann::json& told, const RunStatus& status);
 // The reverse; what is missing keeps its default. Throws nlohmann::json::exception for a member of another type.
 RunStatus told_status(const nlohmann::json& told);

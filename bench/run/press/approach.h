@@ -13,7 +13,7 @@ struct ContactPoint {
   double coarse_z_mm = 0.0;         // where the first touch stopped
   double greatest_n = 0.0;          // greatest force of the approach, first touch included: the specimen's history
   double stiffness_n_per_mm = 0.0;  // at contact
-  ForceSample reading;              // where z stands now, a step or two in contact
+  ForceSample reading;              // where z is now, a step or two in contact
 };
 
 // Searches from `clear_z_mm`, which z approaches at travel speed, or from its position when that is nearer to the

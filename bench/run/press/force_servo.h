@@ -26,7 +26,7 @@ struct ServoResult {
 class ForceServo {
  public:
   explicit ForceServo(PressAxis& axis) : axis_(axis) {}
-  // Resets to a new contact, in which z stands, approached from above.
+  // Resets to a new contact, at the present z, approached from above.
   void begin(const ContactPoint& contact);
   // Moves z in steps, each followed by a reading at rest, until the force is at most `band_n` short of the target or
   // beyond it; beyond by more than the level's tolerance is `broken`. A step is the remaining force divided by the

@@ -44,7 +44,8 @@ struct PressOptions {
   int poll_records = 10, level_records = 50;
 
   [[nodiscard]] double tolerance(double force_n) const;
-  // Of z off contact: even the stiffest object that stands in the way is felt, and z stopped, within the force limit.
+  // Speed limit of z without contact: even the stiffest object in the path is detected, and z stopped, within the force
+  // limit.
   [[nodiscard]] double way_mm_per_s() const;
 };
 

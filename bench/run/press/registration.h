@@ -37,7 +37,7 @@ struct MountRegistration {
   double rms_mm = 0.0;        // of the residuals
   double other_rms_mm = 0.0;  // of the transform with the other flip, which was rejected
   std::vector<Touch> touches;
-  std::vector<double> residual_mm;  // one a touch
+  std::vector<double> residual_mm;  // one per touch
   [[nodiscard]] std::array<double, 2> stage_mm(const std::array<double, 2>& taxel_mm) const;
   [[nodiscard]] std::string json() const;
 };

@@ -1,7 +1,7 @@
-// State of the simulated ends of this process: whether one still owes an answer. Each end answers from its own thread,
-// which a busy machine may delay for longer than a timeout. A wait on a wire (wait.h) therefore continues until every
-// end has processed its requests, so that in a simulated bench only answers that an end omits on purpose are lost. On a
-// rig there are no ends in this process, so none is ever at work.
+// Tracks whether a simulated instrument of this process (an "end" of a wire) still owes an answer. Each end answers
+// from its own thread, which a busy machine may delay for longer than a timeout. A wait on a wire (wait.h) therefore
+// continues until every end has processed its requests, so that on a simulated bench only answers that an end omits on
+// purpose are lost. On a real rig there are no ends in this process, so none is ever at work.
 #pragma once
 
 #include <poll.h>

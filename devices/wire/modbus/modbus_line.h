@@ -33,8 +33,8 @@ class ModbusLine {
   [[nodiscard]] int error() const { return error_; }
   [[nodiscard]] bool is_rtu() const { return !endpoint_.serial_port.empty(); }
   [[nodiscard]] const ModbusEndpoint& endpoint() const { return endpoint_; }
-  // How often a device on this line was busy, with the last time in words; take_busy() gives the words after the first
-  // time, the second, the fourth and so on, else nothing.
+  // Counts how often a device on this line was busy; `words` describes the last time. take_busy() returns that text
+  // after the first, second, fourth, eighth ... time, otherwise an empty text.
   void was_busy(std::string words);
   [[nodiscard]] std::string take_busy();
   [[nodiscard]] Clock& clock() { return clock_; }

@@ -1,4 +1,4 @@
-// Taxels of every kind of model, with plants of known truth: the direct model itself, driven by inputs.
+// Taxels of every kind of model, with simulated plants of known truth: the direct model itself, driven by inputs.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// How a piece of identification's work is refused.
+// Checks how an identification rejects invalid input.
 #pragma once
 
 #include <stdexcept>

@@ -49,7 +49,7 @@ TEST_CASE(
   const auto known = [&](Criterion criterion, const Scope& scope = {}) { return figure_in(all, criterion, scope).u; };
   const double root3 = std::sqrt(3.0);
   // The first taxel's mean error rises by 1/7 psi a repeat, the second's not: pooled, s^2 = 1/98 psi^2, in equal parts
-  // common (two degrees of freedom) and own (two): (1/98)^2 / (2 (1/196)^2 / 2) = 4 of them. Beside 0.1 psi of the
+  // common (two degrees of freedom) and own (two): (1/98)^2 / (2 (1/196)^2 / 2) = 4 of them. Next to 0.1 psi of the
   // certificate: 4 (combined / u)^4, with u^2 = 1/294.
   const FigureUncertainty mean = known(Criterion::kMeanError), worst = known(Criterion::kWorstTaxelError);
   for (const FigureUncertainty& error : {mean, worst}) {

@@ -1,4 +1,4 @@
-// A made-up report input for the report's tests: 16 x 16 taxels with spread, 31 levels, two sequences of loops, one
+// An invented report input for the report's tests: 16 x 16 taxels with spread, 31 levels, two sequences of loops, one
 // dead and one saturated taxel. Shapes only resemble a sensor; nothing here is a measurement.
 #pragma once
 

@@ -1,5 +1,5 @@
-// The made-up report input with everything that further runs add: U of a reading, as found, studies, objects; some of
-// it under a hostile name.
+// The invented report input with everything that further runs add: U of a reading, as found, studies, objects; some
+// names contain hostile characters.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// A report's page taken apart, for tests: tags, attributes, xmllint; and its data.
+// Parses a report's page for tests: tags, attributes, xmllint; and its data.
 #pragma once
 
 #include <unistd.h>

@@ -1,4 +1,4 @@
-// Numbers beside the expected ones: NaN is like NaN.
+// Comparison of numbers with expected ones where NaN equals NaN.
 #pragma once
 
 #include <catch2/catch.hpp>

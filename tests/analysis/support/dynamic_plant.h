@@ -1,5 +1,5 @@
-// Films with lag and creep, simulated by other means than the streams that undo them: the direct model's state, creep
-// and lag by small steps. dynamic_array() has relays behind a divider.
+// Films with lag and creep, simulated independently of the compensators that remove them: the direct model's state,
+// creep and lag by small steps. dynamic_array() has relays behind a divider.
 #pragma once
 
 #include <algorithm>

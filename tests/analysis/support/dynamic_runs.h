@@ -1,4 +1,5 @@
-// Runs of small arrays of the dynamic model's class: the paper's sequences, rates, held levels, and a way of its own.
+// Runs of small arrays that follow the dynamic model: the paper's sequences, rates, held levels, and one further
+// trajectory.
 #pragma once
 
 #include <string>

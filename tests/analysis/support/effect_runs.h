@@ -1,5 +1,5 @@
-// Runs that creep, and runs at other temperatures, of the sensor of uncertainty_example: by formula, so that what must
-// come out can be had by hand.
+// Runs that creep, and runs at other temperatures, of the sensor of uncertainty_example: by formula, so that the
+// expected results can be computed by hand.
 #pragma once
 
 #include <cmath>

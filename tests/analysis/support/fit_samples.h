@@ -1,4 +1,5 @@
-// Histories to fit models to: the rebuilt taxel on the paper's sequences, and any inputs driven through any plant.
+// Histories for fitting models: the reconstructed taxel on the paper's sequences, and any inputs driven through any
+// plant.
 #pragma once
 
 #include <random>

@@ -1,5 +1,6 @@
-// GPI by an exhaustive search that shares nothing with the product's but the data: the equations written down again,
-// Levenberg-Marquardt with difference quotients from random starts, and a strategy that learns the valley's shape.
+// Reference for GPI: an exhaustive search that shares only the data with the product's: the equations implemented
+// again, Levenberg-Marquardt with difference quotients from random starts, and a strategy that adapts to the valley's
+// shape.
 #pragma once
 
 #include <Eigen/Dense>

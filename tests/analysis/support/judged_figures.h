@@ -1,4 +1,4 @@
-// Judged figures and judgements by hand.
+// Makes figures with verdicts, and judgements, from given values.
 #pragma once
 
 #include <utility>

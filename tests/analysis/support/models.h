@@ -1,4 +1,4 @@
-// One model of each kind to test what all of them promise.
+// One model of each kind, to test the properties that all of them share.
 #pragma once
 
 #include <memory>

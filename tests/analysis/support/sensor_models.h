@@ -1,4 +1,4 @@
-// Sensor models made by hand, taxel by taxel.
+// Makes sensor models from given taxels.
 #pragma once
 
 #include <cstddef>

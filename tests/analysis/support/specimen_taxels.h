@@ -1,5 +1,5 @@
-// Taxels of the simulated sensor on the paper's two sequences, without rig and store: what identification and
-// compensation are tried on that no model of ours has made.
+// Taxels of the simulated sensor on the paper's two sequences, without rig and store: test data for identification and
+// compensation that none of the models generated.
 #pragma once
 
 #include <cmath>

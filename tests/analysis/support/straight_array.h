@@ -1,5 +1,5 @@
-// Three taxels whose every figure can be had on paper. Models: straight lines of 20 and 10 psi a volt, up and down
-// alike, so that whatever the history, pressure = line x output; the third taxel is dead. Data: loops in psi as the
+// Three taxels whose figures can all be computed by hand. Models: straight lines of 20 and 10 psi a volt, the same up
+// and down, so that whatever the history, pressure = line x output; the third taxel is dead. Data: loops in psi as the
 // models read them.
 #pragma once
 

@@ -1,4 +1,5 @@
-// What a budget is made of where only scatter counts: taxels that are straight lines, and a reference without a row.
+// Input of an uncertainty budget in which only scatter counts: taxels that are straight lines, and a reference without
+// a row.
 #pragma once
 
 #include <utility>

@@ -1,4 +1,4 @@
-// Synthetic sensors for the tests of analysis/: the rebuilt paper taxel, arrays of taxels like it, their runs.
+// Synthetic sensors for the tests of analysis/: the reconstructed paper taxel, arrays of similar taxels, their runs.
 #pragma once
 
 #include <algorithm>

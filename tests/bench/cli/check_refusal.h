@@ -1,4 +1,4 @@
-// Words of a verb, and what it ends with: the exit code that it should have, or a refusal.
+// Runs a verb and checks its exit code, or the error that it ends with.
 #pragma once
 
 #include <catch2/catch.hpp>

@@ -1,4 +1,4 @@
-// A sensor with play for tables of tests: y follows x through backlash, bent at the top.
+// Tables of a sensor with play for tests: y follows x through backlash, curved at the top.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// A folder that `tactbench init` has filled, with a recipe of seconds, limits that all pass, and sensor S-1.
+// A folder set up by `tactbench init`, with a recipe that takes seconds, limits that all pass, and sensor S-1.
 #pragma once
 
 #include <catch2/catch.hpp>

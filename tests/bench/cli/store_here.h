@@ -1,4 +1,4 @@
-// A store of a test's own, and verbs on it in the process of the test.
+// A temporary store of a test, and verbs run on it within the test's process.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
-// A verb carried out in the process of the test: quick, and a fault in it is the test's own. `call` of
-// tests/support/process.h starts the program instead.
+// Runs a verb within the test's process: fast, and a fault in it is the test's own. `call` of tests/support/process.h
+// starts the program instead.
 #pragma once
 
 #include <fcntl.h>

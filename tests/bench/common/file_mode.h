@@ -1,4 +1,4 @@
-// Permissions of files that a test looks at.
+// Permissions of a file, for tests.
 #pragma once
 
 #include <sys/stat.h>

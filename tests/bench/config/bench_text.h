@@ -1,4 +1,4 @@
-// The shortest bench files, and what refuses one with some values changed.
+// The shortest valid bench files, and the error that a bench file with some values changed gives.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// A run's status with every member filled, no value like another.
+// A run's status with every member filled, all with different values.
 #pragma once
 
 #include "bench/run/control/control_client.h"

@@ -1,4 +1,4 @@
-// Followed figures in kPa and bar: which names are of pressures, what is multiplied, what stays.
+// Trends of figures in kPa and bar: which names are of pressures, what is multiplied, what stays.
 #include "bench/nightly/followed_units.h"
 
 #include <catch2/catch.hpp>

@@ -1,4 +1,4 @@
-// Ending a night ends its scenarios and leaves no folder behind.
+// Stopping a night ends its scenarios and leaves no folder behind.
 #include <signal.h>
 #include <unistd.h>
 

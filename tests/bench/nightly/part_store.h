@@ -1,4 +1,4 @@
-// Stores of the parts of a night, and of benches, that are written by hand: runs of one frame, results, fits, figures.
+// Stores of the parts of a nightly run, and of benches, written directly: runs of one frame, results, fits, figures.
 #pragma once
 
 #include <map>

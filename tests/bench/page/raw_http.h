@@ -1,4 +1,4 @@
-// A client that sends what it likes, byte by byte, and reads what comes: what a browser would never do.
+// A client that sends arbitrary bytes and reads the response: for requests that no browser makes.
 #pragma once
 
 #include <arpa/inet.h>

@@ -1,4 +1,4 @@
-// The page's server over a store with one run, asked by raw sockets, and a run that answers as far as words go.
+// The page's server over a store with one run, queried by raw sockets, and a live run that only answers requests.
 #pragma once
 
 #include <fmt/format.h>

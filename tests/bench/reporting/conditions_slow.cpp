@@ -72,7 +72,7 @@ TEST_CASE("U of an error in one mount is no U of the sensor mounted anew or a mo
   CHECK(expanded < 0.12);
   CHECK(of_run(verdicts, "B", "value") > value + 3.0 * expanded);
   CHECK(of_run(verdicts, "C", "value") > value + 6.0 * expanded);
-  // Judged, too, they decide, and are no longer missing.
+  // When they are judged, too, they decide, and are no longer missing.
   const json& judgement = data["results"]["judgement"];
   CHECK(judgement["overall"] == "fail");
   for (const char* source : {"re-mounting", "temperature", "time"}) CHECK_FALSE(leaves_open(judgement, source));

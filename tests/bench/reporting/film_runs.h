@@ -1,4 +1,4 @@
-// Runs of a small pressure film that are stored by hand: volts that are known at each level, in counts of 0.1 mV.
+// Runs of a small pressure film written directly to a store: known volts at each level, in counts of 0.1 mV.
 #pragma once
 
 #include <fmt/format.h>
@@ -40,7 +40,7 @@ struct FilmRun {
   bool bench_too = false;       // the simulated bench's file, whatever the origin
   std::string bench_toml = {};  // in its place
   int columns = 1;
-  // Beside film_volts(): of that repeat, level by level.
+  // In addition to film_volts(): of that repeat, level by level.
   std::function<double(int taxel, int repeat, double psi)> error_v = [](int, int, double) { return 0.0; };
 };
 

@@ -1,4 +1,4 @@
-// Evaluations and models that are known by hand, and a store of the runs that they judge.
+// Evaluations and models with given values, and a store of the runs that they judge.
 #pragma once
 
 #include <fmt/format.h>

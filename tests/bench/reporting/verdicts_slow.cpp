@@ -177,7 +177,7 @@ TEST_CASE("void runs, a run's own models and a run named twice are refused where
   bench.refused({"report", "1", "--studies", "3:mount", "3:90"}, "TB-RUN-TWICE");
   CHECK(bench.call({"report", "1", "--held-out", "5"}).code == 6);
 
-  // Judged and void afterwards: the evidence is gone, and a report made anew says why.
+  // A run that is void after it was judged: the evidence is gone, and a report made anew says why.
   REQUIRE(bench.call({"runs", "void", "2", "--reason", "gauge closed", "--by", "me"}).code == 0);
   CHECK(bench.call({"report", "1"}).code == 6);
   CHECK(bench.listed(1) == "-");

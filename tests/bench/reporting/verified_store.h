@@ -35,7 +35,7 @@ class VerifiedStore : public FilmStore {
   std::int64_t fitted(std::int64_t run, const analysis::FitOptions& options = {}) {
     return bench::keep_fit(store, analysis::fit_array(analysis::load_dataset(store, run), options));
   }
-  // Judged and stored by the limits, as `fit` does.
+  // The verdicts, judged and stored by the limits, as `fit` does.
   void judge(std::int64_t fit, const std::vector<std::int64_t>& held_out,
              const std::vector<analysis::InstrumentNote>& notes = {}) {
     write_file(path("limits.toml"), kVerifiedLimits);

@@ -1,5 +1,5 @@
-// A run on the simulated rig in a store of its own: what it told while it ran and what it left. The laws of every run
-// are checked with it, however it ends. Not for runs that are resumed.
+// A run on the simulated rig in a temporary store: what it reported while it ran and what it left. Checks the
+// invariants of every run with it, however it ends. Not for runs that are resumed.
 #pragma once
 
 #include <algorithm>

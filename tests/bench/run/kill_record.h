@@ -1,5 +1,5 @@
-// What a kill campaign knows of a run from its store, read by a connection of the campaign's own: which frames are
-// committed, and what its final set is worth.
+// What a kill campaign reads of a run from its store, over a connection of the campaign's own: which frames are
+// committed, and whether its final data are complete.
 #pragma once
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// A store of a test's own whose writing does not wait for the disk.
+// A temporary store of a test whose writes do not wait for the disk.
 #pragma once
 
 #include "db/run_store.h"

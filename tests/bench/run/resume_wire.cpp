@@ -1,4 +1,4 @@
-// A run that was interrupted and is opened again, in this process and under the turned clock.
+// A run that was interrupted and is opened again, in this process and under the manual clock.
 // kill_campaign_realtime.cpp does it with SIGKILL.
 #include <catch2/catch.hpp>
 

@@ -1,4 +1,4 @@
-// Runs that a time estimate can learn from, written straight into a store: known times, no rig.
+// Earlier runs for time estimates, written directly into a store: known times, no rig.
 #pragma once
 
 #include <algorithm>

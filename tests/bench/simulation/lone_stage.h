@@ -1,4 +1,4 @@
-// The simulated axes without their wire, for plants in unit tests.
+// The simulated axes without their wire, for unit tests of the plant.
 #pragma once
 
 #include <array>

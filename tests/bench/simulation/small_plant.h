@@ -1,4 +1,4 @@
-// A plant with an array of 2 x 3 taxels under a turned clock, and a stage whose positions the test sets.
+// A plant with an array of 2 x 3 taxels under a manual clock, and a stage whose positions the test sets.
 #pragma once
 
 #include <array>

@@ -130,7 +130,7 @@ void hang_up_to_fault(benchmark::State& state) {
   }
 }
 
-// One repeat of the descending sequence on the turned clock, from the first step to the last.
+// One repeat of the descending sequence on the manual clock, from the first step to the last.
 RunRequest one_repeat() { return descending_request(1, 1); }
 
 struct Taken {

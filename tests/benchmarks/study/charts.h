@@ -1,4 +1,4 @@
-// False alarms and power of the charts of figures over 60 runs, on figures drawn at random.
+// False alarms and power of the control charts of figures over 60 runs, on randomly drawn figures.
 #pragma once
 
 #include <vector>

@@ -1,5 +1,5 @@
-// How far compensated pressures are from the truth, by what was measured for the calibration (the route), model, and
-// kind of history. The route that `calibrate` goes stands first. Sensors and histories are drawn from one seed, by
+// Distance of compensated pressures from the true ones, by what was measured for the calibration (the route), model,
+// and kind of history. The route that `calibrate` uses is the first. Sensors and histories are drawn from one seed, by
 // default the hash of the last commit that changed code, so that nothing can have been chosen on them.
 #pragma once
 

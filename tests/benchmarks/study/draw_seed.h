@@ -1,4 +1,4 @@
-// What a study draws from: the hash of the last commit that changed code, so that nothing can have been chosen on it.
+// Seed of a study: the hash of the last commit that changed code, so that nothing can have been chosen on it.
 #pragma once
 
 #include <cstdint>

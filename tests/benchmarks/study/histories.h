@@ -1,5 +1,5 @@
-// Histories of pressure as a sensor in use meets them, and what a simulated sensor gives along them: straight from the
-// plant, behind a regulator that follows everything, so that neither the bench nor a regulator's limits are in the way.
+// Pressure histories as a sensor in use meets them, and the outputs of a simulated sensor along them: directly from the
+// plant, behind an ideal regulator, so that neither the bench nor a regulator's limits affect them.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// What a simulated sensor is like, each property measured on its outputs: the same figures for each specimen. Percent
-// FS are of the span between 0 and 60 psi, of the taxel or the mean taxel that the figure is about.
+// Properties of a simulated sensor, each measured on its outputs: the same figures for each specimen. Percent FS are of
+// the span between 0 and 60 psi, of the taxel or the mean taxel that the figure is about.
 #pragma once
 
 #include <span>

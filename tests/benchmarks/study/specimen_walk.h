@@ -1,4 +1,4 @@
-// A specimen taken along pressures by hand, for the figures about it: no rig, no clock.
+// Drives a specimen along pressures directly, for the figures about it: no rig, no clock.
 #pragma once
 
 #include <initializer_list>

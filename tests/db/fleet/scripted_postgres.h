@@ -1,5 +1,5 @@
-// A PostgreSQL of one connection that answers by a test's script: on a Unix socket in a temporary folder, in a process
-// of its own. The bytes are those of PostgreSQL's manual, "Frontend/Backend Protocol", "Message Formats".
+// A PostgreSQL server for one connection that answers by a test's script: on a Unix socket in a temporary folder, in a
+// process of its own. The bytes are those of PostgreSQL's manual, "Frontend/Backend Protocol", "Message Formats".
 #pragma once
 
 #include <fcntl.h>

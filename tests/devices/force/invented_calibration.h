@@ -1,4 +1,4 @@
-// A .cal text with invented numbers (no transducer has them), and the same numbers for a test's own arithmetic.
+// A .cal text with invented numbers (no transducer has them), and the same numbers for the test's own computation.
 #pragma once
 
 #include <fmt/format.h>

@@ -1,5 +1,4 @@
-// A line that exists in memory alone with a Digital F/T at its end: every byte that the driver sends, and what comes
-// back.
+// An in-memory line with a Digital F/T at its end: records every byte that the driver sends, and sets what comes back.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// A Net F/T that answers each request with the records that a test says, and the driver in front of it.
+// A Net F/T that answers each request with the records that a test gives, and the driver connected to it.
 #pragma once
 
 #include <arpa/inet.h>

@@ -1,4 +1,4 @@
-// Clients of a simulated module that know no Modbus: bytes out, bytes in, over TCP or a serial line.
+// Clients of a simulated module without Modbus: raw bytes out and in, over TCP or a serial line.
 #pragma once
 
 #include <arpa/inet.h>

@@ -1,5 +1,5 @@
-// A Modbus TCP module that keeps every register, coil and discrete input as written, notes each request in words, and
-// does otherwise where a test says.
+// A Modbus TCP module that keeps every register, coil and discrete input as written, logs each request as text, and
+// deviates where a test requests it.
 #pragma once
 
 #include <fmt/format.h>

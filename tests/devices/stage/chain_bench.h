@@ -1,4 +1,4 @@
-// One simulated device of the chain without a wire, spoken to as a client would.
+// One simulated device of the chain without a wire, addressed as a client would.
 #pragma once
 
 #include <catch2/catch.hpp>

@@ -1,5 +1,5 @@
-// Devices of a chain at the other end of a line that is no wire: a byte written is heard at once, a read returns what
-// was answered, one piece a time, or at once nothing. A test may answer in a device's place.
+// Devices of a chain at the other end of an in-memory line: a written byte is received at once, a read returns the
+// answer one piece at a time, or nothing at once. A test may answer in place of a device.
 #pragma once
 
 #include <algorithm>

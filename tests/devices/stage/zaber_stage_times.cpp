@@ -1,4 +1,4 @@
-// Times of the Zaber driver under a turned clock: when a moving axis is asked, and when it is given up.
+// Times of the Zaber driver under a manual clock: when a moving axis is asked, and when it is given up.
 #include <catch2/catch.hpp>
 
 #include "tests/devices/fault_of.h"

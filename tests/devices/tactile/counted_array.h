@@ -1,4 +1,4 @@
-// Physics of an array whose counts and status tell which scan and which taxel they are.
+// Physics of an array whose counts and status encode the scan and the taxel.
 #pragma once
 
 #include <atomic>

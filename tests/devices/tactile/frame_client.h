@@ -1,4 +1,4 @@
-// A client of the frame-source protocol that sends and expects what a test says.
+// A client of the frame-source protocol that sends and expects what a test specifies.
 #pragma once
 
 #include <catch2/catch.hpp>

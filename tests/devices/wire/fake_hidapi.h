@@ -1,5 +1,5 @@
-// Stands in for hidapi in the unit tests of this room: devices that a test invents, calls that return what it says. For
-// one thread.
+// Replaces hidapi in the unit tests of devices/: devices defined by the test, and calls that return what it specifies.
+// For one thread.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// Stands in for libserialport in the unit tests of this room: ports that a test invents, each a terminal of the test's
-// own; calls fail where a test says. For one thread.
+// Replaces libserialport in the unit tests of devices/: ports defined by the test, each a terminal of its own; calls
+// fail where the test specifies. For one thread.
 #pragma once
 
 #include <libserialport.h>

@@ -1,7 +1,7 @@
-// The exhaustive search that identification is judged by. It shares the samples and ElamCurve with the fast search and
-// nothing else. Descending: a fine grid of alpha_d, beta_d being closed-form. Ascending: a branch's share of J depends
-// on its own split phi(L) and beta_a alone, so that for each beta_a of a fine grid the shares are tabulated over phi
-// and the whole plane of (phi(0), phi(X)) is read from the tables. The best cells are then polished.
+// Exhaustive search that the product's identification is compared with. It shares the samples and ElamCurve with the
+// fast search and nothing else. Descending: a fine grid of alpha_d, beta_d being closed-form. Ascending: a branch's
+// share of J depends on its own split phi(L) and beta_a alone, so that for each beta_a of a fine grid the shares are
+// tabulated over phi and the whole plane of (phi(0), phi(X)) is read from the tables. The best cells are then polished.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// J of a GPI walked along the data, sample by sample.
+// J of a GPI evaluated sample by sample along the data.
 #pragma once
 
 #include <cstddef>

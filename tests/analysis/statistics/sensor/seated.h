@@ -1,4 +1,4 @@
-// Simulated arrays as the seating check reads them.
+// Frames of simulated arrays as input of the seating check.
 #pragma once
 
 #include <cmath>

@@ -153,7 +153,7 @@ TEST_CASE("a budget is not linear at an end of the curve, or where the slope cha
   CHECK(made.maker().budget(0, kFortyUp).linear);
   CHECK_FALSE(made.maker().budget(0, kLowestUp).linear);
   CHECK_FALSE(made.maker().budget(0, kHighestUp).linear);
-  // Beside something else that has nine tenths of the variance the voltage does not count: 0.0004 psi^2 of it, beside
+  // Next to something else that has nine tenths of the variance the voltage does not count: 0.0004 psi^2 of it, beside
   // half as much of the mean of two readings and 0.0034 of the rest.
   made.inputs.uniformity = GivenUncertainty{0.0582, 0.0, kInfiniteDof, ""};
   CHECK_FALSE(made.maker().budget(0, kLowestUp).linear);

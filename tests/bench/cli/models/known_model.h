@@ -1,4 +1,4 @@
-// A model of a small array that is known number by number, as a file.
+// A model file of a small array whose numbers are all given.
 #pragma once
 
 #include <catch2/catch.hpp>

@@ -1,4 +1,4 @@
-// The verbs of models in the process of a test, with the files of one folder.
+// Runs the verbs on models within the test's process, with the files of one folder.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Processes beside the test's own, of this user or of another.
+// Processes next to the test's own, of this user or of another.
 #pragma once
 
 #include <grp.h>

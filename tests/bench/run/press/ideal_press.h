@@ -1,5 +1,5 @@
-// Stage and force sensor without wires, noise or delay under a turned clock, for unit tests of what presses: an axis is
-// where speed and time put it, the force is what the test's law says of z.
+// Stage and force sensor without wires, noise or delay under a manual clock, for unit tests of pressing: speed and time
+// determine an axis's position, and a function of the test gives the force for z.
 #pragma once
 
 #include <algorithm>

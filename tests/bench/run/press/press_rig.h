@@ -1,4 +1,5 @@
-// Stage and force sensor on their wires under a turned clock, and between them a contact whose law the test gives.
+// Stage and force sensor on their wires under a manual clock, and between them a contact whose force law the test
+// gives.
 #pragma once
 
 #include <algorithm>
