@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/documents/run_metadata.h"
+#include "analysis/json_fields.h"
 #include "analysis/json_io.h"
 
 namespace tactbench::analysis {
@@ -11,22 +12,17 @@ namespace {
 using RunJson = nlohmann::ordered_json;
 
 RunJson recipe_json(const db::SequenceRecord& sequence) {
-  return {{"name", sequence.name},
-          {"sha256", sequence.recipe_sha256},
-          {"repeats", sequence.repeats},
-          {"frames_per_repeat", sequence.frames_per_repeat}};
+  return {
+      {"name", sequence.name}, {"sha256", sequence.recipe_sha256}, JSON_FIELDS(sequence, repeats, frames_per_repeat)};
 }
 
 RunJson device_json(const db::DeviceRecord& device, const std::string& started_utc,
                     std::span<const InstrumentNote> notes) {
   const InstrumentCalibration calibration = calibration_of(device, notes);
   return {{"role", device.role},
-          {"model", calibration.model},
-          {"serial", calibration.serial},
-          {"firmware", device.firmware},
-          {"origin", device.origin},
-          {"certificate", calibration.certificate},
-          {"calibrated_by", calibration.calibrated_by},
+          JSON_FIELDS(calibration, model, serial),
+          JSON_FIELDS(device, firmware, origin),
+          JSON_FIELDS(calibration, certificate, calibrated_by),
           {"calibrated", calibration.calibrated_on},
           {"due", calibration.due},
           {"overdue", due_state(calibration, started_utc) == DueState::kOverdue},
@@ -40,10 +36,7 @@ RunJson run_json(const db::RunRecord& run, std::span<const InstrumentNote> notes
   RunJson recipes = RunJson::array(), devices = RunJson::array();
   for (const db::SequenceRecord& sequence : run.sequences) recipes.push_back(recipe_json(sequence));
   for (const db::DeviceRecord& device : run.devices) devices.push_back(device_json(device, run.started_utc, notes));
-  return {{"run", run.run},
-          {"uuid", run.uuid},
-          {"origin", run.origin},
-          {"state", run.state},
+  return {JSON_FIELDS(run, run, uuid, origin, state),
           {"outcome", db::to_string(run.outcome)},
           {"reason", run.reason},
           {"safe_state", db::to_string(run.safe_state)},
@@ -55,32 +48,21 @@ RunJson run_json(const db::RunRecord& run, std::span<const InstrumentNote> notes
           {"bench", run.bench_id},
           {"bench_sha256", run.bench_sha256},
           {"overrides", ordered_json_or_null(run.overrides_json)},
-          {"seed", run.seed},
-          {"sensor_seed", run.sensor_seed},
-          {"started_utc", run.started_utc},
-          {"ended_utc", run.ended_utc},
+          JSON_FIELDS(run, seed, sensor_seed, started_utc, ended_utc),
           {"rest_s", run.rest_s ? RunJson(*run.rest_s) : RunJson()},
-          {"host", run.host},
-          {"time_zone", run.time_zone},
-          {"program_version", run.program_version},
-          {"git_commit", run.git_commit},
-          {"git_dirty", run.git_dirty},
-          {"build_id", run.build_id},
-          {"content_sha256", run.content_sha256},
-          {"tags", run.tags},
+          JSON_FIELDS(run, host, time_zone, program_version, git_commit, git_dirty, build_id, content_sha256, tags),
           {"metadata", RunJson(metadata_of(run))},
           {"notes", run.notes},
           {"void", run.is_void()},
-          {"void_reason", run.void_reason},
-          {"void_by", run.void_by},
-          {"void_utc", run.void_utc},
+          JSON_FIELDS(run, void_reason, void_by, void_utc),
           {"recipes", recipes},
           {"devices", devices}};
 }
 
 RunJson sensor_json(const db::SensorRecord& sensor) {
-  return {{"serial", sensor.serial},          {"type", sensor.type}, {"type_sha256", sensor.type_sha256},
-          {"scanner", sensor.scanner_serial}, {"note", sensor.note}, {"added_utc", sensor.added_utc}};
+  return {JSON_FIELDS(sensor, serial, type, type_sha256),
+          {"scanner", sensor.scanner_serial},
+          JSON_FIELDS(sensor, note, added_utc)};
 }
 
 }  // namespace tactbench::analysis

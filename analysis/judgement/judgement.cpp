@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "analysis/json_fields.h"
 #include "analysis/loop.h"
 #include "analysis/statistics/figures/levels.h"
 
@@ -292,10 +293,9 @@ nlohmann::ordered_json judgement_json(const Judgement& judgement) {
         {{"run", run.run}, {"verdict", to_string(run.verdict)}, {"trajectory", trajectory_json(run.trajectory)}});
   for (const Source source : judgement.not_assessed)
     missing.push_back({{"source", to_string(source)}, {"why", why_not_assessed(source)}});
-  for (const VoidRun& run : judgement.void_counted)
-    voids.push_back({{"run", run.run}, {"reason", run.reason}, {"by", run.by}, {"utc", run.utc}});
+  for (const VoidRun& run : judgement.void_counted) voids.push_back({JSON_FIELDS(run, run, reason, by, utc)});
   const auto figure = [](const JudgedFigure& own) {
-    Json json = {{"run", own.run}, {"model_run", own.model_run}};
+    Json json = {JSON_FIELDS(own, run, model_run)};
     json.update(figure_json(own));
     return json;
   };

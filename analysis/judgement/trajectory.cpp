@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/counted.h"
+#include "analysis/json_fields.h"
 #include "analysis/loop.h"
 #include "analysis/statistics/numbers/moments.h"
 
@@ -118,9 +119,8 @@ std::string in_words(const JudgedTrajectory& judged) {
 }
 
 nlohmann::ordered_json trajectory_json(const JudgedTrajectory& judged) {
-  return {{"trajectory", to_string(judged.trajectory)}, {"reversals", judged.reversals},
-          {"inner_share", judged.inner_share},          {"dwell_s", judged.dwell_s},
-          {"fitted_dwell_s", judged.fitted_dwell_s},    {"other_dwell", judged.other_dwell}};
+  return {{"trajectory", to_string(judged.trajectory)},
+          JSON_FIELDS(judged, reversals, inner_share, dwell_s, fitted_dwell_s, other_dwell)};
 }
 
 }  // namespace tactbench::analysis

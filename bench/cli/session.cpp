@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "analysis/documents/evaluation_json.h"
+#include "analysis/json_fields.h"
 #include "analysis/json_io.h"
 #include "analysis/report/document/printers.h"
 #include "bench/common/screen.h"
@@ -69,7 +70,7 @@ analysis::PressureUnit Session::page_unit() const {
 ordered_json verdicts_json(const std::vector<analysis::JudgedFigure>& figures, const std::string& origin) {
   ordered_json list = ordered_json::array();
   for (const analysis::JudgedFigure& row : figures) {
-    ordered_json json = {{"run", row.run}, {"model_run", row.model_run}};
+    ordered_json json = {JSON_FIELDS(row, run, model_run)};
     json.update(analysis::figure_json(row));
     json["shown"] = shown_verdict(row.verdict, origin);
     list.push_back(std::move(json));
@@ -78,8 +79,7 @@ ordered_json verdicts_json(const std::vector<analysis::JudgedFigure>& figures, c
 }
 
 ordered_json evaluation_json(const NamedEvaluation& named) {
-  ordered_json json = {
-      {"title", named.title}, {"run", named.evaluation.run}, {"model_run", named.evaluation.model_run}};
+  ordered_json json = {{"title", named.title}, JSON_FIELDS(named.evaluation, run, model_run)};
   json.update(analysis::evaluation_json(named.evaluation));
   return json;
 }

@@ -14,6 +14,7 @@
 #include "analysis/error.h"
 #include "analysis/identify/dynamic/dynamic_fit.h"
 #include "analysis/identify/stored/model_document.h"
+#include "analysis/json_fields.h"
 #include "analysis/json_io.h"
 #include "analysis/judgement/figure.h"
 #include "bench/reporting/judgement.h"
@@ -65,21 +66,12 @@ void drop_zero_bytes(Json& json) {
 Json said_of(const db::RunStore& store, const db::RunRecord& run) {
   Json fits = Json::array(), reports = Json::array(), figures = Json::object();
   for (const db::FitRecord& fit : store.fits(run.run))
-    fits.push_back({{"model", fit.model}, {"program_version", fit.program_version}, {"created_utc", fit.created_utc}});
+    fits.push_back({JSON_FIELDS(fit, model, program_version, created_utc)});
   for (const db::ReportRecord& report : store.reports(run.run))
-    reports.push_back({{"number", report.number},
-                       {"content_sha256", report.content_sha256},
-                       {"approved_by", report.approved_by},
-                       {"approved_utc", report.approved_utc},
-                       {"replaces", report.replaces},
-                       {"reason", report.reason}});
+    reports.push_back({JSON_FIELDS(report, number, content_sha256, approved_by, approved_utc, replaces, reason)});
   for (const std::string& subject : store.subjects_of(run.run)) figures[subject] = store.figures_of(run.run, subject);
   const auto worst = standing(store, run.run).verdict;
-  return {{"tags", run.tags},
-          {"notes", run.notes},
-          {"void_reason", run.void_reason},
-          {"void_by", run.void_by},
-          {"void_utc", run.void_utc},
+  return {JSON_FIELDS(run, tags, notes, void_reason, void_by, void_utc),
           {"verdict", worst ? Json(analysis::to_string(*worst)) : Json()},
           {"fits", fits},
           {"verdicts", verdicts_of(store, run.run)},

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "analysis/json_fields.h"
 #include "analysis/json_io.h"
 #include "bench/common/error.h"
 #include "bench/common/private_files.h"
@@ -127,7 +128,7 @@ bool TripFile::store(Trip trip) const noexcept {
   try {
     if (read()) return true;
     trip.utc = utc_now();
-    const nlohmann::ordered_json json = {{"utc", trip.utc}, {"id", trip.id}, {"what", trip.what}, {"run", trip.run}};
+    const nlohmann::ordered_json json = {JSON_FIELDS(trip, utc, id, what, run)};
     write_durably(path_, analysis::printable_json(json, 2) + "\n");
     return true;
   } catch (...) {

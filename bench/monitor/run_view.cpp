@@ -10,6 +10,7 @@
 
 #include "analysis/counted.h"
 #include "analysis/documents/run_json.h"
+#include "analysis/json_fields.h"
 #include "bench/common/error_table.h"
 #include "bench/common/for_people.h"
 #include "bench/reporting/judgement.h"
@@ -132,7 +133,7 @@ namespace {
 void add_events(nlohmann::ordered_json& json, const StoredRun& run) {
   nlohmann::ordered_json& events = json["events"] = nlohmann::ordered_json::array();
   for (const db::EventRecord& event : run.events)
-    events.push_back({{"time_s", seconds_of(event)}, {"kind", event.kind}, {"id", event.id}, {"detail", event.detail}});
+    events.push_back({{"time_s", seconds_of(event)}, JSON_FIELDS(event, kind, id, detail)});
 }
 
 void add_record(nlohmann::ordered_json& json, const db::RunRecord& run) {

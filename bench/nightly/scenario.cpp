@@ -8,6 +8,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "analysis/json_fields.h"
 #include "analysis/json_io.h"
 #include "analysis/statistics/figures/evaluation.h"
 #include "analysis/statistics/figures/figures.h"
@@ -213,16 +214,10 @@ std::vector<std::string> differences(const Scenario& scenario, const ScenarioRes
 
 std::string to_json(const ScenarioResult& result) {
   nlohmann::ordered_json json = {
-      {"name", result.name},         {"about", result.about},       {"wrong", result.wrong},
-      {"remarks", result.remarks},   {"compared", result.compared}, {"figures", result.figures},
-      {"verdicts", result.verdicts}, {"taxels", result.taxels},     {"seconds", result.seconds}};
+      JSON_FIELDS(result, name, about, wrong, remarks, compared, figures, verdicts, taxels, seconds)};
   json["runs"] = nlohmann::ordered_json::array();
   for (const ScenarioRun& run : result.runs)
-    json["runs"].push_back({{"run", run.run},
-                            {"outcome", run.outcome},
-                            {"error", run.error},
-                            {"safe", run.safe},
-                            {"content_sha256", run.content_sha256}});
+    json["runs"].push_back({JSON_FIELDS(run, run, outcome, error, safe, content_sha256)});
   return analysis::json_line(json);
 }
 

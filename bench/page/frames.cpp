@@ -9,6 +9,7 @@
 
 #include "analysis/error.h"
 #include "analysis/identify/stored/model_document.h"
+#include "analysis/json_fields.h"
 #include "bench/common/error.h"
 
 namespace tactbench::bench {
@@ -122,10 +123,7 @@ nlohmann::json RunFrames::picture(bool at_peak) const {
                          {"position", seen ? seen->frame.position : 0},
                          {"last", position_},
                          {"peak", at_peak},
-                         {"title", view.title},
-                         {"rows", view.rows},
-                         {"columns", view.columns},
-                         {"full_scale_v", view.full_scale_v},
+                         JSON_FIELDS(view, title, rows, columns, full_scale_v),
                          {"volts", rounded_all(view.volts, 1e5)},
                          {"dead", view.dead},
                          {"dead_known", view.dead_are_known},

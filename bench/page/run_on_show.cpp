@@ -8,6 +8,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "analysis/json_fields.h"
 #include "bench/common/error_table.h"
 #include "bench/common/for_people.h"
 #include "bench/page/lists.h"
@@ -45,8 +46,7 @@ std::uint64_t inode_of(const std::string& path) {
 nlohmann::json event_json(const db::EventRecord& event) {
   const ErrorRow* error = error_row(event.id);
   return {{"time_s", static_cast<double>(event.time_ns) * 1e-9},
-          {"kind", event.kind},
-          {"id", event.id},
+          JSON_FIELDS(event, kind, id),
           {"detail", one_line(event.detail, kLongestText)},
           {"try", error != nullptr ? error->remedy : std::string_view()}};
 }
@@ -178,12 +178,7 @@ nlohmann::json readings_json(const LiveRun& live) {
   const RunStatus& status = live.status;
   nlohmann::json told = {{"run", status.run},
                          {"phase", one_line(status.phase, kLongestAnswer)},
-                         {"step", status.step},
-                         {"steps", status.steps},
-                         {"frames", status.frames},
-                         {"left_s", status.left_s},
-                         {"left_low_s", status.left_low_s},
-                         {"left_high_s", status.left_high_s}};
+                         JSON_FIELDS(status, step, steps, frames, left_s, left_low_s, left_high_s)};
   if (status.target_n) told["target_n"] = *status.target_n;
   if (const auto& now = status.readings) {
     told.update({{"time_s", now->time_s},

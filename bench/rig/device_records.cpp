@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "analysis/json_fields.h"
 #include "analysis/json_io.h"
 #include "devices/stage/zaber_binary.h"
 
@@ -22,9 +23,7 @@ RecordJson psi_json(const devices::LinearSpan& span) {  // of what states pressu
   return {{"psi_low", span.low.value()}, {"psi_high", span.high.value()}};
 }
 
-RecordJson scale_json(const devices::LinearScale& scale) {
-  return {{"raw_low", scale.raw_low}, {"raw_high", scale.raw_high}, {"low", scale.low}, {"high", scale.high}};
-}
+RecordJson scale_json(const devices::LinearScale& scale) { return {JSON_FIELDS(scale, raw_low, raw_high, low, high)}; }
 
 db::DeviceRecord record_of(const devices::Identity& identity, const RecordJson& calibration) {
   return {identity.role,
@@ -69,10 +68,8 @@ db::DeviceRecord reference_record(const devices::Identity& identity, const Bench
                     : states_psi           ? psi_json(config.reference.span)
                                            : span_json(config.reference.span);
   if (const devices::PressureCorrection& correction = config.reference_correction; !correction.empty()) {
-    json["correction"] = {{"reading_psi", correction.reading_psi},
-                          {"correction_psi", correction.correction_psi},
-                          {"expanded_uncertainty_psi", correction.expanded_uncertainty_psi},
-                          {"coverage_factor", correction.coverage_factor}};
+    json["correction"] = {
+        JSON_FIELDS(correction, reading_psi, correction_psi, expanded_uncertainty_psi, coverage_factor)};
   }
   json["independent"] = config.reference_independent;
   add_stated(json, config.reference_stated, "expanded_uncertainty_psi");

@@ -8,6 +8,7 @@
 #include <ctime>
 #include <nlohmann/json.hpp>
 
+#include "analysis/json_fields.h"
 #include "analysis/json_io.h"
 #include "bench/common/build_info.h"
 #include "bench/common/utc.h"
@@ -64,7 +65,7 @@ db::RunRecord record_of(const RunRequest& request) {
   record.sensor_toml = request.sensor_type.text;
   record.sensor_sha256 = db::sha256_hex(request.sensor_type.text);
   nlohmann::ordered_json overrides = nlohmann::ordered_json::array();
-  for (const auto& item : request.overrides) overrides.push_back({{"key", item.key}, {"value", item.value}});
+  for (const auto& item : request.overrides) overrides.push_back({JSON_FIELDS(item, key, value)});
   record.overrides_json = analysis::json_line(overrides);
   if (request.bench.simulation) {
     record.seed = static_cast<std::int64_t>(request.bench.simulation->plant.seed);

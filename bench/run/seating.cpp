@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "analysis/json_fields.h"
 #include "analysis/json_io.h"
 #include "analysis/pressure_unit.h"
 #include "analysis/statistics/sensor/seating.h"
@@ -63,15 +64,10 @@ std::string detail_of(const analysis::SeatingResult& result, const analysis::Sea
                                  {"rows", rows},
                                  {"columns", columns},
                                  {"volts_per_count", volts_per_count},
-                                 {"mean_response_v", result.mean_response_v},
-                                 {"dead_taxels", result.dead_taxels},
+                                 JSON_FIELDS(result, mean_response_v, dead_taxels),
                                  {"findings", nlohmann::ordered_json::array()}};
   for (const analysis::SeatingFinding& finding : result.findings) {
-    json["findings"].push_back({{"kind", finding.kind},
-                                {"verdict", finding.verdict},
-                                {"rows", finding.rows},
-                                {"columns", finding.columns},
-                                {"text", finding.text}});
+    json["findings"].push_back({JSON_FIELDS(finding, kind, verdict, rows, columns, text)});
   }
   return analysis::json_line(json);
 }

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "analysis/json_fields.h"
 #include "analysis/json_io.h"
 #include "bench/simulation/specimen_film.h"
 
@@ -46,7 +47,7 @@ constexpr std::array kHarshValues = {
     std::pair{"gain_walk", &HarshMemory::gain}};
 
 nlohmann::json harsh_json(const HarshMemory& memory) {
-  nlohmann::json json = {{"path_psi", memory.path_psi}, {"time_s", memory.time_s}};
+  nlohmann::json json = {JSON_FIELDS(memory, path_psi, time_s)};
   for (const auto& [key, values] : kHarshValues) json[key] = memory.*values;
   return json;
 }
@@ -83,11 +84,10 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FoamMemory, taxels, calm_s)
 
 std::string write_state(const FilmMemory& memory, const SpecimenOptions& options) {
   // nlohmann writes the shortest text that reads back to the same double.
-  nlohmann::json json = {
-      {"format", kFormat},         {"version", kVersion},        {"sensor_seed", options.sensor_seed},
-      {"rows", options.rows},      {"columns", options.columns}, {"pressure_psi", memory.pressure_psi},
-      {"lag_psi", memory.lag_psi}, {"virgin", memory.virgin},    {"travel_psi", memory.travel_psi},
-      {"plays", memory.plays},     {"creep", memory.creep}};
+  nlohmann::json json = {{"format", kFormat},
+                         {"version", kVersion},
+                         JSON_FIELDS(options, sensor_seed, rows, columns),
+                         JSON_FIELDS(memory, pressure_psi, lag_psi, virgin, travel_psi, plays, creep)};
   if (options.kind == SpecimenKind::kHarsh) json["harsh"] = harsh_json(memory.harsh);
   if (options.kind == SpecimenKind::kFoam) json["foam"] = memory.foam;
   return analysis::json_line(json);

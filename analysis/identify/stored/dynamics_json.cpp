@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "analysis/json_fields.h"
 #include "analysis/models/model_json.h"
 
 namespace tactbench::analysis {
@@ -30,9 +31,7 @@ std::array<double, kCreepElements> elements_from(const Json& json, const std::st
   return elements;
 }
 
-Json source_json(const SensorDynamics::Source& source) {
-  return {{"run", source.run}, {"content_sha256", source.content_sha256}};
-}
+Json source_json(const SensorDynamics::Source& source) { return {JSON_FIELDS(source, run, content_sha256)}; }
 
 SensorDynamics::Source source_from(const Json& json, const std::string& name) {
   const Json& source = json_member(json, name);
@@ -47,11 +46,7 @@ SensorDynamics::Source source_from(const Json& json, const std::string& name) {
 
 nlohmann::ordered_json dynamics_json(const SensorDynamics& dynamics) {
   const Dynamics& d = dynamics.shared;
-  return {{"creep_s", d.creep_s},
-          {"creep_share", d.creep_share},
-          {"creep_half", d.creep_half},
-          {"lag_s", d.lag_s},
-          {"lag_share", d.lag_share},
+  return {JSON_FIELDS(d, creep_s, creep_share, creep_half, lag_s, lag_share),
           {"residual_shape", dynamics.residual_shape},
           {"rate", source_json(dynamics.rate)},
           {"creep", source_json(dynamics.creep)}};

@@ -8,6 +8,7 @@
 #include "analysis/identify/elam/identify.h"
 #include "analysis/identify/stored/dynamics_json.h"
 #include "analysis/identify/stored/model_document.h"
+#include "analysis/json_fields.h"
 #include "analysis/json_io.h"
 #include "analysis/models/model_json.h"
 
@@ -75,12 +76,7 @@ Json taxel_json(const ModelTaxel& taxel, bool dynamic) {
   json["loop_low"] = taxel.loop_low;
   json["zero"] = taxel.zero;
   json["gain"] = taxel.gain;
-  json["figures"] = {{"j", taxel.fit.j},
-                     {"mean_error", taxel.fit.mean_error},
-                     {"max_error", taxel.fit.max_error},
-                     {"full_scale", taxel.fit.full_scale},
-                     {"samples", taxel.fit.samples},
-                     {"starts", taxel.fit.starts}};
+  json["figures"] = {JSON_FIELDS(taxel.fit, j, mean_error, max_error, full_scale, samples, starts)};
   Json at_bound = Json::array();
   for (const ModelParameter& parameter : taxel.fit.model->parameters())
     if (parameter.at_bound()) at_bound.push_back(parameter.name);
@@ -191,28 +187,17 @@ namespace {
 Json to_json(const SensorModel& document) {
   Json json = {{"schema", kSchema}, {"version", kModelDocumentVersion}, {"model", document.model}};
   json["options"] = {{"mode", document.options.free_run ? "free-run" : "paper"},
-                     {"exact_outer", document.options.exact_outer},
-                     {"genetic", document.options.genetic},
-                     {"memory", document.options.memory},
-                     {"splits", document.options.splits},
-                     {"starts", document.options.starts}};
+                     JSON_FIELDS(document.options, exact_outer, genetic, memory, splits, starts)};
   if (document.options.linearise) json["options"]["linearise"] = true;
   json["input"] = {{"unit", document.input_unit}};
-  json["output"] = {{"unit", document.output_unit}, {"falling", document.falling}, {"scans", document.scans}};
-  json["source"] = {{"name", document.source},
-                    {"origin", document.origin},
-                    {"content_sha256", document.content_sha256},
-                    {"sequences", document.sequences}};
-  json["sensor"] = {{"serial", document.sensor_serial},
-                    {"scanner_serial", document.scanner_serial},
-                    {"rows", document.rows},
-                    {"columns", document.columns}};
+  json["output"] = {{"unit", document.output_unit}, JSON_FIELDS(document, falling, scans)};
+  json["source"] = {{"name", document.source}, JSON_FIELDS(document, origin, content_sha256, sequences)};
+  json["sensor"] = {{"serial", document.sensor_serial}, JSON_FIELDS(document, scanner_serial, rows, columns)};
   json["validity"] = {{"input", range_json(document.validity.input)},
                       {"hold_s", range_json(document.validity.hold_s)},
                       {"rate", range_json(document.validity.rate)},
                       {"temperature_c", range_json(document.validity.temperature_c)},
-                      {"mount", document.validity.mount},
-                      {"interface_material", document.validity.interface_material}};
+                      JSON_FIELDS(document.validity, mount, interface_material)};
   json["parent"] = {{"sha256", document.parent_sha256}, {"adjustment", document.adjustment}};
   json["program_version"] = document.program_version;
   // Of ELAM its patterns say so, but where they are of the linearised output.

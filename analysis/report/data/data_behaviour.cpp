@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "analysis/json_fields.h"
 #include "analysis/models/model_json.h"
 #include "analysis/report/data/data.h"
 #include "analysis/report/data/section_data.h"
@@ -17,9 +18,7 @@ std::string behaviour_json(const ReportInput& input) {
                          repeatability = nlohmann::ordered_json::array(), zero = nlohmann::ordered_json::array(),
                          creep = nlohmann::ordered_json::array();
   for (const RawLoop& loop : b.loops)
-    loops.push_back({{"name", loop.name},
-                     {"taxel", loop.taxel},
-                     {"full_scale_v", loop.full_scale_v},
+    loops.push_back({JSON_FIELDS(loop, name, taxel, full_scale_v),
                      {"hysteresis_max_fs", loop.hysteresis_max},
                      {"hysteresis_mean_fs", loop.hysteresis_mean},
                      {"up_v", number_list(loop.up_v)},
@@ -29,29 +28,13 @@ std::string behaviour_json(const ReportInput& input) {
                       {"pressure_psi", number_list(trace.pressure_psi)},
                       {"output_v", number_list(trace.output_v)}});
   for (const LevelRepeatability& level : b.repeatability)
-    repeatability.push_back({{"pressure_psi", level.pressure_psi},
-                             {"mean_up_v", level.mean_up_v},
-                             {"mean_down_v", level.mean_down_v},
-                             {"taxel_up_v", level.taxel_up_v},
-                             {"taxel_down_v", level.taxel_down_v}});
+    repeatability.push_back({JSON_FIELDS(level, pressure_psi, mean_up_v, mean_down_v, taxel_up_v, taxel_down_v)});
   for (const ZeroReturn& z : b.zero_returns)
-    zero.push_back({{"sequence", z.sequence},
-                    {"repeats", z.repeats},
-                    {"mean_v", z.mean_v},
-                    {"largest_v", z.largest_v},
-                    {"worst_taxel_v", z.worst_taxel_v},
-                    {"worst_taxel", z.worst_taxel}});
+    zero.push_back({JSON_FIELDS(z, sequence, repeats, mean_v, largest_v, worst_taxel_v, worst_taxel)});
   for (const Creep& c : b.creep)
-    creep.push_back({{"sequence", c.sequence},
-                     {"pressure_psi", c.pressure_psi},
+    creep.push_back({JSON_FIELDS(c, sequence, pressure_psi),
                      {"branch", c.up ? "up" : "down"},
-                     {"from_s", c.from_s},
-                     {"to_s", c.to_s},
-                     {"first_v", c.first_v},
-                     {"last_v", c.last_v},
-                     {"per_decade", c.per_decade},
-                     {"per_decade_u", c.per_decade_u},
-                     {"samples", c.samples}});
+                     JSON_FIELDS(c, from_s, to_s, first_v, last_v, per_decade, per_decade_u, samples)});
   return json_text({{"taxels", b.taxels},
                     {"pressure_psi", number_list(b.pressure_psi)},
                     {"full_scale_v", b.full_scale_v},
@@ -71,18 +54,13 @@ std::string health_json(const ReportInput& input) {
   const Health& health = input.health;
   nlohmann::ordered_json findings = nlohmann::ordered_json::array(), swaps = nlohmann::ordered_json::array();
   for (const TaxelHealth& finding : health.findings)
-    findings.push_back({{"taxel", finding.taxel},
-                        {"state", finding.state},
-                        {"reason", finding.reason},
-                        {"excluded", finding.excluded}});
+    findings.push_back({JSON_FIELDS(finding, taxel, state, reason, excluded)});
   for (const SwappedLines& swap : health.swaps)
     swaps.push_back({{"lines", swap.rows ? "rows" : "columns"},
-                     {"first", swap.first},
-                     {"second", swap.second},
+                     JSON_FIELDS(swap, first, second),
                      {"correlation_as_is", swap.as_is},
                      {"correlation_exchanged", swap.exchanged}});
-  return json_text({{"dead_v", health.options.dead_v},
-                    {"noisy_factor", health.options.noisy_factor},
+  return json_text({JSON_FIELDS(health.options, dead_v, noisy_factor),
                     {"median_noise_v", health.median_noise_v},
                     {"low_v", number_list(health.low_v)},
                     {"high_v", number_list(health.high_v)},

@@ -1,6 +1,7 @@
 // What creep and temperature were found to be, as JSON.
 #include <nlohmann/json.hpp>
 
+#include "analysis/json_fields.h"
 #include "analysis/report/data/data.h"
 #include "analysis/report/parts.h"
 
@@ -9,19 +10,16 @@ namespace {
 
 using EffectJson = nlohmann::ordered_json;
 
-EffectJson change_json(const OutputChange& change) { return {{"share", change.share}, {"zero_v", change.zero_v}}; }
+EffectJson change_json(const OutputChange& change) { return {JSON_FIELDS(change, share, zero_v)}; }
 
 }  // namespace
 
 EffectJson creep_effect_json(const CreepEffect& creep) {
   EffectJson levels = EffectJson::array();
   for (const HeldLevel& level : creep.levels) {
-    levels.push_back({{"sequence", level.sequence},
-                      {"pressure_psi", level.pressure_psi},
+    levels.push_back({JSON_FIELDS(level, sequence, pressure_psi),
                       {"branch", level.up ? "up" : "down"},
-                      {"from_s", level.from_s},
-                      {"to_s", level.to_s},
-                      {"median_share", level.median_share},
+                      JSON_FIELDS(level, from_s, to_s, median_share),
                       {"taxel_share", number_list(level.share, 5)}});
   }
   return {{"read_after_s", creep.read_after_s},

@@ -4,6 +4,7 @@
 #include "analysis/documents/run_json.h"
 #include "analysis/identify/stored/dynamics_json.h"
 #include "analysis/identify/stored/model_document.h"
+#include "analysis/json_fields.h"
 #include "analysis/json_io.h"
 #include "analysis/report/data/conformity.h"
 #include "analysis/report/data/data.h"
@@ -19,9 +20,7 @@ using Json = nlohmann::ordered_json;
 
 Json level_json(const LevelFigures& level, int fitted) {
   return {
-      {"pressure_psi", level.pressure_psi},
-      {"up_psi", level.up_psi},
-      {"down_psi", level.down_psi},
+      JSON_FIELDS(level, pressure_psi, up_psi, down_psi),
       {"raw_std_up_fs", level.raw_std_up},
       {"raw_std_down_fs", level.raw_std_down},
       {"raw_distance_fs", level.raw_distance},
@@ -33,8 +32,7 @@ Json level_json(const LevelFigures& level, int fitted) {
       {"comp_distance_observable_fs", observable(level, &LevelFigures::comp_distance_observable, fitted)},
       {"worst_taxel_distance_fs", level.worst_taxel_distance},
       {"worst_taxel_distance_observable_fs", observable(level, &LevelFigures::worst_taxel_distance_observable, fitted)},
-      {"made_worse", level.made_worse},
-      {"flat_taxels", level.flat_taxels}};
+      JSON_FIELDS(level, made_worse, flat_taxels)};
 }
 
 // Parameters in the order of "parameter_names"; patterns on "pressure_psi".
@@ -70,8 +68,7 @@ Json model_json(const SensorModel& fit) {
     if (fit.dynamics && fit.taxels[i].fitted()) add_taxel_dynamics(fit.taxels[i], taxels.back());
   }
   Json json = {{"name", none ? "elam" : label_of(fit)},
-               {"rows", fit.rows},
-               {"columns", fit.columns},
+               JSON_FIELDS(fit, rows, columns),
                {"parameter_names", parameter_names(fit)},
                {"full_scale_v", none ? 0.0 : fit.full_scale_v()},
                {"pressure_psi", number_list(fit.pressure_psi)}};
@@ -84,57 +81,24 @@ Json model_json(const SensorModel& fit) {
 Json laboratory_json(const Laboratory& l) {
   Json instruments = Json::array();
   for (const InstrumentNote& note : l.instruments)
-    instruments.push_back({{"serial", note.serial},
-                           {"certificate", note.certificate},
-                           {"calibrated_by", note.calibrated_by},
-                           {"calibrated_on", note.calibrated_on},
-                           {"due", note.due},
-                           {"note", note.note}});
-  return {{"laboratory", l.laboratory},
-          {"address", l.address},
-          {"city", l.city},
-          {"postcode", l.postcode},
-          {"country", l.country},
-          {"signer_function", l.signer_function},
-          {"place", l.place},
-          {"accreditation", l.accreditation},
-          {"customer", l.customer},
-          {"customer_address", l.customer_address},
-          {"order", l.order},
-          {"received", l.received},
-          {"condition", l.condition},
-          {"cable", l.cable},
-          {"mounting", l.mounting},
-          {"medium", l.medium},
-          {"environment", l.environment},
-          {"deviations", l.deviations},
-          {"remarks", l.remarks},
-          {"valid_until", l.valid_until},
-          {"recalibrate_after_months", l.recalibrate_after_months},
+    instruments.push_back({JSON_FIELDS(note, serial, certificate, calibrated_by, calibrated_on, due, note)});
+  return {JSON_FIELDS(l, laboratory, address, city, postcode, country, signer_function, place, accreditation, customer,
+                      customer_address, order, received, condition, cable, mounting, medium, environment, deviations,
+                      remarks, valid_until, recalibrate_after_months),
           {"instruments", instruments},
           {"sha256", l.sha256}};
 }
 
 Json history_json(const RunHistory& history) {
   Json events = Json::array(), voids = Json::array(), surroundings = Json::array(), checks = Json::array();
-  for (const HistoryEvent& event : history.events)
-    events.push_back({{"time_s", event.time_s}, {"kind", event.kind}, {"text", event.text}});
+  for (const HistoryEvent& event : history.events) events.push_back({JSON_FIELDS(event, time_s, kind, text)});
   for (const VoidBranch& branch : history.voids)
-    voids.push_back({{"sequence", branch.sequence},
-                     {"repeat", branch.repeat},
-                     {"branch", branch.branch},
-                     {"attempt", branch.attempt},
-                     {"reason", branch.reason}});
+    voids.push_back({JSON_FIELDS(branch, sequence, repeat, branch, attempt, reason)});
   for (const SurroundingsRange& range : history.surroundings)
-    surroundings.push_back(
-        {{"quantity", range.quantity}, {"low", range.low}, {"high", range.high}, {"readings", range.readings}});
+    surroundings.push_back({JSON_FIELDS(range, quantity, low, high, readings)});
   for (const db::CheckRecord& check : history.checks)
-    checks.push_back(
-        {{"kind", check.kind}, {"verdict", check.verdict}, {"detail", ordered_json_or_null(check.detail_json)}});
-  return {{"frames", history.frames},
-          {"flagged", history.flagged},
-          {"flags", history.flags},
-          {"void_frames", history.void_frames},
+    checks.push_back({JSON_FIELDS(check, kind, verdict), {"detail", ordered_json_or_null(check.detail_json)}});
+  return {JSON_FIELDS(history, frames, flagged, flags, void_frames),
           {"voids", voids},
           {"events", events},
           {"surroundings", surroundings},
@@ -190,11 +154,7 @@ Json whole_evaluation_json(const Evaluation& evaluation, int fitted) {
 std::string approvals_json(const ReportInput& input) {
   Json approvals = Json::array();
   for (const db::ReportRecord& approval : input.approvals)
-    approvals.push_back({{"number", approval.number},
-                         {"approved_by", approval.approved_by},
-                         {"approved_utc", approval.approved_utc},
-                         {"replaces", approval.replaces},
-                         {"reason", approval.reason}});
+    approvals.push_back({JSON_FIELDS(approval, number, approved_by, approved_utc, replaces, reason)});
   return json_text(approvals);
 }
 
@@ -239,9 +199,7 @@ std::string results_json(const ReportInput& input) {
                       {"model_v", number_list(trace.model_v)},
                       {"compensated_psi", number_list(trace.compensated_psi)}});
   for (const AppliedPressures& own : input.applied)
-    applied.push_back({{"title", own.title},
-                       {"verification", own.verification},
-                       {"repeats", own.repeats},
+    applied.push_back({JSON_FIELDS(own, title, verification, repeats),
                        {"time_s", number_list(own.time_s, 5)},
                        {"pressure_psi", number_list(own.pressure_psi, 5)}});
   for (const JudgedFigure& figure : input.judgement.figures) verdicts.push_back(judged_json(input, figure));

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "analysis/json_fields.h"
 #include "analysis/report/data/conformity.h"
 #include "analysis/report/data/data.h"
 #include "analysis/report/data/reading_figures.h"
@@ -27,24 +28,18 @@ UncertaintyJson budget_json(const Budget& budget, bool whole) {
       rows.push_back({{"source", text.name},
                       {"type", std::string(1, text.type)},
                       {"width", row.width},
-                      {"unit", text.unit},
-                      {"distribution", text.distribution},
-                      {"divisor", row.divisor},
-                      {"sensitivity", row.sensitivity},
-                      {"u_psi", row.u_psi},
+                      JSON_FIELDS(text, unit, distribution),
+                      JSON_FIELDS(row, divisor, sensitivity, u_psi),
                       {"common_share", row.common},
                       {"dof", degrees(row.dof)}});
   }
-  UncertaintyJson out = {{"taxel", budget.taxel},
-                         {"error_psi", budget.error_psi},
+  UncertaintyJson out = {JSON_FIELDS(budget, taxel, error_psi),
                          {"lower_psi", budget.lower_psi()},
                          {"upper_psi", budget.upper_psi()},
                          {"u_psi", u},
                          {"combined_psi", budget.combined_psi},
                          {"dof", degrees(budget.dof)},
-                         {"factor", budget.factor},
-                         {"expanded_psi", budget.expanded_psi},
-                         {"linear", budget.linear}};
+                         JSON_FIELDS(budget, factor, expanded_psi, linear)};
   if (whole) out["contributions"] = rows;
   return out;
 }
@@ -72,8 +67,7 @@ UncertaintyJson condition_json(const ConditionUncertainty& condition, const Repo
   UncertaintyJson out = {{"name", condition.name},
                          {"valid", condition.valid()},
                          {"rests_on", condition.basis},
-                         {"histories", condition.histories},
-                         {"readings", condition.readings}};
+                         JSON_FIELDS(condition, histories, readings)};
   if (!condition.valid()) {
     out["not_valid_because"] = condition.not_valid;
     return out;
@@ -127,10 +121,7 @@ UncertaintyJson reading_json(const Uncertainty& uncertainty, const ReportInput& 
                            {"certificate_covers", in_words(reference.covers)},
                            {"beyond_the_certificate_psi", limits},
                            {"largest_u_psi", reference.largest_certificate_u()},
-                           {"resolution_psi", reference.resolution_psi},
-                           {"drift_psi", reference.drift_psi},
-                           {"drift_stated_psi", reference.drift_stated_psi},
-                           {"drift_basis", reference.drift_basis}}},
+                           JSON_FIELDS(reference, resolution_psi, drift_psi, drift_stated_psi, drift_basis)}},
                          {"sources", sources},
                          {"not_assessed", missing},
                          {"chosen", uncertainty.chosen}};
@@ -154,11 +145,9 @@ std::string uncertainty_json(const ReportInput& input) {
                       {"criterion", to_string(figure.criterion)},
                       {"scope", scope_json(figure.scope)},
                       {"unit", to_string(quantity_of(figure.criterion))},
-                      {"expanded", figure.u.expanded},
-                      {"combined", figure.u.combined},
+                      JSON_FIELDS(figure.u, expanded, combined),
                       {"dof", degrees(figure.u.dof)},
-                      {"factor", figure.u.factor},
-                      {"basis", figure.u.basis},
+                      JSON_FIELDS(figure.u, factor, basis),
                       {"not_known", figure.u.missing}});
   return json_text({{"reading", input.uncertainty ? reading_json(*input.uncertainty, input) : UncertaintyJson()},
                     {"judged_figures", judged}});

@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "analysis/json_fields.h"
 #include "analysis/statistics/numbers/moments.h"
 
 namespace tactbench::analysis {
@@ -179,8 +180,7 @@ std::optional<ReadingFigures> reading_figures(const ReportInput& input) {
 }
 
 nlohmann::ordered_json interval_json(const MeasuringInterval& interval) {
-  return interval.any ? nlohmann::ordered_json{{"low_psi", interval.low_psi}, {"high_psi", interval.high_psi}}
-                      : nlohmann::ordered_json();
+  return interval.any ? nlohmann::ordered_json{JSON_FIELDS(interval, low_psi, high_psi)} : nlohmann::ordered_json();
 }
 
 nlohmann::ordered_json reading_figures_json(const ReadingFigures& figures) {
@@ -188,30 +188,21 @@ nlohmann::ordered_json reading_figures_json(const ReadingFigures& figures) {
   for (const ReadingLevel& level : figures.levels)
     levels.push_back({{"pressure_psi", level.pressure_psi},
                       {"branch", level.up ? "up" : "down"},
-                      {"median_error_psi", level.median_error_psi},
-                      {"median_expanded_psi", level.median_expanded_psi},
-                      {"within_psi", level.within_psi},
-                      {"low_psi", level.low_psi},
-                      {"high_psi", level.high_psi},
-                      {"expanded_within_psi", level.expanded_within_psi},
-                      {"mean_expanded_psi", level.mean_expanded_psi},
+                      JSON_FIELDS(level, median_error_psi, median_expanded_psi, within_psi, low_psi, high_psi,
+                                  expanded_within_psi, mean_expanded_psi),
                       {"worst_taxel", level.worst},
                       {"worst_psi", level.worst_psi}});
   return {{"kind", figures.kind},
           {"taxels_within", kTaxelsWithin},
-          {"full_psi", figures.full_psi},
-          {"tolerance_psi", figures.tolerance_psi},
+          JSON_FIELDS(figures, full_psi, tolerance_psi),
           {"tolerance_is_mpe", figures.by_mpe},
           {"interval_up", interval_json(figures.span_up)},
           {"interval_down", interval_json(figures.span_down)},
           {"headline", {{"within_psi", figures.headline_psi}, {"interval", interval_json(figures.headline)}}},
           {"worst",
-           {{"taxel", figures.worst.taxel},
-            {"pressure_psi", figures.worst.pressure_psi},
+           {JSON_FIELDS(figures.worst, taxel, pressure_psi),
             {"branch", figures.worst.up ? "up" : "down"},
-            {"error_psi", figures.worst.error_psi},
-            {"expanded_psi", figures.worst.expanded_psi},
-            {"kind", figures.worst.kind}}},
+            JSON_FIELDS(figures.worst, error_psi, expanded_psi, kind)}},
           {"levels", levels}};
 }
 

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/documents/evaluation_json.h"
+#include "analysis/json_fields.h"
 #include "analysis/report/data/data.h"
 #include "analysis/report/data/section_data.h"
 #include "analysis/report/parts.h"
@@ -14,24 +15,18 @@ using MoreJson = nlohmann::ordered_json;
 // A tenth of a millivolt, a thousandth of a psi.
 MoreJson curve_json(const std::vector<double>& values) { return number_list(values, 5); }
 
-MoreJson zone_json(const CrosstalkZone& zone) {
-  return {{"mean_share", zone.mean_share},
-          {"u_share", zone.u_share},
-          {"max_share", zone.max_share},
-          {"samples", zone.samples}};
-}
+MoreJson zone_json(const CrosstalkZone& zone) { return {JSON_FIELDS(zone, mean_share, u_share, max_share, samples)}; }
 
 MoreJson lines_json(const std::vector<CrosstalkLine>& lines) {
   MoreJson out = MoreJson::array();
-  for (const CrosstalkLine& line : lines) out.push_back({{"line", line.line}, {"mean_share", line.mean_share}});
+  for (const CrosstalkLine& line : lines) out.push_back({JSON_FIELDS(line, line, mean_share)});
   return out;
 }
 
 MoreJson bins_json(const std::vector<Bin>& bins) {
   MoreJson out = MoreJson::array();
   for (const Bin& bin : bins)
-    out.push_back({{"low", bin.low},
-                   {"high", bin.high},
+    out.push_back({JSON_FIELDS(bin, low, high),
                    {"samples", bin.error.samples},
                    {"mean_psi", bin.error.mean()},
                    {"max_psi", bin.error.max}});
@@ -39,13 +34,7 @@ MoreJson bins_json(const std::vector<Bin>& bins) {
 }
 
 MoreJson figures_json(const ContactFigures& figures) {
-  return {{"force_n", figures.force_n},
-          {"x_mm", figures.x_mm},
-          {"y_mm", figures.y_mm},
-          {"moment_x_nmm", figures.moment_x_nmm},
-          {"moment_y_nmm", figures.moment_y_nmm},
-          {"area_mm2", figures.area_mm2},
-          {"threshold_psi", figures.threshold_psi}};
+  return {JSON_FIELDS(figures, force_n, x_mm, y_mm, moment_x_nmm, moment_y_nmm, area_mm2, threshold_psi)};
 }
 
 MoreJson uniformity_json(const Uniformity& u) {
@@ -57,11 +46,7 @@ MoreJson uniformity_json(const Uniformity& u) {
           {"chamber_share", number_list(u.chamber_share)},
           {"chamber_psi", number_list(u.chamber_psi)},
           {"sensor_share", number_list(u.sensor_share)},
-          {"u_share", u.u_share},
-          {"u_offset_psi", u.u_offset_psi},
-          {"residual_rms_psi", u.residual_rms_psi},
-          {"residual_other_sense_psi", u.residual_other_sense_psi},
-          {"undetermined", u.undetermined}};
+          JSON_FIELDS(u, u_share, u_offset_psi, residual_rms_psi, residual_other_sense_psi, undetermined)};
 }
 
 MoreJson remount_json(const Remount& r) {
@@ -72,16 +57,12 @@ MoreJson remount_json(const Remount& r) {
           {"between_psi", number_list(r.between_psi)},
           {"mean_between_psi", number_list(r.mean_between_psi)},
           {"taxel_between_psi", number_list(r.taxel_between_psi)},
-          {"within_share", r.within_share},
-          {"s_share", r.s_share},
-          {"degrees", r.degrees}};
+          JSON_FIELDS(r, within_share, s_share, degrees)};
 }
 
 MoreJson crosstalk_json(const Crosstalk& c) {
   if (!c.assessed()) return {{"not_assessed", c.not_assessed}};
-  return {{"positions", c.positions},
-          {"force_n", c.force_n},
-          {"reach_pitches", c.reach_pitches},
+  return {JSON_FIELDS(c, positions, force_n, reach_pitches),
           {"row", zone_json(c.row)},
           {"column", zone_json(c.column)},
           {"elsewhere", zone_json(c.elsewhere)},
@@ -97,7 +78,7 @@ MoreJson instrument_json(const InstrumentUncertainty& instrument) {
   for (const InstrumentRow& row : instrument.rows) {
     MoreJson out = {{"source", row.name}};
     if (row.assessed()) {
-      out.update({{"width", row.width}, {"distribution", row.distribution}, {"divisor", row.divisor}, {"u", row.u()}});
+      out.update({JSON_FIELDS(row, width, distribution, divisor), {"u", row.u()}});
     } else {
       out[row.part.missing.empty() ? "contained" : "not_assessed"] =
           row.part.missing.empty() ? row.part.from : row.part.missing;
@@ -115,39 +96,22 @@ MoreJson instrument_json(const InstrumentUncertainty& instrument) {
 MoreJson contact_json(const ContactResult& contact) {
   MoreJson levels = MoreJson::array();
   for (const ContactLevel& level : contact.levels)
-    levels.push_back({{"target_n", level.target_n},
-                      {"rising", level.rising},
-                      {"frames", level.frames},
-                      {"force_n", level.force_n},
-                      {"torque_nmm", level.torque_nmm},
+    levels.push_back({JSON_FIELDS(level, target_n, rising, frames, force_n, torque_nmm),
                       {"raw", figures_json(level.raw)},
                       {"compensated", figures_json(level.compensated)},
-                      {"raw_force_error_n", level.raw_force_error_n},
-                      {"compensated_force_error_n", level.compensated_force_error_n},
-                      {"raw_place_error_mm", level.raw_place_error_mm},
-                      {"compensated_place_error_mm", level.compensated_place_error_mm},
-                      {"raw_wander_mm", level.raw_wander_mm},
-                      {"compensated_wander_mm", level.compensated_wander_mm},
-                      {"clamped_taxels", level.clamped_taxels},
+                      JSON_FIELDS(level, raw_force_error_n, compensated_force_error_n, raw_place_error_mm,
+                                  compensated_place_error_mm, raw_wander_mm, compensated_wander_mm, clamped_taxels),
                       {"raw_std_fs", level.raw_std},
                       {"compensated_std_fs", level.compensated_std},
                       {"raw_v", curve_json(level.raw_v)},
                       {"compensated_psi", curve_json(level.compensated_psi)}});
-  return {{"sequence", contact.sequence},
-          {"object", contact.object},
-          {"force_traceability", contact.force_traceability},
+  return {JSON_FIELDS(contact, sequence, object, force_traceability),
           {"force_uncertainty", instrument_json(contact.force_uncertainty)},
-          {"positions", contact.positions},
-          {"repeats", contact.repeats},
+          JSON_FIELDS(contact, positions, repeats),
           {"registered", contact.mount_run != 0},
-          {"pitch_mm", contact.geometry.pitch_mm},
-          {"taxel_area_mm2", contact.geometry.taxel_area_mm2},
-          {"full_scale_v", contact.full_scale_v},
-          {"full_scale_psi", contact.full_scale_psi},
-          {"raw_mean_error_n", contact.raw_mean_error_n},
-          {"raw_max_error_n", contact.raw_max_error_n},
-          {"compensated_mean_error_n", contact.compensated_mean_error_n},
-          {"compensated_max_error_n", contact.compensated_max_error_n},
+          JSON_FIELDS(contact.geometry, pitch_mm, taxel_area_mm2),
+          JSON_FIELDS(contact, full_scale_v, full_scale_psi, raw_mean_error_n, raw_max_error_n,
+                      compensated_mean_error_n, compensated_max_error_n),
           {"raw_distance_fs", number_list(contact.raw_distance)},
           {"compensated_distance_fs", number_list(contact.compensated_distance)},
           {"levels", levels}};
@@ -179,8 +143,7 @@ std::string studies_json(const ReportInput& input) {
                            {"mean_psi", run.error.mean()},
                            {"max_psi", run.error.max},
                            {"samples", run.error.samples},
-                           {"output_max_share", run.output_max_share},
-                           {"output_mean_share", run.output_mean_share},
+                           JSON_FIELDS(run, output_max_share, output_mean_share),
                            {"by_hold_s", bins_json(run.by_hold)},
                            {"by_rate_psi_per_s", bins_json(run.by_rate)}});
   } else {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "analysis/json_fields.h"
 #include "analysis/report/data/data.h"
 #include "analysis/report/parts.h"
 
@@ -95,9 +96,7 @@ std::vector<Traceability> traceability_of(const ReportInput& input, PressureUnit
 std::string traceability_json(const ReportInput& input) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const Traceability& one : traceability_of(input, PressureUnit::kPsi))
-    list.push_back({{"quantity", one.title.substr(one.title.rfind(' ') + 1)},
-                    {"traceable", one.traceable},
-                    {"statement", one.statement}});
+    list.push_back({{"quantity", one.title.substr(one.title.rfind(' ') + 1)}, JSON_FIELDS(one, traceable, statement)});
   return json_text(list);
 }
 

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "analysis/documents/evaluation_json.h"
+#include "analysis/json_fields.h"
 #include "analysis/report/data/data.h"
 #include "analysis/report/overview/overview.h"
 #include "analysis/statistics/figures/levels.h"
@@ -106,8 +107,7 @@ std::string content_of_run(const ReportInput& input) {
   return json_text(
       {{"sensor", input.run.sensor_serial},
        {"scanner", scanner_serial_of(input.run, input.sensor)},
-       {"origin", input.run.origin},
-       {"content_sha256", input.run.content_sha256},
+       JSON_FIELDS(input.run, origin, content_sha256),
        {"figures", figures},
        {"verdicts", verdicts},
        {"overall", verdict_word(input.judgement.overall)},

@@ -5,6 +5,7 @@
 
 #include "analysis/counted.h"
 #include "analysis/identify/stored/model_document.h"
+#include "analysis/json_fields.h"
 #include "analysis/report/document/printers.h"
 #include "analysis/report/overview/fitted_loop.h"
 #include "analysis/report/page/page.h"
@@ -71,9 +72,7 @@ ordered_json data_of(const TableReportInput& input) {
   const Histories& h = input.histories;
   ordered_json json = {{"table", input.run.devices.empty() ? "" : input.run.devices.front().model},
                        {"content", input.run.content_sha256},
-                       {"input_unit", h.input_unit},
-                       {"output_unit", h.output_unit},
-                       {"sequences", h.sequences},
+                       JSON_FIELDS(h, input_unit, output_unit, sequences),
                        {"taxels", taxels_of(h)},
                        {"samples", samples_of(h)},
                        {"warnings", h.warnings},
@@ -103,8 +102,7 @@ Report render_table_report(const TableReportInput& input) {
   report.number = fmt::format("{}-{}", input.run.run, report.content_sha256.substr(0, 8));
   ordered_json json = {{"schema", "tactbench.table-report"},
                        {"version", 1},
-                       {"number", report.number},
-                       {"content_sha256", report.content_sha256},
+                       JSON_FIELDS(report, number, content_sha256),
                        {"identification", {{"run_uuid", input.run.uuid}}}};
   json.update(data);
   report.json = ascii(json);

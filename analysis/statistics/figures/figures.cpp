@@ -1,5 +1,7 @@
 #include "analysis/statistics/figures/figures.h"
 
+#include "analysis/json_fields.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -8,8 +10,7 @@ namespace tactbench::analysis {
 std::map<std::string, double> figures_of(const SensorModel& fit, const Evaluation& evaluation) {
   std::map<std::string, double> figures = {{"hysteresis_max_percent_fs", 100.0 * evaluation.hysteresis_max_fs},
                                            {"hysteresis_mean_percent_fs", 100.0 * evaluation.hysteresis_mean_fs},
-                                           {"mean_error_psi", evaluation.mean_error_psi},
-                                           {"max_error_psi", evaluation.max_error_psi},
+                                           JSON_FIELDS(evaluation, mean_error_psi, max_error_psi),
                                            {"worst_taxel_error_psi", evaluation.worst_taxel_mean_error_psi},
                                            {"distance_of_mean_percent_fs", 100.0 * evaluation.comp_distance_of_mean},
                                            {"flat_percent", 100.0 * evaluation.flat_share},

@@ -8,6 +8,7 @@
 
 #include "analysis/counted.h"
 #include "analysis/identify/stored/model_document.h"
+#include "analysis/json_fields.h"
 #include "bench/cli/judgement_words.h"
 #include "bench/cli/models/fit_words.h"
 #include "bench/cli/session.h"
@@ -73,13 +74,9 @@ nlohmann::ordered_json calibration_json(const CalibrationResult& result) {
   const std::optional<Verdict> verdict = result.judgement.overall;
   auto bad = nlohmann::ordered_json::array(), evaluations = nlohmann::ordered_json::array();
   for (const BadTaxel& taxel : bad_taxels(result.fit, result.judgement))
-    bad.push_back({{"row", taxel.row}, {"column", taxel.column}, {"why", taxel.why}});
+    bad.push_back({JSON_FIELDS(taxel, row, column, why)});
   for (const NamedEvaluation& named : result.fit.evaluations) evaluations.push_back(evaluation_json(named));
-  return {{"sensor", result.sensor},
-          {"registered", result.registered},
-          {"origin", result.origin},
-          {"run", result.run},
-          {"held_out", result.held_out},
+  return {JSON_FIELDS(result, sensor, registered, origin, run, held_out),
           {"model", analysis::label_of(result.fit.model)},
           {"limits", result.limits},
           {"verdict", analysis::verdict_word(verdict)},

@@ -13,6 +13,7 @@
 #include <set>
 
 #include "analysis/documents/run_json.h"
+#include "analysis/json_fields.h"
 #include "analysis/json_io.h"
 #include "bench/cli/export/run_export_csv.h"
 #include "bench/cli/runs/from_fleet.h"
@@ -29,28 +30,14 @@ struct RunExportOptions {
 };
 
 nlohmann::ordered_json frame_json(const db::FrameRecord& f, const db::BranchRecord& b) {
-  nlohmann::ordered_json json = {{"sequence", b.sequence},
-                                 {"repeat", b.repeat},
-                                 {"branch", b.ordinal},
-                                 {"attempt", b.attempt},
-                                 {"void", b.is_void},
-                                 {"step", f.ordinal},
-                                 {"setpoint_psi", f.setpoint_psi},
-                                 {"feedback_psi", f.feedback_psi},
-                                 {"reference_psi", f.reference_psi},
-                                 {"setpoint_counts", f.setpoint_counts},
-                                 {"feedback_counts", f.feedback_counts},
-                                 {"reference_counts", f.reference_counts},
-                                 {"time_ns", f.time_ns},
-                                 {"since_command_ns", f.since_command_ns},
-                                 {"in_band_ns", f.in_band_ns},
-                                 {"device_time_us", f.device_time_us},
-                                 {"status", f.status},
-                                 {"flags", f.flags},
-                                 {"rows", f.rows},
-                                 {"columns", f.columns},
-                                 {"scans", f.scans},
-                                 {"counts", f.counts}};
+  nlohmann::ordered_json json = {
+      JSON_FIELDS(b, sequence, repeat),
+      {"branch", b.ordinal},
+      {"attempt", b.attempt},
+      {"void", b.is_void},
+      {"step", f.ordinal},
+      JSON_FIELDS(f, setpoint_psi, feedback_psi, reference_psi, setpoint_counts, feedback_counts, reference_counts,
+                  time_ns, since_command_ns, in_band_ns, device_time_us, status, flags, rows, columns, scans, counts)};
   if (f.wrench) {
     json["target_n"] = f.wrench->target_n;
     json["wrench_n_nmm"] = f.wrench->wrench;
@@ -92,20 +79,17 @@ void run_document(const db::RunStore& store, const db::RunRecord& run, std::ostr
   });
   write_list(stream, "series", [&](const PutItem& put) {
     for (const db::SeriesRecord& s : store.series(run.run)) {
-      put({{"sequence", s.sequence}, {"taxel", s.taxel}, {"input", s.input}, {"output", s.output}});
+      put({JSON_FIELDS(s, sequence, taxel, input, output)});
     }
   });
   write_list(stream, "events", [&](const PutItem& put) {
     for (const db::EventRecord& e : store.events(run.run)) {
-      put({{"time_ns", e.time_ns}, {"kind", e.kind}, {"id", e.id}, {"detail", e.detail}});
+      put({JSON_FIELDS(e, time_ns, kind, id, detail)});
     }
   });
   write_list(stream, "checks", [&](const PutItem& put) {
     for (const db::CheckRecord& c : store.checks(run.run)) {
-      put({{"time_ns", c.time_ns},
-           {"kind", c.kind},
-           {"verdict", c.verdict},
-           {"detail", analysis::ordered_json_or_null(c.detail_json)}});
+      put({JSON_FIELDS(c, time_ns, kind, verdict), {"detail", analysis::ordered_json_or_null(c.detail_json)}});
     }
   });
   stream << ",\"verdicts\":"

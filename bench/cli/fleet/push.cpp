@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/counted.h"
+#include "analysis/json_fields.h"
 #include "bench/cli/fleet/fleet.h"
 #include "bench/common/private_files.h"
 #include "bench/fleet/facts.h"
@@ -50,8 +51,7 @@ void push(const PushOptions& options, Session& session) {
       const std::int64_t frames = one.content ? store.frame_count(run.run) : 0;
       const std::size_t fits = store.fits(run.run).size();
       all_frames += frames;
-      pushed.push_back({{"run", run.run},
-                        {"uuid", run.uuid},
+      pushed.push_back({JSON_FIELDS(run, run, uuid),
                         {"fleet_run", number},
                         {"frames", frames},
                         {"fits", fits},
@@ -65,7 +65,7 @@ void push(const PushOptions& options, Session& session) {
       const Error error = as_error(std::current_exception());
       if (!is_of_one_run(error)) throw;
       if (!first) first = std::current_exception();
-      left.push_back({{"run", run.run}, {"uuid", run.uuid}, {"id", error.id()}});
+      left.push_back({JSON_FIELDS(run, run, uuid), {"id", error.id()}});
       if (!session.json) tty::print("run {} is not sent: {} [{}]\n", run.run, one_line(error.what()), error.id());
     }
   }

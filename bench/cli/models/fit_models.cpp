@@ -11,6 +11,7 @@
 #include "analysis/counted.h"
 #include "analysis/identify/dynamic/dynamic_alone.h"
 #include "analysis/identify/stored/model_document.h"
+#include "analysis/json_fields.h"
 #include "analysis/json_io.h"
 #include "analysis/report/document/printers.h"
 #include "analysis/report/overview/fitted_loop.h"
@@ -243,16 +244,10 @@ class Fit {
       auto models = nlohmann::ordered_json::array();
       for (const ModelRow& row : rows_) models.push_back(model_row_json(row, targets_));
       auto left_out = nlohmann::ordered_json::array();
-      for (const ModelRefusal& refusal : refusals_)
-        left_out.push_back({{"model", refusal.model}, {"why", refusal.why}});
-      json = {{"source", histories_.source},
-              {"origin", histories_.origin},
-              {"input_unit", histories_.input_unit},
-              {"output_unit", histories_.output_unit},
-              {"falling", histories_.falling},
+      for (const ModelRefusal& refusal : refusals_) left_out.push_back({JSON_FIELDS(refusal, model, why)});
+      json = {JSON_FIELDS(histories_, source, origin, input_unit, output_unit, falling),
               {"fitted", rows_.front().document.sequences},
-              {"assumed", histories_.assumed},
-              {"warnings", histories_.warnings},
+              JSON_FIELDS(histories_, assumed, warnings),
               {"turn", histories_.taxels.back().turn},
               {"noise", histories_.taxels.back().noise},
               {"models", models},

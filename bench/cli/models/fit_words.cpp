@@ -14,6 +14,7 @@
 #include "analysis/counted.h"
 #include "analysis/identify/dynamic/dynamic_alone.h"
 #include "analysis/identify/stored/model_document.h"
+#include "analysis/json_fields.h"
 #include "analysis/models/linearised.h"
 #include "bench/cli/judgement_words.h"
 #include "bench/cli/session.h"
@@ -52,18 +53,13 @@ nlohmann::ordered_json repeats_json(const std::vector<analysis::RepeatDrift>& re
   for (const analysis::RepeatDrift& repeat : repeats)
     json.push_back({{"sequence", repeat.sequence},
                     {"first_differs", repeat.differs},
-                    {"shift_v", repeat.shift_v},
-                    {"uncertainty_v", repeat.uncertainty_v},
-                    {"rms_v", repeat.rms_v},
-                    {"others_rms_v", repeat.others_rms_v}});
+                    JSON_FIELDS(repeat, shift_v, uncertainty_v, rms_v, others_rms_v)});
   return json;
 }
 
 nlohmann::ordered_json left_out_json(const std::vector<LeftOut>& left_out) {
   auto json = nlohmann::ordered_json::array();
-  for (const LeftOut& own : left_out)
-    json.push_back(
-        {{"taxel", own.taxel}, {"row", own.row}, {"column", own.column}, {"status", own.status}, {"why", own.why}});
+  for (const LeftOut& own : left_out) json.push_back({JSON_FIELDS(own, taxel, row, column, status, why)});
   return json;
 }
 

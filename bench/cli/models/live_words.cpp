@@ -6,6 +6,7 @@
 
 #include "analysis/compensate/frame_compensator.h"
 #include "analysis/counted.h"
+#include "analysis/json_fields.h"
 
 namespace tactbench::bench {
 
@@ -72,12 +73,8 @@ nlohmann::ordered_json live_json(const LiveSummary& summary, const SummedFrame& 
             {"worst", summary.worst_us},
             {"compensation_median", summary.compensation_median_us}}},
           {"last_frame",
-           {{"mean_psi", last.mean_psi},
-            {"highest_psi", last.highest_psi},
-            {"flat", flags.flat},
-            {"unknown", flags.unknown},
-            {"out_of_range", flags.out_of_range},
-            {"dead", flags.dead},
+           {JSON_FIELDS(last, mean_psi, highest_psi),
+            JSON_FIELDS(flags, flat, unknown, out_of_range, dead),
             {"outside_validity", flags.outside},
             {"lost", flags.lost}}}};
 }

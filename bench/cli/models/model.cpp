@@ -10,6 +10,7 @@
 
 #include "analysis/counted.h"
 #include "analysis/error.h"
+#include "analysis/json_fields.h"
 #include "analysis/statistics/sensor/drift.h"
 #include "bench/cli/models/fit_models.h"
 #include "bench/cli/models/fit_words.h"
@@ -118,9 +119,7 @@ nlohmann::ordered_json drift_json(const analysis::Drift& drift) {
     taxels.push_back({{"taxel", t.taxel},
                       {"zero", t.zero_alone},
                       {"zero_with_gain", t.zero},
-                      {"zero_u", t.zero_u},
-                      {"gain", t.gain},
-                      {"gain_u", t.gain_u},
+                      JSON_FIELDS(t, zero_u, gain, gain_u),
                       {"as_is_fs", t.as_is},
                       {"zeroed_fs", t.zeroed},
                       {"adjusted_fs", t.adjusted}});

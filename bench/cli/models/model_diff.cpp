@@ -10,6 +10,7 @@
 
 #include "analysis/counted.h"
 #include "analysis/identify/stored/model_document.h"
+#include "analysis/json_fields.h"
 #include "bench/cli/runs/source.h"
 
 namespace tactbench::bench {
@@ -101,8 +102,7 @@ void diff_models(const std::string& first, const std::string& second, Session& s
       const auto figure = [&](double value) {  // null: of unlike quantities
         return line.other_unit.empty() ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
       };
-      json.push_back({{"name", line.name},
-                      {"unit", line.unit},
+      json.push_back({JSON_FIELDS(line, name, unit),
                       {"unit_of_second", line.other_unit.empty() ? line.unit : line.other_unit},
                       {"mean", figure(line.sum / line.count)},
                       {"largest", figure(line.worst)},

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "analysis/counted.h"
+#include "analysis/json_fields.h"
 #include "bench/common/build_info.h"
 
 namespace tactbench::bench {
@@ -73,13 +74,13 @@ void add_bins(doc::Document& out, const ShownBins& shown, const std::vector<Mode
 }
 
 nlohmann::ordered_json error_json(const analysis::ErrorSum& error) {
-  return {{"mean", error.mean()}, {"max", error.max}, {"samples", error.samples}};
+  return {{"mean", error.mean()}, JSON_FIELDS(error, max, samples)};
 }
 
 nlohmann::ordered_json bins_json(const std::vector<analysis::Bin>& bins) {
   auto json = nlohmann::ordered_json::array();
   for (const analysis::Bin& bin : bins)
-    json.push_back({{"low", bin.low}, {"high", bin.high}, {"compensated", error_json(bin.error)}});
+    json.push_back({JSON_FIELDS(bin, low, high), {"compensated", error_json(bin.error)}});
   return json;
 }
 
@@ -251,15 +252,9 @@ nlohmann::ordered_json model_row_json(const ModelRow& row, const std::vector<Sco
           {{"taxel", own.taxel}, {"status", analysis::to_string(own.status)}, {"why", own.why()}});
   auto parameters = nlohmann::ordered_json::array();
   for (const analysis::ModelParameter& p : fit.model->parameters())
-    parameters.push_back({{"name", p.name}, {"value", p.value}, {"unit", p.unit}, {"at_bound", p.at_bound()}});
+    parameters.push_back({JSON_FIELDS(p, name, value, unit), {"at_bound", p.at_bound()}});
   nlohmann::ordered_json taxel = {{"taxel", shown(row.document).taxel},
-                                  {"j", fit.j},
-                                  {"mean_error", fit.mean_error},
-                                  {"max_error", fit.max_error},
-                                  {"full_scale", fit.full_scale},
-                                  {"samples", fit.samples},
-                                  {"starts", fit.starts},
-                                  {"undetermined", fit.undetermined},
+                                  JSON_FIELDS(fit, j, mean_error, max_error, full_scale, samples, starts, undetermined),
                                   {"operations_per_sample", fit.model->operations_per_sample()}};
   if (row.crossed.samples > 0) taxel["cross_validated"] = error_json(row.crossed);
   taxel["parameters"] = std::move(parameters);

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "analysis/counted.h"
+#include "analysis/json_fields.h"
 #include "analysis/work_count.h"
 #include "bench/cli/night/nightly_options.h"
 #include "bench/cli/own_copy.h"
@@ -29,7 +30,7 @@ void list_scenarios(const Suite& suite, const Session& session) {
   auto json = nlohmann::ordered_json::array();
   analysis::doc::Table table{.columns = {{"scenario"}, {.title = "about", .cut = true}}};
   for (const Scenario& scenario : suite.scenarios) {
-    json.push_back({{"name", scenario.name}, {"about", scenario.about}, {"seed", scenario.seed}});
+    json.push_back({JSON_FIELDS(scenario, name, about, seed)});
     table.rows.push_back({{one_line(scenario.name), one_line(scenario.about)}});
   }
   if (!session.json) return print_table(std::move(table));

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/identify/elam/lanes.h"
+#include "analysis/json_fields.h"
 #include "analysis/json_io.h"
 #include "bench/cli/session.h"
 #include "bench/common/build_info.h"
@@ -39,11 +40,7 @@ ordered_json selfcheck_record() {
   SelfcheckLines lines = check_models();
   std::ranges::move(check_run(folder.path()), std::back_inserter(lines));
   for (const SelfcheckLine& line : lines)
-    record["checks"].push_back({{"area", line.area},
-                                {"checked", line.what},
-                                {"expected", line.expected},
-                                {"found", line.found},
-                                {"pass", line.pass}});
+    record["checks"].push_back({{"area", line.area}, {"checked", line.what}, JSON_FIELDS(line, expected, found, pass)});
   record["failed"] = std::ranges::count(lines, false, &SelfcheckLine::pass);
   record["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return record;

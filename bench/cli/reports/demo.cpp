@@ -11,6 +11,7 @@
 #include "analysis/identify/dynamic/dynamic_fit.h"
 #include "analysis/identify/sensor_model.h"
 #include "analysis/identify/stored/model_document.h"
+#include "analysis/json_fields.h"
 #include "bench/cli/judgement_words.h"
 #include "bench/cli/rig/page_beside.h"
 #include "bench/cli/session.h"
@@ -196,9 +197,11 @@ void demo(const DemoOptions& options, Session& session) {
   watch.lap("report");
   const std::string origin = runs.record(numbers.front()).origin;
   if (session.json) {
-    nlohmann::ordered_json json = {{"origin", origin},       {"specimen", options.specimen},
-                                   {"model", options.model}, {"runs", numbers},
-                                   {"report", path},         {"report_number", number}};
+    nlohmann::ordered_json json = {{"origin", origin},
+                                   JSON_FIELDS(options, specimen, model),
+                                   {"runs", numbers},
+                                   {"report", path},
+                                   {"report_number", number}};
     json["evaluations"] = nlohmann::ordered_json::array();
     for (const NamedEvaluation& named : evaluations) json["evaluations"].push_back(evaluation_json(named));
     json["mean_error_psi"] = errors;  // on the random reversals

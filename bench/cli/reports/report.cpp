@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "analysis/identify/stored/model_document.h"
+#include "analysis/json_fields.h"
 #include "analysis/report/dcc/dcc.h"
 #include "analysis/report/overview/overview.h"
 #include "analysis/report/overview/table_report.h"
@@ -330,13 +331,10 @@ void report_runs(ReportOptions options, Session& session) {
   for (const analysis::Judgement& judgement : written.judgements)
     verdicts.insert(verdicts.end(), judgement.figures.begin(), judgement.figures.end());
   if (session.json) {
-    nlohmann::ordered_json json = {{"run", options.runs.front()},
-                                   {"runs", options.runs},
-                                   {"number", written.report.number},
-                                   {"path", path},
-                                   {"written", written.written},
-                                   {"origin", written.origin},
-                                   {"verdicts", verdicts_json(verdicts, written.origin)}};
+    nlohmann::ordered_json json = {
+        {"run", options.runs.front()},         {"runs", options.runs},
+        {"number", written.report.number},     {"path", path},
+        JSON_FIELDS(written, written, origin), {"verdicts", verdicts_json(verdicts, written.origin)}};
     if (!written.signature.empty()) json["signature"] = written.signature;
     if (one) {
       json["judgement"] = judgement_json(written.judgements.front(), written.origin);

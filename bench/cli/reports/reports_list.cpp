@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "analysis/json_fields.h"
 #include "bench/cli/reports/reports_verify.h"
 #include "bench/cli/session.h"
 #include "bench/reporting/evaluation.h"
@@ -36,14 +37,12 @@ void list(std::int64_t only, const Session& session) {
     for (const db::ReportRecord& report : store.reports(run.run)) {
       const std::string file = file_of(store, report);
       const std::vector<std::string> void_runs = void_evidence(store, report);
-      json.push_back({{"number", report.number},
-                      {"run", report.run},
+      json.push_back({JSON_FIELDS(report, number, run),
                       {"sensor", run.sensor_serial},
                       {"origin", run.origin},
                       {"signed", report.approved_utc},
                       {"by", report.approved_by},
-                      {"replaces", report.replaces},
-                      {"reason", report.reason},
+                      JSON_FIELDS(report, replaces, reason),
                       {"sha256", report.content_sha256},
                       {"void_evidence", void_runs},
                       {"file", file}});

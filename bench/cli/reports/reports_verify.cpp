@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "analysis/counted.h"
+#include "analysis/json_fields.h"
 #include "analysis/whole_file.h"
 #include "bench/common/utc.h"
 #include "bench/reporting/evaluation.h"
@@ -101,7 +102,7 @@ void tell(const std::string& number, const std::optional<KnownReport>& known, co
   if (session.json) {
     auto files = nlohmann::ordered_json::array();
     for (const Finding& one : findings) {
-      files.push_back({{"file", one.file}, {"sha256", one.sha256}, {"state", one.state}});
+      files.push_back({JSON_FIELDS(one, file, sha256, state)});
       if (one.signature)
         files.back()["signature"] = {{"state", one.signature->state},
                                      {"signer", one.signature->signer},
@@ -109,7 +110,7 @@ void tell(const std::string& number, const std::optional<KnownReport>& known, co
     }
     nlohmann::ordered_json json = {{"number", number}, {"signed", known.has_value()}, {"files", files}};
     if (known) {
-      json["evidence"] = {{"state", state}, {"fallen", evidence.fallen}, {"missing", evidence.missing}};
+      json["evidence"] = {{"state", state}, JSON_FIELDS(evidence, fallen, missing)};
       json["run"] = known->run.run;
       json["sensor"] = known->run.sensor_serial;
       json["origin"] = known->run.origin;

@@ -9,6 +9,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "analysis/json_fields.h"
 #include "bench/cli/session.h"
 #include "bench/common/output_file.h"
 #include "bench/common/overrides.h"
@@ -214,11 +215,8 @@ void calibrate(const CalibrationOptions& options, const Session& session) {
   if (session.json) {
     print_json("devices.calibrate-reference",
                {{"file", output},
-                {"reading_psi", calibration.correction.reading_psi},
-                {"correction_psi", calibration.correction.correction_psi},
-                {"expanded_uncertainty_psi", calibration.correction.expanded_uncertainty_psi},
-                {"largest_residual_psi", calibration.largest_residual_psi},
-                {"hysteresis_psi", calibration.hysteresis_psi}});
+                JSON_FIELDS(calibration.correction, reading_psi, correction_psi, expanded_uncertainty_psi),
+                JSON_FIELDS(calibration, largest_residual_psi, hysteresis_psi)});
     return;
   }
   const analysis::PressureUnit unit = session.unit();

@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "analysis/json_fields.h"
 #include "bench/cli/session.h"
 #include "bench/common/overrides.h"
 #include "bench/config/config.h"
@@ -35,8 +36,7 @@ std::vector<sequences::Setting> profile_settings(const OperatorProfile& profile)
 
 nlohmann::ordered_json settings_json(const std::vector<sequences::Setting>& settings) {
   auto list = nlohmann::ordered_json::array();
-  for (const sequences::Setting& setting : settings)
-    list.push_back({{"key", setting.key}, {"value", setting.value}, {"origin", setting.origin}});
+  for (const sequences::Setting& setting : settings) list.push_back({JSON_FIELDS(setting, key, value, origin)});
   return list;
 }
 

@@ -9,6 +9,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "analysis/json_fields.h"
 #include "bench/cli/rig/named_run.h"
 #include "bench/cli/rig/run.h"
 #include "bench/cli/session.h"
@@ -71,8 +72,7 @@ void say(const ControlOptions& options, const Session& session, Command command,
                                     {"bench", answer.bench},
                                     {"store", answer.status.store},
                                     {"state", to_string(answer.status.state)},
-                                    {"step", answer.status.step},
-                                    {"steps", answer.status.steps},
+                                    JSON_FIELDS(answer.status, step, steps),
                                     {"answer", answer.text},
                                     {"by", peer_text(answer.server)}});
   } else {

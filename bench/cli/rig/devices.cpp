@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "analysis/json_fields.h"
 #include "bench/cli/session.h"
 #include "bench/common/overrides.h"
 #include "bench/common/utc.h"
@@ -32,7 +33,7 @@ void scan(const DevicesOptions& options, const Session& session) {
   if (session.json) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const ScanEntry& entry : entries) {
-      list.push_back({{"kind", entry.kind}, {"where", entry.where}, {"what", entry.what}});
+      list.push_back({JSON_FIELDS(entry, kind, where, what)});
     }
     print_json("devices.scan", {{"devices", list}});
     return;
@@ -56,10 +57,7 @@ void check(const DevicesOptions& options, Session& session) {
       session.code = ExitCode::kDevice;
     list.push_back({{"role", device.role},
                     {"state", to_string(device.state)},
-                    {"found", device.found},
-                    {"reading", device.reading},
-                    {"notes", device.notes},
-                    {"remedy", device.remedy}});
+                    JSON_FIELDS(device, found, reading, notes, remedy)});
     analysis::doc::Phrase text(one_line(device.found, kLongestText));
     const auto add = [&](const std::string& line) {
       if (!line.empty()) text.add("\n" + one_line(line, kLongestText));

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "analysis/counted.h"
+#include "analysis/json_fields.h"
 #include "analysis/report/parts.h"
 #include "bench/cli/rig/recipes.h"
 #include "bench/cli/session.h"
@@ -53,26 +54,13 @@ std::string basis(const TimeBand& time) {
   return fmt::format("learned from {} completed run{}{}", time.runs, time.runs == 1 ? "" : "s", prompts);
 }
 
-ordered_json time_json(const TimeBand& time) {
-  return {{"p10_s", time.p10_s},
-          {"p50_s", time.p50_s},
-          {"p90_s", time.p90_s},
-          {"runs", time.runs},
-          {"prompts", time.prompts}};
-}
+ordered_json time_json(const TimeBand& time) { return {JSON_FIELDS(time, p10_s, p50_s, p90_s, runs, prompts)}; }
 
 ordered_json step_json(const Step& step) {
   return {{"kind", to_string(step.kind)},
-          {"sequence", step.sequence},
-          {"repeat", step.repeat},
-          {"branch", step.branch},
-          {"ordinal", step.ordinal},
+          JSON_FIELDS(step, sequence, repeat, branch, ordinal),
           {"setpoint_psi", step.setpoint.value()},
-          {"force_n", step.force_n},
-          {"x_mm", step.x_mm},
-          {"y_mm", step.y_mm},
-          {"dwell_s", step.dwell_s},
-          {"ramp_psi_per_s", step.ramp_psi_per_s},
+          JSON_FIELDS(step, force_n, x_mm, y_mm, dwell_s, ramp_psi_per_s),
           {"frame", takes_frame(step)},
           {"line", step_line(step)}};
 }
@@ -89,13 +77,9 @@ void list_parameters(const std::vector<Recipe>& recipes, bool as_json) {
   for (const Recipe& recipe : recipes) {
     for (const sequences::Parameter& p : recipe.parameters) {
       list.push_back({{"recipe", recipe.name},
-                      {"name", p.name},
-                      {"value", p.value},
+                      JSON_FIELDS(p, name, value),
                       {"default", p.standard},
-                      {"low", p.low},
-                      {"high", p.high},
-                      {"unit", p.unit},
-                      {"help", p.help}});
+                      JSON_FIELDS(p, low, high, unit, help)});
       table.rows.push_back(
           {{one_line(recipe.name), one_line(p.name), fmt::format("{:g}", p.value), fmt::format("{:g}", p.standard),
             fmt::format("{:g} to {:g}", p.low, p.high), one_line(p.unit), one_line(p.help)}});
@@ -130,10 +114,8 @@ ordered_json calibrations_json(const Plan& plan, const std::string& today) {
   ordered_json list = ordered_json::array();
   for (const db::DeviceRecord& record : instruments_of(plan)) {
     const analysis::InstrumentCalibration calibration = analysis::calibration_of(record);
-    list.push_back({{"role", record.role},
-                    {"model", record.model},
-                    {"serial", calibration.serial},
-                    {"certificate", calibration.certificate},
+    list.push_back({JSON_FIELDS(record, role, model),
+                    JSON_FIELDS(calibration, serial, certificate),
                     {"calibrated", calibration.calibrated_on},
                     {"due", calibration.due},
                     {"overdue", due_state(calibration, today) == analysis::DueState::kOverdue}});
@@ -145,23 +127,16 @@ void print_plan_json(const Plan& plan, const TimeEstimate& time, bool steps) {
   const sequences::Extremes extremes = sequences::extremes(plan.steps);
   ordered_json axes = ordered_json::array();
   for (const Margin& m : plan.margins) {
-    axes.push_back({{"axis", m.axis},
-                    {"unit", m.unit},
-                    {"lowest", m.lowest},
-                    {"highest", m.highest},
-                    {"limit", m.high_limit},
-                    {"margin", m.margin()}});
+    axes.push_back({JSON_FIELDS(m, axis, unit, lowest, highest), {"limit", m.high_limit}, {"margin", m.margin()}});
   }
   ordered_json recipes = ordered_json::array();
   for (std::size_t i = 0; i < plan.recipes.size(); ++i) {
-    recipes.push_back(
-        {{"name", plan.recipes[i].name}, {"drawn", plan.recipes[i].drawn}, {"time", time_json(time.total_of(i))}});
+    recipes.push_back({JSON_FIELDS(plan.recipes[i], name, drawn), {"time", time_json(time.total_of(i))}});
   }
   const TimeBand total = time.total();
   ordered_json json = {{"bench", plan.bench.id},
                        {"recipes", recipes},
-                       {"steps", plan.estimate.steps},
-                       {"frames", plan.estimate.frames},
+                       JSON_FIELDS(plan.estimate, steps, frames),
                        {"axes", axes},
                        {"lowest_psi", extremes.lowest.value()},
                        {"highest_psi", extremes.highest.value()},
@@ -177,7 +152,7 @@ void print_plan_json(const Plan& plan, const TimeEstimate& time, bool steps) {
   if (plan.limits) {
     ordered_json lacking = ordered_json::array();
     for (const LackingLevel& level : plan.lacking) {
-      lacking.push_back({{"pressure_psi", level.pressure_psi}, {"nearest_psi", level.nearest_psi}});
+      lacking.push_back({JSON_FIELDS(level, pressure_psi, nearest_psi)});
     }
     json["limits"] = {{"name", plan.limits->name}, {"levels_lacking", lacking}};
   }

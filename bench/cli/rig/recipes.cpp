@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/counted.h"
+#include "analysis/json_fields.h"
 #include "analysis/json_io.h"
 #include "bench/cli/own_copy.h"
 #include "bench/cli/session.h"
@@ -61,12 +62,9 @@ ordered_json recipe_json(const RecipeFile& file, const std::string& path) {
   const RecipeExtent extent = extent_of(file.recipes, analysis::PressureUnit::kPsi);
   auto names = ordered_json::array();
   for (const Recipe& recipe : file.recipes) names.push_back(recipe.name);
-  return {{"name", file.name},
-          {"title", file.title},
+  return {JSON_FIELDS(file, name, title),
           {"file", path},
-          {"steps", extent.steps},
-          {"frames", extent.frames},
-          {"highest", extent.highest},
+          JSON_FIELDS(extent, steps, frames, highest),
           {"repeats", file.recipes.front().repeats},
           {"drawn", drawn_of(file)},
           {"recipes", names}};

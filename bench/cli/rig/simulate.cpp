@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "analysis/json_fields.h"
 #include "bench/cli/session.h"
 #include "bench/common/output_file.h"
 #include "bench/common/overrides.h"
@@ -69,7 +70,7 @@ std::string client_bench(const SimulateOptions& options, const BenchConfig& conf
 void print_served(const SimulatedRig& rig, const Session& session, const SimulateOptions& options) {
   if (session.json) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
-    for (const Served& served : rig.served()) list.push_back({{"what", served.what}, {"where", served.where}});
+    for (const Served& served : rig.served()) list.push_back({JSON_FIELDS(served, what, where)});
     print_json("simulate", {{"rate", options.rate}, {"bench", options.write_bench}, {"served", list}});
     return;
   }

@@ -9,6 +9,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "analysis/json_fields.h"
 #include "bench/cli/rig/named_run.h"
 #include "bench/cli/session.h"
 #include "bench/monitor/watch_run.h"
@@ -79,10 +80,8 @@ void print_status_json(const Candidates& found, const std::optional<EndedRun>& e
     }
   }
   for (const SilentBench& one : found.silent) {
-    silent.push_back({{"bench", one.bench},
-                      {"run", one.run},
-                      {"process", one.server ? one.server->process : 0},
-                      {"text", silent_text(one)}});
+    silent.push_back(
+        {JSON_FIELDS(one, bench, run), {"process", one.server ? one.server->process : 0}, {"text", silent_text(one)}});
   }
   print_json("status", {{"live", !runs.empty()},
                         {"runs", runs},

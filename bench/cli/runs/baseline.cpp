@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/counted.h"
+#include "analysis/json_fields.h"
 #include "bench/cli/runs/source.h"
 #include "bench/cli/session.h"
 #include "bench/common/utc.h"
@@ -101,12 +102,7 @@ void list_baselines(const Session& session) {
   auto json = nlohmann::ordered_json::array();
   analysis::doc::Table table{.columns = {{"no.", true}, {"subject"}, {"runs", true}, {"accepted"}, {"by"}, {"reason"}}};
   for (const db::BaselineRecord& baseline : store.baselines()) {
-    json.push_back({{"baseline", baseline.baseline},
-                    {"subject", baseline.subject},
-                    {"reason", baseline.reason},
-                    {"accepted_by", baseline.accepted_by},
-                    {"accepted_utc", baseline.accepted_utc},
-                    {"runs", baseline.runs}});
+    json.push_back({JSON_FIELDS(baseline, baseline, subject, reason, accepted_by, accepted_utc, runs)});
     table.rows.push_back(
         {{std::to_string(baseline.baseline), one_line(baseline.subject), std::to_string(baseline.runs.size()),
           one_line(baseline.accepted_utc.substr(0, 10)), one_line(baseline.accepted_by), one_line(baseline.reason)}});

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "analysis/counted.h"
+#include "analysis/json_fields.h"
 #include "analysis/json_io.h"
 #include "bench/cli/runs/table_file.h"
 #include "bench/common/long_work.h"
@@ -80,8 +81,7 @@ void import(const ImportOptions& options, const Session& session) {
     series.push_back({sequence->sequence, own.taxel, own.input, own.output});
     rows += own.input.size();
   }
-  nlohmann::ordered_json calibration = {
-      {"input_unit", file.table.input_unit}, {"output_unit", file.table.output_unit}, {"map", options.table.map}};
+  nlohmann::ordered_json calibration = {JSON_FIELDS(file.table, input_unit, output_unit), {"map", options.table.map}};
   if (options.table.no_header) calibration["no_header"] = true;
   if (options.table.skip_lines > 0) calibration["skip_lines"] = options.table.skip_lines;
   if (file.table.skipped.count > 0)  // the hash is of all rows

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/counted.h"
+#include "analysis/json_fields.h"
 #include "bench/nightly/merge_stores.h"
 
 namespace tactbench::bench {
@@ -16,13 +17,14 @@ namespace {
 nlohmann::ordered_json merged_json(const MergedStores& merged, const MergeOptions& options, const Session& session) {
   auto nights = nlohmann::ordered_json::array();
   for (const MergedNight& night : merged.nights) {
-    nlohmann::ordered_json own = {
-        {"begun_utc", night.record.begun_utc}, {"program", night.record.program}, {"there", night.there}};
+    nlohmann::ordered_json own = {JSON_FIELDS(night.record, begun_utc, program), {"there", night.there}};
     own.update(night_json(night.suite, night.results));
     nights.push_back(own);
   }
-  return {{"store", session.db}, {"parts", options.parts},        {"runs", merged.runs}, {"there", merged.there},
-          {"fits", merged.fits}, {"baselines", merged.baselines}, {"nights", nights}};
+  return {{"store", session.db},
+          {"parts", options.parts},
+          JSON_FIELDS(merged, runs, there, fits, baselines),
+          {"nights", nights}};
 }
 
 }  // namespace

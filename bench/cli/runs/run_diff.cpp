@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/documents/run_json.h"
+#include "analysis/json_fields.h"
 #include "analysis/json_io.h"
 #include "bench/cli/session.h"
 #include "db/run_store.h"
@@ -118,10 +119,9 @@ void diff_runs(std::int64_t first, std::int64_t second, Session& session) {
   session.code = same_content && found.empty() ? ExitCode::kPass : ExitCode::kCriterionFailed;
   if (session.json) {
     auto list = nlohmann::ordered_json::array();
-    for (const RunDifference& d : found) list.push_back({{"what", d.what}, {"first", d.first}, {"second", d.second}});
+    for (const RunDifference& d : found) list.push_back({JSON_FIELDS(d, what, first, second)});
     auto metadata = nlohmann::ordered_json::array();
-    for (const RunDifference& d : remarked)
-      metadata.push_back({{"what", d.what}, {"first", d.first}, {"second", d.second}});
+    for (const RunDifference& d : remarked) metadata.push_back({JSON_FIELDS(d, what, first, second)});
     print_json("runs.diff", {{"runs", {first, second}},
                              {"same_content", same_content},
                              {"metadata", metadata},

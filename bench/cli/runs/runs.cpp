@@ -16,6 +16,7 @@
 #include "analysis/documents/run_json.h"
 #include "analysis/documents/run_metadata.h"
 #include "analysis/error.h"
+#include "analysis/json_fields.h"
 #include "analysis/json_io.h"
 #include "analysis/report/document/printers.h"
 #include "analysis/report/parts.h"
@@ -243,16 +244,13 @@ void show_run(std::int64_t number, const Session& session, bool all_events) {
     if (const std::string specimen = specimen_text(run); !specimen.empty()) json["specimen"] = specimen;
     json["events"] = nlohmann::ordered_json::array();
     for (const db::EventRecord& event : events) {
-      json["events"].push_back({{"time_s", static_cast<double>(event.time_ns) * 1e-9},
-                                {"kind", event.kind},
-                                {"id", event.id},
-                                {"detail", event.detail}});
+      json["events"].push_back(
+          {{"time_s", static_cast<double>(event.time_ns) * 1e-9}, JSON_FIELDS(event, kind, id, detail)});
     }
     json["checks"] = nlohmann::ordered_json::array();
     for (const db::CheckRecord& check : checks) {
       json["checks"].push_back({{"time_s", static_cast<double>(check.time_ns) * 1e-9},
-                                {"kind", check.kind},
-                                {"verdict", check.verdict},
+                                JSON_FIELDS(check, kind, verdict),
                                 {"detail", analysis::ordered_json_or_null(check.detail_json)}});
     }
     json["models"] = nlohmann::ordered_json::array();

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/counted.h"
+#include "analysis/json_fields.h"
 #include "analysis/report/document/printers.h"
 #include "bench/cli/runs/trend.h"
 #include "bench/cli/session.h"
@@ -40,14 +41,11 @@ nlohmann::ordered_json followed_json(const Followed& followed) {
   json["figures"] = nlohmann::ordered_json::array();
   for (const FollowedFigure& figure : followed.figures) {
     const analysis::FigureChart& chart = figure.chart;
-    nlohmann::ordered_json own = {{"name", figure.name},       {"runs", figure.runs},       {"values", figure.values},
-                                  {"missing", figure.missing}, {"outside", figure.outside}, {"shifted", figure.shifted},
-                                  {"outlier", figure.outlier}};
+    nlohmann::ordered_json own = {JSON_FIELDS(figure, name, runs, values, missing, outside, shifted, outlier)};
     if (chart.band)
       own["baseline"] = {{"runs", chart.band->values},         {"mean", chart.band->mean},
                          {"deviation", chart.band->deviation}, {"low", chart.band->low},
-                         {"high", chart.band->high},           {"constant", chart.constant},
-                         {"logarithmic", chart.logarithmic}};
+                         {"high", chart.band->high},           JSON_FIELDS(chart, constant, logarithmic)};
     if (chart.ewma)
       own["ewma"] = {{"runs", chart.ewma->later},
                      {"value", chart.level},

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/counted.h"
+#include "analysis/json_fields.h"
 #include "bench/cli/runs/from_fleet.h"
 #include "bench/cli/session.h"
 #include "bench/reporting/verification.h"
@@ -15,13 +16,7 @@ namespace tactbench::bench {
 namespace {
 
 nlohmann::ordered_json result_json(const VerifiedResult& result) {
-  return {{"what", result.what},
-          {"fit", result.fit},
-          {"fit_run", result.fit_run},
-          {"rows", result.rows},
-          {"recomputed", result.recomputed},
-          {"compared", result.compared},
-          {"difference", result.difference}};
+  return {JSON_FIELDS(result, what, fit, fit_run, rows, recomputed, compared, difference)};
 }
 
 nlohmann::ordered_json pruned_json(const std::optional<db::PrunedRecord>& pruned) {
@@ -57,18 +52,15 @@ void verify(std::int64_t number, Session& session) {
   if (session.json) {
     auto list = nlohmann::ordered_json::array();
     for (const VerifiedResult& result : results) list.push_back(result_json(result));
-    print_json("verify", {{"run", number},
-                          {"origin", run.origin},
-                          {"holds", first.empty()},
-                          {"pruned", pruned_json(content.pruned)},
-                          {"first_difference", first},
-                          {"content",
-                           {{"holds", content.holds()},
-                            {"frames", content.frames},
-                            {"stored_sha256", content.stored_sha256},
-                            {"computed_sha256", content.computed_sha256}}},
-                          {"beside", beside},
-                          {"analysis", list}});
+    print_json("verify",
+               {{"run", number},
+                {"origin", run.origin},
+                {"holds", first.empty()},
+                {"pruned", pruned_json(content.pruned)},
+                {"first_difference", first},
+                {"content", {{"holds", content.holds()}, JSON_FIELDS(content, frames, stored_sha256, computed_sha256)}},
+                {"beside", beside},
+                {"analysis", list}});
     return;
   }
   tty::print("run {} ({}), {}\n", number, run.origin, analysis::counted(content.frames, "frame"));
@@ -109,8 +101,7 @@ void verify_store(Session& session) {
                     {"ended", ended},
                     {"holds", holds},
                     {"pruned", content.pruned.has_value()},
-                    {"frames", content.frames},
-                    {"difference", content.difference},
+                    JSON_FIELDS(content, frames, difference),
                     {"beside", beside}});
     if (session.json) continue;
     if (!content.holds()) tty::print("  run {:<4}{}\n", run.run, content.difference);

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "analysis/json_fields.h"
 #include "bench/common/for_people.h"
 
 namespace tactbench::bench {
@@ -22,23 +23,13 @@ std::string stage_of(const std::string& phase) { return phase.substr(0, phase.fi
 void tell_status(nlohmann::json& told, const RunStatus& status) {
   told.update({{"run", status.run},
                {"state", to_string(status.state)},
-               {"store", status.store},
-               {"label", status.label},
+               JSON_FIELDS(status, store, label),
                {"reason", one_line(status.reason, kLongestAnswer)},
                {"question", one_line(status.question, kLongestAnswer)},
                {"question_id", status.question_id},
                {"phase", one_line(status.phase, kLongestAnswer)},
-               {"step", status.step},
-               {"steps", status.steps},
-               {"frames", status.frames},
-               {"frames_void", status.frames_void},
-               {"frames_planned", status.frames_planned},
-               {"left_s", status.left_s},
-               {"left_low_s", status.left_low_s},
-               {"left_high_s", status.left_high_s},
-               {"prompts_left", status.prompts_left},
-               {"rate", status.rate},
-               {"age_s", status.age_s}});
+               JSON_FIELDS(status, step, steps, frames, frames_void, frames_planned, left_s, left_low_s, left_high_s,
+                           prompts_left, rate, age_s)});
   if (status.answer)
     told["answer"] = {{"question", status.answer->question},
                       {"text", one_line(status.answer->text, kLongestAnswer)},
@@ -47,11 +38,7 @@ void tell_status(nlohmann::json& told, const RunStatus& status) {
   if (!status.readings) return;
   const RunReadings& now = *status.readings;
   nlohmann::json& readings = told["readings"];
-  readings = {{"time_s", now.time_s},
-              {"setpoint_psi", now.setpoint_psi},
-              {"feedback_psi", now.feedback_psi},
-              {"reference_psi", now.reference_psi},
-              {"settled", now.settled}};
+  readings = {JSON_FIELDS(now, time_s, setpoint_psi, feedback_psi, reference_psi, settled)};
   if (now.force_n) readings["force_n"] = *now.force_n;
 }
 
