@@ -7,9 +7,23 @@
 #include <vector>
 
 #include "analysis/error.h"
-#include "analysis/stored_run.h"
+#include "db/run_store.h"
+
+// All rows that the store holds of one run, read at once: input of a Dataset, its presses, its event log and the rig's
+// figures.
 
 namespace tactbench::analysis {
+
+struct StoredRun {
+  db::RunRecord record;
+  std::vector<db::FrameRecord> frames;  // in the order written, those of void branches among them
+  std::vector<db::BranchRecord> branches;
+  std::vector<db::EventRecord> events;
+  std::vector<db::CheckRecord> checks;
+};
+
+// `record`: the run's row, as RunStore::run() gives it. Throws StoreError.
+StoredRun read_run(const db::RunStore& store, const db::RunRecord& record);
 
 struct Sample {
   double setpoint_psi = 0.0;
@@ -52,7 +66,7 @@ struct Dataset {
 // `volts_per_count` comes from the run's scanner calibration. Throws AnalysisError TB-ANALYSIS-EMPTY when no repeat is
 // complete (says how many frames are missing); incomplete repeats are left out.
 Dataset load_dataset(const StoredRun& run);
-// For commands that read nothing else of the run; others use Runs (report/runs.h).
+// For commands that read nothing else of the run; others use Runs (report/gather.h).
 Dataset load_dataset(const db::RunStore& store, std::int64_t run);
 
 // Dataset::temperatures_c alone, also for a run without a complete repeat. Throws AnalysisError TB-ANALYSIS-FRAME.

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "analysis/table_fields.h"
+#include "analysis/table_head.h"
 
 namespace tactbench::analysis {
 

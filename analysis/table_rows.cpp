@@ -14,7 +14,7 @@
 #include "analysis/error.h"
 #include "analysis/table.h"
 #include "analysis/whole_file.h"
-#include "analysis/work_count.h"
+#include "analysis/workers.h"
 
 namespace tactbench::analysis {
 namespace {

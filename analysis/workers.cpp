@@ -7,8 +7,6 @@
 #include <thread>
 #include <vector>
 
-#include "analysis/work_count.h"
-
 namespace tactbench::analysis {
 
 void for_each_index(std::size_t count, int threads, const std::function<void(std::size_t)>& work) {
@@ -38,6 +36,32 @@ void for_each_index(std::size_t count, int threads, const std::function<void(std
   run();
   helpers.clear();  // joins
   if (failure) std::rethrow_exception(failure);
+}
+
+namespace {
+
+std::atomic<std::size_t> works{0}, done{0}, planned{0};
+std::atomic<bool> taken{false};
+
+}  // namespace
+
+WorkNow work_now() { return {works.load(), done.load(), planned.load()}; }
+
+Work::Work(std::size_t pieces) : counts_(!taken.exchange(true)) {
+  if (!counts_) return;
+  done = 0;
+  planned = pieces;
+  ++works;
+}
+
+Work::~Work() {
+  if (!counts_) return;
+  planned = 0;
+  taken = false;
+}
+
+void Work::add(std::size_t pieces) {
+  if (counts_) done.fetch_add(pieces, std::memory_order_relaxed);
 }
 
 }  // namespace tactbench::analysis

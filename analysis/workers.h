@@ -10,4 +10,27 @@ namespace tactbench::analysis {
 // the lowest index that failed, after all threads have ended.
 void for_each_index(std::size_t count, int threads, const std::function<void(std::size_t)>& work);
 
+// Counts how far the current work is, for progress display: work is counted where it is split into many equal pieces
+// (workers.h, rows of a table). One count per program; counting never blocks.
+
+struct WorkNow {
+  std::size_t works = 0;            // begun since the program started
+  std::size_t done = 0, count = 0;  // pieces of the one at hand; count 0: none is
+};
+WorkNow work_now();  // from any thread
+
+// Counts `count` pieces during its lifetime. Nested in another one, on any thread, it counts nothing: its pieces are
+// part of one piece.
+class Work {
+ public:
+  explicit Work(std::size_t count);
+  ~Work();
+  Work(const Work&) = delete;
+  Work& operator=(const Work&) = delete;
+  void add(std::size_t pieces = 1);  // from any thread
+
+ private:
+  bool counts_;
+};
+
 }  // namespace tactbench::analysis

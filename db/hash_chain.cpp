@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
 
 #include "db/run_store.h"
 
@@ -207,6 +208,16 @@ std::string hex(const Digest& digest) {
 std::string sha256_hex(const std::string& text) {
   HashChain chain;
   return hex(chain.digest({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}));
+}
+
+std::string frames_hash(const RunStore& store, std::int64_t run) {
+  if (const std::optional<PrunedRecord> pruned = store.pruned(run)) return pruned->frames_sha256;
+  std::map<std::int64_t, BranchRecord> branches;
+  for (const BranchRecord& branch : store.branches(run)) branches[branch.branch] = branch;
+  HashChain hasher;
+  Digest chain{};
+  store.each_frame(run, [&](const FrameRecord& frame) { chain = hasher.frame(chain, branches[frame.branch], frame); });
+  return hex(chain);
 }
 
 }  // namespace tactbench::db

@@ -49,7 +49,7 @@ struct RunRecord {
   std::int64_t run = 0;  // short number, assigned by the store
   std::string uuid;
   std::string origin;  // simulated | hardware | imported
-  std::string state;   // bench/run/control/run_state.h
+  std::string state;   // bench/run/control/run_status.h
   Outcome outcome = Outcome::kIncomplete;
   std::string reason;  // of the outcome; starts with the error identifier
   SafeState safe_state = SafeState::kUnknown;
@@ -255,7 +255,7 @@ struct PrunedRecord {
   std::int64_t run = 0, frames = 0;
   std::int64_t bytes = 0;                          // of counts and traces
   std::array<std::uint8_t, 32> header{}, chain{};  // first link of the hash chain, and the one of the last frame
-  std::string frames_sha256;                       // frames_hash.h
+  std::string frames_sha256;                       // hash_chain.h
   std::string rule, pruned_utc;
 };
 

@@ -5,6 +5,7 @@
 #include <sys/random.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <filesystem>
@@ -160,6 +161,150 @@ std::string new_uuid() {
     text += fmt::format("{:02x}", bytes[i]);
   }
   return text;
+}
+
+// Integrity of the store: the chain of a run recomputed link by link, and SQLite's own checks of its file.
+
+namespace {
+
+// A text with its own hash beside it can be checked by itself.
+std::string text_that_changed(const RunRecord& run) {
+  const auto changed = [](const std::string& text, const std::string& sha256) {
+    return sha256.size() == 64 && sha256_hex(text) != sha256;
+  };
+  if (changed(run.bench_toml, run.bench_sha256)) return "the bench file kept with the run, or its hash";
+  if (changed(run.sensor_toml, run.sensor_sha256)) return "the sensor file kept with the run, or its hash";
+  for (const SequenceRecord& sequence : run.sequences) {
+    if (!changed(sequence.recipe_toml, sequence.recipe_sha256)) continue;
+    return fmt::format("the recipe of sequence {} ('{}') kept with the run, or its hash", sequence.sequence,
+                       sequence.name);
+  }
+  return {};
+}
+
+// A frame's place in the run, as text for people.
+std::string place_of(std::int64_t position, const RunRecord& run, const BranchRecord* branch, const FrameRecord& f) {
+  if (branch == nullptr) return fmt::format("frame {} (of no branch of this run)", position);
+  const auto sequence = std::ranges::find(run.sequences, branch->sequence, &SequenceRecord::sequence);
+  return fmt::format("frame {} (sequence {} '{}', repeat {}, branch {}, attempt {}, step {})", position,
+                     branch->sequence, sequence == run.sequences.end() ? "" : sequence->name, branch->repeat,
+                     branch->ordinal, branch->attempt, f.ordinal);
+}
+
+// Where the frames were removed, the links kept in their place are checked against what is there.
+void check_without_frames(ContentCheck& check, const RunRecord& run, const RunEnd& end, std::int64_t there,
+                          HashChain& hasher) {
+  const PrunedRecord& pruned = *check.pruned;
+  check.frames = pruned.frames;
+  check.computed_sha256 = hex(hasher.close(pruned.chain, pruned.frames, end));
+  if (there > 0) {
+    check.difference = fmt::format("{} frames are there, and all were removed on {}", there, pruned.pruned_utc);
+  } else if (hasher.header(run) != pruned.header) {
+    const std::string text = text_that_changed(run);
+    check.difference = text.empty() ? "the run's row, a sequence, a device, or the link kept of them" : text;
+  } else if (check.computed_sha256 != check.stored_sha256) {
+    check.difference =
+        "an event, a branch, a check, a series, the outcome, its reason, the safe state, the link and number of frames "
+        "kept of those that were removed, or the stored hash itself";
+  }
+}
+
+}  // namespace
+
+ContentCheck RunStore::check_content(std::int64_t number) const {
+  Database& database = *database_;
+  const RunRecord run = database.run(number);
+  const RunEnd end = database.end_of(run);
+
+  ContentCheck check;
+  check.stored_sha256 = run.content_sha256;
+  check.pruned = pruned(number);
+  if (check.pruned) {
+    check_without_frames(check, run, end, frame_count(number), database.hasher);
+    return check;
+  }
+  Digest chain = database.hasher.header(run);
+  std::int64_t broken = 0;  // position of the first frame whose link differs from the stored one
+  std::int64_t mended =
+      0;  // of a later one whose link agrees: then only links were changed, not the rows that they cover
+  std::string broken_place, gap;
+  sqlite::Statement links(database.connection,
+                          "SELECT frame, chain FROM frames WHERE frame > ? AND frame < ? ORDER BY frame");
+  links.bind(frames_above(number), frames_below(number));
+  database.each_frame(number, [&](const FrameRecord& frame) {
+    std::int64_t key = 0;
+    Digest stored{};
+    if (links.step()) links.read(key, stored);
+    const auto branch = std::lower_bound(end.branches.begin(), end.branches.end(), frame.branch,
+                                         [](const BranchRecord& b, std::int64_t id) { return b.branch < id; });
+    const bool known = branch != end.branches.end() && branch->branch == frame.branch;
+    chain = database.hasher.frame(chain, known ? *branch : BranchRecord{}, frame);
+    const std::int64_t position = key - frames_above(number);
+    ++check.frames;
+    if (gap.empty() && broken == 0 && position != check.frames) {
+      gap = fmt::format("frame {} is missing", check.frames);
+    }
+    if (chain == stored) {
+      if (broken != 0 && mended == 0) mended = position;
+    } else if (broken == 0) {
+      broken = position;
+      broken_place = place_of(position, run, known ? &*branch : nullptr, frame);
+    }
+  });
+  check.computed_sha256 = hex(database.hasher.close(chain, check.frames, end));
+
+  const bool ended = run.outcome != Outcome::kIncomplete;
+  const bool same = ended ? check.computed_sha256 == check.stored_sha256 : check.stored_sha256.empty();
+  if (!gap.empty()) {
+    check.difference = gap;
+  } else if (broken != 0 && (mended != 0 || (ended && same))) {
+    check.difference = fmt::format("the link kept with {}; the frame itself is as it was stored", broken_place);
+  } else if (broken == 1) {
+    const std::string text = text_that_changed(run);
+    check.difference =
+        text.empty() ? fmt::format("the run's row, a sequence, a device, or {} with its branch", broken_place) : text;
+  } else if (broken != 0) {
+    check.difference = fmt::format("{}: its row or its branch's place", broken_place);
+  } else if (!same) {
+    const std::string text = check.frames == 0 ? text_that_changed(run) : std::string();
+    check.difference = !text.empty()
+                           ? text
+                           : fmt::format(
+                                 "{}an event, a branch, a check, a series, the number of frames (now {}), the "
+                                 "outcome, its reason, the safe state, or the stored hash itself",
+                                 check.frames == 0 ? "the run's row, a sequence, a device, "
+                                                   : "all up to the last "
+                                                     "frame is as it was stored; what follows is not: ",
+                                 check.frames);
+  }
+  return check;
+}
+
+std::vector<std::string> RunStore::check_structure() const {
+  std::vector<std::string> wrong;
+  {
+    sqlite::Statement rows(database_->connection, "PRAGMA integrity_check");
+    while (rows.step()) {
+      if (const auto line = rows.value<std::string>(); line != "ok") wrong.push_back(line);
+    }
+  }
+  for (ForeignObjects found = foreign_objects(database_->connection);
+       const auto* lines : {&found.changed, &found.added})
+    wrong.insert(wrong.end(), lines->begin(), lines->end());
+  for (const char* table : {"runs", "baselines", "nights"}) {
+    const std::int64_t there = database_->connection.integer(fmt::format("SELECT count(*) FROM {}", table));
+    const std::int64_t made = database_->connection.integer(
+        fmt::format("SELECT coalesce((SELECT max(seq) FROM sqlite_sequence WHERE name = '{}'), 0)", table));
+    if (there < made)
+      wrong.push_back(fmt::format("{}: {} were stored, {} are there, and none is ever deleted", table, made, there));
+  }
+  sqlite::Statement rows(database_->connection,
+                         "SELECT \"table\", rowid, parent FROM pragma_foreign_key_check ORDER BY 1, 2 LIMIT 100");
+  while (rows.step()) {
+    wrong.push_back(fmt::format("row {} of {} names a row of {} that is not there", rows.value<std::int64_t>(1),
+                                rows.value<std::string>(0), rows.value<std::string>(2)));
+  }
+  return wrong;
 }
 
 }  // namespace tactbench::db

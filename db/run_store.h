@@ -230,7 +230,7 @@ class RunStore {
   std::int64_t add_night(const NightRecord& night);
   [[nodiscard]] std::vector<NightRecord> nights() const;  // oldest first
 
-  // Removal of frames that a rule gives up (run_store_prune.cpp); all else of the run stays. Empty: the frames may go;
+  // Removal of frames that a rule gives up (run_store_copy.cpp); all else of the run stays. Empty: the frames may go;
   // else why they stay: not simulated, not of a night, not ended, void, pinned (tag), in an approved report, what the
   // models of such a run rest on, no frames.
   [[nodiscard]] std::string why_not_pruned(std::int64_t run) const;

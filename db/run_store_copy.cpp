@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 
+#include "db/hash_chain.h"
 #include "db/run_store_database.h"
 #include "db/store_file.h"
 
@@ -178,6 +179,194 @@ void RunStore::link_verdicts(std::int64_t run, const std::vector<std::int64_t>& 
     if (fits[i] != 0) link.bind(fits[i], keys[i]).run();
   seal(run, "verdicts");
   transaction.commit();
+}
+
+// Removal of frames by a rule. What is kept in their place lets the rest of the run be checked: the first link of its
+// hash chain against its row, sequences and devices, and the last frame's against the content hash and all that
+// follows.
+
+namespace {
+
+constexpr const char *kPin = "pinned", *const kNightTag = "nightly";
+
+bool has_tag(const RunRecord& run, const char* tag) { return std::ranges::find(run.tags, tag) != run.tags.end(); }
+
+// Why nothing of this run is ever removed; empty: there is no such reason.
+std::string why_whole(sqlite::Connection& connection, const RunRecord& run) {
+  if (run.origin != "simulated") return fmt::format("{}, not simulated", run.origin);
+  if (run.is_void()) return "void";
+  if (has_tag(run, kPin)) return "pinned";
+  sqlite::Statement reported(connection, "SELECT number FROM reports WHERE run = ? ORDER BY report_row DESC LIMIT 1");
+  const auto number = reported.bind(run.run).first<std::string>();
+  return number ? fmt::format("in the approved report {}", *number) : std::string();
+}
+
+}  // namespace
+
+std::string RunStore::why_not_pruned(std::int64_t number) const {
+  sqlite::Connection& connection = database_->connection;
+  const RunRecord run = database_->run(number);
+  if (run.outcome == Outcome::kIncomplete) return "not ended";
+  if (std::string whole = why_whole(connection, run); !whole.empty()) return whole;
+  if (!has_tag(run, kNightTag)) return "not of a night";
+  if (pruned(number)) return "removed already";
+  if (frame_count(number) == 0) return "without frames";
+  // A verdict rests on the frames of the judged run and of the run that the models are from.
+  sqlite::Statement others(connection,
+                           "SELECT f.run FROM verdicts v JOIN fits f ON f.fit = v.fit WHERE v.run = ?1 AND f.run <> ?1 "
+                           "UNION SELECT v.run FROM verdicts v JOIN fits f ON f.fit = v.fit "
+                           "WHERE f.run = ?1 AND v.run <> ?1");
+  others.bind(number);
+  while (others.step()) {
+    const auto other = others.value<std::int64_t>();
+    if (const std::string whole = why_whole(connection, database_->run(other)); !whole.empty())
+      return fmt::format("run {} is {}, and a verdict rests on both", other, whole);
+  }
+  return {};
+}
+
+std::optional<PrunedRecord> RunStore::pruned(std::int64_t run) const {
+  sqlite::Statement row(database_->connection,
+                        "SELECT run, frames, bytes, header, chain, frames_sha256, rule, pruned_utc FROM pruned "
+                        "WHERE run = ?");
+  if (!row.bind(run).step()) return std::nullopt;
+  PrunedRecord pruned;
+  row.read(pruned.run, pruned.frames, pruned.bytes, pruned.header, pruned.chain, pruned.frames_sha256, pruned.rule,
+           pruned.pruned_utc);
+  return pruned;
+}
+
+PrunedRecord RunStore::prune_frames(std::int64_t run, const std::string& rule, const std::string& utc) {
+  check_said("the rule", rule, kLongestText);
+  const auto refuse = [&](const std::string& what, const std::string& remedy) {
+    throw StoreError("TB-STORE-CONFLICT", fmt::format("store {}: the frames of run {} stay: {}", path(), run, what),
+                     remedy);
+  };
+  sqlite::Connection& connection = database_->connection;
+  sqlite::Transaction transaction(connection);
+  if (const std::string why = why_not_pruned(run); !why.empty()) refuse(why, "leave it out");
+  const ContentCheck content = check_content(run);
+  if (!content.holds())
+    refuse(fmt::format("it is not what was stored: {}", content.difference),
+           fmt::format("tactbench verify {} shows what differs", run));
+  PrunedRecord pruned;
+  pruned.run = run;
+  pruned.frames = content.frames;
+  pruned.header = database_->header_digest(run);
+  pruned.frames_sha256 = frames_hash(*this, run);
+  pruned.rule = rule;
+  pruned.pruned_utc = utc;
+  {
+    sqlite::Statement last(connection,
+                           "SELECT chain, (SELECT sum(length(counts) + length(trace)) FROM frames WHERE frame > ?1 AND "
+                           "frame < ?2) FROM frames WHERE frame > ?1 AND frame < ?2 ORDER BY frame DESC LIMIT 1");
+    if (last.bind(frames_above(run), frames_below(run)).step()) last.read(pruned.chain, pruned.bytes);
+  }
+  sqlite::Statement(connection, "DELETE FROM frames WHERE frame > ? AND frame < ?")
+      .bind(frames_above(run), frames_below(run))
+      .run();
+  sqlite::Statement(connection,
+                    "INSERT INTO pruned (run, frames, bytes, header, chain, frames_sha256, rule, pruned_utc) "
+                    "VALUES (?, ?, ?, ?, ?, ?, ?, ?)")
+      .bind(run, pruned.frames, pruned.bytes, pruned.header, pruned.chain, pruned.frames_sha256, rule, utc)
+      .run();
+  transaction.commit();
+  return pruned;
+}
+
+void RunStore::shrink() { database_->connection.execute("VACUUM; PRAGMA wal_checkpoint(TRUNCATE)"); }
+
+// Models, verdicts, approvals and voids come after a run's end and are not part of its content. Each kind has a row in
+// seals, renewed with every change: the number of its rows, and their SHA-256.
+
+Digest HashChain::fits(const std::vector<FitRecord>& fits) {
+  begin("fits");
+  for (const FitRecord& fit : fits) {
+    add(fit.fit);
+    add(std::int64_t{fit.stands});
+    add(std::int64_t{fit.fitted});
+    for (const std::string* text : {&fit.model, &fit.document, &fit.made_by, &fit.program_version, &fit.created_utc})
+      add(*text);
+  }
+  return finish();
+}
+
+Digest HashChain::verdicts(const std::vector<VerdictRecord>& verdicts) {
+  begin("verdicts");
+  for (const VerdictRecord& v : verdicts) {
+    add(v.fit);
+    for (const std::string* text :
+         {&v.criterion, &v.scope_kind, &v.direction, &v.unit, &v.rule, &v.verdict, &v.limits_toml, &v.limits_sha256}) {
+      add(*text);
+    }
+    for (const double number : {v.low_psi, v.high_psi, v.share, v.value, v.expanded, v.limit}) add(number);
+  }
+  return finish();
+}
+
+Digest HashChain::approvals(const std::vector<ReportRecord>& reports) {
+  begin("approvals");
+  for (const ReportRecord& r : reports) {
+    for (const std::string* text : {&r.number, &r.content_sha256, &r.approved_by, &r.approved_utc, &r.replaces}) {
+      add(*text);
+    }
+    if (!r.reason.empty()) add("reason: " + r.reason);  // no number begins so
+    for (const ReportRecord::Evidence& one : r.evidence) add("evidence: " + one.content_sha256);
+  }
+  return finish();
+}
+
+Digest HashChain::voided(const RunRecord& run) {
+  begin("void");
+  for (const std::string* text : {&run.void_reason, &run.void_by, &run.void_utc}) add(*text);
+  return finish();
+}
+
+RunStore::Sealed RunStore::sealed_now(std::int64_t run, const std::string& kind) const {
+  HashChain& hasher = database_->hasher;
+  if (kind == "fits") {
+    const std::vector<FitRecord> rows = fits(run);
+    return {static_cast<std::int64_t>(rows.size()), hex(hasher.fits(rows))};
+  }
+  if (kind == "verdicts") {
+    const std::vector<VerdictRecord> rows = verdicts(run);
+    return {static_cast<std::int64_t>(rows.size()), hex(hasher.verdicts(rows))};
+  }
+  if (kind == "approvals") {
+    const std::vector<ReportRecord> rows = reports(run);
+    return {static_cast<std::int64_t>(rows.size()), hex(hasher.approvals(rows))};
+  }
+  const RunRecord record = database_->run(run);
+  return {record.is_void() ? 1 : 0, hex(hasher.voided(record))};
+}
+
+void RunStore::seal(std::int64_t run, const std::string& kind) {
+  const Sealed now = sealed_now(run, kind);
+  sqlite::Statement(database_->connection,
+                    "INSERT INTO seals (run, kind, count, sha256) VALUES (?, ?, ?, ?) "
+                    "ON CONFLICT (run, kind) DO UPDATE SET count = excluded.count, sha256 = excluded.sha256")
+      .bind(run, kind, now.count, now.sha256)
+      .run();
+}
+
+std::vector<std::string> RunStore::check_seals(std::int64_t run) const {
+  std::vector<std::string> wrong;
+  for (const char* kind : kSealed) {
+    const Sealed now = sealed_now(run, kind);
+    Sealed stored;
+    sqlite::Statement row(database_->connection, "SELECT count, sha256 FROM seals WHERE run = ? AND kind = ?");
+    const bool there = row.bind(run, kind).step();
+    if (there) row.read(stored.count, stored.sha256);
+    if (!there) {
+      wrong.push_back(
+          fmt::format("{}: the count and hash of what was stored are missing; {} there now", kind, now.count));
+    } else if (stored.count != now.count) {
+      wrong.push_back(fmt::format("{}: {} were stored, {} there now", kind, stored.count, now.count));
+    } else if (stored.sha256 != now.sha256 && !(stored.count == 0 && stored.sha256.empty())) {
+      wrong.push_back(fmt::format("{}: what is there is not what was stored", kind));
+    }
+  }
+  return wrong;
 }
 
 }  // namespace tactbench::db

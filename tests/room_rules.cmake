@@ -45,13 +45,13 @@ file(READ ${root}/quickstart quickstart)
 set(heavy "^#include [<\"](toml\\+\\+/|nlohmann/json\\.hpp|CLI/|Eigen/)")
 set(may_be_heavy
   analysis/algebra/dense.h  # its functions take Eigen's matrices; those who solve and multiply with them
-  analysis/identify/rivals/gpi_normal.h     # the matrices of GPI's searches: gpi_search.cpp, gpi_evolution.cpp
-  analysis/identify/rivals/gpi_evolution.h  # keeps such a matrix; gpi_search.cpp
+  analysis/identify/rivals/gpi_search.h     # the matrices of GPI's searches: gpi_search.cpp, gpi_search.cpp
+  analysis/identify/rivals/gpi_search.h  # keeps such a matrix; gpi_search.cpp
   analysis/identify/rivals/nnls.h  # its functions take Eigen's matrices; preisach.cpp and its test
   devices/force/ati_matrix.h      # the matrices of a calibration; two drivers, their simulated ends and tests
   devices/force/daq_ft.h          # keeps such a matrix; bench/rig/rig.cpp and its test
   devices/force/digital_ft.h      # likewise
-  sequences/toml/strict_toml_view.h)   # what strict_toml*.cpp share
+  sequences/toml/strict_toml.h)   # what strict_toml*.cpp share
 
 # All that bench/config/config.h may reach: option structs and what they are made of. No driver, no plant, no statistics.
 set(may_be_configured "^(bench/config/config\\.h|bench/config/(planned_fault|[a-z]+_options)\\.h|sequences/toml/strict_toml\\.h\

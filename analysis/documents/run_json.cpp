@@ -2,7 +2,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "analysis/documents/run_metadata.h"
 #include "analysis/json_fields.h"
 #include "analysis/json_io.h"
 
@@ -63,6 +62,14 @@ RunJson sensor_json(const db::SensorRecord& sensor) {
   return {JSON_FIELDS(sensor, serial, type, type_sha256),
           {"scanner", sensor.scanner_serial},
           JSON_FIELDS(sensor, note, added_utc)};
+}
+
+std::map<std::string, std::string> metadata_of(const db::RunRecord& run) {
+  std::map<std::string, std::string> metadata;
+  for (const std::string& tag : run.tags)
+    if (const std::size_t equals = tag.find('='); equals != std::string::npos)
+      metadata[tag.substr(0, equals)] = tag.substr(equals + 1);
+  return metadata;
 }
 
 }  // namespace tactbench::analysis

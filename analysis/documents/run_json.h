@@ -2,8 +2,10 @@
 // `runs export`, the data of reports and the attributes of HDF5 files.
 #pragma once
 
+#include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <span>
+#include <string>
 
 #include "analysis/statistics/uncertainty/instrument_calibration.h"
 #include "db/record.h"
@@ -25,5 +27,10 @@ nlohmann::ordered_json run_json(const db::RunRecord& run, std::span<const Instru
 
 // serial type type_sha256 scanner note added_utc
 nlohmann::ordered_json sensor_json(const db::SensorRecord& sensor);
+
+// Metadata of a run as KEY=VALUE pairs: lot, order and others. They are those of its tags that contain "="; like all
+// tags they are remarks and not part of its content (db/hash_chain.h).
+
+std::map<std::string, std::string> metadata_of(const db::RunRecord& run);
 
 }  // namespace tactbench::analysis

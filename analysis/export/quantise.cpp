@@ -32,7 +32,7 @@ const char* const kOfTheModel = "the model";
   throw AnalysisError("TB-MODEL-FIXED", where + ": " + what, remedy);
 }
 
-std::string name_of(const ModelTaxel& taxel) { return fmt::format("taxel {}", taxel.taxel); }
+std::string taxel_name(const ModelTaxel& taxel) { return fmt::format("taxel {}", taxel.taxel); }
 
 // `value` rounded, when that is a word of 16 bits.
 std::uint16_t word(const std::string& where, const char* name, double value) {
@@ -64,7 +64,7 @@ struct Front {
 };
 
 Front front_of(const SensorModel& model, const ModelTaxel& taxel, double low, double top, const FixedOptions& o) {
-  const std::string where = name_of(taxel);
+  const std::string where = taxel_name(taxel);
   if (!(taxel.gain > 0.0)) refuse(where, fmt::format("its gain is {:.6g}", taxel.gain), "fit it again");
   const double noise =
       std::max(o.noise, taxel.noise * std::sqrt(static_cast<double>(model.scans) / o.scans)) / taxel.gain;
@@ -102,7 +102,7 @@ unsigned shift_of(const char* name, double largest) {
 
 // `place`: what a noise / 256 is of 2^20.
 tb_front words_of(const Front& f, unsigned shift, double place, unsigned place_shift) {
-  const std::string where = name_of(*f.taxel);
+  const std::string where = taxel_name(*f.taxel);
   tb_front w = {};
   w.gain = word(where, "gain", std::ldexp(kWord * f.per_unit, -static_cast<int>(shift)));
   if (w.gain == 0) refuse(where, "its gain would be less than a word", "leave this taxel out of the array");
@@ -121,7 +121,7 @@ tb_front words_of(const Front& f, unsigned shift, double place, unsigned place_s
 void check_shift(const std::vector<Front>& fronts, unsigned place_shift) {
   for (const Front& f : fronts)
     if (f.taxel != nullptr && !(std::ldexp(f.limit, static_cast<int>(place_shift)) < std::ldexp(1.0, 30)))
-      refuse(name_of(*f.taxel), fmt::format("its top would be {:.6g}, beyond 30 bits", f.top),
+      refuse(taxel_name(*f.taxel), fmt::format("its top would be {:.6g}, beyond 30 bits", f.top),
              "state a larger noise: --noise");
 }
 
@@ -144,11 +144,11 @@ Film film_of(const SensorModel& model, const ModelTaxel& taxel) {
   const auto* const film =
       dynamic_cast<const PreisachModel*>(outer == nullptr ? taxel.fit.model.get() : &outer->inner());
   if (film == nullptr || !model.dynamics)
-    refuse(name_of(taxel), "it is " + model.model, "export a dynamic model or ELAM: tactbench fit RUN");
+    refuse(taxel_name(taxel), "it is " + model.model, "export a dynamic model or ELAM: tactbench fit RUN");
   try {
     return {PreisachCurve::film_of(*film, divider), divider.zero + (divider.per_amplitude > 0.0 ? 0.0 : film->y_low())};
   } catch (const std::invalid_argument& error) {
-    refuse(name_of(taxel), error.what(), "fit it again: tactbench fit RUN");
+    refuse(taxel_name(taxel), error.what(), "fit it again: tactbench fit RUN");
   }
 }
 
@@ -198,7 +198,7 @@ void put_dynamic(const SensorModel& model, FixedModel& made) {
     fronts[i] = front_of(model, array[i], films[i].low, film.divider.output(film.top()), made.options);
     const double creep = array[i].creep_scale * sum;
     if (!(creep >= 0.0 && creep <= kMostFixedCreep))
-      refuse(name_of(array[i]),
+      refuse(taxel_name(array[i]),
              fmt::format("its creep is {:.4g} of its output, and {} are the most", creep, kMostFixedCreep),
              "leave this taxel out of the array, or use the library: docs/how-to-use-a-model-on-a-robot.md");
     fronts[i].least_factor = 1.0 - creep;
@@ -209,7 +209,8 @@ void put_dynamic(const SensorModel& model, FixedModel& made) {
       made.highest = static_cast<unsigned>(n) << 11;
     }
     if (film.n != n || film.x_low != made.x_low || n > kMostIntervals)
-      refuse(name_of(array[i]), fmt::format("its {} intervals are not those of all, 1 to {}", film.n, kMostIntervals),
+      refuse(taxel_name(array[i]),
+             fmt::format("its {} intervals are not those of all, 1 to {}", film.n, kMostIntervals),
              "fit it again: tactbench fit RUN");
     steepest = std::max({steepest, place(i), divides(i)});
   }
@@ -224,7 +225,7 @@ void put_dynamic(const SensorModel& model, FixedModel& made) {
     const std::size_t table = made.table.size();
     made.table.resize(table + n * (n + 1) / 2);
     if (fronts[i].taxel == nullptr) continue;
-    const std::string where = name_of(array[i]);
+    const std::string where = taxel_name(array[i]);
     const PreisachCurve::Film& film = *films[i].film;
     tb_dynamic_words& w = made.dynamic_words[i];
     w.front = words_of(fronts[i], to.count_shift, place(i), to.place_shift);
@@ -247,7 +248,7 @@ void put_elam(const SensorModel& model, FixedModel& made) {
   const auto elam_of_taxel = [&](std::size_t i) -> const ElamModel& {
     const ElamModel* const elam = paper_elam_of(array[i]);
     if (elam == nullptr)
-      refuse(name_of(array[i]), "it is ELAM with memory or with more than one split",
+      refuse(taxel_name(array[i]), "it is ELAM with memory or with more than one split",
              "fit it without --memory and --splits");
     return *elam;
   };
@@ -257,7 +258,8 @@ void put_elam(const SensorModel& model, FixedModel& made) {
     const ElamModel& elam = elam_of_taxel(i);
     if (!std::ranges::equal(elam.ascending.x(), first.ascending.x()) ||
         elam.options.exact_outer != first.options.exact_outer)
-      refuse(name_of(array[i]), "its pressures are not those of the other taxels", "fit it again: tactbench fit RUN");
+      refuse(taxel_name(array[i]), "its pressures are not those of the other taxels",
+             "fit it again: tactbench fit RUN");
     fronts[i] = front_of(model, array[i], elam.y0(), elam.yu() - elam.y0(), made.options);
     steepest = std::max(steepest, place(i));
   }
@@ -276,7 +278,7 @@ void put_elam(const SensorModel& model, FixedModel& made) {
   made.table.assign(2 * array.size() * made.x.size(), 0);
   for (std::size_t i = 0; i < array.size(); ++i) {
     if (fronts[i].taxel == nullptr) continue;
-    const std::string where = name_of(array[i]);
+    const std::string where = taxel_name(array[i]);
     const ElamModel& elam = elam_of_taxel(i);
     const ElamParameters& p = elam.parameters;
     tb_elam_words& w = made.elam_words[i];

@@ -2,7 +2,7 @@
 // decide.
 #pragma once
 
-#include "analysis/identify/fit_data.h"
+#include "analysis/identify/fit_models.h"
 #include "analysis/models/divider.h"
 
 namespace tactbench::analysis {

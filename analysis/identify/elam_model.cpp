@@ -7,7 +7,7 @@
 
 #include "analysis/identify/elam/elam_samples.h"
 #include "analysis/identify/elam/genetic.h"
-#include "analysis/identify/fit_data.h"
+#include "analysis/identify/fit_models.h"
 #include "analysis/models/elam_hysteresis.h"
 
 namespace tactbench::analysis {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "analysis/dataset.h"
-#include "analysis/identify/fit_data.h"
+#include "analysis/identify/fit_models.h"
 #include "analysis/identify/taxel_status.h"
 #include "analysis/table.h"
 

@@ -6,7 +6,6 @@
 
 #include "analysis/identify/congruency.h"
 #include "analysis/identify/fit_samples.h"
-#include "analysis/identify/folds.h"
 #include "analysis/models/linearised.h"
 
 namespace tactbench::analysis {

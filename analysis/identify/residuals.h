@@ -10,8 +10,8 @@
 
 namespace tactbench::analysis {
 
-// Models like `model`, each fitted without one part of the inner branches (folds.h; the repeats of a branch are in one
-// part): of up to 32 of its fitted taxels, evenly chosen. None where what is left carries no model.
+// Models like `model`, each fitted without one part of the inner branches (fit_samples.h; the repeats of a branch are
+// in one part): of up to 32 of its fitted taxels, evenly chosen. None where what is left carries no model.
 struct LeftOut {
   std::vector<std::size_t> places;     // of the chosen taxels in `model`, in the order of theirs in each of models
   std::vector<SensorModel> models;     // one per part

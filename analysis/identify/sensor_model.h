@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "analysis/identify/elam/repeats.h"
-#include "analysis/identify/fit_data.h"
+#include "analysis/identify/fit_models.h"
 #include "analysis/identify/histories.h"
 #include "analysis/identify/taxel_status.h"
 #include "analysis/models/dynamics.h"

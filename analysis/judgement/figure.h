@@ -13,7 +13,7 @@
 #include "analysis/judgement/verdict.h"
 #include "analysis/pressure_unit.h"
 #include "analysis/statistics/figures/limits.h"
-#include "analysis/statistics/uncertainty/use_condition.h"
+#include "analysis/statistics/uncertainty/history_kind.h"
 #include "db/record.h"
 
 namespace tactbench::analysis {

@@ -14,8 +14,8 @@
 
 #include "analysis/judgement/figure.h"
 #include "analysis/judgement/trajectory.h"
+#include "analysis/statistics/uncertainty/instrument_calibration.h"
 #include "analysis/statistics/uncertainty/reference_uncertainty.h"
-#include "analysis/statistics/uncertainty/untraced.h"
 
 namespace tactbench::analysis {
 

@@ -7,11 +7,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "analysis/judgement/sweep_scatter.h"
 #include "analysis/loop.h"
 #include "analysis/statistics/figures/levels.h"
 #include "analysis/statistics/numbers/coverage.h"
-#include "analysis/statistics/numbers/pooled_scatter.h"
+#include "analysis/statistics/numbers/moments.h"
 
 namespace tactbench::analysis {
 namespace {

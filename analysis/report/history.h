@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/stored_run.h"
+#include "analysis/dataset.h"
 
 namespace tactbench::analysis {
 

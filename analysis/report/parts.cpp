@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "analysis/documents/run_metadata.h"
+#include "analysis/documents/run_json.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/json_io.h"
 #include "analysis/statistics/figures/levels.h"

@@ -5,7 +5,6 @@
 
 #include "analysis/error.h"
 #include "analysis/report/data/data.h"
-#include "analysis/report/data/section_data.h"
 #include "analysis/report/dcc/dcc.h"
 #include "analysis/report/document/printers.h"
 #include "analysis/report/page/page.h"

@@ -12,7 +12,7 @@
 #include "analysis/pressure_unit.h"
 #include "analysis/report/history.h"
 #include "analysis/report/laboratory.h"
-#include "analysis/report/page/style.h"
+#include "analysis/report/page/page.h"
 #include "analysis/report/results.h"
 #include "analysis/statistics/figures/behaviour.h"
 #include "analysis/statistics/figures/evaluation.h"

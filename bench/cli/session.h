@@ -122,7 +122,7 @@ inline constexpr const char* kRareOptions = "Rarely needed";
 void add_all(CLI::App& verb, Session& session);
 // --replace on a verb that writes files (bench/common/output_file.h).
 void add_replace(CLI::App& verb, Session& session);
-// --void-too on a verb that uses runs as evidence (bench/reporting/named_runs.h).
+// --void-too on a verb that uses runs as evidence (bench/reporting/evidence.h).
 void add_void_too(CLI::App& verb, Session& session);
 
 // Parses and runs; never throws; returns the process's exit code.

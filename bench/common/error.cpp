@@ -12,7 +12,7 @@
 #include "bench/common/for_people.h"
 #include "db/fleet/fleet_error.h"
 #include "db/run_store.h"
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "sequences/toml/strict_toml.h"
 
 namespace tactbench::bench {

@@ -10,7 +10,6 @@
 #include <mutex>
 
 #include "bench/common/error.h"
-#include "bench/common/renewed_line.h"
 #include "bench/common/screen.h"
 #include "db/utf8.h"
 

@@ -9,9 +9,9 @@
 #include <cstdlib>
 #include <utility>
 
-#include "analysis/work_count.h"
+#include "analysis/workers.h"
 #include "bench/common/for_people.h"
-#include "bench/common/renewed_line.h"
+#include "bench/common/screen.h"
 
 namespace tactbench::bench {
 namespace {

@@ -1,6 +1,6 @@
 // Progress line of verbs that compute for long: shown after two seconds and only on a terminal, as one line that is
 // overwritten and erased at the end. Nothing in pipes, with --json, -q, CI or TERM=dumb. The progress within a stage
-// comes from analysis/work_count.h or, where nothing is counted, from the stage's expected share of the time.
+// comes from analysis/workers.h or, where nothing is counted, from the stage's expected share of the time.
 #pragma once
 
 #include <chrono>

@@ -37,3 +37,12 @@ class ScreenBlock {
 };
 
 }  // namespace tactbench::bench
+
+// Erases the line of standard error that tty::renew_line() overwrites (for_people.h). tty::print() erases it before it
+// writes; a line end alone on standard error leaves it.
+
+namespace tactbench::bench::tty {
+
+void erase_line();
+
+}  // namespace tactbench::bench::tty

@@ -17,8 +17,8 @@
 #include "analysis/json_fields.h"
 #include "analysis/json_io.h"
 #include "analysis/judgement/figure.h"
+#include "bench/reporting/evidence.h"
 #include "bench/reporting/judgement.h"
-#include "bench/reporting/source_runs.h"
 
 namespace tactbench::bench {
 

@@ -12,7 +12,7 @@
 
 #include "analysis/json_io.h"
 #include "bench/common/process_time.h"
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "devices/wire/serial_link.h"
 #include "devices/wire/stream_link.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 
 namespace tactbench::bench {
 

@@ -15,7 +15,7 @@
 #include "bench/config/calibration_words.h"
 #include "bench/rig/device_records.h"
 #include "bench/safety/fail_safe.h"
-#include "devices/fault.h"
+#include "devices/device.h"
 
 namespace tactbench::bench {
 

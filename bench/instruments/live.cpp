@@ -19,7 +19,7 @@
 #include "bench/common/stop_request.h"
 #include "bench/rig/rig.h"
 #include "db/scan_means.h"
-#include "devices/fault.h"
+#include "devices/device.h"
 
 namespace tactbench::bench {
 

@@ -7,7 +7,7 @@
 
 #include "bench/common/error.h"
 #include "devices/clock.h"
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "devices/wire/daqmx/daqmx_api.h"
 #include "devices/wire/hid_link.h"
 #include "devices/wire/modbus/modbus_link.h"

@@ -14,7 +14,7 @@
 #include "bench/common/stop_request.h"
 #include "bench/instruments/check.h"
 #include "bench/rig/rig.h"
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "devices/stage/zaber_binary.h"
 
 namespace tactbench::bench {

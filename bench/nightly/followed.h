@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/pressure_unit.h"
 #include "analysis/statistics/control/figure_chart.h"
 #include "db/run_store.h"
 
@@ -90,5 +91,12 @@ std::string short_baseline(const Followed& followed);
 
 // The newest values, at most `width`, as a sparkline of blocks; an arrow for one beyond the scale.
 std::string sparkline(const std::vector<double>& values, const FigureScale& scale, std::size_t width);
+
+// Converts trends of figures to the unit of pressure of the reader. Stores, JSON and baselines keep psi and the names
+// with it.
+
+// A copy with the figures whose names have the unit psi ("mean_error_psi", "hold_drift_psi_per_min", "x_per_psi") in
+// `unit`: their names ("mean_error_kpa"), values, bands, averages and slopes. Others are as they were.
+Followed in_unit(Followed followed, analysis::PressureUnit unit);
 
 }  // namespace tactbench::bench

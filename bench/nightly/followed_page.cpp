@@ -7,7 +7,7 @@
 
 #include "analysis/counted.h"
 #include "analysis/report/page/html.h"
-#include "analysis/report/page/style.h"
+#include "analysis/report/page/page.h"
 #include "bench/nightly/night_store.h"
 
 namespace tactbench::bench {

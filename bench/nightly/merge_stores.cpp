@@ -12,7 +12,6 @@
 #include "analysis/counted.h"
 #include "bench/common/error.h"
 #include "bench/nightly/night_store.h"
-#include "bench/nightly/take_fits.h"
 
 namespace tactbench::bench {
 namespace {

@@ -2,6 +2,8 @@
 // earlier nights.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -33,5 +35,12 @@ bool take_night(db::NightRecord night, const Suite& suite, std::vector<ScenarioR
 // of each scenario with a run, once for several seeds.
 std::vector<Followed> compare_night(const Suite& suite, std::vector<ScenarioResult>& results,
                                     const db::RunStore& store);
+
+// Copies to a store what another store recorded about a run after its end: fits, verdicts by them, figures.
+
+// Run `there` of `other` and run `here` of `store` have the same content. Takes the fits that `store` does not have,
+// with the verdicts on this run by them, and the figures of subjects that have none here. Returns the number of fits.
+// Throws StoreError TB-STORE-CONFLICT when they are not what was stored.
+std::size_t take_fits(const db::RunStore& other, std::int64_t there, db::RunStore& store, std::int64_t here);
 
 }  // namespace tactbench::bench

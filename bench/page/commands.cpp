@@ -9,7 +9,7 @@
 
 #include "analysis/json_io.h"
 #include "bench/common/for_people.h"
-#include "bench/run/control/client_words.h"
+#include "bench/run/control/control_client.h"
 
 namespace tactbench::bench {
 

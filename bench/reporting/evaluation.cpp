@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "analysis/identify/dynamic/dynamic_alone.h"
-#include "analysis/identify/elam/dispatch.h"
+#include "analysis/identify/dynamic/dynamic_fit.h"
+#include "analysis/identify/elam/lanes.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/report/gather.h"
 #include "analysis/statistics/figures/evaluation.h"
@@ -16,10 +16,10 @@
 #include "bench/common/output_file.h"
 #include "bench/common/utc.h"
 #include "bench/config/config.h"
-#include "bench/reporting/as_found.h"
-#include "bench/reporting/method_words.h"
 #include "bench/reporting/report_budget.h"
+#include "bench/reporting/report_results.h"
 #include "bench/reporting/signed_reports.h"
+#include "bench/reporting/study_roles.h"
 #include "db/run_store.h"
 
 namespace tactbench::bench {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "analysis/report/gather.h"
 #include "analysis/report/report.h"
-#include "analysis/report/runs.h"
 #include "bench/reporting/judgement.h"
 #include "bench/reporting/named_evaluation.h"
 #include "bench/reporting/report_results.h"

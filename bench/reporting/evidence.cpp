@@ -1,17 +1,21 @@
 #include "bench/reporting/evidence.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <iterator>
 #include <map>
 #include <optional>
 
 #include "analysis/identify/stored/model_document.h"
+#include "analysis/judgement/judgement.h"
 #include "analysis/report/parts.h"
 #include "analysis/statistics/numbers/moments.h"
+#include "bench/common/error.h"
+#include "bench/common/for_people.h"
 #include "bench/common/overrides.h"
-#include "bench/reporting/judged_figures.h"
+#include "bench/reporting/judgement.h"
 #include "bench/reporting/report_budget.h"
-#include "bench/reporting/source_runs.h"
 #include "bench/run/run_record.h"
 #include "sequences/recipe.h"
 
@@ -149,6 +153,51 @@ analysis::Evidence gather_evidence(analysis::Runs& runs, const analysis::SensorM
   }
   if (!any) measure(evidence.runs.front(), evaluations.front());
   return evidence;
+}
+
+std::optional<std::int64_t> run_of_source(const db::RunStore& store, const analysis::SensorDynamics::Source& source) {
+  if (source.content_sha256.empty()) {
+    const std::vector<db::RunRecord> runs = store.runs();
+    const bool there = std::ranges::find(runs, source.run, &db::RunRecord::run) != runs.end();
+    return there ? std::optional(source.run) : std::nullopt;
+  }
+  const std::vector<db::RunRecord> same = store.runs({.content_sha256 = source.content_sha256});
+  if (same.empty()) return std::nullopt;
+  return std::ranges::find(same, source.run, &db::RunRecord::run) != same.end() ? source.run : same.front().run;
+}
+
+std::vector<std::int64_t> source_runs(const db::RunStore& store, const analysis::SensorModel& fit) {
+  std::vector<std::int64_t> numbers;
+  if (fit.run != 0) numbers.push_back(fit.run);
+  if (!fit.dynamics) return numbers;
+  for (const analysis::SensorDynamics::Source& source : {fit.dynamics->rate, fit.dynamics->creep}) {
+    const std::optional<std::int64_t> run = run_of_source(store, source);
+    if (run && std::ranges::find(numbers, *run) == numbers.end()) numbers.push_back(*run);
+  }
+  return numbers;
+}
+
+std::vector<db::RunRecord> named_runs(analysis::Runs& runs, const std::vector<std::int64_t>& numbers,
+                                      const RunsNamed& named, bool void_too) {
+  std::vector<db::RunRecord> records;
+  for (const std::int64_t run : numbers) {
+    if (std::ranges::find(records, run, &db::RunRecord::run) != records.end())
+      throw Error("TB-RUN-TWICE", fmt::format("run {} is named twice", run), named.at,
+                  "name each run once: counted twice, it would look like a repetition");
+    if (run == named.models_of)
+      throw Error("TB-RUN-OWN",
+                  fmt::format("the models were made from run {}: it is not independent data for them", run), named.at);
+    records.push_back(runs.record(run));
+    const db::RunRecord& record = records.back();
+    if (!record.is_void()) continue;
+    const std::string why = in_words(analysis::void_of(record));
+    if (!void_too || !named.void_can_be_taken)
+      throw Error("TB-RUN-VOID", why, named.at,
+                  named.void_can_be_taken ? "name another run, or add --void-too: the results are then marked"
+                                          : "name another run: a void run cannot be accepted");
+    tty::print(stderr, "warning: {}; used because of --void-too\n", why);
+  }
+  return records;
 }
 
 }  // namespace tactbench::bench

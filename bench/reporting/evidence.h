@@ -3,12 +3,15 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "analysis/identify/sensor_model.h"
 #include "analysis/judgement/judgement.h"
-#include "analysis/report/runs.h"
+#include "analysis/report/gather.h"
 #include "bench/reporting/named_evaluation.h"
+#include "db/run_store.h"
 
 namespace tactbench::bench {
 
@@ -28,5 +31,29 @@ analysis::Evidence gather_evidence(analysis::Runs& runs, const analysis::SensorM
                                    const std::vector<NamedEvaluation>& evaluations, const analysis::Limits& limits,
                                    bool void_too, const std::vector<analysis::InstrumentNote>& notes = {},
                                    const StoredVerdicts& stored = {});
+
+// Runs that models were made from: the fitted run and, for a dynamic model, those that lag and creep were taken from.
+// None of them is independent data for the models.
+
+// The number in this store of a run that lag or creep was taken from. Runs get new numbers in a copy of a store: the
+// run is identified by its content, and by its number only where the model does not state the content. None: the store
+// does not have it.
+std::optional<std::int64_t> run_of_source(const db::RunStore& store, const analysis::SensorDynamics::Source& source);
+
+// Each once, the fitted run first; what this store does not have is left out.
+std::vector<std::int64_t> source_runs(const db::RunStore& store, const analysis::SensorModel& fit);
+
+// Checks the runs that are named on the command line: which of them a verb may use.
+
+struct RunsNamed {
+  std::string at;                 // the option or place, for the error: "--held-out"
+  std::int64_t models_of = 0;     // the models were made from this run, which is no independent data; 0: any run goes
+  bool void_can_be_taken = true;  // --void-too is an option of the verb
+};
+
+// The runs as stored. Each must exist, be named once (TB-RUN-TWICE), not be the models' own (TB-RUN-OWN), and count: a
+// void one is refused (TB-RUN-VOID), or, with `void_too` (--void-too), used with a warning on standard error.
+std::vector<db::RunRecord> named_runs(analysis::Runs& runs, const std::vector<std::int64_t>& numbers,
+                                      const RunsNamed& named, bool void_too);
 
 }  // namespace tactbench::bench

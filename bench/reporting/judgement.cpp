@@ -1,6 +1,7 @@
 #include "bench/reporting/judgement.h"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <utility>
@@ -8,8 +9,11 @@
 #include "analysis/error.h"
 #include "analysis/identify/dynamic/dynamic_fit.h"
 #include "analysis/identify/stored/model_document.h"
+#include "analysis/judgement/mpe.h"
+#include "analysis/statistics/uncertainty/uncertainty.h"
 #include "bench/config/config.h"
-#include "bench/reporting/source_runs.h"
+#include "bench/reporting/evidence.h"
+#include "bench/reporting/report_budget.h"
 
 namespace tactbench::bench {
 
@@ -143,6 +147,28 @@ Judgement judgement_on(const db::RunStore& store, std::int64_t run) {
   out.limits_name = parse_limits(out.limits_toml, "the limits stored with the verdicts").name;
   conclude(out);
   return out;
+}
+
+std::vector<analysis::Figure> judged_figures(analysis::Runs& runs, const analysis::SensorModel& fit,
+                                             const analysis::Evaluation& evaluation, const analysis::Limits& limits,
+                                             const analysis::ReferenceUncertainty& reference,
+                                             analysis::OfModelsRun& of_models) {
+  const analysis::Dataset &judged = runs.dataset(evaluation.run), &models = runs.dataset(fit.run);
+  std::vector<analysis::Figure> figures =
+      analysis::measured_figures(judged, models, fit, evaluation, reference, 0, &of_models);
+  if (limits.mpe.empty()) return figures;
+  if (!of_models.sweeps) {
+    analysis::SensorModel rising = fit;
+    const analysis::Dataset turned = analysis::as_modelled(models, rising);
+    rising.falling = false;
+    of_models.sweeps = analysis::sweep_errors(turned, rising);
+  }
+  analysis::Uncertainty readings;
+  readings.conditions = analysis::reading_conditions(
+      models, fit, runs.record(fit.run), held_out_histories(runs, fit.run, {evaluation.run}), *of_models.sweeps);
+  std::ranges::move(analysis::judged_mpe(analysis::mpe_figures(judged, fit, &readings, limits.mpe)),
+                    std::back_inserter(figures));
+  return figures;
 }
 
 }  // namespace tactbench::bench

@@ -6,6 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "analysis/judgement/figure.h"
+#include "analysis/judgement/measured_figures.h"
+#include "analysis/report/gather.h"
+#include "analysis/statistics/figures/evaluation.h"
+#include "analysis/statistics/uncertainty/reference_uncertainty.h"
 #include "bench/reporting/evidence.h"
 
 namespace tactbench::bench {
@@ -49,5 +54,15 @@ Standing standing(const db::RunStore& store, std::int64_t run);
 // The run whose report covers this one: that of the models it was judged by, else its own where it has models; 0:
 // neither.
 std::int64_t reporting_run(const db::RunStore& store, const Standing& of, std::int64_t run);
+
+// Computes the figures of a run that judge() compares with limits, from datasets and uncertainty budgets.
+
+// `of_models`: of the models' run, filled in by the first call and shared by further ones with the same `fit`. Of
+// `evaluation`, with the models of `fit`; `reference` is that of its run. One of each [[mpe]] of the limits. U of a
+// reading is counted on the judged run alone, so that stored verdicts do not depend on a report's further runs.
+std::vector<analysis::Figure> judged_figures(analysis::Runs& runs, const analysis::SensorModel& fit,
+                                             const analysis::Evaluation& evaluation, const analysis::Limits& limits,
+                                             const analysis::ReferenceUncertainty& reference,
+                                             analysis::OfModelsRun& of_models);
 
 }  // namespace tactbench::bench

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "analysis/report/gather.h"
 #include "analysis/report/report.h"
-#include "analysis/report/runs.h"
 
 namespace tactbench::bench {
 

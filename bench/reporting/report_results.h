@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "analysis/report/gather.h"
 #include "analysis/report/report.h"
-#include "analysis/report/runs.h"
 
 namespace tactbench::bench {
 
@@ -30,5 +30,17 @@ std::vector<StudyRun> study_runs_of(const std::vector<std::string>& words);
 // need none: the run's own presses, and studies. Throws Error TB-REPORT-STUDY for a run whose role is not known,
 // AnalysisError, StoreError.
 void add_results(analysis::ReportInput& input, analysis::Runs& runs, const ReportExtras& extras);
+
+// Judges a sensor as found: this run's data with the models that were in use before it, by the report's limits.
+
+// The models that the sensor had before `run`, as RUN:FIT; empty: the store has none, or they do not go together with
+// it (another scanner), or they rest on it.
+std::string models_before(analysis::Runs& runs, std::int64_t run);
+
+// Fills in `judgement` and `doubt` of input.more.previous, where there are earlier models (`previous`, as named) and
+// the report is judged by `limits`. When it fails, measurements made since the last calibration of this sensor that
+// passed are in doubt.
+void judge_as_found(analysis::Runs& runs, analysis::ReportInput& input, const std::string& previous,
+                    const analysis::Limits& limits);
 
 }  // namespace tactbench::bench

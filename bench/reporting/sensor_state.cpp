@@ -8,8 +8,8 @@
 #include <ranges>
 
 #include "analysis/report/document/printers.h"
+#include "analysis/report/gather.h"
 #include "analysis/report/parts.h"
-#include "analysis/report/runs.h"
 #include "db/run_store.h"
 
 namespace tactbench::bench {

@@ -12,8 +12,7 @@
 #include "bench/common/error.h"
 #include "bench/common/file_text.h"
 #include "bench/common/signed_number.h"
-#include "bench/reporting/named_runs.h"
-#include "bench/reporting/source_runs.h"
+#include "bench/reporting/evidence.h"
 
 namespace tactbench::bench {
 

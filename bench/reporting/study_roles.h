@@ -2,6 +2,9 @@
 // the simulated sensor was mounted, and the metadata `turned` and `mount` of its operator.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "bench/reporting/report_results.h"
 #include "db/record.h"
 
@@ -11,5 +14,12 @@ enum class StudyPurpose { kPlainLoops, kPresses, kPaces };  // by its recipes
 
 // Throws Error TB-REPORT-STUDY where a record contradicts the role. Without such a record the typed role is accepted.
 void check_role(const StudyRun& study, const db::RunRecord& own, const db::RunRecord& other, StudyPurpose purpose);
+
+// Describes how each sequence of a run was measured, from its recipe and the overridden values.
+
+// In the order of the run's sequences: "3 repeats of 2 sweeps; a level every 4 psi, from 0 to 60 to 0 psi; waiting time
+// (dwell) 1 s ...". Pressures in psi and kPa. Empty where the recipe cannot be read
+// any more.
+std::vector<std::string> method_words(const db::RunRecord& run);
 
 }  // namespace tactbench::bench

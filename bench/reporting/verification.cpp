@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "analysis/identify/dynamic/dynamic_alone.h"
+#include "analysis/identify/dynamic/dynamic_fit.h"
 #include "analysis/identify/stored/comparison.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/statistics/figures/evaluation.h"
@@ -17,7 +17,6 @@
 #include "bench/config/config.h"
 #include "bench/reporting/evaluation.h"
 #include "bench/reporting/evidence.h"
-#include "bench/reporting/source_runs.h"
 
 namespace tactbench::bench {
 

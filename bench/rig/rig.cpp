@@ -6,7 +6,7 @@
 #include "bench/config/config_calibration.h"
 #include "bench/pressure/pressure_kinds.h"
 #include "bench/simulation/simulated_rig.h"
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "devices/force/daq_ft.h"
 #include "devices/force/daqmx_gauges.h"
 #include "devices/force/digital_ft.h"

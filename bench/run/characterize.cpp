@@ -24,10 +24,9 @@
 #include "bench/run/resume.h"
 #include "bench/run/run_record.h"
 #include "bench/run/set_up.h"
-#include "bench/run/specimen_file.h"
 #include "bench/run/time_estimate.h"
 #include "bench/safety/fail_safe.h"
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "sequences/recipe.h"
 
 namespace tactbench::bench {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "bench/run/control/progress.h"
-#include "bench/run/run_request.h"
+#include "bench/run/run_record.h"
 #include "db/run_store.h"
 
 namespace tactbench::bench {

@@ -6,7 +6,7 @@
 #include "bench/rig/rig.h"
 #include "bench/run/control/progress.h"
 #include "bench/run/recorder.h"
-#include "devices/fault.h"
+#include "devices/device.h"
 
 namespace tactbench::bench {
 

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "bench/run/control/run_state.h"
+#include "bench/run/control/run_status.h"
 #include "db/run_store.h"
 #include "devices/pressure/pressure_source.h"
 #include "devices/tactile/tactile_array.h"

@@ -15,7 +15,7 @@
 #include "bench/run/recorder.h"
 #include "bench/run/resume.h"
 #include "db/run_store.h"
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "sequences/recipe.h"
 
 namespace tactbench::bench {

@@ -1,7 +1,7 @@
 // Seating check of a run: loads the array lightly, evaluates the seating (analysis) and stores the result.
 #pragma once
 
-#include "bench/run/run_request.h"
+#include "bench/run/run_record.h"
 #include "bench/run/sequencer.h"
 
 namespace tactbench::db {

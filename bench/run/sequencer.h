@@ -12,7 +12,7 @@
 #include "bench/rig/rig.h"
 #include "bench/run/control/control.h"
 #include "bench/run/recorder.h"
-#include "bench/run/time_spent.h"
+#include "bench/run/time_estimate.h"
 #include "bench/run/watch/branch_guard.h"
 #include "bench/run/watch/stuck_rows.h"
 #include "bench/run/watch/suspension.h"

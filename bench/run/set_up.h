@@ -1,8 +1,13 @@
 // Checks before the first step: environment, scanner, seating of the sensor, warm-up of the electronics.
 #pragma once
 
-#include "bench/run/run_request.h"
+#include <string>
+#include <vector>
+
+#include "bench/config/config.h"
+#include "bench/run/run_record.h"
 #include "bench/run/sequencer.h"
+#include "sequences/recipe.h"
 
 namespace tactbench::db {
 class RunStore;
@@ -19,5 +24,16 @@ void check_scanner(const RunRequest& request, const std::string& serial);
 // sequencer throws; after Suspended it may be called again.
 void prepare_sensor(Sequencer& sequencer, Recorder& recorder, const db::RunStore& store, const RunRequest& request,
                     const Baseline& baseline, StatusBoard& board);
+
+// State of the simulated specimen between runs: the film's memory, kept in a file; and the object that presses on it.
+
+class Rig;
+
+// Both do nothing without a file, and on a rig that is not simulated in this process. Throw Error TB-SPECIMEN-STATE.
+void load_specimen(Rig& rig, const std::string& file);  // if it exists
+void save_specimen(Rig& rig, const std::string& file);
+
+// A rig simulated in this process gets the recipe's object on its stage.
+BenchConfig with_object(BenchConfig bench, const std::vector<sequences::Recipe>& recipes);
 
 }  // namespace tactbench::bench

@@ -7,7 +7,7 @@
 
 #include "analysis/json_io.h"
 #include "bench/common/error.h"
-#include "devices/fault.h"
+#include "devices/device.h"
 
 namespace tactbench::bench {
 

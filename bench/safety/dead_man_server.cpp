@@ -26,7 +26,7 @@
 #include "bench/rig/rig.h"
 #include "bench/run/control/locks.h"
 #include "bench/safety/safe_state.h"
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "devices/stage/zaber_retreat.h"
 #include "devices/wire/descriptor_channel.h"
 #include "devices/wire/serial_link.h"

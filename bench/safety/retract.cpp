@@ -7,7 +7,7 @@
 #include <exception>
 
 #include "bench/common/process_time.h"
-#include "devices/fault.h"
+#include "devices/device.h"
 
 namespace tactbench::bench {
 

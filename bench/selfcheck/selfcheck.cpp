@@ -11,8 +11,7 @@
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 
-#include "analysis/identify/fit_data.h"
-#include "analysis/identify/identifier.h"
+#include "analysis/identify/fit_models.h"
 #include "analysis/models/elam_hysteresis.h"
 #include "analysis/models/gpi.h"
 #include "analysis/models/mpi.h"

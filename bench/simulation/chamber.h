@@ -2,7 +2,7 @@
 // physics in process time.
 #pragma once
 
-#include "bench/config/chamber_options.h"
+#include "bench/config/plant_options.h"
 #include "devices/units.h"
 
 namespace tactbench::bench {

@@ -6,7 +6,7 @@
 #include <array>
 #include <vector>
 
-#include "bench/config/contact_options.h"
+#include "bench/config/plant_options.h"
 
 namespace tactbench::bench {
 

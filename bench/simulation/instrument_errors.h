@@ -2,7 +2,7 @@
 // and models, within what the bench file states. They show whether U holds them.
 #pragma once
 
-#include "bench/config/instrument_options.h"
+#include "bench/config/plant_options.h"
 
 namespace tactbench::bench {
 

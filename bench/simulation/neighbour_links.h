@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "bench/config/specimen_options.h"
+#include "bench/config/plant_options.h"
 
 namespace tactbench::bench {
 

@@ -20,7 +20,7 @@
 #include "devices/clock.h"
 #include "devices/force/force_sensor.h"
 #include "devices/pressure/chamber_port.h"
-#include "devices/stage/stage_view.h"
+#include "devices/stage/stage.h"
 #include "devices/tactile/simulated_scanner.h"
 
 namespace tactbench::bench {

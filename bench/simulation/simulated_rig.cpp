@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 
 namespace tactbench::bench {
 

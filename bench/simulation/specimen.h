@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/config/specimen_options.h"
+#include "bench/config/plant_options.h"
 
 namespace tactbench::bench {
 

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "bench/config/specimen_options.h"
+#include "bench/config/plant_options.h"
 #include "bench/simulation/neighbour_links.h"
 
 namespace tactbench::bench {

@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <numbers>
 
-#include "devices/force/ati_units.h"
+#include "devices/force/ati_calibration.h"
 
 namespace tactbench::devices {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 
 namespace tactbench::devices {
 namespace {

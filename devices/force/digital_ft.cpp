@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "devices/wire/wait.h"
 
 namespace tactbench::devices {

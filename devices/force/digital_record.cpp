@@ -6,7 +6,7 @@
 #include <bit>
 #include <cmath>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "devices/force/force_checks.h"
 
 namespace tactbench::devices {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "devices/fault.h"
-#include "devices/force/ati_units.h"
+#include "devices/device.h"
+#include "devices/force/ati_calibration.h"
 
 namespace tactbench::devices {
 

@@ -8,7 +8,7 @@
 #include <set>
 #include <utility>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "devices/wire/http_get.h"
 #include "devices/wire/wait.h"
 

@@ -7,8 +7,8 @@
 #include <pugixml.hpp>
 #include <sstream>
 
-#include "devices/fault.h"
-#include "devices/force/ati_units.h"
+#include "devices/device.h"
+#include "devices/force/ati_calibration.h"
 
 namespace tactbench::devices {
 namespace {

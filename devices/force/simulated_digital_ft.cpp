@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "devices/force/ati_matrix.h"
 #include "devices/wire/ends/end_at_work.h"
 #include "devices/wire/ends/pseudo_terminal.h"

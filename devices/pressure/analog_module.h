@@ -9,7 +9,6 @@
 
 #include "devices/clock.h"
 #include "devices/device.h"
-#include "devices/fault.h"
 #include "devices/pressure/module_profile.h"
 #include "devices/units.h"
 #include "devices/wire/modbus/modbus_link.h"

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 
-#include "devices/actuator.h"
 #include "devices/clock.h"
 #include "devices/device.h"
 #include "devices/units.h"

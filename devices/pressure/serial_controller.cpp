@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "devices/pressure/regulator.h"
 #include "devices/wire/wait.h"
 

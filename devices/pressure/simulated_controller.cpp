@@ -8,7 +8,7 @@
 #include <span>
 #include <utility>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 
 namespace tactbench::devices {
 namespace {

@@ -8,7 +8,7 @@
 #include <cerrno>
 #include <utility>
 
-#include "devices/wire/modbus/modbus_crc.h"
+#include "devices/wire/modbus/modbus_line.h"
 
 namespace tactbench::devices {
 namespace {

@@ -10,7 +10,7 @@
 #include <thread>
 #include <utility>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "devices/wire/ends/end_at_work.h"
 #include "devices/wire/ends/stream_end.h"
 

@@ -13,7 +13,7 @@
 #include "devices/clock.h"
 #include "devices/fault_injection.h"
 #include "devices/stage/chain_device.h"
-#include "devices/stage/stage_view.h"
+#include "devices/stage/stage.h"
 
 namespace tactbench::devices {
 

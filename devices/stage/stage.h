@@ -1,11 +1,11 @@
 // A stage of linear axes x, y, z. Positions in mm from the home sensor; z grows toward the specimen.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
-#include "devices/actuator.h"
 #include "devices/clock.h"
 #include "devices/device.h"
 #include "devices/stage/axis.h"
@@ -43,6 +43,19 @@ class Stage : public Actuator {
   [[nodiscard]] virtual bool halt() noexcept = 0;
   [[nodiscard]] virtual std::vector<Identity> identities() const = 0;  // one per axis
   [[nodiscard]] virtual std::uint64_t exchanges() const = 0;
+};
+
+// Interface from the simulated stage to the simulated plant: the true positions of the axes.
+
+class StageView {
+ public:
+  virtual ~StageView() = default;
+  // Distance from the home sensor at clock.now(), whatever the device counts. Callable from any thread.
+  [[nodiscard]] virtual Millimetres position(Axis axis) const = 0;
+  // The same for x, y, z at `time`, not later than clock.now() and not before the last 256 changes of motion.
+  [[nodiscard]] virtual std::array<Millimetres, kAxes> places(Nanoseconds time) const = 0;
+  // True only if no axis has moved since `time`.
+  [[nodiscard]] virtual bool at_rest_since(Nanoseconds time) const = 0;
 };
 
 }  // namespace tactbench::devices

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 
 namespace tactbench::devices {
 namespace {

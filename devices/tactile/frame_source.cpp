@@ -6,7 +6,7 @@
 #include <chrono>
 #include <utility>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "devices/wire/stream_link.h"
 #include "devices/wire/wait.h"
 

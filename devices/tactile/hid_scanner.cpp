@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "devices/wire/wait.h"
 
 namespace tactbench::devices {

@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "devices/wire/ends/end_at_work.h"
 #include "devices/wire/ends/loopback.h"
 

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "devices/wire/ends/end_at_work.h"
 
 namespace tactbench::devices {

@@ -10,7 +10,7 @@
 #include <cstring>
 #include <vector>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "devices/wire/wait.h"
 
 namespace tactbench::devices {

@@ -8,7 +8,7 @@
 #include <cerrno>
 #include <string_view>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 
 namespace tactbench::devices {
 namespace {

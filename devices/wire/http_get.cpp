@@ -14,7 +14,7 @@
 #include <optional>
 #include <string_view>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "devices/wire/ip_address.h"
 #include "devices/wire/wait.h"
 

@@ -11,7 +11,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "devices/wire/wait.h"
 
 namespace tactbench::devices {

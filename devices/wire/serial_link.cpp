@@ -13,7 +13,7 @@
 #include <system_error>
 #include <utility>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "devices/wire/stream_link.h"
 #include "devices/wire/wait.h"
 

@@ -18,7 +18,7 @@
 #include <cstring>
 #include <utility>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "devices/wire/wait.h"
 
 namespace tactbench::devices {

@@ -1,11 +1,17 @@
 // Pressures as people see them: one conversion, one way to round, sentences rewritten without touching anything else.
-#include "analysis/pressure_unit.h"
-
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <cstddef>
 #include <string>
 #include <tuple>
 #include <utility>
+
+#include "analysis/counted.h"
+#include "analysis/error.h"
+#include "analysis/pressure_unit.h"
+#include "analysis/whole_file.h"
+#include "tests/support/process.h"
 
 using namespace tactbench::analysis;
 
@@ -61,4 +67,45 @@ TEST_CASE("a text with pressures is written in the unit asked for, in the order 
   CHECK(text.in(kPsi) == "vented (feedback 0.0 psi, reference 40.0 psi)");
   CHECK(text.in(kKpa) == "vented (feedback -0.3 kPa, reference 275.8 kPa)");
   CHECK(PressureText(std::string("none")).in(kBar) == "none");
+}
+
+// Files at their longest.
+
+using namespace tactbench::analysis;
+using tactbench::tests::TemporaryFolder;
+using tactbench::tests::write_file;
+
+TEST_CASE("a file is read whole up to its most bytes, in blocks, and one byte more is refused") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("f");
+  for (const std::size_t bytes : {0U, 10U, 65536U, 65537U, 200001U}) {
+    CAPTURE(bytes);
+    std::string text(bytes, 'a');
+    if (!text.empty()) text.back() = 'z';
+    write_file(path, text);
+    CHECK(whole_file(path, {.most_bytes = std::max(bytes, std::size_t{10}), .or_pipe = false}, "TB-X", "mend it") ==
+          text);
+    if (bytes < 10) continue;
+    try {
+      (void)whole_file(path, {.most_bytes = bytes - 1, .or_pipe = false}, "TB-X", "mend it");
+      FAIL_CHECK("read");
+    } catch (const AnalysisError& error) {
+      CHECK(error.id() == "TB-X");
+      CHECK_THAT(error.what(), Catch::Contains(std::to_string(bytes - 1)));
+    }
+  }
+  for (const char* none : {"none", ""})
+    CHECK_THROWS_AS(whole_file(folder.path(none), {.most_bytes = 10, .or_pipe = true}, "TB-X", "mend it"),
+                    AnalysisError);
+}
+
+using tactbench::analysis::counted;
+
+TEST_CASE("a counted noun is in the singular or plural as its number requires") {
+  CHECK(counted(0, "frame") == "0 frames");
+  CHECK(counted(1, "frame") == "1 frame");
+  CHECK(counted(std::size_t{2}, "frame") == "2 frames");
+  CHECK(counted(-1, "microstep") == "-1 microsteps");
+  CHECK(counted(std::size_t{1}, "branch", "branches") == "1 branch");
+  CHECK(counted(0L, "branch", "branches") == "0 branches");
 }

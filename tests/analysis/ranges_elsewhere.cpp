@@ -5,12 +5,11 @@
 #include "analysis/compensate/document.h"
 #include "analysis/identify/congruency.h"
 #include "analysis/identify/elam/elam_samples.h"
-#include "analysis/identify/folds.h"
+#include "analysis/identify/fit_samples.h"
 #include "analysis/identify/histories.h"
 #include "analysis/judgement/trajectory.h"
 #include "analysis/loop.h"
 #include "analysis/statistics/figures/sweep_errors.h"
-#include "analysis/statistics/figures/sweep_estimates.h"
 #include "tests/analysis/support/straight_array.h"
 
 using namespace straight_array;

@@ -1,11 +1,12 @@
 // Whole tables as people have them: what is read of them, and where and by which error the rest is refused.
-#include "analysis/table.h"
-
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <functional>
 #include <sstream>
 #include <utility>
 
 #include "analysis/error.h"
+#include "analysis/table.h"
 
 using namespace tactbench::analysis;
 
@@ -377,4 +378,197 @@ TEST_CASE("a table that is not a file is refused") {
   // A file of the kernel's that says it has no length is not read: as root, /proc/kmsg would be waited for.
   for (const char* kernels : {"/proc/self/mem", "/proc/kmsg", "/proc/self/status"})
     CHECK(id(kernels) == "TB-TABLE-EMPTY");
+}
+
+// Samples that no sensor can have between its neighbours, and good data that look like them.
+
+using namespace tactbench::analysis;
+
+namespace {
+
+constexpr std::size_t kSamples = 200;
+
+// Two sweeps of 0 to 40 and back, outputs of 0 to 2.
+TableSeries sweeps() {
+  TableSeries series;
+  for (std::size_t i = 0; i < kSamples; ++i) {
+    const double share = std::abs(std::fmod(static_cast<double>(i) / 50.0, 2.0) - 1.0);
+    series.input.push_back(40.0 * share);
+    series.output.push_back(2.0 * share);
+  }
+  return series;
+}
+
+// Rests at 0 but for presses of `length` samples from 100 on.
+TableSeries presses(std::size_t length, double input, double output) {
+  TableSeries series;
+  for (std::size_t i = 0; i < kSamples; ++i) {
+    const bool pressed = i >= 100 && i < 100 + length;
+    series.input.push_back((pressed ? input : 0.0) + 0.01 * static_cast<double>(i % 3));
+    series.output.push_back((pressed ? output : 0.0) + 0.001 * static_cast<double>(i % 5));
+  }
+  return series;
+}
+
+std::vector<std::size_t> places(const TableSeries& series) {
+  std::vector<std::size_t> found;
+  for (const WildSample& wild : wild_samples(series)) found.push_back(wild.place);
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("wild samples: up to three in a row beyond three spans, of outputs or of inputs, wherever they stand") {
+  using Values = std::vector<double> TableSeries::*;
+  for (const Values values : {&TableSeries::output, &TableSeries::input}) {
+    for (const double value : {83886.07, -83886.07, 1e308, 300.0, -250.0})
+      for (const std::size_t first : {std::size_t{0}, std::size_t{77}, kSamples - 3})
+        for (std::size_t length = 1; length <= 3; ++length) {
+          TableSeries series = sweeps();
+          std::vector<std::size_t> put;
+          for (std::size_t i = first; i < first + length; ++i) {
+            (series.*values)[i] = value;
+            put.push_back(i);
+          }
+          INFO(value << " at " << first << ", " << length);
+          if (first == kSamples - 3 && length < 3) continue;
+          CHECK(places(series) == put);
+        }
+  }
+  TableSeries seldom = sweeps();  // one row in twenty-five
+  for (std::size_t i = 10; i < kSamples; i += 25) seldom.output[i] = 65535.0;
+  CHECK(places(seldom).size() == 8);
+}
+
+TEST_CASE("wild samples: steps, short presses, jumps of the zero, noise and converters' limits are none") {
+  using Change = std::function<void(TableSeries&)>;
+  const std::vector<std::pair<const char*, Change>> good = {
+      {"as it is", [](TableSeries&) {}},
+      {"the output's zero jumps and stays",
+       [](TableSeries& s) {
+         for (std::size_t i = 120; i < kSamples; ++i) s.output[i] += 20.0;
+       }},
+      {"one output at the end of the converter, 2.5 times the span", [](TableSeries& s) { s.output[60] = 5.0; }},
+      {"a square wave",
+       [](TableSeries& s) {
+         for (std::size_t i = 0; i < kSamples; ++i) s.output[i] = 0.05 * (s.input[i] = i / 20 % 2 == 0 ? 0.0 : 40.0);
+       }},
+      {"constant", [](TableSeries& s) { std::ranges::fill(s.output, 1.0); }},
+      {"a short recording, which tells no span", [](TableSeries& s) {
+         s.input.resize(19);
+         s.output.resize(19);
+         s.output[9] = 1e6;
+       }}};
+  for (const auto& [what, change] : good) {
+    TableSeries series = sweeps();
+    change(series);
+    INFO(what);
+    CHECK(places(series).empty());
+  }
+  for (const std::size_t length : {1U, 2U, 3U, 10U}) CHECK(places(presses(length, 40.0, 2.0)).empty());
+  CHECK(places(presses(2, 0.0, 2.0)).size() == 2);  // the input rests
+  CHECK(places(presses(10, 0.0, 2.0)).empty());     // goes on for longer than a fault of one row
+}
+
+// The parts of a table line by line: separators, fields, numbers, and what its reader tells.
+
+using namespace tactbench::analysis;
+
+namespace {
+
+std::string split_by(char separator, const std::string& line) {
+  Fields fields;
+  std::string out = fields.split(line, separator);
+  for (const std::string_view field : fields.all) out += "[" + std::string(field) + "]";
+  return out;
+}
+
+std::string number_read(const std::string& text) {
+  double value = 0.0;
+  const std::string wrong = NumberText().read(text, 1, value);
+  return wrong.empty() ? std::to_string(value) : wrong;
+}
+
+}  // namespace
+
+TEST_CASE("separators: the most frequent outside quotes, commas before others, blanks where there is nothing else") {
+  CHECK(separator_of("a,b;c") == ',');
+  CHECK(separator_of("a;b;c,d") == ';');
+  CHECK(separator_of("a\tb\tc;d") == '\t');
+  CHECK(separator_of("\"a;b;c\",d") == ',');
+  CHECK(separator_of("  a  b ") == ' ');
+  CHECK(separator_of(" a ") == ',');
+  CHECK(separator_of("a b;c") == ';');
+}
+
+TEST_CASE("fields by hand: quotes doubled and closed, blanks around and between, empty ones") {
+  CHECK(split_by(',', "a, b ,,") == "[a][b][][]");
+  CHECK(split_by(',', "") == "[]");
+  CHECK(split_by(',', R"("a,b",c)") == "[a,b][c]");
+  CHECK(split_by(',', R"("a""b",""""""  ,"")") == R"([a"b][""][])");
+  CHECK(split_by(',', R"( "a" ,b)") == "[a][b]");
+  CHECK(split_by(' ', "  a   b\tc  ") == "[a][b][c]");
+  CHECK(split_by(' ', R"(1 "a b" 2)") == "[1][a b][2]");
+  CHECK(split_by('\t', "a\t b\t\tc") == "[a][b][][c]");
+  CHECK_THAT(split_by(',', R"(a,"b)"), Catch::Contains("byte 3"));
+  CHECK_THAT(split_by(',', R"("a" x,b)"), Catch::Contains("byte 3"));
+  CHECK_THAT(split_by(',', R"(a,b"c)"), Catch::Contains("field 2"));
+  CHECK(trimmed(" \t a b \r") == "a b");
+  CHECK(trimmed(" \t\r").empty());
+}
+
+TEST_CASE("numbers by hand: signs, exponents, decimal commas, and what is none") {
+  CHECK(number_read("1.5") == "1.500000");
+  CHECK(number_read("+1.5") == "1.500000");
+  CHECK(number_read("-1,5") == "-1.500000");
+  CHECK(number_read("1e2") == "100.000000");
+  double value = 0.0;
+  for (const char* none : {"", "1.2.3", "1,2,3", "1,2x", "--1", "+"}) {
+    const std::string wrong = NumberText().read(none, 1, value);
+    CHECK((!wrong.empty() && wrong != NumberText::kNotFinite));
+  }
+  CHECK(number_read("inf") == NumberText::kNotFinite);
+  NumberText text;
+  CHECK(text.read("7", 3, value).empty());  // neither point nor comma
+  CHECK_FALSE(text.comma());
+  CHECK(text.read("1,5", 4, value).empty());
+  CHECK(text.read("2,5", 5, value).empty());
+  CHECK((text.comma() && text.comma_line() == 4 && text.comma_text() == "1,5"));
+  CHECK_THAT(text.read("1.5", 6, value), Catch::Contains(" 4"));
+}
+
+TEST_CASE("clocks by hand: with a date and without, and what is none") {
+  CHECK(clock_seconds("10:11:12.5") == 36672.5);
+  CHECK(clock_seconds("1970-01-02 00:00:01") == 86401.0);
+  CHECK(clock_seconds("2000/03/01T00:00:00") == 951868800.0);
+  for (const char* none : {"", "10:11", "10.11.12", "2026-11-02", "2026-13-02 10:00:00", "2026-11-02 10", "10:xx:12",
+                           "a:b:c", "2026-11-02x10:00:00", "10:11:-2", "12345678901", "1:2:3:4"})
+    CHECK_FALSE(clock_seconds(none));
+}
+
+TEST_CASE("formulas by hand: a field that a spreadsheet would carry out is a text, numbers and other texts stay") {
+  for (const char* formula :
+       {"=1", "@SUM(A1)", "+cmd|' /C calc'!A0", "-1+cmd|' /C calc'!A0", "=", "-x", "-2+3", "+1-2e-3"})
+    CHECK(is_formula(formula));
+  for (const char* other : {"", "-", "-1", "+1,5", "-1e-3", "- 7", "-inf", "-nan", "a=b", "'=1", "1-2"})
+    CHECK_FALSE(is_formula(other));
+  CHECK(without_formulas("a,=1,-2", ',') == "a,'=1,-2");
+  CHECK(without_formulas(R"(=a,"=b,=c", =d,"x,@e")", ',') == R"('=a,"'=b,=c", '=d,"x,@e")");
+  CHECK(without_formulas("1;-2,5;@x", ';') == "1;-2,5;'@x");
+}
+
+TEST_CASE("a reader tells what it needs: columns that are not asked for, times, lines as they stand") {
+  std::istringstream stream("time_s;output;step\r\n0,5;1;x\r\n;2;3\r\n");
+  TableReader reader(stream, "t", {}, TableNeeds::kOutput);
+  CHECK(reader.header() == "time_s;output;step");
+  CHECK((reader.has_seconds() && !reader.has_taxel() && reader.separator() == ';'));
+  TableReader::Row row;
+  REQUIRE(reader.next(row));
+  CHECK((row.line == 2 && row.text == "0,5;1;x" && row.sequence == "1" && row.taxel == 0));
+  CHECK((row.input == 0.0 && row.outputs.front() == 1.0));
+  CHECK((row.time == 0.5 && !row.step));
+  REQUIRE(reader.next(row));
+  CHECK((row.outputs.front() == 2.0 && !row.time && row.step == 3.0));
+  CHECK_FALSE(reader.next(row));
+  CHECK(reader.assumed().size() == 1);
 }

@@ -6,8 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "analysis/work_count.h"
-
 using namespace tactbench::analysis;
 
 TEST_CASE("workers: each index is done once, all of them also where some fail, and the lowest failure is thrown") {

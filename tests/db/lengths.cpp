@@ -1,10 +1,20 @@
 // Texts that people enter have a bounded length, and longer ones are refused before anything is stored.
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <catch2/catch.hpp>
 #include <exception>
+#include <filesystem>
 
 #include "bench/common/error.h"
+#include "db/library_versions.h"
+#include "db/schema.h"
+#include "db/sqlite.h"
 #include "db/utf8.h"
 #include "tests/db/new_store.h"
+#include "tests/db/store_example.h"
+#include "tests/support/paths.h"
+#include "tests/support/process.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -123,4 +133,193 @@ TEST_CASE("texts that are too long are a usage error, not damage of the store") 
   REQUIRE(thrown);
   CHECK(bench::as_error(thrown).id() == "TB-STORE-TOO-LONG");
   CHECK(bench::as_error(thrown).code() == bench::ExitCode::kUsage);
+}
+
+// The write-ahead log of a durable run has its full length at the first frame: commits then write over it, which needs
+// no commit of the file system's journal.
+
+using namespace tactbench::db;
+using namespace tactbench::tests;
+using namespace tactbench;
+using db::RunStore;
+using db::sqlite::Access;
+using db::sqlite::Connection;
+
+namespace {
+
+constexpr std::uintmax_t kFullLog = 1000 * (4096 + 24) + 32;
+
+}  // namespace
+
+TEST_CASE("a durable run writes over its log and does not lengthen it") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("runs.db");
+  RunStore store = RunStore::open(path, Durability::kFull);
+  const auto [run, branch] = begin_example(store);
+  const std::uintmax_t length = std::filesystem::file_size(path + "-wal");
+  CHECK(length >= kFullLog);
+  for (int i = 0; i < 50; ++i) store.append_frame(run, example_frame(branch, i));
+  CHECK(std::filesystem::file_size(path + "-wal") == length);
+  const RunStore reader = RunStore::open_read_only(path);  // a rolled-back transaction has no content
+  CHECK(reader.frame_count(run) == 50);
+  CHECK(reader.check_structure().empty());
+  store.end_run(run, Outcome::kCompleted, "", SafeState::kVerified, "");
+  CHECK(store.check_content(run).holds());
+}
+
+TEST_CASE("a run under the turned clock does not lengthen the log") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"), Durability::kNormal);
+  begin_example(store);
+  CHECK(std::filesystem::file_size(folder.path("runs.db-wal")) < 400'000);
+}
+
+TEST_CASE("a store without a log waits for who reads it, and then has its log") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("runs.db");
+  RunStore::open(path);
+  REQUIRE(Connection(path, Access::kReadWrite).text("PRAGMA journal_mode = DELETE") == "delete");
+  int ends[2];
+  REQUIRE(pipe(ends) == 0);
+  const pid_t child = fork();
+  REQUIRE(child >= 0);
+  if (child == 0) {
+    Connection reader(path, Access::kReadOnly);
+    reader.execute("BEGIN");
+    const bool read = reader.integer("SELECT count(*) FROM runs") == 0;
+    if (write(ends[1], "r", 1) != 1) _exit(2);
+    usleep(100'000);
+    reader.execute("COMMIT");
+    _exit(read ? 0 : 1);
+  }
+  char byte = 0;
+  REQUIRE(read(ends[0], &byte, 1) == 1);
+  std::string message;
+  CHECK(store_error([&] { RunStore::open(path); }, &message).empty());
+  CAPTURE(message);
+  int status = 0;
+  REQUIRE(waitpid(child, &status, 0) == child);
+  CHECK((WIFEXITED(status) && WEXITSTATUS(status) == 0));
+  for (const int end : ends) close(end);
+  CHECK(Connection(path, Access::kReadWrite).text("PRAGMA journal_mode") == "wal");
+}
+
+TEST_CASE("the libraries of the room are named with their versions") {
+  const auto versions = db::library_versions();
+  REQUIRE(versions.size() == 2);
+  CHECK((versions[0].first == "SQLite" && versions[0].second.starts_with("3.")));
+  CHECK((versions[1].first == "OpenSSL" && versions[1].second.find('.') != std::string::npos));
+}
+
+// Tables, indexes, views and triggers that tactbench did not make: reported, and never executed.
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using db::RunStore;
+using db::sqlite::Access;
+using db::sqlite::Connection;
+
+namespace {
+
+struct Changed {
+  std::string written, read;  // identifiers of the errors of opening for each
+  std::string message;
+  std::vector<std::string> structure;  // where reading is possible
+};
+
+// A store with one run after `sql` was carried out on it.
+Changed changed_by(const std::string& sql) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("runs.db");
+  {
+    RunStore store = RunStore::open(path);
+    store_example(store);
+  }
+  Connection(path, Access::kReadWrite).execute("PRAGMA foreign_keys = OFF; " + sql);
+  const std::string before = read_file(path);
+  Changed changed;
+  changed.written = store_error([&] { RunStore::open(path); }, &changed.message);
+  changed.read = store_error([&] {
+    const RunStore store = RunStore::open_read_only(path);
+    CHECK(store.check_content(1).holds());
+    CHECK(store.frames(1).size() == 3);
+    changed.structure = store.check_structure();
+  });
+  CHECK(read_file(path) == before);
+  return changed;
+}
+
+}  // namespace
+
+TEST_CASE("foreign triggers, tables, indexes and views are named, and a store with them is not written") {
+  const auto refused = [](const std::string& sql, const std::string& named) {
+    const Changed changed = changed_by(sql);
+    INFO(sql);
+    CHECK(changed.written == "TB-STORE-FOREIGN");
+    CHECK_THAT(changed.message, Catch::Contains(named));
+    CHECK(changed.read.empty());
+    REQUIRE(changed.structure.size() == 1);
+    CHECK_THAT(changed.structure.front(), Catch::Contains(named));
+  };
+  refused("CREATE TRIGGER evil AFTER INSERT ON runs BEGIN DELETE FROM verdicts; END", "'evil'");
+  refused("CREATE TABLE mine (a)", "'mine'");
+  refused("CREATE INDEX quick ON frames (time_ns)", "'quick'");
+  refused("CREATE VIEW v_mine AS SELECT 1", "'v_mine'");
+}
+
+TEST_CASE("where one of the store's own tables or views differs, reading is refused, too, and at once") {
+  const auto refused = [](const std::string& sql, const std::string& named) {
+    const Changed changed = changed_by(sql);
+    INFO(sql);
+    CHECK(changed.written == "TB-STORE-OTHER-SCHEMA");
+    CHECK(changed.read == "TB-STORE-OTHER-SCHEMA");
+    CHECK_THAT(changed.message, Catch::Contains(named));
+  };
+  refused("DROP VIEW v_runs; CREATE VIEW v_runs AS SELECT 1 AS run", "'v_runs'");
+  refused("DROP INDEX verdicts_of_run", "'verdicts_of_run'");
+  refused(
+      "DROP VIEW v_frames; DROP VIEW v_runs; DROP TABLE frames; CREATE VIEW frames AS WITH RECURSIVE c (frame) AS "
+      "(SELECT 1 UNION ALL SELECT frame + 1 FROM c) SELECT frame FROM c",
+      "'frames'");
+  refused("ALTER TABLE verdicts ADD COLUMN more TEXT", "'verdicts'");
+}
+
+TEST_CASE("SQLite's own statistics do not count as foreign objects") {
+  const Changed changed = changed_by("ANALYZE");
+  CHECK((changed.written.empty() && changed.read.empty() && changed.structure.empty()));
+}
+
+TEST_CASE("no trigger of a store fires and no view of it is read") {
+  const TemporaryFolder folder;
+  Connection connection(folder.path("any.db"), Access::kReadWrite);
+  connection.execute(
+      "CREATE TABLE a (x); CREATE TABLE b (x); CREATE VIEW c AS SELECT x FROM a; "
+      "CREATE TRIGGER t AFTER INSERT ON a BEGIN INSERT INTO b VALUES (1); END");
+  connection.trust_no_schema();
+  connection.execute("INSERT INTO a VALUES (7)");
+  CHECK(connection.integer("SELECT count(*) FROM b") == 0);
+  CHECK_FALSE(store_error([&] { (void)connection.integer("SELECT x FROM c"); }).empty());
+}
+
+TEST_CASE("a value too large for a store is refused before memory is taken") {
+  const TemporaryFolder folder;
+  Connection connection(folder.path("any.db"), Access::kReadWrite);
+  connection.trust_no_schema();
+  CHECK(store_error([&] { (void)connection.integer("SELECT length(zeroblob(300000000))"); }) == "TB-STORE-TOO-LARGE");
+  CHECK(connection.integer("SELECT length(zeroblob(5000000))") == 5000000);
+}
+
+TEST_CASE("frames whose counts do not fit their shape are not returned") {
+  NewStore store;
+  store_example(store);
+  const auto read_with = [&](const std::string& change) {
+    Connection(store.path(), Access::kReadWrite)
+        .execute("PRAGMA ignore_check_constraints = ON; UPDATE frames SET " + change);
+    return store_error([&] { (void)store.frames(1); });
+  };
+  CHECK(read_with("scans = 9 WHERE frame % 10 = 2") == "TB-STORE-SQL");
+  CHECK(read_with("scans = 2").empty());
+  CHECK(read_with("columns = 2147483647, \"rows\" = 2147483647") == "TB-STORE-SQL");
+  CHECK(read_with("columns = 2, \"rows\" = 0") == "TB-STORE-SQL");
+  CHECK_FALSE(store.check_content(1).holds());
 }

@@ -1,7 +1,7 @@
 // Runs whose frames were removed by a rule: what stays, what is checked, and what is never removed.
 #include <catch2/catch.hpp>
 
-#include "db/frames_hash.h"
+#include "db/hash_chain.h"
 #include "db/sqlite.h"
 #include "tests/db/new_store.h"
 

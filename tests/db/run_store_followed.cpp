@@ -1,7 +1,7 @@
 // Baselines and repetitions at their edges.
 #include <catch2/catch.hpp>
 
-#include "db/frames_hash.h"
+#include "db/hash_chain.h"
 #include "db/sqlite.h"
 #include "tests/db/new_store.h"
 

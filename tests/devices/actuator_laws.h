@@ -1,4 +1,4 @@
-// Table of the actuators that are tested against the rules of devices/actuator.h (actuator_laws_wire.cpp). A driver is
+// Table of the actuators that are tested against the rules of devices/device.h (actuator_laws_wire.cpp). A driver is
 // added by an adapter: an ActuatorBed, and one JoinsActuatorLaws at namespace scope of a *_wire.cpp.
 // tests/actuator_rules.cmake fails when a driver in devices/ has none.
 #pragma once
@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "devices/actuator.h"
 #include "devices/clock.h"
+#include "devices/device.h"
 
 namespace tactbench::devices {
 

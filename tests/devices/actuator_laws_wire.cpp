@@ -1,4 +1,4 @@
-// The laws of every actuator (devices/actuator.h), tested on each driver in the table of actuator_laws.h against its
+// The laws of every actuator (devices/device.h), tested on each driver in the table of actuator_laws.h against its
 // simulated end over a real wire.
 #include "tests/devices/actuator_laws.h"
 

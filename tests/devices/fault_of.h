@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 
 namespace tactbench::devices {
 

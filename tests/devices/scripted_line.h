@@ -15,7 +15,7 @@
 
 #include "devices/wire/ends/end_at_work.h"
 #include "devices/wire/ends/pseudo_terminal.h"
-#include "devices/wire/modbus/modbus_crc.h"
+#include "devices/wire/modbus/modbus_line.h"
 #include "devices/wire/options.h"
 #include "tests/devices/scripted_server.h"
 #include "tests/devices/timeouts.h"

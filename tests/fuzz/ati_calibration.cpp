@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "devices/force/ati_matrix.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "bench/config/config.h"
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "sequences/toml/strict_toml.h"
 
 using namespace tactbench;

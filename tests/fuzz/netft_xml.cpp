@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tactbench::devices;

@@ -9,7 +9,7 @@
 #include <optional>
 #include <thread>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 
 namespace tactbench::tests {
 

@@ -6,10 +6,8 @@
 #include <cmath>
 #include <set>
 
-#include "analysis/identify/dynamic/dynamic_alone.h"
 #include "analysis/identify/dynamic/dynamic_residuals.h"
 #include "analysis/identify/dynamic/own_creep.h"
-#include "analysis/identify/dynamic/track.h"
 #include "analysis/pressure_unit.h"
 #include "analysis/statistics/numbers/moments.h"
 

@@ -2,10 +2,13 @@
 // repeatedly the output rises from pass to pass.
 #pragma once
 
+#include <array>
 #include <vector>
 
+#include "analysis/dataset.h"
 #include "analysis/identify/dynamic/dynamics_search.h"
 #include "analysis/identify/sensor_model.h"
+#include "analysis/models/dynamics.h"
 
 namespace tactbench::analysis {
 
@@ -42,5 +45,23 @@ Dynamics dynamics_of_recording(const CreepMisfit& misfit, double highest, double
 // The outputs of a run with lag and creep removed, at the pressures that have arrived.
 Dataset lag_and_creep_undone(Dataset data, const ArrayDynamics& dynamics, const std::vector<double>& zero_v,
                              double span);
+
+// The samples of a dataset in time order, and the creep along them.
+
+struct Track {
+  std::vector<double> time, pressure;
+  std::vector<const Sample*> samples;
+  double span = 0.0;                 // of the pressures
+  std::vector<const double*> volts;  // row of taxels
+  std::vector<std::size_t> sequence, repeat, step;
+};
+Track track_of(const Dataset& data);  // keeps pointers into `data`
+
+// One sample further along a run: time that no command accounts for was conditioning over 0 to `span`. `before`: the
+// time of the sample before, negative at the first.
+DynamicsStep next_step(const Dynamics& d, DynamicsState& state, const Sample& sample, double before, double span);
+
+// psi of each element at each sample.
+std::vector<std::array<double, kCreepElements>> walk_creep(const Track& track, const Dynamics& d);
 
 }  // namespace tactbench::analysis

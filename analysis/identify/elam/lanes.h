@@ -9,11 +9,19 @@
 #include <span>
 #include <vector>
 
-#include "analysis/identify/elam/dispatch.h"
 #include "analysis/identify/elam/elam_samples.h"
 #include "analysis/models/elam.h"
 
+// Selects the vector level of code that exists in several versions: frames of the compensator, lanes of identification.
+// Results are bit-identical at every level.
+
 namespace tactbench::analysis {
+
+enum class Dispatch { kBase, kAvx2, kAvx512 };  // vectors of 16, 32, 64 bytes
+
+const char* to_string(Dispatch dispatch);  // base, avx2, avx512
+std::span<const Dispatch> dispatches();    // that this processor has, lowest first; kBase always
+[[nodiscard]] Dispatch best_dispatch();    // the last of them
 
 // Of 2, 4 or 8 lanes. The best one, or the one that TACTBENCH_LANES names (one that the processor lacks is ignored), or
 // the one that was forced.

@@ -4,8 +4,8 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "analysis/identify/fit_models.h"
 #include "analysis/identify/fit_samples.h"
-#include "analysis/identify/identifier.h"
 #include "analysis/models/monotone.h"
 
 namespace tactbench::analysis {

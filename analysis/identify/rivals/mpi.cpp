@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/identify/fit_models.h"
 #include "analysis/identify/fit_samples.h"
-#include "analysis/identify/identifier.h"
 #include "analysis/models/mpi.h"
 
 namespace tactbench::analysis {

@@ -8,8 +8,8 @@
 #include <map>
 #include <utility>
 
+#include "analysis/identify/fit_models.h"
 #include "analysis/identify/fit_samples.h"
-#include "analysis/identify/identifier.h"
 #include "analysis/models/poly.h"
 
 namespace tactbench::analysis {

@@ -9,8 +9,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "analysis/identify/fit_models.h"
 #include "analysis/identify/fit_samples.h"
-#include "analysis/identify/identifier.h"
 #include "analysis/identify/rivals/nnls.h"
 #include "analysis/models/elam.h"
 #include "analysis/models/play_operators.h"

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 
@@ -37,5 +38,14 @@ SensorModel document_of(const db::FitRecord& record);
 // has none.
 SensorModel load_fit(const db::FitRecord& record);
 SensorModel load_fit(const db::RunStore& store, std::int64_t run);
+
+// Additional members of a dynamic model's document: "dynamics", and three members per taxel.
+
+nlohmann::ordered_json dynamics_json(const SensorDynamics& dynamics);
+// The readers throw std::invalid_argument that names the member that is missing, of another kind or out of range.
+SensorDynamics dynamics_from(const nlohmann::ordered_json& json);
+
+void add_taxel_dynamics(const ModelTaxel& taxel, nlohmann::ordered_json& json);
+void read_taxel_dynamics(const nlohmann::ordered_json& json, ModelTaxel& taxel);
 
 }  // namespace tactbench::analysis

@@ -4,7 +4,6 @@
 #include "analysis/documents/evaluation_json.h"
 #include "analysis/json_fields.h"
 #include "analysis/report/data/data.h"
-#include "analysis/report/data/section_data.h"
 #include "analysis/report/parts.h"
 
 namespace tactbench::analysis {

@@ -6,7 +6,7 @@
 
 #include "analysis/pressure_unit.h"
 #include "analysis/report/document/document.h"
-#include "analysis/report/page/numbers.h"
+#include "analysis/report/page/html.h"
 
 namespace tactbench::analysis::doc {
 

@@ -2,14 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "analysis/counted.h"
 #include "analysis/documents/evaluation_json.h"
+#include "analysis/identify/stored/model_document.h"
 #include "analysis/json_fields.h"
 #include "analysis/report/data/data.h"
 #include "analysis/report/overview/overview.h"
+#include "analysis/report/page/chart.h"
 #include "analysis/statistics/figures/levels.h"
+#include "analysis/statistics/numbers/moments.h"
 
 namespace tactbench::analysis {
 
@@ -145,6 +150,146 @@ std::vector<double> modified_z_scores(const std::vector<double>& values) {
   for (std::size_t i = 0; i < values.size(); ++i)
     if (std::isfinite(values[i])) scores[i] = 0.6745 * (values[i] - median) / mad;
   return scores;
+}
+
+namespace {
+
+constexpr std::size_t kMostPoints = 6000;  // of a curve
+
+// Histories one after the other, with a gap between them; of very many samples every n-th.
+class Curves {
+ public:
+  Curves(const Histories& histories, const TaxelHistories& taxel, PressureUnit unit)
+      : shown_(taxel.fit.empty() ? taxel.score : taxel.fit),
+        factor_(histories.input_unit == "psi" ? unit.of(1.0) : 1.0),
+        sign_(histories.falling ? -1.0 : 1.0) {
+    std::size_t samples = 0;
+    for (const History& history : shown_) samples += history.x.size();
+    step_ = 1 + samples / kMostPoints;
+  }
+  [[nodiscard]] const std::vector<History>& histories() const { return shown_; }
+  void add(Curve& curve, const History& history, const std::vector<double>& y, double factor) const {
+    if (!curve.x.empty()) {
+      curve.x.push_back(curve.x.back());
+      curve.y.push_back(kNan);
+    }
+    for (std::size_t i = 0; i < y.size(); i += step_) {
+      curve.x.push_back(factor_ * history.x[i]);
+      curve.y.push_back(sign_ * factor * y[i]);
+    }
+  }
+
+ private:
+  const std::vector<History>& shown_;
+  double factor_, sign_;
+  std::size_t step_ = 1;
+};
+
+const ModelTaxel* fitted_taxel(const SensorModel& model, int number) {
+  const auto taxel = std::ranges::find(model.taxels, number, &ModelTaxel::taxel);
+  return taxel == model.taxels.end() || taxel->fit.model == nullptr ? nullptr : &*taxel;
+}
+
+// The last: the mean stands at the end. Where that has no model, the last that has one.
+const TaxelHistories& shown_taxel(const Histories& histories, const std::vector<const SensorModel*>& models) {
+  for (auto taxel = histories.taxels.rbegin(); taxel != histories.taxels.rend() && !models.empty(); ++taxel)
+    if (fitted_taxel(*models.front(), taxel->taxel) != nullptr) return *taxel;
+  return histories.taxels.back();
+}
+
+std::string of_taxel(const TaxelHistories& taxel, const Histories& histories) {
+  return taxel.taxel == kMeanTaxel     ? "mean taxel"
+         : histories.taxels.size() > 1 ? fmt::format("taxel {}", taxel.taxel)
+                                       : histories.source;
+}
+
+Axis input_axis(const Histories& histories, PressureUnit unit) {
+  if (histories.input_unit == "psi") return {fmt::format("gauge pressure in {}", unit.symbol())};
+  return {histories.input_unit.empty() ? "input" : "input in " + histories.input_unit};
+}
+
+}  // namespace
+
+Chart fitted_loop(const Histories& histories, const std::vector<const SensorModel*>& models, PressureUnit unit) {
+  const TaxelHistories& taxel = shown_taxel(histories, models);
+  const Curves curves(histories, taxel, unit);
+  Chart chart{.title = "Measured loop and model, " + of_taxel(taxel, histories),
+              .width = 676.0,
+              .height = 360.0,
+              .x = input_axis(histories, unit),
+              .y = {histories.output_unit.empty() ? "output" : "output in " + histories.output_unit}};
+  Curve measured{"measured", {}, {}, kStrokes[0], true};
+  for (const History& history : curves.histories()) curves.add(measured, history, history.y, 1.0);
+  chart.curves.push_back(std::move(measured));
+  for (const SensorModel* model : models) {
+    const ModelTaxel* own = fitted_taxel(*model, taxel.taxel);
+    if (own == nullptr || chart.curves.size() == std::size(kStrokes)) continue;
+    Curve curve{label_of(*model), {}, {}, kStrokes[chart.curves.size()]};
+    for (const History& history : curves.histories()) curves.add(curve, history, own->predicted(history, false), 1.0);
+    chart.curves.push_back(std::move(curve));
+  }
+  return chart;
+}
+
+Chart fitted_errors(const Histories& histories, const SensorModel& model, PressureUnit unit) {
+  const TaxelHistories& taxel = shown_taxel(histories, {&model});
+  const Curves curves(histories, taxel, unit);
+  Chart chart{.title = fmt::format("What {} leaves, {}", label_of(model), of_taxel(taxel, histories)),
+              .width = 676.0,
+              .height = 200.0,
+              .x = input_axis(histories, unit),
+              .y = {"error in % FS"}};
+  Curve left{"", {}, {}, kBlue, true};
+  const ModelTaxel* own = fitted_taxel(model, taxel.taxel);
+  for (const History& history : curves.histories()) {
+    if (own == nullptr) break;
+    std::vector<double> errors = own->predicted(history, false);
+    for (std::size_t i = 0; i < errors.size(); ++i) errors[i] = history.y[i] - errors[i];
+    curves.add(left, history, errors, 100.0 / own->fit.full_scale);
+  }
+  chart.curves.push_back(std::move(left));
+  return chart;
+}
+
+// The mean loops of several runs in one chart.
+
+namespace {
+
+constexpr std::size_t kMostNamedLoops = std::size(kStrokes);
+
+}  // namespace
+
+doc::Document loops_overlaid(const std::vector<const ReportInput*>& runs) {
+  const PressureUnit unit = runs.front()->unit;
+  const bool named = runs.size() <= kMostNamedLoops;
+  Chart chart{.title = "Mean loops before correction of all runs",
+              .width = 676.0,
+              .height = 240.0,
+              .x = {fmt::format("gauge pressure in {}", unit.symbol())},
+              .y = {"output in V"},
+              .labels_at_ends = named};
+  for (const ReportInput* run : runs) {
+    const Behaviour& b = run->behaviour;
+    if (b.loops.empty()) continue;
+    const RawLoop& loop = b.loops.front();
+    Curve curve{named ? sensor_and_run(*run) : "", {}, {}, named ? kStrokes[chart.curves.size()] : kBlack};
+    const std::size_t n = b.pressure_psi.size();
+    for (std::size_t i = 0; i < 2 * n; ++i) {  // down, then up, which ends at the right
+      const std::size_t at = i < n ? n - 1 - i : i - n;
+      curve.x.push_back(unit.of(b.pressure_psi[at]));
+      curve.y.push_back(i < n ? loop.down_v[at] : loop.up_v[at]);
+    }
+    chart.curves.push_back(std::move(curve));
+  }
+  doc::Document out;
+  out.add(doc::Heading{2, "Mean loops", "loops"});
+  if (chart.curves.empty())
+    out.add(doc::Paragraph{{"not available"}});
+  else
+    out.add(doc::Figure{chart_svg(chart),
+                        chart.title,
+                        {"Loops of the mean taxels before correction, ", counted(chart.curves.size(), "run"), "."}});
+  return out;
 }
 
 }  // namespace tactbench::analysis

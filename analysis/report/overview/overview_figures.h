@@ -5,6 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "analysis/identify/histories.h"
+#include "analysis/identify/sensor_model.h"
+#include "analysis/pressure_unit.h"
+#include "analysis/report/page/chart.h"
 #include "analysis/report/parts.h"
 
 namespace tactbench::analysis {
@@ -32,5 +36,14 @@ doc::Phrase overall_phrase(const ReportInput& input, const char* without_limits)
 
 doc::Document loops_overlaid(const std::vector<const ReportInput*>& runs);
 std::string sensor_and_run(const ReportInput& input);  // "SIM-0001, run 3"
+
+// Charts of a measured loop with the loops of models drawn over it, and of a model's residuals: for the mean taxel, or
+// the only one.
+
+// `models`: made from or checked on these data; the first four are drawn. Pressures in `unit`, other inputs as they
+// are.
+Chart fitted_loop(const Histories& histories, const std::vector<const SensorModel*>& models, PressureUnit unit);
+// Measured outputs less the model's, in % of full scale, over the inputs.
+Chart fitted_errors(const Histories& histories, const SensorModel& model, PressureUnit unit);
 
 }  // namespace tactbench::analysis

@@ -7,7 +7,7 @@
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/json_fields.h"
 #include "analysis/report/document/printers.h"
-#include "analysis/report/overview/fitted_loop.h"
+#include "analysis/report/overview/overview_figures.h"
 #include "analysis/report/page/page.h"
 #include "analysis/report/parts.h"
 #include "db/run_store.h"

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "analysis/report/page/numbers.h"
+#include "analysis/report/page/html.h"
 
 namespace tactbench::analysis {
 

@@ -6,7 +6,6 @@
 #include <cstddef>
 
 #include "analysis/statistics/numbers/moments.h"
-#include "analysis/statistics/numbers/student.h"
 
 namespace tactbench::analysis {
 namespace {

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "analysis/statistics/figures/levels.h"
-#include "analysis/statistics/figures/step_kinds.h"
 #include "analysis/statistics/figures/streams.h"
 
 namespace tactbench::analysis {

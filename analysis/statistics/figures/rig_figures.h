@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "analysis/stored_run.h"
+#include "analysis/dataset.h"
 
 namespace tactbench::analysis {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "analysis/statistics/numbers/student.h"
+#include "analysis/statistics/numbers/moments.h"
 
 namespace tactbench::analysis {
 

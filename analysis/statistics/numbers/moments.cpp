@@ -1,8 +1,11 @@
 #include "analysis/statistics/numbers/moments.h"
 
 #include <algorithm>
+#include <boost/math/distributions/normal.hpp>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <iterator>
+#include <limits>
 
 namespace tactbench::analysis {
 
@@ -89,6 +92,47 @@ double squares_off(const LineFit& line, std::span<const double> x, std::span<con
     squares += off * off;
   }
   return squares;
+}
+
+PooledScatter pooled_scatter(std::span<const std::vector<double>> rows) {
+  PooledScatter scatter;
+  scatter.rows = rows.size();
+  if (rows.size() < 2) return scatter;
+  std::vector<double> sums(rows.size(), 0.0);
+  double variances = 0.0;
+  for (std::size_t part = 0; part < rows.front().size(); ++part) {
+    std::vector<double> values;
+    for (const std::vector<double>& row : rows) values.push_back(row.at(part));
+    if (!std::ranges::all_of(values, [](double value) { return std::isfinite(value); })) continue;
+    ++scatter.parts;
+    variances += sample_variance(values);
+    for (std::size_t row = 0; row < rows.size(); ++row) sums[row] += values[row];
+  }
+  if (scatter.parts == 0) return scatter;
+  const auto parts = static_cast<double>(scatter.parts), n = static_cast<double>(rows.size());
+  for (double& sum : sums) sum /= parts;
+  const double whole = variances / parts;
+  const double common = std::min(whole, sample_variance(sums)), own = whole - common;
+  scatter.s = std::sqrt(whole);
+  scatter.dof = n - 1.0;
+  if (whole > 0.0 && parts > 1.0)
+    scatter.dof = std::max(scatter.dof, (n - 1.0) * whole * whole / (common * common + own * own / (parts - 1.0)));
+  return scatter;
+}
+
+double student_quantile(double probability, double degrees_of_freedom) {
+  if (!(probability > 0.0 && probability < 1.0 && degrees_of_freedom > 0.0))
+    return std::numeric_limits<double>::quiet_NaN();
+  if (std::isinf(degrees_of_freedom)) return boost::math::quantile(boost::math::normal(), probability);
+  return boost::math::quantile(boost::math::students_t(degrees_of_freedom), probability);
+}
+
+double student_two_sided(double t, double degrees_of_freedom) {
+  if (std::isnan(t) || !(degrees_of_freedom > 0.0)) return std::numeric_limits<double>::quiet_NaN();
+  if (std::isinf(t)) return 0.0;
+  if (std::isinf(degrees_of_freedom))
+    return 2.0 * boost::math::cdf(boost::math::complement(boost::math::normal(), std::abs(t)));
+  return 2.0 * boost::math::cdf(boost::math::complement(boost::math::students_t(degrees_of_freedom), std::abs(t)));
 }
 
 }  // namespace tactbench::analysis

@@ -8,8 +8,8 @@
 #include <stdexcept>
 
 #include "analysis/identify/compensators.h"
-#include "analysis/identify/dynamic/undone.h"
-#include "analysis/identify/folds.h"
+#include "analysis/identify/dynamic/dynamic_residuals.h"
+#include "analysis/identify/fit_samples.h"
 #include "analysis/workers.h"
 
 namespace tactbench::analysis {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "analysis/identify/fit_data.h"
+#include "analysis/identify/fit_models.h"
 
 namespace tactbench::analysis {
 

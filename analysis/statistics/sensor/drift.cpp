@@ -6,7 +6,7 @@
 #include <cmath>
 #include <optional>
 
-#include "analysis/identify/dynamic/undone.h"
+#include "analysis/identify/dynamic/dynamic_residuals.h"
 #include "analysis/statistics/numbers/moments.h"
 #include "analysis/statistics/scoring/model_score.h"
 

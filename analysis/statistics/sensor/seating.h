@@ -59,7 +59,7 @@ struct SeatingResult {
 SeatingResult check_seating(int rows, int columns, const SeatingFrames& now, const std::optional<SeatingFrames>& last,
                             const SeatingOptions& options = {});
 
-// Parts of it, seating_pattern.cpp: how well `now` fits `before` in each of the positions that the shape allows (8 of a
+// Parts of it, seating.cpp: how well `now` fits `before` in each of the positions that the shape allows (8 of a
 // square, 4 of a rectangle), the taxels where `use` is true alone; the first position is the identity.
 struct SeatingPosition {
   std::string name;  // "turned by 180 degrees"
@@ -68,5 +68,22 @@ struct SeatingPosition {
 std::vector<SeatingPosition> compare_positions(int rows, int columns, std::span<const double> now,
                                                std::span<const double> before, const std::vector<bool>& use_now,
                                                const std::vector<bool>& use_before);
+
+// Part of the seating check: whole rows and columns. Used only by seating.cpp.
+
+struct SeatingTaxels {
+  int rows = 0, columns = 0;
+  std::vector<double> response_v, loaded_v, before_v;  // before_v: empty where no last seating may be compared
+  std::vector<bool> known_dead;
+  std::vector<bool> open_rows, open_columns;  // find_open_lines
+};
+
+// Lines that are silent as a whole; the lines across are judged without them.
+void find_open_lines(SeatingTaxels& taxels, double least_v);
+
+// Dead lines, half-inserted connectors, edges outside the membrane, along one axis. `lost` is set for the taxels of
+// the lines found.
+std::vector<SeatingFinding> check_lines(const SeatingTaxels& taxels, bool along_rows, const SeatingOptions& options,
+                                        std::vector<bool>& lost);
 
 }  // namespace tactbench::analysis

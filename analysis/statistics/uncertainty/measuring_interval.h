@@ -1,7 +1,7 @@
 // The pressure interval in which a reading is within a requested error.
 #pragma once
 
-#include "analysis/statistics/uncertainty/use_condition.h"
+#include "analysis/statistics/uncertainty/history_kind.h"
 
 namespace tactbench::analysis {
 

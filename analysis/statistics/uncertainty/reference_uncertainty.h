@@ -10,7 +10,6 @@
 
 #include "analysis/statistics/uncertainty/instrument_calibration.h"
 #include "analysis/statistics/uncertainty/instrument_uncertainty.h"
-#include "analysis/statistics/uncertainty/untraced.h"
 #include "db/record.h"
 
 namespace tactbench::analysis {

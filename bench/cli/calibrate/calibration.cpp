@@ -3,20 +3,33 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
+#include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
-#include "bench/cli/calibrate/calibrate_words.h"
-#include "bench/cli/calibrate/large_word.h"
+#include "analysis/counted.h"
+#include "analysis/identify/dynamic/dynamic_fit.h"
+#include "analysis/identify/stored/model_document.h"
+#include "analysis/json_fields.h"
 #include "bench/cli/judgement_words.h"
-#include "bench/cli/reports/written_report.h"
+#include "bench/cli/models/fit_models.h"
+#include "bench/cli/reports/report.h"
 #include "bench/cli/rig/run.h"
-#include "bench/cli/runs/register_sensor.h"
+#include "bench/cli/runs/sensors.h"
+#include "bench/cli/session.h"
 #include "bench/common/overrides.h"
 #include "bench/config/config_laboratory.h"
 #include "bench/reporting/sensor_state.h"
@@ -359,5 +372,176 @@ std::string calibrate_again(const CalibrateOptions& options, Session& session, s
 }
 
 void calibrate(const CalibrateOptions& options, Session& session) { Calibration(options, session).carry_out(); }
+
+void add_calibrate(CLI::App& app, Session& session) {
+  auto options = std::make_shared<CalibrateOptions>();
+  ProfileOptions& profile = session.profile;
+  CLI::App* verb = app.add_subcommand(
+      "calibrate",
+      "from a serial number to a verdict and a report\n"
+      "Registers the sensor if it is new, measures it twice, the second time to judge by and to count its uncertainty, "
+      "fits, judges, writes the report, and prints PASS, FAIL or INCONCLUSIVE.");
+  verb->footer(
+      "Exit code: 0 pass or conditional pass, 1 fail, 6 inconclusive or conditional fail; otherwise as of the stage "
+      "that failed, which names the commands that continue.");
+  verb->add_option("serial", options->serial, "the sensor's serial number")->required();
+  profile.add_operator(*verb, options->operator_name);
+  CLI::Option* recipe = profile
+                            .add(*verb, "--recipe", ProfileKey::kRecipe, options->recipes,
+                                 "recipes of the run that the models are made from: files or names of shipped ones")
+                            ->take_all()
+                            ->default_str("production");
+  CLI::Option* held_out =
+      verb->add_option("--held-out-recipe", options->held_out_recipes,
+                       "recipes of the run that readings are judged on and their U is counted on, by kind of history")
+          ->take_all()
+          ->default_str("verification");
+  verb->add_option("--minutes", options->minutes,
+                   "of process time for both runs: the longest shipped form that fits, in place of recipes of your own")
+      ->check(CLI::PositiveNumber)
+      ->excludes(recipe)
+      ->excludes(held_out);
+  profile.add(*verb, "--limits", ProfileKey::kLimits, options->limits, "limits file that judges")
+      ->capture_default_str();
+  profile.add(*verb, "--lab", ProfileKey::kLab, options->lab,
+              "laboratory file: facts for the report that no instrument knows");
+  std::vector<std::string> models = {analysis::kDynamicModel};
+  std::ranges::copy(analysis::model_names(), std::back_inserter(models));
+  verb->add_option("--model", options->model,
+                   "kind of model; elam is the paper's [dynamic; elam of what that does not take]")
+      ->check(CLI::IsMember(models));
+  verb->add_option("--type", options->type, "sensor type file, for a sensor that is new")->capture_default_str();
+  verb->add_option("--run", options->run, "make the models from this completed run of the sensor, measure none")
+      ->check(CLI::PositiveNumber);
+  verb->add_option("--held-out", options->held_out, "judge on this completed run of the sensor, measure none")
+      ->check(CLI::PositiveNumber);
+  add_metadata_options(*verb, options->metadata);
+  verb->add_option("--set", options->set,
+                   "override table.key=value of the bench file, or recipe.key=value of the recipes of --recipe")
+      ->take_all();
+  verb->add_option("--seed", options->seeds.seed,
+                   "simulation: seed of noise and faults; the held-out run has the next");
+  verb->add_option("--sensor-seed", options->seeds.sensor_seed, "simulation: seed of the array");
+  verb->add_option("--on-event", options->on_event,
+                   "shell command for the events done, failed, waiting of both runs (see run --help)");
+  verb->add_flag("--yes", options->assume_yes, "answer operator prompts with yes");
+  verb->add_flag("--no-seating", options->no_seating, "skip the seating check");
+  add_all(*verb, session);
+  for (const char* const name : {"--run", "--held-out", "--held-out-recipe", "--meta", "--on-event", "--no-seating"})
+    verb->get_option(name)->group(kRareOptions);
+  verb->callback([options, &session] {
+    options->bench = session.bench_file();
+    calibrate(*options, session);
+  });
+}
+
+namespace doc = analysis::doc;
+using analysis::Verdict;
+
+namespace {
+
+std::string place(const BadTaxel& taxel) {
+  return fmt::format("row {}, column {} ({})", taxel.row, taxel.column, taxel.why);
+}
+
+std::string bad_taxels_text(const std::vector<BadTaxel>& taxels) {
+  constexpr std::size_t kNamed = 12;
+  if (taxels.empty()) return "none";
+  std::vector<std::string> places;
+  for (std::size_t i = 0; i < std::min(kNamed, taxels.size()); ++i) places.push_back(place(taxels[i]));
+  return fmt::format("{}{}", fmt::join(places, "; "),
+                     taxels.size() > kNamed ? fmt::format("; and {} more, in the report", taxels.size() - kNamed) : "");
+}
+
+}  // namespace
+
+std::vector<BadTaxel> bad_taxels(const JudgedFit& fit, const analysis::Judgement& judgement,
+                                 analysis::PressureUnit unit) {
+  std::vector<BadTaxel> bad;
+  for (const LeftOut& taxel : left_out_of(fit.model)) bad.push_back({taxel.row, taxel.column, taxel.status});
+  const bool worst_is_bad = std::ranges::any_of(judgement.figures, [](const analysis::JudgedFigure& row) {
+    return row.criterion == analysis::Criterion::kWorstTaxelError &&
+           (row.verdict == Verdict::kFail || row.verdict == Verdict::kConditionalFail);
+  });
+  const analysis::Evaluation& judged = fit.evaluations.back().evaluation;
+  if (worst_is_bad && judged.worst_taxel >= 0)
+    bad.push_back({judged.worst_taxel / fit.model.columns, judged.worst_taxel % fit.model.columns,
+                   fmt::format("mean |error| {}, the largest", unit.text(judged.worst_taxel_mean_error_psi, 2))});
+  return bad;
+}
+
+std::string fit_line(const CalibrationResult& result) {
+  const analysis::SensorModel& model = result.fit.model;
+  const analysis::Evaluation& judged = result.fit.evaluations.back().evaluation;
+  return fmt::format(
+      "{} on run {}: {} of {} fitted; on run {} mean |error| {}, worst taxel {}", analysis::label_of(model), model.run,
+      model.fitted().size(), analysis::counted(model.array().size(), "taxel"), judged.run,
+      result.unit.text(judged.mean_error_psi, 2), result.unit.text(judged.worst_taxel_mean_error_psi, 2));
+}
+
+doc::Document verdict_document(const CalibrationResult& result, const Session& session) {
+  doc::Document out;
+  out.add(judgement_document(result.judgement, result.origin, result.unit, session.all));
+  if (session.quiet) out.blocks.resize(1);
+  out.add(doc::Paragraph{
+      {fmt::format("sensor {}, limits '{}', bad taxels: {}", one_line(result.sensor), one_line(result.limits),
+                   bad_taxels_text(bad_taxels(result.fit, result.judgement, result.unit)))}});
+  if (!result.drift.empty()) out.add(doc::Paragraph{{"drifted since its models before: ", result.drift}});
+  return out;
+}
+
+nlohmann::ordered_json calibration_json(const CalibrationResult& result) {
+  const std::optional<Verdict> verdict = result.judgement.overall;
+  auto bad = nlohmann::ordered_json::array(), evaluations = nlohmann::ordered_json::array();
+  for (const BadTaxel& taxel : bad_taxels(result.fit, result.judgement))
+    bad.push_back({JSON_FIELDS(taxel, row, column, why)});
+  for (const NamedEvaluation& named : result.fit.evaluations) evaluations.push_back(evaluation_json(named));
+  return {JSON_FIELDS(result, sensor, registered, origin, run, held_out),
+          {"model", analysis::label_of(result.fit.model)},
+          {"limits", result.limits},
+          {"verdict", analysis::verdict_word(verdict)},
+          {"shown", verdict ? shown_verdict(*verdict, result.origin) : std::string("no verdict")},
+          {"statement", headline(result.judgement, result.origin, analysis::PressureUnit::kPsi)},
+          {"bad_taxels", bad},
+          {"drift", result.drift.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(result.drift)},
+          {"evaluations", evaluations},
+          {"verdicts", verdicts_json(result.judgement.figures, result.origin)},
+          {"judgement", judgement_json(result.judgement, result.origin)},
+          {"report", {{"number", result.report_number}, {"path", result.report_path}}}};
+}
+
+namespace {
+
+using Letter = std::array<std::string_view, 5>;  // lines of equal length
+
+const std::map<char, Letter>& letters() {
+  static const std::map<char, Letter> all = {
+      {'A', {" ### ", "#   #", "#####", "#   #", "#   #"}}, {'C', {" ####", "#    ", "#    ", "#    ", " ####"}},
+      {'E', {"#####", "#    ", "#### ", "#    ", "#####"}}, {'F', {"#####", "#    ", "#### ", "#    ", "#    "}},
+      {'I', {"###", " # ", " # ", " # ", "###"}},           {'L', {"#    ", "#    ", "#    ", "#    ", "#####"}},
+      {'N', {"#   #", "##  #", "# # #", "#  ##", "#   #"}}, {'O', {" ### ", "#   #", "#   #", "#   #", " ### "}},
+      {'P', {"#### ", "#   #", "#### ", "#    ", "#    "}}, {'S', {" ####", "#    ", " ### ", "    #", "#### "}},
+      {'U', {"#   #", "#   #", "#   #", "#   #", " ### "}}, {'V', {"#   #", "#   #", "#   #", " # # ", "  #  "}}};
+  return all;
+}
+
+}  // namespace
+
+std::string large_word(const std::string& word, const std::string& margin) {
+  std::string text;
+  for (std::size_t row = 0; row < Letter().size(); ++row) {
+    std::string line = margin;
+    for (const char letter : word) {
+      const auto found =
+          letters().find(letter >= 'a' && letter <= 'z' ? static_cast<char>(letter - 'a' + 'A') : letter);
+      if (found == letters().end()) throw std::invalid_argument("no large letter for '" + std::string(1, letter) + "'");
+      if (line.size() > margin.size()) line += ' ';
+      line += found->second.at(row);
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + '\n';
+  }
+  return text;
+}
 
 }  // namespace tactbench::bench

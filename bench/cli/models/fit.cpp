@@ -1,15 +1,21 @@
+#include "bench/cli/models/fit.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 
+#include "analysis/counted.h"
 #include "analysis/identify/dynamic/dynamic_fit.h"
+#include "analysis/identify/stored/model_document.h"
 #include "analysis/models/elam.h"
-#include "bench/cli/models/fit_many.h"
 #include "bench/cli/session.h"
+#include "db/run_store.h"
 
 namespace tactbench::bench {
 
@@ -185,6 +191,91 @@ void add_compare(CLI::App& app, Session& session) {
       throw Error("TB-USAGE", "models are compared on one run, and several are named", "compare", "name one");
     fit(*options, session);
   });
+}
+
+std::string why_elam(const FitModelsOptions& options, const analysis::Histories& fitted) {
+  if (!options.elam_since.empty() || fitted.origin != "imported") return options.elam_since;
+  return fmt::format("{} is {}", fitted.source,
+                     names_run(options.source) ? "imported" : "a table; --model dynamic takes one with time_s");
+}
+
+bool without_inner_branches(const analysis::SensorModel& dynamic) {
+  return std::ranges::all_of(dynamic.taxels, [](const analysis::ModelTaxel& taxel) {
+    return !taxel.fitted() || !taxel.fit.undetermined.empty();
+  });
+}
+
+// Shares of the time as on the demonstration's runs, 256 taxels, two cores; they only divide the time left.
+std::vector<WorkStage> fit_stages(const std::vector<std::string>& models) {
+  const std::map<std::string, double> shares = {
+      {analysis::kElamFit, 1.0},      {"gpi", 85.0}, {"mpi", 4.0}, {"poly", 4.0}, {"preisach", 5.0}, {"monotone", 0.5},
+      {analysis::kDynamicModel, 10.0}};
+  const std::vector<std::string> either = {analysis::kDynamicModel, analysis::kElamFit};
+  std::vector<WorkStage> stages = {{"reading the data", 1.0}};
+  for (const std::string& model : models.empty() ? either : models)
+    stages.push_back({model, shares.contains(model) ? shares.at(model) : 1.0});
+  stages.push_back({kFiguresStage, 1.0, false});
+  return stages;
+}
+
+namespace {
+
+std::vector<std::int64_t> chosen_runs(const std::string& source, const db::RunStore& store, bool void_too) {
+  const std::vector<RunRange> ranges = run_ranges(source);
+  std::vector<std::int64_t> chosen;
+  for (const db::RunRecord& run : store.runs()) {
+    const auto inside = [&](const RunRange& range) { return range.holds(run.run); };
+    if (std::ranges::none_of(ranges, inside) || run.outcome == db::Outcome::kIncomplete) continue;
+    if ((run.is_void() && !void_too) || store.pruned(run.run) || store.frame_count(run.run) == 0) continue;
+    chosen.push_back(run.run);
+  }
+  if (!chosen.empty()) return chosen;
+  throw Error("TB-FIT-NONE", fmt::format("of the runs {} none can be fitted", source), store.path(),
+              "tactbench runs list shows what there is; void runs are taken with --void-too");
+}
+
+}  // namespace
+
+bool names_runs(const std::string& source) {
+  return source.find_first_of("-,") != std::string::npos && !run_ranges(source).empty();
+}
+
+void fit_many(const FitModelsOptions& options, Session& session) {
+  if (!options.output.empty() || !options.plot.empty() || !options.score.empty() || options.rate_run != 0 ||
+      options.mean_taxel)
+    throw Error("TB-USAGE", "several runs are fitted with one model each, of every taxel", "fit",
+                "leave out --score, --rate, --creep, --output, --plot and --mean-taxel; or name one run");
+  const std::vector<std::int64_t> runs =
+      chosen_runs(options.source, db::RunStore::open_read_only(session.db), session.void_too);
+  auto list = nlohmann::ordered_json::array();
+  std::size_t failed = 0;
+  for (const std::int64_t run : runs) {
+    FitModelsOptions own = options;
+    nlohmann::ordered_json row = {{"run", run}};
+    try {
+      own.source = std::to_string(run);
+      const JudgedFit fit = fit_and_judge(own, session);
+      const analysis::Evaluation& e = fit.evaluations.front().evaluation;
+      row.update({{"fit", fit.model.fit}, {"taxels", fit.model.fitted().size()}, {"mean_error_psi", e.mean_error_psi}});
+      if (!session.json)
+        tty::print("run {:>5}: fit {}, {}, {}; mean error on the run itself {:.3f} psi\n", run, fit.model.fit,
+                   analysis::label_of(fit.model), analysis::counted(fit.model.fitted().size(), "taxel"),
+                   e.mean_error_psi);
+    } catch (...) {
+      const Error error = as_error(std::current_exception());
+      if (error.code() == ExitCode::kStore || error.code() == ExitCode::kStopped || error.code() == ExitCode::kInternal)
+        throw;
+      ++failed;
+      row["error"] = error.id();
+      if (!session.json) tty::print("run {:>5}: not fitted: {} [{}]\n", run, one_line(error.what()), error.id());
+    }
+    list.push_back(row);
+  }
+  if (failed > 0) session.code = ExitCode::kInconclusive;
+  if (session.json)
+    print_json("fit.runs", {{"store", session.db}, {"runs", list}});
+  else
+    tty::print("{} fitted, {} not\n", analysis::counted(list.size() - failed, "run"), failed);
 }
 
 }  // namespace tactbench::bench

@@ -7,14 +7,14 @@
 
 #include "analysis/identify/stored/model_document.h"
 #include "bench/cli/judgement_words.h"
-#include "bench/cli/models/fit_words.h"
-#include "bench/cli/reports/report_options.h"
+#include "bench/cli/models/fit_models.h"
+#include "bench/cli/reports/report.h"
 #include "bench/cli/runs/source.h"
 #include "bench/common/long_work.h"
 #include "bench/config/config.h"
 #include "bench/config/config_laboratory.h"
 #include "bench/reporting/evaluation.h"
-#include "bench/reporting/named_runs.h"
+#include "bench/reporting/evidence.h"
 #include "db/run_store.h"
 
 namespace tactbench::bench {

@@ -22,7 +22,7 @@
 #include "analysis/counted.h"
 #include "analysis/export/fixed_stream.h"
 #include "analysis/identify/compensators.h"
-#include "analysis/identify/dynamic/dynamic_alone.h"
+#include "analysis/identify/dynamic/dynamic_fit.h"
 #include "analysis/table.h"
 #include "analysis/whole_file.h"
 #include "bench/cli/models/fixed_options.h"

@@ -22,7 +22,7 @@
 #include "bench/run/dead_man_news.h"
 #include "bench/safety/ramp.h"
 #include "bench/safety/safe_state.h"
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "sequences/toml/pressure_text.h"
 
 namespace tactbench::bench {

@@ -1,19 +1,26 @@
 // pause, resume, stop, abort, panic: commands to a live run on this machine; `resume` opens a run again whose process
 // has ended.
+#include "bench/cli/rig/control.h"
+
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "analysis/json_fields.h"
-#include "bench/cli/rig/named_run.h"
 #include "bench/cli/rig/run.h"
 #include "bench/cli/session.h"
+#include "bench/config/config.h"
+#include "bench/monitor/watch_run.h"
 #include "bench/run/control/control_client.h"
+#include "bench/run/control/locks.h"
 #include "bench/run/control/machine_name.h"
 #include "db/run_store.h"
 
@@ -138,6 +145,263 @@ void add_control(CLI::App& app, Session& session) {
       "vent and halt at once, past the sequencer; latches a trip\n"
       "It goes over the dead-man's own connection; outcome aborted. Not an emergency stop: that is a switch that takes "
       "air and power away.");
+}
+
+namespace {
+
+std::string run_text(const LiveRun& live) {
+  if (live.denied) return fmt::format("a run on bench '{}' ({})", live.bench, peer_text(live.server));
+  return fmt::format("run {} of {} on bench '{}' ({}, step {}/{})", live.status.run, live.status.store, live.bench,
+                     to_string(live.status.state), live.status.step, live.status.steps);
+}
+
+// In words; root asks all users, so for root one that told no lie did not answer at all.
+bool unheard(const SilentBench& silent) { return silent.stranger && (silent.lied || ::geteuid() != 0); }
+
+}  // namespace
+
+std::string bench_id_of(const std::string& bench) {
+  return bench.ends_with(".toml") ? read_bench(find_config(bench), {}).id : bench;
+}
+
+bool same_store(const std::string& one, const std::string& other) {
+  std::error_code ignored;
+  return std::filesystem::weakly_canonical(one, ignored) == std::filesystem::weakly_canonical(other, ignored);
+}
+
+Candidates candidates(const NamedRun& named, const Session& session) {
+  const auto meant = [&](const LiveRun& live) {
+    return (named.run == 0 || live.status.run == named.run) &&
+           (!named.db_given || same_store(live.status.store, session.db));
+  };
+  ListenOptions listen;
+  listen.wanted = meant;
+  if (named.run != 0 && named.db_given) listen.enough = meant;  // there can be no second one
+  Heard heard = say_to(run_names(bench_id_of(named.bench)), Command::kStatus, listen);
+  Candidates found;
+  for (LiveRun& live : heard.answers) (live.denied || meant(live) ? found.runs : found.others).push_back(live);
+  // Prefers runs of trusted users, and runs that accept commands of this user: others may only hold the name.
+  const auto prefer = [&](const auto& good) {
+    if (std::any_of(found.runs.begin(), found.runs.end(), good)) std::erase_if(found.runs, std::not_fn(good));
+  };
+  prefer([](const LiveRun& live) { return is_trusted(live.server, ::geteuid()); });
+  prefer([](const LiveRun& live) { return !live.denied; });
+  for (const SilentBench& silent : heard.silent) {
+    const bool other_run = named.run != 0 && silent.run != 0 && silent.run != named.run;
+    if (!other_run) found.silent.push_back(silent);
+  }
+  std::ranges::stable_partition(found.silent, std::not_fn(&SilentBench::stranger));
+  return found;
+}
+
+std::string silent_text(const SilentBench& silent) {
+  const std::string who = silent.server ? fmt::format(" ({})", peer_text(*silent.server)) : std::string();
+  if (unheard(silent)) return fmt::format("bench '{}' is held by another user{}", silent.bench, who);
+  const std::string run = silent.run != 0 ? fmt::format("run {}", silent.run) : std::string("what holds the lock");
+  return fmt::format("{} on bench '{}' does not answer{}", run, silent.bench, who);
+}
+
+std::string listed(const std::vector<LiveRun>& runs, const std::vector<SilentBench>& silent) {
+  std::vector<std::string> lines;
+  for (const LiveRun& live : runs) lines.push_back(run_text(live));
+  for (const SilentBench& one : silent) lines.push_back(silent_text(one));
+  return fmt::format("{}", fmt::join(lines, "; "));
+}
+
+[[noreturn]] void refuse_word(ErrorId id, const std::string& what, const std::string& name, const std::string& remedy) {
+  throw Error(id, what, name, remedy);
+}
+
+[[noreturn]] void refuse_silent(const std::vector<SilentBench>& silent) {
+  const SilentBench& first = silent.front();
+  if (unheard(first)) {
+    refuse_word("TB-RUN-DENIED",
+                fmt::format("{}: neither root, nor your own user, nor of the group '{}'{}", listed({}, silent),
+                            kGroupName, first.lied ? ", nor at work on a run of the store that it names" : ""),
+                shown_name(first.name),
+                first.lied
+                    ? fmt::format("nothing was commanded by it: look at the rig; `kill {}` ends that process",
+                                  first.server->process)
+                    : fmt::format("ask that user, or give the command as root; members of the group '{}' may command "
+                                  "each other's runs",
+                                  kGroupName));
+  }
+  const std::string process = first.server ? std::to_string(first.server->process) : "PID";
+  refuse_word("TB-RUN-SILENT", listed({}, silent), shown_name(first.name),
+              fmt::format("check the rig: the process is stopped, or opens its devices. `kill -CONT {0}` continues a "
+                          "stopped process, `kill -KILL {0}` ends it, and its dead-man vents",
+                          process));
+}
+
+LiveRun only_one(const Candidates& found, const NamedRun& named, const std::string& verb, bool urgent) {
+  const std::string place = "runs listed in /proc/net/unix as " + shown_name("");
+  // In an emergency the command goes to every run that answers. Any other command could end or resume the wrong run.
+  const bool exact = !named.bench.empty() || named.db_given || urgent;
+  if (found.runs.size() == 1 && (exact || std::all_of(found.silent.begin(), found.silent.end(),
+                                                      [](const SilentBench& one) { return one.stranger; }))) {
+    return found.runs.front();
+  }
+  if (!found.runs.empty()) {
+    refuse_word("TB-RUN-AMBIGUOUS", fmt::format("{} runs are live", found.runs.size() + found.silent.size()), place,
+                fmt::format("name one: tactbench {} --bench ID, or RUN --db STORE; live: {}", verb,
+                            listed(found.runs, found.silent)));
+  }
+  if (!found.silent.empty()) refuse_silent(found.silent);
+  refuse_word("TB-RUN-NOT-LIVE",
+              named.run != 0 ? fmt::format("no live run {} answers", named.run) : "no live run answers", place,
+              found.others.empty() ? "see `tactbench runs list`; continue an ended run with `tactbench resume RUN`"
+                                   : "live: " + listed(found.others));
+}
+
+void add_named_run(CLI::App& verb, NamedRun& named) {
+  verb.add_option("run", named.run, "its number; may be omitted when one run is live");
+}
+
+void take_typed(NamedRun& named, const Session& session) {
+  named.db_given = session.typed("--db");
+  named.bench = session.typed_bench();
+}
+
+// status, watch: what a live run does. Both only read: the run answers from its last published status, and its store is
+// opened read-only.
+
+namespace {
+
+struct EndedRun {
+  StoredRun run;
+  std::optional<bool> carried_out;  // of one that has not ended
+};
+
+// The named run, else the store's last one of that bench; none: there is no store, or no run in it.
+std::optional<EndedRun> run_of_store(const NamedRun& named, const Session& session) {
+  if (named.run == 0 && !named.db_given && !std::filesystem::exists(session.db)) return std::nullopt;
+  const db::RunStore store = db::RunStore::open_read_only(session.db);
+  std::int64_t number = named.run;
+  const std::string bench = bench_id_of(named.bench);
+  if (number == 0) {
+    for (const db::RunRecord& run : store.runs())
+      if (bench.empty() || run.bench_id == bench) number = run.run;
+  }
+  if (number == 0) return std::nullopt;
+  EndedRun ended{stored_run(store, number), {}};
+  if (ended.run.record.outcome == db::Outcome::kIncomplete) ended.carried_out = is_carried_out(store.path(), number);
+  return ended;
+}
+
+void print_lines(const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) tty::print("{}\n", line);
+}
+
+void print_ended(const EndedRun& ended, const Session& session) {
+  print_lines(stored_lines(ended.run, ended.carried_out));
+  if (ended.carried_out != true) tty::print("next: {}\n", next_command(ended.run, session.db));
+}
+
+std::string denied_text(const LiveRun& live) {
+  return fmt::format("a run on bench '{}' ({}) does not answer you: {}", live.bench, peer_text(live.server), live.text);
+}
+
+void print_status(const Candidates& found, const std::optional<EndedRun>& ended, const Session& session) {
+  const char* between = "";
+  for (const LiveRun& live : found.runs) {
+    tty::print("{}", std::exchange(between, "\n"));
+    print_lines(live.denied ? std::vector{denied_text(live)} : view_lines(view_of(live), session.unit()));
+  }
+  for (const SilentBench& silent : found.silent) tty::print("{}\n", silent_text(silent));
+  if (!found.runs.empty()) return;
+  if (found.silent.empty()) tty::print("no run is live\n");
+  if (ended) {
+    tty::print("last run in {}:\n", session.db);
+    print_ended(*ended, session);
+  } else {
+    tty::print("no run in {}\n", session.db);
+  }
+}
+
+void print_status_json(const Candidates& found, const std::optional<EndedRun>& ended) {
+  nlohmann::ordered_json runs = nlohmann::ordered_json::array(), silent = runs;
+  for (const LiveRun& live : found.runs) {
+    if (!live.denied) {
+      runs.push_back(view_json(view_of(live)));
+    } else {
+      silent.push_back({{"bench", live.bench}, {"run", 0}, {"process", live.server.process}, {"text", live.text}});
+    }
+  }
+  for (const SilentBench& one : found.silent) {
+    silent.push_back(
+        {JSON_FIELDS(one, bench, run), {"process", one.server ? one.server->process : 0}, {"text", silent_text(one)}});
+  }
+  print_json("status", {{"live", !runs.empty()},
+                        {"runs", runs},
+                        {"silent", silent},
+                        {"last_run", ended ? stored_json(ended->run, ended->carried_out) : nlohmann::ordered_json()}});
+}
+
+void show_status(const NamedRun& named, const Session& session) {
+  const Candidates found = candidates(named, session);
+  std::optional<EndedRun> ended;
+  if (found.runs.empty()) ended = run_of_store(named, session);
+  if (session.json) {
+    print_status_json(found, ended);
+  } else {
+    print_status(found, ended, session);
+  }
+}
+
+bool in_terminal() {
+  const char* terminal = std::getenv("TERM");
+  return ::isatty(STDOUT_FILENO) == 1 && terminal != nullptr && std::string(terminal) != "dumb";
+}
+
+// The run has ended already: says so, as at the end of a watch.
+bool show_ended(const NamedRun& named, const Candidates& found, Session& session) {
+  if (named.run == 0 || !found.runs.empty() || !found.silent.empty()) return false;
+  const std::optional<EndedRun> ended = run_of_store(named, session);
+  if (!ended || ended->carried_out == true) return false;
+  print_ended(*ended, session);
+  session.code = exit_code_of(ended->run.record);
+  return true;
+}
+
+void watch_live(const NamedRun& named, Session& session) {
+  const Candidates found = candidates(named, session);
+  if (show_ended(named, found, session)) return;
+  const LiveRun live = only_one(found, named, "status --watch", true);
+  if (live.denied) refuse_word("TB-RUN-DENIED", denied_text(live), live.name, "watch it as one of these users");
+  const StopRequest stop;
+  WatchRunOptions options;
+  options.terminal = in_terminal();
+  options.shades = shades_of_terminal();
+  options.unit = session.unit();
+  const std::optional<StoredRun> ended = watch_run(live, options, stop);
+  const std::string db = same_store(live.status.store, session.db) ? session.db : live.status.store;
+  if (!ended) {
+    tty::print(stderr, "{}no longer watched; run {} continues: `tactbench stop {}` ends it\n",
+               options.terminal ? "\n" : "", live.status.run, live.status.run);
+    return;
+  }
+  tty::print("next: {}\n", next_command(*ended, db));
+  session.code = exit_code_of(ended->record);
+}
+
+}  // namespace
+
+void add_status(CLI::App& app, Session& session) {
+  auto named = std::make_shared<NamedRun>();
+  auto follow = std::make_shared<bool>(false);
+  CLI::App* verb = app.add_subcommand("status", "what live runs do; when none is live, how the last one ended");
+  add_named_run(*verb, *named);
+  verb->add_flag(
+      "--watch", *follow,
+      "follow it until it ends, with the array's last frame as a heat map; plain lines where standard output "
+      "is no terminal. Ctrl-C ends the watching, not the run. The exit code is that of the run");
+  verb->footer("Reads only. NO_COLOR=1 draws the heat map in characters.");
+  verb->callback([named, follow, &session] {
+    take_typed(*named, session);
+    if (*follow && session.json)
+      throw Error("TB-USAGE", "what --watch draws is no JSON", "--json", "leave --watch or --json out");
+    *follow ? watch_live(*named, session) : show_status(*named, session);
+  });
 }
 
 }  // namespace tactbench::bench

@@ -1,4 +1,6 @@
 // page: what the bench does, in a browser. A process of its own, which holds no instrument.
+#include "bench/cli/rig/page.h"
+
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -12,8 +14,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "bench/cli/rig/named_run.h"
-#include "bench/cli/rig/page_beside.h"
+#include "bench/cli/rig/control.h"
 #include "bench/cli/session.h"
 #include "bench/common/child_process.h"
 #include "bench/common/private_files.h"

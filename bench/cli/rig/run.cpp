@@ -9,7 +9,7 @@
 
 #include "analysis/counted.h"
 #include "analysis/documents/run_json.h"
-#include "bench/cli/rig/page_beside.h"
+#include "bench/cli/rig/page.h"
 #include "bench/cli/rig/run.h"
 #include "bench/cli/session.h"
 #include "bench/common/overrides.h"

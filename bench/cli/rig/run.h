@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "bench/cli/runs/metadata_options.h"
+#include "bench/cli/runs/runs.h"
 #include "bench/config/config.h"
-#include "bench/run/run_request.h"
+#include "bench/run/run_record.h"
 
 namespace tactbench::bench {
 

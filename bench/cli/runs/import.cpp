@@ -1,4 +1,6 @@
 // Imports a table of another program as a run of origin imported: all rows at full precision, under a hash.
+#include "bench/cli/runs/import.h"
+
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -12,7 +14,6 @@
 #include "analysis/counted.h"
 #include "analysis/json_fields.h"
 #include "analysis/json_io.h"
-#include "bench/cli/runs/table_file.h"
 #include "bench/common/long_work.h"
 #include "bench/common/utc.h"
 #include "bench/run/run_record.h"

@@ -1,3 +1,5 @@
+#include "bench/cli/runs/sensors.h"
+
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -11,7 +13,6 @@
 #include "analysis/documents/run_json.h"
 #include "analysis/report/document/printers.h"
 #include "analysis/report/parts.h"
-#include "bench/cli/runs/register_sensor.h"
 #include "bench/cli/session.h"
 #include "bench/common/long_work.h"
 #include "bench/common/screen.h"

@@ -6,7 +6,7 @@
 
 #include "analysis/counted.h"
 #include "analysis/json_fields.h"
-#include "bench/cli/runs/from_fleet.h"
+#include "bench/cli/runs/source.h"
 #include "bench/cli/session.h"
 #include "bench/reporting/verification.h"
 #include "db/run_store.h"

@@ -13,7 +13,7 @@
 #include <boost/asio/steady_timer.hpp>
 
 #include "bench/page/http/http_server.h"
-#include "bench/page/http/wire.h"
+#include "bench/page/http/message.h"
 
 namespace tactbench::bench {
 

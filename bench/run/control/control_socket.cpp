@@ -19,7 +19,7 @@
 #include "bench/common/error.h"
 #include "bench/common/for_people.h"
 #include "bench/common/private_files.h"
-#include "bench/run/control/client_words.h"
+#include "bench/run/control/control_client.h"
 #include "bench/run/control/peer.h"
 
 namespace tactbench::bench {

@@ -12,7 +12,7 @@ namespace tactbench::bench {
 
 class RunConnection {
  public:
-  // Connects to the name of a bench and sends `words` (client_words.h). Not open where nobody answers to the name, or
+  // Connects to the name of a bench and sends `words` (control_client.h). Not open where nobody answers to the name, or
   // a stranger (peer.h) that carries out no run of the store `db` (locks.h).
   RunConnection(std::string name, const std::string& words, const std::string& db = {});
   ~RunConnection();

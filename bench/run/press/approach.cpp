@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 
 namespace tactbench::bench {
 

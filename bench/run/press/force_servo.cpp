@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "bench/common/process_time.h"
-#include "devices/fault.h"
+#include "devices/device.h"
 
 namespace tactbench::bench {
 

@@ -9,7 +9,7 @@
 
 #include "bench/common/process_time.h"
 #include "bench/config/config.h"
-#include "devices/fault.h"
+#include "devices/device.h"
 
 namespace tactbench::bench {
 

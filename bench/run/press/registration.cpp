@@ -10,7 +10,7 @@
 #include <stdexcept>
 
 #include "analysis/json_io.h"
-#include "devices/fault.h"
+#include "devices/device.h"
 
 namespace tactbench::bench {
 

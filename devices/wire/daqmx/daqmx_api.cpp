@@ -11,8 +11,6 @@
 #include <limits>
 #include <optional>
 
-#include "devices/wire/daqmx/daqmx_calls.h"
-
 namespace tactbench::devices {
 namespace {
 

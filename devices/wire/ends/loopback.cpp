@@ -9,7 +9,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 
 namespace tactbench::devices {
 

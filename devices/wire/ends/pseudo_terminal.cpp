@@ -11,7 +11,7 @@
 #include <cstring>
 #include <utility>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 
 namespace tactbench::devices {
 

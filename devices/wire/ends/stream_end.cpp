@@ -16,7 +16,7 @@
 #include <system_error>
 #include <utility>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 
 namespace tactbench::devices {
 namespace {

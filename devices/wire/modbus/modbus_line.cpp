@@ -17,8 +17,7 @@
 #include <thread>
 #include <utility>
 
-#include "devices/fault.h"
-#include "devices/wire/modbus/modbus_crc.h"
+#include "devices/device.h"
 #include "devices/wire/stream_link.h"
 #include "devices/wire/wait.h"
 
@@ -249,6 +248,23 @@ std::vector<std::uint8_t> ModbusLine::exchange(std::span<const std::uint8_t> req
   }
   close_after_error();
   return {};
+}
+
+std::uint16_t crc16_modbus(std::span<const std::uint8_t> bytes) {
+  unsigned crc = 0xFFFF;
+  for (const std::uint8_t byte : bytes) {
+    crc ^= byte;
+    for (int bit = 0; bit < 8; ++bit) crc = (crc & 1U) != 0 ? crc >> 1U ^ 0xA001U : crc >> 1U;
+  }
+  return static_cast<std::uint16_t>(crc);
+}
+
+std::vector<std::uint8_t> rtu_frame(std::span<const std::uint8_t> body) {
+  std::vector<std::uint8_t> frame(body.begin(), body.end());
+  const unsigned crc = crc16_modbus(body);
+  frame.push_back(static_cast<std::uint8_t>(crc & 0xFFU));
+  frame.push_back(static_cast<std::uint8_t>(crc >> 8U));
+  return frame;
 }
 
 }  // namespace tactbench::devices

@@ -6,7 +6,7 @@
 #include <cerrno>
 #include <utility>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "devices/wire/modbus/modbus_line.h"
 
 namespace tactbench::devices {

@@ -4,7 +4,7 @@
 #include <tuple>
 #include <utility>
 
-#include "analysis/identify/folds.h"
+#include "analysis/identify/fit_samples.h"
 #include "analysis/identify/sensor_model.h"
 #include "analysis/identify/taxel_status.h"
 

@@ -1,10 +1,14 @@
-#include "analysis/models/elam.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <random>
+#include <vector>
 
+#include "analysis/models/elam.h"
+#include "analysis/models/elam_hysteresis.h"
+#include "analysis/models/model_json.h"
+#include "tests/analysis/support/fit_samples.h"
 #include "tests/analysis/support/synthetic.h"
 
 using namespace synthetic;
@@ -200,4 +204,223 @@ TEST_CASE("curves meet their split points exactly") {
     CHECK(down.input(down.split_y()) >= down.split_x() - 1e-12);
     CHECK(down.input(down.split_y()) == Approx(down.split_x()).epsilon(1e-12));
   }
+}
+
+// ELAM's further pieces and its memory by hand, on a straight loop: 60 psi are 3 V.
+
+using namespace tactbench::analysis;
+
+namespace {
+
+// From (10, 1) to (70, 4), splits halfway.
+ElamModel straight_elam(bool exact_outer = false) {
+  const std::vector<double> x{10, 70}, y{1, 4};
+  return {PatternCurve(x, y, 1.0, 4.0), PatternCurve(x, y, 1.0, 4.0), {}, {exact_outer}};
+}
+
+void check_curve(const ElamPiecedCurve& curve, const std::vector<std::pair<double, double>>& places) {
+  for (const auto& [x, y] : places) {
+    CAPTURE(x, y);
+    CHECK(curve.output(x) == Approx(y));
+    CHECK(curve.input(y) == Approx(x));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("ELAM by hand: descending, pieces evenly in x rise by their weights, within their side") {
+  const ElamModel model = straight_elam();
+  // Below the split at (40, 2.5) two pieces of 15 psi and 0.75 V; the second has twice the weight: 0.5 and 1 V.
+  const ElamPieces low{{std::log(2.0)}, {}, {}, {std::log(3.0)}};
+  check_curve({model, low, false, 70.0, 4.0},
+              {{70, 4}, {55, 3.25}, {40, 2.5}, {32.5, 2.0}, {25, 1.5}, {17.5, 1.25}, {10, 1}});
+  // Above it three: of weights 1, 2 and 1 they rise by 3/8, 6/8 and 3/8 of a volt.
+  const ElamPieces high{{}, {std::log(2.0), 0.0}, {0.0, 0.0}, {}};
+  check_curve({model, high, false, 70.0, 4.0}, {{70, 4}, {60, 3.625}, {55, 3.25}, {50, 2.875}, {40, 2.5}, {25, 1.75}});
+  // From (50, 3): the split at (30, 2), below it 0.5 V each, and 1/3 and 2/3 by weight.
+  check_curve({model, low, false, 50.0, 3.0},
+              {{50, 3}, {40, 2.5}, {30, 2}, {20, 1.0 + 1.0 / 3.0}, {15, 1.0 + 1.0 / 6.0}});
+}
+
+TEST_CASE("ELAM by hand: ascending, pieces evenly in y are as long as their weights, within their side") {
+  const ElamModel model = straight_elam();
+  // Above the split at (40, 2.5) two pieces of 15 psi; of weights 1 and 3 they are 7.5 and 22.5 psi long.
+  const ElamPieces high{{std::log(2.0)}, {}, {}, {std::log(3.0)}};
+  check_curve({model, high, true, 10.0, 1.0},
+              {{10, 1}, {25, 1.75}, {40, 2.5}, {43.75, 2.875}, {47.5, 3.25}, {58.75, 3.625}, {70, 4}});
+  // Below it: weights 1 and 1/2.
+  const ElamPieces low{{std::log(2.0)}, {}, {std::log(0.5)}, {}};
+  check_curve({model, low, true, 10.0, 1.0}, {{10, 1}, {20, 1.375}, {30, 1.75}, {35, 2.125}, {40, 2.5}, {55, 3.25}});
+  // From (30, 2): the split at (50, 3); above it 5 and 15 psi.
+  check_curve({model, high, true, 30.0, 2.0}, {{30, 2}, {40, 2.5}, {50, 3}, {55, 3.5}, {62.5, 3.75}, {70, 4}});
+  CHECK(high.splits() == 2);
+  CHECK(ElamPieces{{0, 0}, {0}, {}, {}}.splits() == 4);
+}
+
+TEST_CASE("ELAM by hand: a branch that begins at exactly a hundredth of the range from its end is external") {
+  // One volt a psi over 64 psi; the lower pieces differ in size.
+  const auto from = [](double low) {
+    const std::vector<double> x{low, low + 64.0}, y{0.0, 64.0};
+    return ElamModel{PatternCurve(x, y, 0.0, 64.0), PatternCurve(x, y, 0.0, 64.0), {}, {true}};
+  };
+  const ElamPieces low{{std::log(2.0)}, {}, {std::log(0.5)}, {}};
+  const double near = kOuterShare * 64.0;
+  const ElamModel falls = from(-64.0), rises = from(0.0);
+  // The whole curve, its ordinates scaled to the turn.
+  CHECK(ElamPiecedCurve(falls, low, false, -near, 64.0 - near).output(-48.0) == Approx(0.99 * 16.0));
+  CHECK(ElamPiecedCurve(falls, low, false, -near - 1e-9, 64.0 - near).output(-48.0) < 15.0);
+  CHECK(ElamPiecedCurve(rises, low, true, near, near).output(16.0) == Approx(16.0));
+  CHECK(ElamPiecedCurve(rises, low, true, near + 1e-9, near).output(16.0) < 15.5);
+}
+
+TEST_CASE(
+    "ELAM by hand: with memory a branch closes its loop, its ordinates scaled, and goes on along the one before") {
+  const ElamHysteresis model(straight_elam(), true);
+  const auto state = model.state();
+  state->go(50.0);
+  state->go(30.0);
+  CHECK(state->output_at(30.0) == Approx(2.0));
+  // Measured 0.2 V higher: from there to (50, 3), half of the way a half of the rise; beyond it the rise before.
+  state->measured(2.2);
+  CHECK(state->output_at(30.0) == 2.2);
+  CHECK(state->output_at(40.0) == Approx(2.6));
+  CHECK(state->output_at(50.0) == Approx(3.0));
+  CHECK(state->output_at(60.0) == Approx(3.5));
+  CHECK(state->input_at(2.6) == Approx(40.0));
+  CHECK(state->input_at(3.5) == Approx(60.0));
+  // Down from there it is a way to the low end.
+  CHECK(state->output_at(20.0) == Approx(1.0 + 1.2 / 2.0));
+  CHECK(state->input_at(1.6) == Approx(20.0));
+  state->go(40.0);
+  state->go(35.0);
+  CHECK(state->output_at(35.0) == Approx(2.4));
+  // Two loops inside: up to 40 and on to 50, down again.
+  CHECK(state->output_at(45.0) == Approx(2.8));
+  CHECK(state->input_at(2.8) == Approx(45.0));
+  state->go(60.0);
+  CHECK(state->output_at(60.0) == Approx(3.5));
+  CHECK(state->output_at(40.0) == Approx(2.5));
+  CHECK(state->output_at(10.0) == 1.0);
+  // What is measured stays within the loop that is open: from (60, 3.5) down to (10, 1).
+  state->go(40.0);
+  state->measured(3.9);
+  CHECK(state->output_at(40.0) == Approx(3.5));
+  state->measured(0.5);
+  CHECK(state->output_at(40.0) == Approx(1.0));
+  CHECK(state->output_at(70.0) == 4.0);
+  state->reset();
+  CHECK(state->output_at(40.0) == Approx(2.5));
+}
+
+// ELAM with more than one split point a branch.
+
+using namespace synthetic;
+
+namespace {
+
+ElamModel any_model(std::mt19937& random) {
+  std::uniform_real_distribution<double> share(0.02, 0.98);
+  const double u = share(random), v = share(random);
+  return model_of(paper_loop(), {share(random), share(random), (v - u) / 60.0, u, share(random)}, share(random) < 0.3);
+}
+
+// `splits` split points with pieces up to e^`most` larger or smaller.
+ElamPieces any_pieces(std::mt19937& random, int splits, double most) {
+  std::uniform_real_distribution<double> log(-most, most);
+  ElamPieces pieces;
+  for (int i = 1; i < splits; ++i) {
+    (random() % 2 == 0 ? pieces.descending_low : pieces.descending_high).push_back(log(random));
+    (random() % 2 == 0 ? pieces.ascending_low : pieces.ascending_high).push_back(log(random));
+  }
+  return pieces;
+}
+
+}  // namespace
+
+TEST_CASE("ELAM with pieces that are not resized is the paper's, with one split bit for bit") {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> any(0.0, 60.0);
+  for (int trial = 0; trial < 200; ++trial) {
+    const ElamModel model = any_model(random);
+    const ElamPieces same = any_pieces(random, 2 + trial % 7, 0.0);
+    const bool ascending = trial % 2 == 0;
+    const double x = any(random), y = model.descending(x);
+    const ElamCurve paper(model, ascending, x, y);
+    const ElamPiecedCurve one(model, {}, ascending, x, y), many(model, same, ascending, x, y);
+    for (int k = 0; k <= 60; ++k) {
+      CHECK(one.output(k) == paper.output(k));
+      CHECK(one.input(0.06 * k) == paper.input(0.06 * k));
+      CHECK(many.output(k) == Approx(paper.output(k)).margin(1e-12));
+    }
+  }
+}
+
+TEST_CASE("ELAM with any pieces never falls, meets its ends and is inverted, with memory and without") {
+  std::mt19937 random(5);
+  for (int trial = 0; trial < 300; ++trial) {
+    const ElamModel elam = any_model(random);
+    const ElamHysteresis model(elam, trial % 2 == 0, any_pieces(random, 1 + trial % 8, kMostPieceLog));
+    const double span = elam.yu() - elam.y0();
+    const auto state = model.state();
+    const std::vector<double> inputs = random_inputs(random, 8, 0.0, 60.0, 5);
+    for (const double x : inputs) {
+      state->go(x);
+      const double here = state->output_at(x);
+      double below = elam.y0();
+      for (int k = 0; k <= 60; k += 3) {
+        const double y = state->output_at(k);
+        CHECK(y >= below - 1e-12 * span);
+        below = y;
+        CHECK(state->output_at(state->input_at(y)) == Approx(y).margin(1e-9 * span));
+      }
+      CHECK(state->output_at(0.0) == Approx(std::min(here, elam.y0())).margin(1e-12));
+      CHECK(state->output_at(60.0) == Approx(std::max(here, elam.yu())).margin(1e-12));
+    }
+  }
+}
+
+TEST_CASE("ELAM with more splits fits what one cannot and never worse") {
+  std::mt19937 random(7);
+  for (int trial = 0; trial < 4; ++trial) {
+    const ElamHysteresis plant(model_of(paper_loop(), kPrinted), false, any_pieces(random, 3, 0.7));
+    FitData data = paper_both();
+    for (History& history : data.histories) history.y = predict(plant, history.x);
+    const double one = identify_elam(data, {}).j;
+    for (const int splits : {2, 3, 5}) {
+      IdentifyOptions options;
+      options.splits = splits;
+      const ModelFit fit = identify_elam(data, options);
+      INFO("trial " << trial << ", " << splits << " splits, J " << fit.j << ", with one " << one);
+      CHECK(fit.j <= one * (1.0 + 1e-9));
+      if (splits == 3) CHECK(fit.j < 0.05 * one);
+      CHECK(fit.model->parameters().size() == 5 + 2 * static_cast<std::size_t>(splits - 1));
+    }
+  }
+  const FitData noisy = paper_both(0.03, 0.02);
+  const double one = identify_elam(noisy, {}).j;
+  for (int splits = 2; splits <= kMostSplits; ++splits) {
+    IdentifyOptions options;
+    options.splits = splits;
+    const ModelFit fit = identify_elam(noisy, options);
+    INFO(splits << " splits");
+    CHECK(fit.j <= one * (1.0 + 1e-9));
+    const auto again = model_from_json(model_json(*fit.model));
+    CHECK(model_json(*again) == model_json(*fit.model));
+    CHECK(predict(*again, noisy.histories[0].x) == predict(*fit.model, noisy.histories[0].x));
+  }
+}
+
+TEST_CASE("an impossible number of splits and pieces that do not join are refused") {
+  const FitData data = paper_both();
+  IdentifyOptions options;
+  for (options.splits = 0; options.splits < 10; options.splits += 9)
+    CHECK_THROWS_AS(identify_elam(data, options), std::invalid_argument);
+  const ElamModel model = model_of(paper_loop(), kPrinted);
+  CHECK_THROWS_AS(ElamHysteresis(model, false, {{0.1}, {}, {}, {}}), std::invalid_argument);
+  CHECK_THROWS_AS(ElamHysteresis(model, false, {{2.1}, {}, {0.0}, {}}), std::invalid_argument);
+  nlohmann::ordered_json json = model_json(ElamHysteresis(model, false, {{0.1}, {}, {}, {-0.2}}));
+  json["options"]["splits"] = 3;
+  CHECK_THROWS_WITH(model_from_json(json), Catch::Contains("\"splits\""));
+  json["pieces"].erase("ascending_low");
+  CHECK_THROWS_WITH(model_from_json(json), Catch::Contains("\"ascending_low\""));
 }

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "analysis/identify/fit_data.h"
+#include "analysis/identify/fit_models.h"
 #include "analysis/models/model_json.h"
 #include "tests/analysis/support/synthetic.h"
 

@@ -8,7 +8,6 @@
 
 #include "analysis/report/document/printers.h"
 #include "analysis/report/page/chart.h"
-#include "analysis/report/page/chart_labels.h"
 #include "analysis/report/page/taxel_map.h"
 #include "analysis/text_width.h"
 

@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "analysis/identify/fit_data.h"
+#include "analysis/identify/fit_models.h"
 #include "analysis/models/divider.h"
 #include "analysis/models/dynamics.h"
 #include "tests/analysis/support/models.h"

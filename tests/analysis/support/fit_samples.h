@@ -5,7 +5,7 @@
 #include <random>
 
 #include "analysis/identify/elam/identify.h"
-#include "analysis/identify/fit_data.h"
+#include "analysis/identify/fit_models.h"
 #include "tests/analysis/support/synthetic.h"
 
 namespace synthetic {

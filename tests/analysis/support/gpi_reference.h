@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "analysis/identify/fit_data.h"
+#include "analysis/identify/fit_models.h"
 
 namespace synthetic {
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/statistics/uncertainty/budget_maker.h"
+#include "analysis/statistics/uncertainty/uncertainty.h"
 #include "tests/analysis/support/straight_array.h"
 
 namespace straight_array {

@@ -1,11 +1,24 @@
 // What the command line refuses before a verb begins.
+#include <sqlite3.h>
+
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "bench/cli/session.h"
+#include "db/schema.h"
+#include "db/sqlite.h"
 #include "tests/bench/cli/check_refusal.h"
+#include "tests/bench/cli/small_bench.h"
+#include "tests/support/paths.h"
+#include "tests/support/process.h"
+#include "tests/support/run_recipe.h"
+#include "tests/support/small_array.h"
 
 using namespace tactbench::tests;
 
@@ -22,7 +35,7 @@ std::vector<std::string> parts_of(const std::string& text) {
 
 TEST_CASE("numbers beyond their range are refused") {
   const TemporaryFolder folder;
-  // Those of fit and live: option_edges.cpp.
+  // Those of fit and live: fit.cpp.
   for (const char* line : {"live --bench simulated.toml --interval 1e9", "live --bench simulated.toml --frames -1",
                            "devices calibrate-reference --bench simulated.toml --gauge g --uncertainty 1e9",
                            "simulate --rate 1e9", "simulate --for -1", "nightly nightly --jobs 1000000",
@@ -62,4 +75,361 @@ TEST_CASE("words that no verb takes are refused, with the state of the rig where
     CHECK_THAT(call(folder, {verb, "--zzzzzz"}).err, Catch::Contains("\n  state: "));
   for (const char* verb : {"plan", "fit", "runs", "status", "nightly", "init", "selfcheck"})
     CHECK_THAT(call(folder, {verb, "--zzzzzz"}).err, !Catch::Contains("\n  state: "));
+}
+
+// The program as a person uses it: words, exit codes, files.
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using nlohmann::json;
+
+namespace {
+
+std::vector<std::string> small_run(const std::vector<std::string>& more = {}) {
+  return joined_words({"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "tester", "-q"},
+                      more);
+}
+
+// The lines of an error, its exit code and identifier. `devices`: of a verb that could have touched some.
+void check_error(const Finished& finished, int code, const std::string& id, bool devices = false) {
+  check_refusal(finished, code, id);
+  CHECK_THAT(finished.err, Catch::Contains("error: "));
+  CHECK((finished.err.find("\n  state: ") != std::string::npos) == devices);
+  CHECK(finished.err.find('\x1b') == std::string::npos);
+}
+
+}  // namespace
+
+TEST_CASE("from init to a report by hand") {
+  const TemporaryFolder folder;
+  begin_bench(folder, small_loop_text(10, 2));
+  CHECK_THAT(well(call(folder, small_run())).out, Catch::Contains("vented, verified"));
+  const json second = json::parse(well(call(folder, small_run({"--seed", "2", "--json"}))).out);
+  check_members(second, R"({"schema": "tactbench.run", "run": 2, "branches_redone": 0})");
+  CHECK((second["process_seconds"] > 42.0 && second["most_exchanges_a_step"] > 0));  // 42 frames, a second's dwell each
+  CHECK_FALSE(second["time_spent"].get<std::string>().empty());
+  const json fitted = json::parse(well(call(folder, {"fit", "1"}, {"judge", "1", "2", "--json"})).out);
+  CHECK(fitted["schema"] == "tactbench.judge");
+  CHECK(fitted["fitted_taxels"] == 256);
+  CHECK(fitted["evaluations"].size() == 2);
+  CHECK(fitted["origin"] == "simulated");
+  REQUIRE(call(folder, {"report", "1", "--held-out", "2"}).code == 0);
+  CHECK_THAT(read_file(folder.path("reports/run-1.html")), Catch::Contains("SIMULATED"));
+  CHECK(json::parse(call(folder, {"runs", "list", "--json"}).out)["runs"].size() == 2);
+  CHECK(json::parse(call(folder, {"runs", "show", "1", "--json"}).out)["safe_state"] == "verified");
+  CHECK(json::parse(call(folder, {"sensors", "show", "S-1", "--json"}).out)["runs"] == json::array({1, 2}));
+}
+
+TEST_CASE("plan is the real compiler: 211, 451, 3310") {
+  const TemporaryFolder folder;
+  const Finished plan = call(folder, {"plan", "descending", "ascending", "--json"});
+  REQUIRE(plan.code == 0);
+  CHECK(json::parse(plan.out)["frames"] == 3310);
+  CHECK(json::parse(call(folder, {"plan", "descending", "--set", "recipe.repeats=1", "--json"}).out)["frames"] == 211);
+  check_error(call(folder, {"plan", "descending", "--set", "limits.command_psi=59"}), 2, "TB-RECIPE-LIMIT");
+}
+
+TEST_CASE("usage and configuration errors end with 2 and touch nothing") {
+  const TemporaryFolder folder;
+  begin_bench(folder);
+  check_error(call(folder, {"reprot", "1"}), 2, "TB-USAGE");
+  check_error(call(folder, {"run", "small.toml"}), 2, "TB-USAGE", true);
+  check_error(call(folder, small_run({"--set", "limits.comand_psi=50"})), 2, "TB-FILE-KEY", true);
+  check_error(call(folder, small_run({"--set", "nonsense"})), 2, "TB-USAGE", true);
+  check_error(call(folder, small_run({"--set", "limits.command_psi=\"60 mbar\""})), 2, "TB-FILE-VALUE", true);
+  std::vector<std::string> by_nobody = small_run();
+  *std::find(by_nobody.begin(), by_nobody.end(), "tester") = " ";
+  check_error(call(folder, by_nobody), 2, "TB-USAGE", true);
+  check_error(call(folder, {"devices", "reset", "--bench", "bench.toml", "--operator", ""}), 2, "TB-USAGE", true);
+  check_error(call(folder, {"plan", "no-such-recipe"}), 2, "TB-FILE-MISSING");
+  write_file(folder.path("wrong.toml"), small_loop_text() + "dwel_s = 1\n");
+  const Finished wrong = call(folder, {"plan", "wrong.toml"});
+  check_error(wrong, 2, "TB-FILE-KEY");
+  CHECK_THAT(wrong.err, Catch::Contains("wrong.toml:8:1"));
+  check_error(call(folder, {"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-9", "--operator", "t"}), 2,
+              "TB-SENSOR-UNKNOWN", true);
+  check_error(call(folder, {"fit", "7"}), 2, "TB-STORE-NOT-FOUND");
+  check_error(call(folder, {"init"}), 2, "TB-FILE-EXISTS");
+  CHECK(json::parse(call(folder, {"fit", "7", "--json"}).out)["exit_code"] == 2);
+  CHECK(json::parse(call(folder, {"runs", "list", "--json"}).out)["runs"].empty());
+}
+
+TEST_CASE("device faults end with 3, unproved safety with 7, and the frames stay") {
+  const TemporaryFolder folder;
+  begin_bench(folder, small_loop_text(10, 2));
+  const Finished scanner = call(folder, small_run({"--set", "simulation.wire_faults.scanner_silent_after_scans=12",
+                                                   "--set", "scanner.frame_timeout_ms=100"}));
+  check_error(scanner, 3, "TB-SCANNER-TIMEOUT", true);
+  CHECK_THAT(scanner.err, Catch::Contains("vented, verified"));
+  const Finished module = call(folder, small_run({"--set", "simulation.wire_faults.module_dead_after_requests=100",
+                                                  "--set", "module.response_timeout_ms=100"}));
+  CHECK(module.code == 7);
+  CHECK_THAT(module.err, Catch::Contains("NOT verified"));
+  const json runs = json::parse(call(folder, {"runs", "list", "--json"}).out)["runs"];
+  REQUIRE(runs.size() == 2);
+  CHECK(runs[0]["outcome"] == "failed");
+  CHECK(runs[0]["frames"] == 4);
+  CHECK(runs[1]["safe_state"] == "unverified");
+  check_error(call(folder, {"fit", "1"}), 6, "TB-ANALYSIS-EMPTY");
+}
+
+TEST_CASE("a store of another build's schema, a foreign file and a missing store are refused with 5") {
+  const TemporaryFolder folder;
+  begin_bench(folder);
+  db::sqlite::Connection(folder.path("runs.db"), db::sqlite::Access::kReadWrite).execute("PRAGMA user_version = 9999");
+  check_error(call(folder, small_run()), 5, "TB-STORE-OTHER-SCHEMA", true);
+  check_error(call(folder, {"runs", "list"}), 5, "TB-STORE-OTHER-SCHEMA");
+  write_file(folder.path("text.db"), std::string(5000, 'x'));
+  check_error(call(folder, {"runs", "list", "--db", "text.db"}), 5, "TB-STORE-OPEN");
+  check_error(call(folder, {"runs", "list", "--db", "none.db"}), 5, "TB-STORE-OPEN");
+}
+
+TEST_CASE("demo: the paper's characterization, and models that hold on runs they never saw") {
+  const TemporaryFolder folder;
+  CHECK(call(folder, {"demo", "--specimen", "harch"}).code == 2);
+  const json result = json::parse(well(call(folder, {"demo", "--json", "-q"})).out);
+  REQUIRE(result["evaluations"].size() == 6);
+  const json& own = result["evaluations"][0];
+  const json& held_out = result["evaluations"][1];
+  const json& reversals = result["evaluations"][2];
+  CHECK(own["frames"] == 3310);
+  CHECK(held_out["frames"] == 662);
+  CHECK(reversals["frames"] == 463);
+  CHECK(result["specimen"] == "paper");
+  CHECK(json::parse(call(folder, {"runs", "show", "1", "--json"}).out)["specimen"] == "paper");
+  // A trajectory that was not fitted costs more than the same one again, and a simpler model errs more.
+  CHECK(reversals["mean_error_psi"] > 1.1 * held_out["mean_error_psi"].get<double>());
+  const json& errors = result["mean_error_psi"];
+  CHECK(errors["dynamic"] == reversals["mean_error_psi"]);
+  CHECK(errors["dynamic"] < errors["elam"]);
+  CHECK(errors["elam"] < errors["monotone"]);
+  CHECK(result["runs"] == json::array({1, 2, 3, 4, 5, 6}));
+  CHECK(result["origin"] == "simulated");
+  CHECK(result["report"] == "reports/run-1.html");
+  CHECK(result["verdicts"].size() == 50);
+  CHECK(result["timing_s"].size() == 10);
+  CHECK(own["hysteresis_max_fs"].get<double>() == Approx(0.253).margin(0.015));
+  CHECK(own["hysteresis_mean_fs"].get<double>() == Approx(0.100).margin(0.012));
+  CHECK(own["full_scale_v"].get<double>() == Approx(3.5).margin(0.05));
+  CHECK(held_out["raw_distance_fs"].get<double>() == Approx(0.10).margin(0.012));
+  CHECK(held_out["comp_distance_of_mean_fs"].get<double>() < 0.015);
+  CHECK(held_out["comp_distance_of_mean_fs"].get<double>() > 0.0);
+  // On the sensor as it was measured, and mounted anew, all means pass; a month later and warmer it is out of its
+  // limits. Of single readings one long way, or one mount, says too little.
+  for (const json& verdict : result["verdicts"]) {
+    if (verdict["run"] != 5 && verdict["criterion"] != "mpe") CHECK(verdict["shown"] == "simulated pass");
+    if ((verdict["run"] == 3 || verdict["run"] == 4) && verdict["criterion"] == "mpe")
+      CHECK(verdict["verdict"] == "inconclusive");
+  }
+  CHECK(result["judgement"]["runs"].size() == 5);
+  CHECK(result["judgement"]["overall"] == "fail");
+  CHECK(result["judgement"]["decided_by"] == json::array({5}));
+  CHECK_FALSE(result["on_purpose"].get<std::string>().empty());
+  CHECK(result["model"] == "dynamic");
+}
+
+// Escape sequences in arguments, files and stores: none reaches a terminal, whichever verb prints it.
+
+using namespace tactbench::tests;
+using tactbench::db::sqlite::Access;
+using tactbench::db::sqlite::Connection;
+
+namespace {
+
+// Colour, window title, bell, return, backspace, delete, the C1 form of ESC [, a change of direction.
+const std::string kEvil = "x\x1b[31m\x1b]0;t\x07\r\b\x7f\u009b2J\u202ey";
+
+bool harmless(const std::string& text) {
+  const bool plain = std::all_of(text.begin(), text.end(), [](char c) {
+    const auto byte = static_cast<unsigned char>(c);
+    return (byte >= 0x20 && byte != 0x7F) || c == '\n' || c == '\t';
+  });
+  return plain && text.find("\u009b") == std::string::npos && text.find("\u202e") == std::string::npos &&
+         text.find('\xff') == std::string::npos;
+}
+
+class Terminal {
+ public:
+  Finished run(const std::vector<std::string>& words) {
+    Finished finished = run_program(program_path(), words, folder.path());
+    std::string line;
+    for (const std::string& word : words) line += word + " ";
+    INFO(line << "\n" << finished.out << finished.err);
+    CHECK(harmless(finished.out));
+    CHECK(harmless(finished.err));
+    return finished;
+  }
+  const TemporaryFolder folder;
+};
+
+}  // namespace
+
+TEST_CASE("escape sequences in arguments and stored texts are printed visibly, not sent to the terminal") {
+  Terminal terminal;
+  REQUIRE(terminal.run({"init"}).code == 0);
+  write_file(terminal.folder.path("small.toml"),
+             "schema = 1\nname = \"n\\u001b[2Jm\"\ntitle = \"t\\u009b\\u202e\"\nunit = \"psi\"\n"
+             "turning_points = [0, 60, 20, 60, 0]\nstep = 20\nrepeats = 1\ndwell_s = 1.0\n");
+  const std::string& evil = kEvil;
+  CHECK(terminal.run({"sensors", "add", evil + "\xff", "--type", "sensor.toml"}).code == 2);  // a stray byte: no text
+  CHECK(terminal.run({"sensors", "add", evil, "--type", "sensor.toml", "--note", evil}).code == 0);
+  CHECK(terminal.run({"plan", "small.toml"}).code == 0);
+  const std::vector<std::string> set = {"--set", "bench.location=\"a\\u001b[31m\"", "--set",
+                                        "reference.serial=\"r\\u001b]0;t\\u0007\""};
+  REQUIRE(terminal
+              .run(joined_words({"run", "small.toml", "--bench", "bench.toml", "--sensor", evil, "--operator", evil,
+                                 "--purpose", evil},
+                                set))
+              .code == 0);
+  CHECK_THAT(terminal.run(joined_words({"devices", "check", "--bench", "bench.toml"}, set)).out,
+             Catch::Contains("r\\x1b]0;t\\x07"));
+  CHECK_THAT(terminal.run(joined_words({"config", "--origin", "--bench", "bench.toml"}, set)).out,
+             Catch::Contains("a\\x1b[31m"));
+  CHECK(terminal.run({"runs", "note", "1", evil}).code == 0);
+  CHECK(terminal.run({"runs", "void", "1", "--reason", evil, "--by", evil}).code == 0);
+  Connection(terminal.folder.path("runs.db"), Access::kReadWrite)
+      .execute("UPDATE events SET detail = 'd' || char(27) || '[31m' || char(13), id = char(7)");
+  const std::string list = terminal.run({"runs", "list", "--all"}).out;
+  CHECK_THAT(list, Catch::Contains("x\\x1b[31m"));
+  CHECK(std::count(list.begin(), list.end(), '\n') == 3);  // head, run, origin
+  CHECK_THAT(terminal.run({"runs", "show", "1"}).out, Catch::Contains("\\x0d"));
+  for (const char* verb : {"list", "show"}) {
+    std::vector<std::string> sensors = {"sensors", verb};
+    if (std::string(verb) == "show") sensors.push_back(evil);
+    CHECK_THAT(terminal.run(sensors).out, Catch::Contains("x\\x1b[31m"));
+    sensors.push_back("--json");
+    CHECK_NOTHROW(nlohmann::json::parse(terminal.run(sensors).out));  // what stands for escapes there is JSON
+  }
+  CHECK_NOTHROW(nlohmann::json::parse(terminal.run({"runs", "show", "1", "--json"}).out));
+  (void)terminal.run({"verify", "1"});
+  (void)terminal.run({"fit", "1"});
+  (void)terminal.run({"trend"});
+}
+
+TEST_CASE("escape sequences in refused input are printed visibly in the error") {
+  Terminal terminal;
+  const std::string& evil = kEvil;
+  CHECK(terminal.run({"plan", evil}).code == 2);
+  CHECK(terminal.run({evil}).code == 2);
+  CHECK(terminal.run({"plan", "production", "--set", "recipe." + evil + "=1"}).code == 2);
+  CHECK(terminal.run({"plan", "production", "--set", "bench." + evil + "=" + evil}).code == 2);
+  CHECK(terminal.run({"run", "--" + evil}).code == 2);
+  write_file(terminal.folder.path("bad.toml"), "schema = 1\n\"k\\u001b[31m\" = \"v\\u001b]0;t\\u0007\"\n");
+  CHECK(terminal.run({"plan", "bad.toml"}).code == 2);
+  CHECK(terminal.run({"nightly", "bad.toml", "--list"}).code == 2);
+  write_file(terminal.folder.path("columns.csv"), evil + "," + evil + "b\n1,2\n");
+  CHECK_THAT(well(terminal.run({"fit", "columns.csv"}), 2).err, Catch::Contains("\\x08"));  // behind its line end CR
+  write_file(terminal.folder.path("wide.csv"), std::string(900'000, '\x1b') + ",b\n1,2\n");
+  CHECK(terminal.run({"fit", "wide.csv"}).err.size() < 5000);
+  write_file(terminal.folder.path("cell.csv"), "input,output\n1," + evil + "\n");
+  CHECK(terminal.run({"fit", "cell.csv"}).code == 2);
+  write_file(terminal.folder.path("suite.toml"),
+             "schema = 1\nname = \"s\\u001b[31m\"\n[[scenario]]\nname = \"one\"\nabout = \"a\\u001b[31m\\u000d\"\n");
+  CHECK_THAT(terminal.run({"nightly", "suite.toml", "--list"}).out, Catch::Contains("a\\x1b[31m\\x0d"));
+}
+
+// A command reads each run once, however many figures of it are asked for. SQLite itself is asked: it names every
+// statement that it carries out for a verb, which runs in this process.
+
+using namespace tactbench;
+using namespace tactbench::tests;
+
+namespace {
+
+// How the store asks for the frames of a run, up to the first bound value; and what such a statement has besides.
+constexpr std::string_view kFramesFrom = "FROM frames WHERE frame > ", kWithCounts = ", counts,";
+
+// The run of each statement that reads frames, on all connections opened while this lives; they must be closed before
+// it goes.
+class ReadLog {
+ public:
+  ReadLog() {
+    current_ = this;
+    REQUIRE(sqlite3_auto_extension(entry()) == SQLITE_OK);
+  }
+  ~ReadLog() {
+    (void)sqlite3_cancel_auto_extension(entry());
+    current_ = nullptr;
+  }
+  ReadLog(const ReadLog&) = delete;
+  ReadLog& operator=(const ReadLog&) = delete;
+  [[nodiscard]] std::vector<std::int64_t> sorted() const {
+    std::vector<std::int64_t> runs = runs_;
+    std::ranges::sort(runs);
+    return runs;
+  }
+
+ private:
+  using Entry = void (*)();
+  static Entry entry() { return reinterpret_cast<Entry>(&attach); }
+  static int attach(sqlite3* connection, char** /*error*/, const sqlite3_api_routines* /*api*/) {
+    return sqlite3_trace_v2(connection, SQLITE_TRACE_STMT, &see, current_);
+  }
+  static int see(unsigned /*event*/, void* log, void* statement, void* /*sql*/) {
+    static_cast<ReadLog*>(log)->note(static_cast<sqlite3_stmt*>(statement));
+    return 0;
+  }
+  void note(sqlite3_stmt* statement) {
+    const std::string_view sql = sqlite3_sql(statement);
+    const std::size_t from = sql.find(kFramesFrom);
+    if (from == std::string_view::npos || sql.find(kWithCounts) == std::string_view::npos) return;
+    char* const bound = sqlite3_expanded_sql(statement);
+    runs_.push_back(std::stoll(std::string(bound).substr(from + kFramesFrom.size())) / db::kFramesPerRun);
+    sqlite3_free(bound);
+  }
+  static inline ReadLog* current_ = nullptr;
+  std::vector<std::int64_t> runs_;
+};
+
+using RunsRead = std::vector<std::int64_t>;
+
+// The runs whose frames the verb reads, in their order, each as often as it does.
+RunsRead frames_read_by(const TemporaryFolder& folder, std::vector<std::string> words) {
+  words.insert(words.begin(), "tactbench");
+  words.insert(words.end(), {"--db", folder.path("runs.db")});
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  ReadLog log;
+  const int code = bench::run_command_line(static_cast<int>(arguments.size()), arguments.data());
+  CAPTURE(words, code);
+  REQUIRE((code == 0 || code == 1 || code == 6));  // by the verdicts
+  return log.sorted();
+}
+
+}  // namespace
+
+TEST_CASE("a verb reads the frames of each run once") {
+  const TemporaryFolder folder;
+  init_small_array(folder);
+  REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
+  write_file(
+      folder.path("loops.toml"),
+      "schema = 1\nname = \"loops\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0]\nstep = 4\nrepeats = 2\n"
+      "dwell_s = 1.0\n[conditioning]\ncycles = 1\npeak = 60\n");
+  run_recipe(folder, "loops.toml", {"--seed", "1"});
+  run_recipe(folder, "loops.toml", {"--seed", "2"});
+  run_recipe(folder, "loops.toml", {"--seed", "3", "--set", "simulation.mount_seed=1"});
+  run_recipe(folder, "ring", {"--set", "recipe.repeats=1"});
+  run_recipe(folder, "rate-ramp", {});
+  REQUIRE(call(folder, {"fit", "2"}).code == 0);
+  const std::string page = folder.path("r.html"), limits = folder.path("limits.toml");
+
+  // Fitted, evaluated, judged with U, and the report of that.
+  CHECK(frames_read_by(folder, {"fit", "1"}) == RunsRead{1});
+  CHECK(frames_read_by(folder, {"judge", "1", "2", "--limits", limits}) == RunsRead{1, 2});
+  CHECK(frames_read_by(folder, {"report", "1", "--held-out", "2", "-o", page}) == RunsRead{1, 2});
+  CHECK(frames_read_by(folder, {"report", "1", "--held-out", "2", "3", "-o", page}) == RunsRead{1, 2, 3});
+  // The held-out run is the one that the fit was judged on; then by other limits, for which nothing is stored.
+  CHECK(frames_read_by(folder, {"report", "1", "-o", page}) == RunsRead{1, 2});
+  write_file(limits, read_file(limits) + "# another file\n");
+  CHECK(frames_read_by(folder, {"report", "1", "--limits", limits, "-o", page}) == RunsRead{1, 2});
+
+  // All that further runs tell: creep and temperature, a mount, an object, paces; and earlier models.
+  CHECK(frames_read_by(folder, {"report", "1", "2", "--held-out", "2", "--previous", "2", "--studies", "3:mount", "4",
+                                "5", "-o", page}) == RunsRead{1, 2, 3, 4, 5});
+  CHECK(frames_read_by(folder, {"report", "--compare", "1", "2", "-o", folder.path("c.html")}) == RunsRead{1, 2});
+  CHECK(frames_read_by(folder, {"model", "show", "1"}).empty());
+  CHECK(frames_read_by(folder, {"model", "check", "2", "1"}) == RunsRead{1});
+  // Once for the hash of what is stored, once for what follows from it.
+  CHECK(frames_read_by(folder, {"verify", "2"}) == RunsRead{1, 1, 2, 2});
 }

@@ -22,7 +22,7 @@
 #include "bench/common/overrides.h"
 #include "bench/common/utc.h"
 #include "db/run_store.h"
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "sequences/toml/strict_toml.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"

@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <sstream>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "tests/devices/fault_of.h"
 #include "tests/support/endless_run.h"
 #include "tests/support/process.h"

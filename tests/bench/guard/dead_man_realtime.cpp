@@ -14,7 +14,7 @@
 #include "bench/rig/rig.h"
 #include "bench/safety/ramp.h"
 #include "bench/safety/safe_state.h"
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "tests/devices/fault_of.h"
 #include "tests/support/child_process.h"
 #include "tests/support/hosted_rig.h"

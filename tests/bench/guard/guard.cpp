@@ -9,7 +9,7 @@
 #include "bench/common/error.h"
 #include "bench/common/error_table.h"
 #include "bench/common/process_time.h"
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "tests/devices/fault_of.h"
 
 using namespace tactbench;

@@ -1,15 +1,21 @@
-#include "bench/guard/trip.h"
-
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "bench/common/error.h"
+#include "bench/common/process_time.h"
+#include "bench/guard/guard.h"
+#include "bench/guard/trip.h"
+#include "bench/guard/witness.h"
+#include "tests/bench/config/bench_text.h"
+#include "tests/devices/fault_of.h"
 #include "tests/support/process.h"
 #include "tests/support/variable.h"
 
@@ -104,4 +110,130 @@ TEST_CASE("state folder: that of XDG_STATE_HOME, else one in the home folder") {
   const Variable none("XDG_STATE_HOME", "");
   const Variable home("HOME", folder.path());
   CHECK(state_folder("/no/machine") == folder.path(".local/state/tactbench"));
+}
+
+// Which readings of a pressure instrument can be true, and when one stands still.
+
+using namespace tactbench;
+using namespace tactbench::bench;
+
+namespace {
+
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+
+PressureWitness seen(const TrueRange& range, const std::vector<double>& readings) {
+  PressureWitness witness(range);
+  double time_s = 0.0;
+  for (const double psi : readings) witness.see(psi, seconds(time_s += 0.5));
+  return witness;
+}
+
+}  // namespace
+
+TEST_CASE("witness: what can be true follows from span, live zero, safe_psi and uncertainty") {
+  struct Row {
+    tests::Changes reference;
+    double low_psi, high_psi;
+  };
+  const std::string stated = "reference.expanded_uncertainty_psi";
+  const std::string span_v = "reference.span_v", span = "reference.span_psi";
+  const Row rows[] = {
+      {{{span, "[0, 100]"}, {stated, "0.05"}}, -1.05, 101.05},
+      {{{span, "[0, 100]"}, {stated, "0.05"}, {span_v, "[1, 5]"}}, -1.05, 101.05},  // a dead one reads -25
+      {{{span, "[0, 20]"}, {stated, "0.05"}, {span_v, "[0.4, 2]"}}, -1.0, 21.0},    // a dead one reads -5
+      {{{span, "[0, 20]"}, {stated, "0.05"}, {"limits.safe_psi", "0.2"}}, -0.25, 20.25},
+      {{{span, "[0, 100]"}, {stated, "1.5"}}, -2.5, 102.5},
+      {{{span, "[0, 100]"}, {stated, "0"}}, -1.25, 101.25},           // 0.25 % of the span where none is stated
+      {{{span, "[-14.5, 100]"}, {stated, "0.05"}}, -1.195, 101.195},  // the chamber cannot be below the air outside
+      {{{span, "[2, 102]"}, {stated, "0.05"}}, 0.95, 103.05},
+  };
+  for (const Row& row : rows) {
+    const TrueRange range = reference_range(tests::simulated_bench(row.reference));
+    CHECK(range.low_psi == Approx(row.low_psi));
+    CHECK(range.high_psi == Approx(row.high_psi));
+    CHECK((range.holds(range.low_psi) && range.holds(0.96) && range.holds(range.high_psi)));
+    CHECK_FALSE((range.holds(std::nextafter(range.low_psi, -1e9)) || range.holds(std::nextafter(range.high_psi, 1e9))));
+    CHECK_FALSE((range.holds(kNoNumber) || range.holds(-std::numeric_limits<double>::infinity())));
+  }
+  const BenchConfig sound = tests::simulated_bench({});
+  const double regulator_psi = sound.regulator.feedback_span.high.value();
+  CHECK(feedback_range(sound).low_psi == Approx(-0.0125 * regulator_psi));
+  // A gauge's scale is no span.
+  const TrueRange gauge = reference_range(
+      tests::simulated_bench({{"reference.gauge.unit", "2"}, {"reference.gauge.address", "7"}, {stated, "0.05"}}));
+  CHECK(gauge.low_psi == Approx(-1.0));
+  CHECK(std::isinf(gauge.high_psi));
+}
+
+TEST_CASE("witness: an impossible reading is doubted at once, and told by how long it lasts") {
+  const TrueRange range{-1.0, 100.0};
+  CHECK(seen(range, {0.0}).doubt().empty());
+  CHECK_FALSE(seen(range, {}).ever_possible());
+  for (const double bad : {-1.1, 100.1, kNoNumber}) {
+    const PressureWitness once = seen(range, {0.0, bad});
+    CHECK_FALSE((once.possible() || once.doubt().empty()));
+    CHECK((once.ever_possible() && once.impossible_s() == 0.0));
+    CHECK(seen(range, {bad, bad, bad}).impossible_s() == 1.0);
+    CHECK_FALSE(seen(range, {bad, bad}).ever_possible());
+    CHECK(seen(range, {bad, bad, 0.0, bad}).impossible_s() == 0.0);
+    CHECK(seen(range, {bad, bad, 0.0}).doubt().empty());
+  }
+}
+
+TEST_CASE("witness: one that stays the same while the other moves by more than 5 psi stands still") {
+  const auto still = [](const std::vector<std::pair<double, double>>& readings, bool second) {
+    PressureWitness first({}), other({-1.0, 100.0});
+    double time_s = 0.0;
+    for (const auto& [one, two] : readings) {  // as in a run: one is read, then the other
+      first.see(one, seconds(time_s += 0.5));
+      other.see_other(first);
+      other.see(two, seconds(time_s));
+      first.see_other(other);
+    }
+    return !(second ? other : first).doubt().empty();
+  };
+  CHECK(still({{0, 40}, {0, 20}, {0, 0}}, false));            // without supply: 0 V
+  CHECK(still({{40, 40}, {0, 40}, {0, 39}, {0, 0}}, false));  // the supply fails under pressure
+  CHECK(still({{40, 40}, {20, 40}, {0, 40}}, true));          // frozen
+  CHECK(still({{0, 0}, {0, 0}, {6, 0}}, true));
+  CHECK_FALSE(still({{0, 0}, {0, 0}, {5, 0}}, true));
+  // Both empty from one reading to the next, and clipped at 0 from then on.
+  CHECK_FALSE(still({{40, 40}, {0, 0}, {0, 0}, {0, 0}}, false));
+  CHECK_FALSE(still({{40, 40}, {0, 0}, {0, 0}, {0, 0}}, true));
+  CHECK_FALSE(still({{40, 40}, {20, 40}, {0, 40}, {0, 1}}, true));  // a slow gauge that follows in the end
+  CHECK_FALSE(still({{0, 40}, {0, -50}, {0, -50}}, false));         // what cannot be true shows nothing
+}
+
+TEST_CASE(
+    "witness: the guard lets no pressure rise by a reading that cannot be true, and ends a run by one that lasts") {
+  devices::TurnedClock clock;
+  GuardLimits limits = guard_limits(tests::simulated_bench({}));
+  Guard guard(limits, clock);
+  guard.arm();
+  guard.source_armed();
+  const auto see = [&](double feedback, double reference) {
+    clock.wait_until(clock.now() + seconds(0.25));
+    guard.note_feedback(devices::Psi(feedback), clock.now());
+    guard.note_reference(devices::Psi(reference), clock.now());
+  };
+  const auto rise = [&] { return devices::fault_id_of([&] { guard.check_pressure(devices::Psi(1.0)); }); };
+  const auto goes_on = [&] { return devices::fault_id_of([&] { guard.check_witnesses(); }); };
+  see(0.0, -25.0);  // from the beginning: no leniency
+  CHECK(rise() == "TB-CHAMBER-WITNESS");
+  CHECK(goes_on() == "none");
+  see(0.0, 0.0);
+  CHECK(rise() == "none");
+  for (int i = 0; i < 4; ++i) {
+    see(-25.0, 0.0);  // a shock on a line may last less than disagreement_s, 1 s
+    CHECK(rise() == "none");
+    CHECK(goes_on() == "none");
+  }
+  see(-25.0, 0.0);
+  CHECK(rise() == "TB-CHAMBER-WITNESS");
+  CHECK(goes_on() == "TB-CHAMBER-WITNESS");
+  CHECK(devices::fault_id_of([&] { guard.check_pressure(devices::Psi(0.0)); }) == "none");  // down is always open
+  see(0.0, 0.0);
+  CHECK((rise() == "none" && goes_on() == "none"));
+  for (int i = 0; i < 5; ++i) see(0.0, -25.0);
+  CHECK(goes_on() == "TB-CHAMBER-WITNESS");
 }

@@ -12,7 +12,7 @@
 #include "bench/instruments/watch.h"
 #include "bench/rig/rig.h"
 #include "bench/simulation/plant.h"
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "tests/bench/cli/verb_here.h"
 #include "tests/support/process.h"
 #include "tests/support/refusal.h"

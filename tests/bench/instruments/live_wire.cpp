@@ -12,7 +12,7 @@
 #include "analysis/compensate/frame_compensator.h"
 #include "bench/instruments/live.h"
 #include "bench/reporting/evaluation.h"
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 #include "tests/support/small_run.h"

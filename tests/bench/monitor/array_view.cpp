@@ -1,10 +1,16 @@
 // The array's newest picture: of the last frame, of the seating check before it, and which taxels are dead.
-#include "bench/monitor/array_view.h"
-
 #include <catch2/catch.hpp>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "bench/common/screen.h"
+#include "bench/monitor/array_view.h"
+#include "bench/monitor/heat_map.h"
+#include "bench/monitor/run_view.h"
 #include "tests/db/store_example.h"
 #include "tests/support/process.h"
+#include "tests/support/variable.h"
 
 using namespace tactbench;
 using namespace tactbench::bench;
@@ -80,4 +86,139 @@ TEST_CASE("array view: a scanner without a scale gives none") {
   const Begun begun = begin_example(store, run);
   store.append_frame(begun.run, example_frame(begun.branch, 0));
   CHECK_FALSE(newest_array(store, store.run(begun.run)));
+}
+
+// The array's picture: its scale, what a frame's counts become, and which taxels are judged dead.
+
+using namespace tactbench;
+using namespace tactbench::bench;
+using namespace tactbench::tests;
+
+namespace {
+
+ArrayView equal_taxels(int rows, int columns) {
+  ArrayView view;
+  view.title = "T";
+  view.rows = rows;
+  view.columns = columns;
+  view.full_scale_v = 5.0;
+  view.volts.assign(static_cast<std::size_t>(rows * columns), 1.0);
+  return view;
+}
+
+}  // namespace
+
+TEST_CASE("array picture: no scale ends below a tenth of the converter's range, or at nothing") {
+  ArrayView view = equal_taxels(1, 1);
+  view.volts = {0.5};
+  CHECK(scale_top_v(view) == 0.5);
+  view.volts = {0.49};
+  CHECK(scale_top_v(view) == 0.5);
+  view.full_scale_v = 0.0;
+  CHECK(scale_top_v(view) == 0.49);
+  view.volts.clear();
+  CHECK(scale_top_v(view) == 1e-9);
+}
+
+TEST_CASE("array picture: a frame's means, its saturated taxels, and from which pressure dead ones are judged") {
+  const ArrayBasis basis{0.001, {0.1, 0.1, 0.1, 0.1, 0.1, 0.1}};
+  db::SeenFrame frame;
+  frame.position = 19;
+  frame.rows = 3;
+  frame.columns = 2;
+  frame.scans = 2;
+  frame.reference_psi = 5.0;
+  frame.counts = {100, 65535, 151, 149, 65534, 65535, 102, 65535, 151, 149, 65535, 200};
+  ArrayView view = view_of_frame(basis, frame);
+  CHECK((view.rows == 3 && view.columns == 2));
+  CHECK(view.full_scale_v == Approx(65.535));
+  CHECK(view.volts[0] == Approx(0.101));
+  CHECK(view.volts[2] == Approx(0.151));
+  CHECK(view.saturated == std::vector<int>{1, 4, 5});
+  CHECK(view.dead_are_known);
+  CHECK(view.dead == std::vector<int>{0, 3});  // those that rose by less than 50 mV
+  frame.reference_psi = 4.99;
+  CHECK_FALSE(view_of_frame(basis, frame).dead_are_known);
+  frame.reference_psi = 6.0;
+  CHECK_FALSE(view_of_frame({0.001, {0.1}}, frame).dead_are_known);
+  CHECK_FALSE(view_of_frame({0.001, {}}, frame).dead_are_known);
+  CHECK(view_of_frame(basis, frame).dead_are_known);
+}
+
+TEST_CASE("array picture: a seating check of another shape, or without one, is none") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"));
+  const Begun begun = begin_example(store);
+  std::int64_t time_ns = 0;
+  const auto basis_after = [&](const char* kind, const std::string& detail, std::vector<double> data) {
+    store.append_check(begun.run, {begun.run, ++time_ns, kind, "pass", detail, std::move(data)});
+    return array_basis(store, store.run(begun.run)).value().unloaded_v;
+  };
+  const std::string well = R"({"pressure_psi":8.0,"rows":1,"columns":2,"volts_per_count":0.5})";
+  CHECK(basis_after("tare", well, {1, 2, 3, 4}).empty());
+  CHECK(basis_after("seating", well, {1, 2, 3, 4}) == std::vector<double>{0.5, 1.0});
+  CHECK(basis_after("tare", well, {5, 6, 7, 8}) == std::vector<double>{0.5, 1.0});  // the newest of seating
+  CHECK(basis_after("seating", well, {3, 4, 5, 6}) == std::vector<double>{1.5, 2.0});
+  CHECK(basis_after("seating", well, {3, 4}).empty());
+  CHECK(basis_after("seating", R"({"rows":0,"columns":2,"volts_per_count":0.5})", {}).empty());
+  CHECK(basis_after("seating", R"({"rows":-1,"columns":-2,"volts_per_count":0.5})", {1, 2, 3, 4}).empty());
+  CHECK(basis_after("seating", R"({"rows":2,"columns":1,"volts_per_count":0.5})", {1, 2, 3, 4}).size() == 2);
+  CHECK(basis_after("seating", "[]", {1, 2, 3, 4}).empty());
+  CHECK_FALSE(newest_array(store, store.run(begun.run)));
+}
+
+TEST_CASE("array picture: which events show progress") {
+  db::EventRecord event;
+  for (const char* quiet : {"command", "stage", "environment", "fail-safe", "relays", "time", "prompt"}) {
+    event.kind = quiet;
+    CHECK_FALSE(shows_progress(event));
+  }
+  for (const char* loud : {"state", "warning", "attempt", "safe", "branch-broken", "", "commands"}) {
+    event.kind = loud;
+    CHECK(shows_progress(event));
+  }
+}
+
+TEST_CASE("array picture: ten shades from 0 V to the highest output") {
+  for (const auto& [volts, shade] : {std::pair{-0.1, 0},
+                                     {0.0, 0},
+                                     {0.1999, 0},
+                                     {0.2001, 1},
+                                     {1.79, 8},
+                                     {1.8, 9},
+                                     {2.0, 9},
+                                     {1e9, 9},
+                                     {std::nan(""), 0}})
+    CHECK(shade_of(volts, 2.0) == static_cast<std::size_t>(shade));
+}
+
+TEST_CASE("array picture: it never gets more than a window holds") {
+  for (const std::size_t columns : {5U, 17U, 20U, 35U, 40U, 80U, 200U})
+    for (const std::size_t rows : {2U, 3U, 8U, 9U, 17U, 60U}) {
+      INFO(columns << " x " << rows);
+      const auto lines = heat_map(equal_taxels(24, 10), Shades::kCharacters, columns, rows);
+      CHECK((lines.size() >= 2 && lines.size() <= rows));
+    }
+  CHECK(heat_map(equal_taxels(16, 16), Shades::kCharacters, 80, 1).empty());
+  CHECK(heat_map(ArrayView{}, Shades::kCharacters, 80, 20).empty());
+}
+
+TEST_CASE("array picture: NO_COLOR and a terminal of few colours get characters") {
+  const Variable colour("NO_COLOR", ""), depth("COLORTERM", "");
+  {
+    const Variable terminal("TERM", "xterm-256color");
+    CHECK(shades_of_terminal() == Shades::kColours);
+    const Variable none("NO_COLOR", "1");
+    CHECK(shades_of_terminal() == Shades::kCharacters);
+  }
+  const Variable terminal("TERM", "linux");
+  CHECK(shades_of_terminal() == Shades::kCharacters);
+  const Variable deep("COLORTERM", "truecolor");
+  CHECK(shades_of_terminal() == Shades::kColours);
+}
+
+TEST_CASE("watch: what is painted holds nothing that moves the cursor but its own") {
+  const std::string text = painted({{{"\x1b[2Jcursor\n"}}}, 80, 0);
+  CHECK(text.find("\x1b[2J") == std::string::npos);
+  CHECK(painted({{{"a"}}}, 80, 3).starts_with("\x1b[3F"));
 }

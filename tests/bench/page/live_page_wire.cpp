@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/run/control/client_words.h"
+#include "bench/run/control/control_client.h"
 #include "tests/bench/cli/verb_here.h"
 #include "tests/bench/page/served_page.h"
 #include "tests/support/answering_run.h"

@@ -3,7 +3,7 @@
 
 #include "bench/common/error.h"
 #include "bench/page/http/http_server.h"
-#include "bench/page/http/wire.h"
+#include "bench/page/http/message.h"
 #include "tests/support/process.h"
 
 using namespace tactbench;

@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "bench/page/http/http_server.h"
-#include "bench/page/http/wire.h"
+#include "bench/page/http/message.h"
 #include "tests/bench/page/raw_http.h"
 #include "tests/support/process.h"
 #include "tests/support/refusal.h"

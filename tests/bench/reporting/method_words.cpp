@@ -1,5 +1,5 @@
 // The method in words: sweeps, levels, waiting times, conditioning, from the recipe and what was set.
-#include "bench/reporting/method_words.h"
+#include "bench/reporting/study_roles.h"
 
 #include <catch2/catch.hpp>
 

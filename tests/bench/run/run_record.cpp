@@ -12,7 +12,7 @@
 #include "bench/common/error.h"
 #include "bench/common/utc.h"
 #include "db/run_store.h"
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "tests/bench/run/quick_store.h"
 #include "tests/db/store_example.h"
 #include "tests/devices/fault_of.h"

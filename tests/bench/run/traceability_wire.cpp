@@ -8,7 +8,7 @@
 #include "analysis/statistics/uncertainty/instrument_calibration.h"
 #include "bench/rig/rig.h"
 #include "bench/run/run_record.h"
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "tests/bench/run/finished_run.h"
 #include "tests/bench/run/quick_store.h"
 

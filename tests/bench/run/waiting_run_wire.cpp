@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "bench/run/control/client_words.h"
+#include "bench/run/control/control_client.h"
 #include "bench/run/control/run_connection.h"
 #include "bench/run/time_estimate.h"
 #include "db/sqlite.h"

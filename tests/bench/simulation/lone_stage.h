@@ -7,7 +7,7 @@
 
 #include "devices/clock.h"
 #include "devices/stage/chain_device.h"
-#include "devices/stage/stage_view.h"
+#include "devices/stage/stage.h"
 
 namespace tactbench::bench {
 

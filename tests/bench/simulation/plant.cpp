@@ -1,13 +1,18 @@
-#include "bench/simulation/plant.h"
-
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <cmath>
+#include <functional>
+#include <memory>
 #include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "bench/simulation/plant.h"
 #include "devices/tactile/scan_report.h"
+#include "tests/bench/simulation/small_plant.h"
 
 namespace tactbench::bench {
 namespace {
@@ -242,3 +247,240 @@ TEST_CASE("plant: the fixed grid agrees with a fine one over a sweep") {
 }
 
 }  // namespace tactbench::bench
+
+// How an object under the stage comes to the plant, in numbers of another implementation, and what a scan's status
+// says.
+
+using namespace tactbench;
+using namespace tactbench::bench;
+using namespace tactbench::tests;
+using namespace std::chrono_literals;
+
+namespace {
+
+Approx digits(double value) { return Approx(value).epsilon(1e-10); }
+
+// Down to 30.5 mm, a hold, back to 30.25 mm, sideways at 20 s, and off at 30 s.
+ScriptedStage::Place scripted(double time_s) {
+  const double z_mm = time_s < 2.0    ? 29.9 + 0.3 * time_s
+                      : time_s < 3.0  ? 30.5
+                      : time_s < 4.0  ? 30.5 - 0.25 * (time_s - 3.0)
+                      : time_s < 30.0 ? 30.25
+                                      : 29.5;
+  return time_s < 20.0 ? ScriptedStage::Place{30.0, 30.0, z_mm} : ScriptedStage::Place{31.0, 29.5, z_mm};
+}
+
+void point(PlantOptions& options) { options.contact.object = Footprint::kPoint; }
+
+}  // namespace
+
+TEST_CASE("plant coupling: an object's force and its pressure on each taxel") {
+  ScriptedStage stage(scripted);
+  SmallPlant bed(point);
+  bed.plant.set_stage(&stage);
+  CHECK(bed.plant.true_contact_psi().empty());
+  for (const auto& [time, force_n] : {std::pair{400ms, 0.419823745976}, std::pair{1000ms, 4.548079856896},
+                                      std::pair{2500ms, 12.761986495513}, std::pair{3700ms, 7.183409193033}}) {
+    bed.at(time);
+    CHECK(bed.plant.true_force().value() == digits(force_n));
+  }
+  bed.at(3705ms);  // between two cells of the grid
+  CHECK(bed.plant.true_force().value() == digits(7.151452023985));
+  CHECK(bed.plant.wrench().force_n[2] == digits(-7.151452023985 - 0.0017756322253430473));
+  bed.at(25s);
+  const std::vector<double> psi = bed.plant.true_contact_psi();
+  const std::vector<double> expected = {0.123309293, 54.023194766, 32.31250117,
+                                        0.039153792, 20.522767047, 12.052383919};
+  REQUIRE(psi.size() == 6);
+  for (std::size_t k = 0; k < 6; ++k) CHECK(psi[k] == Approx(expected[k]).epsilon(0.0).margin(2e-9));
+  bed.at(31s);
+  CHECK(bed.plant.true_force().value() == 0.0);
+  CHECK(bed.plant.true_contact_psi().empty());
+}
+
+TEST_CASE("plant coupling: a stage at rest in the air is not queried, a removed one no longer presses") {
+  ScriptedStage stage([](double) { return ScriptedStage::Place{30.0, 30.0, 29.0}; });
+  SmallPlant bed(point);
+  bed.plant.set_stage(&stage);
+  bed.at(1s);
+  (void)bed.plant.true_pressure();
+  CHECK(stage.asked == 100);  // it was not placed before: each cell
+  stage.rests = true;
+  bed.at(2s);
+  (void)bed.plant.true_pressure();
+  CHECK(stage.asked == 100);
+  stage.rests = false;
+  stage.where = [](double) { return ScriptedStage::Place{30.0, 30.0, 30.4}; };
+  bed.at(3s);
+  CHECK(bed.plant.true_force().value() > 1.0);
+  CHECK(stage.asked == 200);
+  stage.rests = true;  // in contact it is looked at all the same
+  bed.at(4s);
+  (void)bed.plant.true_pressure();
+  CHECK(stage.asked == 300);
+  bed.plant.forget_stage();
+  bed.at(5s);
+  (void)bed.plant.true_pressure();
+  CHECK(stage.asked == 300);
+  bed.plant.set_stage(nullptr);
+  CHECK(bed.plant.true_force().value() == 0.0);
+}
+
+TEST_CASE("plant coupling: a scan's status marks rows without time to settle and counts at the converter's ends") {
+  SmallPlant slow([](PlantOptions& options) { options.scanner.relay_settle_s = 0.002; });
+  slow.drive(2.0);
+  slow.at(13ms);
+  slow.drive(3.0);
+  slow.at(420ms);
+  (void)slow.scan();
+  CHECK(slow.status == std::vector<std::uint8_t>{devices::kStatusNotSettled, devices::kStatusNotSettled});
+  // exp(-settle / 0.6 ms) is a hundredth at 2.763 ms.
+  for (const auto& [settle_s, told] : {std::pair{0.002764, false}, std::pair{0.002762, true}}) {
+    SmallPlant edge([settle = settle_s](PlantOptions& options) { options.scanner.relay_settle_s = settle; });
+    (void)edge.scan();
+    CHECK((edge.status[0] == devices::kStatusNotSettled) == told);
+  }
+  SmallPlant instant([](PlantOptions& options) { options.scanner.relay_time_constant_s = 0.0; });
+  (void)instant.scan();
+  CHECK(instant.status == std::vector<std::uint8_t>{0, 0});
+  SmallPlant ends([](PlantOptions& options) {
+    options.scanner.noise_v = 0.0;
+    options.scanner.relay_time_constant_s = 0.0;
+    options.specimen.defects = {{TaxelDefect::Kind::kDead, 0, 2, 0, 0}, {TaxelDefect::Kind::kSaturated, 1, 0, 0, 0}};
+  });
+  const std::vector<int> counts = ends.scan();
+  CHECK((counts[2] == 0 && counts[3] == 65535));
+  CHECK(ends.status == std::vector<std::uint8_t>{devices::kStatusAtLimit, devices::kStatusAtLimit});
+  std::vector<std::uint16_t> wrong(5);
+  CHECK_THROWS_AS(ends.plant.scan(wrong, ends.status), std::invalid_argument);
+  wrong.resize(6);
+  ends.status.resize(3);
+  CHECK_THROWS_AS(ends.plant.scan(wrong, ends.status), std::invalid_argument);
+}
+
+TEST_CASE("plant coupling: a stuck row beyond the array is its last one") {
+  SmallPlant bed;
+  bed.drive(2.0);
+  bed.at(3s);
+  bed.plant.inject(FaultKind::kRowStuck, 77.0);
+  const std::vector<int> last = bed.scan();
+  bed.drive(4.0);
+  bed.at(60s);
+  const std::vector<int> later = bed.scan();
+  CHECK(std::equal(last.begin() + 3, last.end(), later.begin() + 3));
+  CHECK(last[0] != later[0]);
+}
+
+// Each question and each change brings the plant up to its time first: whoever has looked before changes nothing.
+
+using namespace tactbench;
+using namespace tactbench::bench;
+using namespace tactbench::tests;
+using namespace std::chrono_literals;
+
+namespace {
+
+// From 10 psi on.
+std::function<void(PlantOptions&)> with_fault(FaultKind kind) {
+  return [kind](PlantOptions& options) {
+    PlannedFault fault;
+    fault.kind = kind;
+    fault.at_psi = 10.0;
+    options.faults = {fault};
+  };
+}
+
+}  // namespace
+
+TEST_CASE("plant's questions: a fault that waits for a load begins although nobody asked for the pressure") {
+  SmallPlant module(with_fault(FaultKind::kModuleException)), supply(with_fault(FaultKind::kSupplyLost));
+  SmallPlant monitor(with_fault(FaultKind::kRegulatorUnpowered)), reference(with_fault(FaultKind::kReferenceOffset));
+  for (SmallPlant* bed : {&module, &supply, &monitor, &reference}) {
+    bed->drive(2.0);
+    bed->at(3s);
+  }
+  CHECK(module.plant.injected(Instrument::kModule) == devices::InjectedFault::kRefused);
+  CHECK(supply.plant.supply_bar() == 0.0);
+  CHECK(monitor.plant.feedback().value() == 0.0);
+  CHECK(reference.plant.reference_pressure().value() > 30.0);  // 26 psi, and 10
+  SmallPlant below(with_fault(FaultKind::kModuleException));
+  below.drive(0.5);
+  below.at(3s);
+  CHECK(below.plant.injected(Instrument::kModule) == devices::InjectedFault::kNone);
+}
+
+TEST_CASE("plant's questions: a fault that has begun meanwhile is cleared, one that has not stays") {
+  for (const bool begun : {true, false}) {
+    SmallPlant bed(with_fault(FaultKind::kSupplyLost));
+    bed.drive(begun ? 2.0 : 0.5);
+    bed.at(3s);
+    bed.plant.clear(FaultKind::kSupplyLost);
+    bed.drive(2.0);
+    bed.at(8s);
+    CHECK(bed.plant.supply_bar() == (begun ? 8.0 : 0.0));
+  }
+}
+
+TEST_CASE("plant's questions: a look before a change leaves all as it is") {
+  // What happens at 257 ms, between two cells of the grid.
+  ScriptedStage stage([](double) { return ScriptedStage::Place{30.0, 30.0, 30.3}; });
+  const std::vector<std::pair<std::string, std::function<void(SmallPlant&)>>> changes = {
+      {"a stage is set", [&](SmallPlant& bed) { bed.plant.set_stage(&stage); }},
+      {"a fault begins", [](SmallPlant& bed) { bed.plant.inject(FaultKind::kLeak, 4.0); }},
+      {"a command", [](SmallPlant& bed) { bed.drive(1.0); }},
+      {"a command with a limit",
+       [](SmallPlant& bed) { bed.plant.drive(devices::Volts(3.0), 391ms, devices::Volts(0.5)); }},
+      {"the dump valve opens, and closes",
+       [](SmallPlant& bed) {
+         bed.plant.dump(true);
+         bed.at(304ms);
+         bed.plant.dump(false);
+       }},
+      {"another memory of the film",
+       [](SmallPlant& bed) { bed.plant.set_specimen_state(SmallPlant().plant.specimen_state()); }},
+  };
+  for (const auto& [what, change] : changes) {
+    INFO(what);
+    SmallPlant looked, unseen;
+    for (SmallPlant* bed : {&looked, &unseen}) {
+      bed->drive(3.0);
+      bed->at(257ms);
+      if (bed == &looked) {
+        (void)bed->plant.true_pressure();
+        (void)bed->plant.true_force();
+        (void)bed->plant.true_output();
+        (void)bed->plant.specimen_state();
+      }
+      change(*bed);
+      bed->at(777ms);
+    }
+    CHECK(looked.plant.true_pressure().value() == unseen.plant.true_pressure().value());
+    CHECK(looked.plant.true_force().value() == unseen.plant.true_force().value());
+    CHECK(looked.plant.true_output() == unseen.plant.true_output());
+    CHECK(looked.plant.specimen_state() == unseen.plant.specimen_state());
+  }
+}
+
+TEST_CASE("plant's questions: each looks at the present, not at what was asked last") {
+  const auto bed_at = [](devices::Nanoseconds time) {
+    auto bed = std::make_unique<SmallPlant>();
+    bed->drive(3.0);
+    bed->at(time);
+    return bed;
+  };
+  CHECK(bed_at(1s)->plant.true_pressure().value() > 20.0);
+  CHECK(bed_at(1s)->plant.reference_pressure().value() > 20.0);
+  CHECK(bed_at(1s)->plant.reference().value() > 2.0);
+  CHECK(bed_at(1s)->plant.feedback().value() > 1.5);
+  CHECK(bed_at(1s)->plant.true_output()[0] > bed_at(10ms)->plant.true_output()[0] + 0.1);
+  CHECK(bed_at(1s)->scan()[0] > bed_at(10ms)->scan()[0] + 1000);
+  CHECK(bed_at(1s)->plant.specimen_state() != bed_at(10ms)->plant.specimen_state());
+  // A memory that was set is read at once.
+  auto bed = bed_at(1s);
+  const std::string fresh = SmallPlant().plant.specimen_state();
+  bed->plant.set_specimen_state(fresh);
+  CHECK(bed->plant.specimen_state() == fresh);
+  const std::vector<double> before = bed->plant.true_output();
+  bed->at(1100ms);
+  CHECK(bed->plant.true_output() != before);
+}

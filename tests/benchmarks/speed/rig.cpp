@@ -17,7 +17,7 @@
 #include "bench/config/config_profile.h"
 #include "bench/rig/rig.h"
 #include "bench/simulation/plant.h"
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "devices/pressure/analog_module.h"
 #include "devices/pressure/simulated_module.h"
 #include "devices/stage/simulated_chain.h"

@@ -10,7 +10,6 @@
 #include <system_error>
 
 #include "analysis/report/gather.h"
-#include "analysis/report/runs.h"
 #include "bench/common/private_files.h"
 #include "db/run_store.h"
 #include "db/sqlite.h"

@@ -14,7 +14,7 @@
 
 #include "analysis/error.h"
 #include "analysis/identify/compensators.h"
-#include "analysis/identify/dynamic/dynamic_alone.h"
+#include "analysis/identify/dynamic/dynamic_fit.h"
 #include "analysis/workers.h"
 #include "bench/cli/calibrate/calibration.h"
 #include "bench/simulation/counter_noise.h"

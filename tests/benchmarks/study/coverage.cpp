@@ -7,8 +7,8 @@
 #include <map>
 #include <regex>
 
-#include "analysis/identify/dynamic/dynamic_alone.h"
-#include "analysis/report/runs.h"
+#include "analysis/identify/dynamic/dynamic_fit.h"
+#include "analysis/report/gather.h"
 #include "analysis/statistics/numbers/moments.h"
 #include "analysis/statistics/uncertainty/uncertainty.h"
 #include "bench/common/output_file.h"

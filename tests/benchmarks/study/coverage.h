@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "analysis/statistics/uncertainty/use_condition.h"
-#include "bench/config/specimen_options.h"
+#include "analysis/statistics/uncertainty/history_kind.h"
+#include "bench/config/plant_options.h"
 
 namespace tactbench::bench {
 

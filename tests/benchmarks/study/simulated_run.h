@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "analysis/dataset.h"
-#include "bench/config/specimen_options.h"
-#include "bench/run/run_request.h"
+#include "bench/config/plant_options.h"
+#include "bench/run/run_record.h"
 #include "db/run_store.h"
 
 namespace tactbench::bench {

@@ -7,7 +7,6 @@
 
 #include "devices/force/ati_calibration.h"
 #include "devices/force/ati_matrix.h"
-#include "devices/force/ati_units.h"
 #include "tests/devices/fault_of.h"
 #include "tests/devices/force/invented_calibration.h"
 #include "tests/devices/test_chamber.h"

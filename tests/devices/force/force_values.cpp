@@ -6,7 +6,6 @@
 
 #include "devices/force/ati_calibration.h"
 #include "devices/force/ati_matrix.h"
-#include "devices/force/ati_units.h"
 #include "devices/force/digital_record.h"
 #include "devices/force/force_checks.h"
 #include "devices/force/netft_xml.h"

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "devices/wire/modbus/modbus_crc.h"
+#include "devices/wire/modbus/modbus_line.h"
 
 namespace tactbench::devices {
 

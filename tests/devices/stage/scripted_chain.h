@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "devices/stage/chain_device.h"
 #include "devices/wire/byte_stream.h"
 #include "tests/devices/stage/zaber_rig.h"

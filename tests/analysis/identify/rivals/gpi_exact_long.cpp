@@ -3,7 +3,7 @@
 // chosen on sensor seeds 1 to 3 and 11 to 13; never on these.
 #include <catch2/catch.hpp>
 
-#include "analysis/identify/identifier.h"
+#include "analysis/identify/fit_models.h"
 #include "tests/analysis/support/gpi_reference.h"
 #include "tests/analysis/support/specimen_taxels.h"
 

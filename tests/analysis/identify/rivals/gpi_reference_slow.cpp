@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "analysis/identify/identifier.h"
+#include "analysis/identify/fit_models.h"
 #include "analysis/identify/rivals/gpi_search.h"
 #include "tests/analysis/identify/rivals/gpi_walked.h"
 #include "tests/analysis/support/gpi_reference.h"

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "analysis/identify/fit_data.h"
+#include "analysis/identify/fit_models.h"
 #include "analysis/models/gpi.h"
 
 namespace synthetic {

@@ -11,7 +11,7 @@
 
 #include "analysis/report/data/data.h"
 #include "analysis/report/page/html.h"
-#include "analysis/report/page/style.h"
+#include "analysis/report/page/page.h"
 
 using namespace tactbench::analysis;
 using html::Attribute;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "analysis/statistics/control/ewma_chart.h"
-#include "analysis/statistics/numbers/student.h"
+#include "analysis/statistics/numbers/moments.h"
 
 using namespace tactbench::analysis;
 

@@ -6,7 +6,6 @@
 
 #include "analysis/statistics/numbers/coverage.h"
 #include "analysis/statistics/numbers/moments.h"
-#include "analysis/statistics/numbers/pooled_scatter.h"
 
 using namespace tactbench::analysis;
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/cli/rig/page_beside.h"
+#include "bench/cli/rig/page.h"
 #include "tests/bench/cli/verb_here.h"
 #include "tests/db/store_example.h"
 

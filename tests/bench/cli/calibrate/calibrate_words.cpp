@@ -1,11 +1,10 @@
 // What `calibrate` says beside a verdict: the bad taxels, and the words that carry on.
-#include "bench/cli/calibrate/calibrate_words.h"
+#include "bench/cli/calibrate/calibration.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <stdexcept>
 
-#include "bench/cli/calibrate/calibration.h"
 #include "bench/cli/judgement_words.h"
 #include "tests/analysis/support/judged_figures.h"
 #include "tests/support/process.h"

@@ -1,5 +1,5 @@
 // A compensated frame as `live` sums it up and writes it, of frames that are known number by number.
-#include "bench/cli/models/live_words.h"
+#include "bench/cli/models/live.h"
 
 #include <catch2/catch.hpp>
 #include <cstdint>

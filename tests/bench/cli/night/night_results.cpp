@@ -1,5 +1,5 @@
 // A night's results: its exit code, its JSON document and each printed line.
-#include "bench/cli/night/night_results.h"
+#include "bench/cli/night/nightly.h"
 
 #include <catch2/catch.hpp>
 #include <filesystem>

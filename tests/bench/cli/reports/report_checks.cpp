@@ -5,9 +5,8 @@
 #include <tuple>
 #include <vector>
 
-#include "bench/cli/reports/report_options.h"
-#include "bench/cli/reports/report_signing.h"
-#include "bench/cli/reports/report_stages.h"
+#include "bench/cli/reports/report.h"
+#include "bench/cli/reports/report_sign.h"
 #include "bench/common/error.h"
 #include "tests/bench/cli/verb_here.h"
 #include "tests/db/store_example.h"

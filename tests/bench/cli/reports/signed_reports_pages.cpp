@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/cli/reports/reports_verify.h"
+#include "bench/cli/reports/report_sign.h"
 #include "db/sqlite.h"
 #include "tests/bench/cli/store_here.h"
 

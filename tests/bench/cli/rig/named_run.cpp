@@ -1,5 +1,5 @@
 // Which live run a person means, and what is refused when none or several could be meant.
-#include "bench/cli/rig/named_run.h"
+#include "bench/cli/rig/control.h"
 
 #include <unistd.h>
 

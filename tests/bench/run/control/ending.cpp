@@ -7,7 +7,7 @@
 #include "bench/run/control/control_client.h"
 #include "bench/run/ending.h"
 #include "bench/run/recorder.h"
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "tests/db/store_example.h"
 #include "tests/support/process.h"
 

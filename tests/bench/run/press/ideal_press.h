@@ -13,7 +13,7 @@
 
 #include "bench/common/process_time.h"
 #include "bench/run/press/press_axis.h"
-#include "devices/fault.h"
+#include "devices/device.h"
 #include "tests/devices/fault_of.h"
 
 namespace tactbench::tests {

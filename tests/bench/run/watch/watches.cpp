@@ -9,7 +9,7 @@
 
 #include "bench/config/config.h"
 #include "bench/rig/rig.h"
-#include "bench/run/time_spent.h"
+#include "bench/run/time_estimate.h"
 #include "bench/run/watch/branch_guard.h"
 #include "bench/run/watch/conditioning.h"
 #include "bench/run/watch/stuck_rows.h"

@@ -1,0 +1,33 @@
+// Selects the model of `fit` if none is named: the dynamic model, or ELAM for data that the dynamic model does not
+// accept.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "analysis/identify/histories.h"
+#include "bench/cli/models/fit_models.h"
+#include "bench/common/long_work.h"
+
+namespace tactbench::bench {
+
+// Why ELAM is used; empty: the dynamic model is used.
+std::string why_elam(const FitModelsOptions& options, const analysis::Histories& fitted);
+
+// True when the data of the dynamic model do not determine the inner branches.
+bool without_inner_branches(const analysis::SensorModel& dynamic);
+
+// Progress stages for fitting `models`; if none is named, for either choice.
+std::vector<WorkStage> fit_stages(const std::vector<std::string>& models);
+inline constexpr const char* kFiguresStage = "figures";  // the last: cross-validation, evaluation, judgement
+
+// `fit 1-400`: fits the same models to each of several runs, one output line per run.
+
+// Whether `source` is a list of runs: 12-55, or 1-3,7. A single number is not.
+bool names_runs(const std::string& source);
+
+// Fits the runs of `options.source` that are in the store, have ended, are not void (unless void runs are included) and
+// have frames. Runs that cannot be fitted are reported, and the exit code is then 6.
+void fit_many(const FitModelsOptions& options, Session& session);
+
+}  // namespace tactbench::bench

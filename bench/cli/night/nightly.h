@@ -1,0 +1,42 @@
+// Results of a nightly run, of one machine or merged from several: files, printed output, exit code.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "bench/cli/session.h"
+#include "bench/nightly/followed_page.h"
+#include "bench/nightly/night.h"
+
+namespace tactbench::bench {
+
+struct NightFiles {
+  std::string junit, metrics, html;  // empty: not written
+};
+void add_night_files(CLI::App& verb, NightFiles& files);
+
+void write_night_lists(const NightFiles& files, const Suite& suite, const std::vector<ScenarioResult>& results,
+                       const Session& session);  // JUnit and metrics
+void write_night_page(const NightFiles& files, const Suite& suite, const NightPage& night, const Session& session);
+
+// 1: a scenario is red or was not carried out, 6: one has moved.
+ExitCode code_of_night(const Suite& suite, const std::vector<ScenarioResult>& results);
+nlohmann::ordered_json night_json(const Suite& suite, const std::vector<ScenarioResult>& results);
+// Sentences of results in `unit`; names of figures have the unit that they are stored in.
+void print_night(const Suite& suite, const std::vector<ScenarioResult>& results);
+
+// The options of `nightly`.
+
+struct NightlyOptions {
+  std::string suite, stores, result, shard, copy;
+  NightFiles files;
+  Selection selection;
+  int jobs = 2;
+  double limit_s = 300.0;
+  bool list = false, stop_on_red = false, keeps = false;  // keeps: --db was given
+};
+
+void add_nightly_options(CLI::App& verb, NightlyOptions& options, Session& session);
+
+}  // namespace tactbench::bench

@@ -1,0 +1,85 @@
+// The options of `report`, and their checks.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "analysis/report/document/document.h"
+#include "analysis/report/report.h"
+#include "bench/cli/runs/runs.h"
+#include "bench/cli/session.h"
+#include "bench/common/long_work.h"
+#include "bench/reporting/judgement.h"
+#include "bench/reporting/report_results.h"
+#include "bench/reporting/signature.h"
+
+namespace tactbench::bench {
+
+inline constexpr const char* kNoPrevious = "none";  // of --previous
+
+struct ReportOptions {
+  std::vector<std::string> named;  // runs as typed; choose_runs() makes `runs` of them and of `metadata`
+  MetadataOptions metadata;
+  std::vector<std::int64_t> runs, held_out;
+  std::string model;  // RUN or RUN:FIT; empty: the run's own
+  std::string format = "html", limits, lab, output, signed_by, reason, issued, paper = "a4", pdf_with;
+  std::vector<std::string> annexes;  // of analysis::kAnnexes, or "all"
+  bool compare = false, batch = false, without_verdict = false;
+  ReportExtras extras;
+  SignerFiles signer;  // of report sign
+};
+
+// Those of a report, and further those of signing one. `options` outlives the parsing.
+void add_report_options(CLI::App& verb, ReportOptions& options, Session& session);
+void add_sign_options(CLI::App& verb, ReportOptions& options);
+
+// The run and fit (0: the standing one, of its dynamic model and ELAM the newer) whose models are used; {`run`, 0}
+// where none is named.
+struct ModelNamed {
+  std::int64_t run = 0, fit = 0;
+};
+// Throws TB-USAGE.
+ModelNamed model_named(const std::string& text, std::int64_t run);
+
+// The runs named; with --batch also of ranges and of a lot or order those that have models and count. Throws TB-USAGE.
+void choose_runs(ReportOptions& options, const db::RunStore& store, bool void_too);
+
+// Options that go together. Throws TB-USAGE.
+void check_report_options(const ReportOptions& options);
+
+// Runs that lag and creep of the models were taken from are no independent data for them. Throws TB-RUN-OWN.
+void check_independent_of_dynamics(const db::RunStore& store, const analysis::SensorModel& fit,
+                                   const std::vector<std::int64_t>& held_out);
+
+// Models named by RUN:FIT are of a run that the bench made and of single taxels. Throws TB-USAGE.
+void check_models_of_array(analysis::Runs& runs, const analysis::SensorModel& fit, const ModelNamed& named);
+
+// Checks that all runs on the command line exist and may be used (evidence.h). The report's own run may be void.
+void check_report_runs(analysis::Runs& runs, const ReportOptions& options, const Session& session);
+
+// The stages of `report` for its progress line.
+
+inline constexpr const char* kWritingReport = "writing";  // the last stage
+std::string report_stage_of(std::int64_t run);            // of a comparison or a batch
+// Of one run: its figures, then "models" and "uncertainty" (bench/reporting/evaluation.cpp).
+std::vector<WorkStage> report_stages(const ReportOptions& options);
+
+// Writes the reports of `report`, also for other verbs that write a report.
+
+struct WrittenReport {
+  analysis::Report report;
+  std::string dcc;                                  // where that format was asked for
+  std::vector<analysis::Judgement> judgements;      // of one run, or of each run on the page
+  std::string origin, started_utc, path, run_uuid;  // run_uuid: of the first
+  analysis::doc::Document summary;                  // of a table, which has no judgement
+  std::string as_found;                             // a line on the run by earlier models; empty: there are none
+  std::string signature;                            // FILE.p7s; empty: no key was named
+  bool written = true;                              // false: the file held this report already, signed
+};
+
+// Writes the page of these options and sets session.code by its verdict; prints only notes and warnings. Throws Error,
+// sequences::FileError, db::StoreError, analysis::AnalysisError.
+WrittenReport write_reports(ReportOptions options, Session& session);
+
+}  // namespace tactbench::bench

@@ -1,0 +1,340 @@
+// What a report gathers of a run and of further runs: taxels that count, swaps that can be told, runs that are refused.
+#include <catch2/catch.hpp>
+#include <string>
+
+#include "analysis/report/gather.h"
+#include "analysis/report/history.h"
+#include "tests/db/new_store.h"
+
+namespace tactbench::tests::gather {
+
+using namespace analysis;
+
+namespace {
+
+// Four frames at 0, 2, 4 and 6 psi of a sequence under pressure alone; each taxel gives 200 V more at each.
+std::int64_t store_pressure_run(db::RunStore& store, const db::RunRecord& record,
+                                const std::vector<double>& seating = {}, const std::string& verdict = "pass") {
+  db::SensorRecord sensor = example_sensor();
+  sensor.serial = record.sensor_serial;
+  store.add_sensor(sensor);
+  const std::int64_t run = store.begin_run(record);
+  db::BranchRecord branch = example_branch();
+  branch.from_n.reset();
+  branch.to_n.reset();
+  const std::int64_t number = store.begin_branch(run, branch);
+  for (int i = 0; i < 4; ++i) {
+    db::FrameRecord frame = example_frame(number, i);
+    frame.wrench.reset();
+    frame.flags.clear();
+    for (std::size_t k = 0; k < frame.counts.size(); ++k)
+      frame.counts[k] = static_cast<std::uint16_t>(1000 + 2000 * i + 10 * static_cast<int>(k % 6));
+    store.append_frame(run, frame);
+  }
+  if (!seating.empty()) store.append_check(run, {run, 4, "seating", verdict, R"({"volts_per_count":0.5})", seating});
+  return run;
+}
+
+// Of six taxels: without load, then under load.
+const std::vector<double> kSeating{0, 0, 0, 0, 0, 0, 10, 20, 30, 40, 50, 60};
+
+struct Gathered {
+  NewStore store;
+  [[nodiscard]] ReportInput of(std::int64_t run, const std::vector<std::int64_t>& further = {}) const {
+    Runs runs(store);
+    ReportInput input;
+    gather_run(input, runs, run, further);
+    return input;
+  }
+  [[nodiscard]] std::string refusal(std::int64_t run, const std::vector<std::int64_t>& further) const {
+    try {
+      (void)of(run, further);
+    } catch (const AnalysisError& error) {
+      return error.id();
+    }
+    return {};
+  }
+};
+
+}  // namespace
+
+TEST_CASE("gathered by hand: further runs of another origin or sensor are refused") {
+  Gathered gathered;
+  db::RunRecord record = example_run();
+  const std::int64_t own = store_pressure_run(gathered.store, record),
+                     same = store_pressure_run(gathered.store, record);
+  record.sensor_serial = "S-2";
+  const std::int64_t other = store_pressure_run(gathered.store, record);
+  record = example_run();
+  record.origin = "hardware";
+  const std::int64_t real = store_pressure_run(gathered.store, record);
+  CHECK(gathered.refusal(own, {same}).empty());
+  CHECK(gathered.of(own, {same}).further.size() == 1);
+  CHECK(gathered.of(own, {same}).further[0].run == same);
+  CHECK(gathered.refusal(own, {same, other}) == "TB-ANALYSIS-OTHER-SENSOR");
+  CHECK(gathered.refusal(other, {own}) == "TB-ANALYSIS-OTHER-SENSOR");
+  CHECK(gathered.refusal(own, {real}) == "TB-ANALYSIS-ORIGIN");
+}
+
+TEST_CASE("gathered by hand: run, sensor, approvals, frames of both kinds, and the behaviour where nothing presses") {
+  Gathered gathered;
+  const std::int64_t run = store_pressure_run(gathered.store, example_run());
+  gathered.store.add_report({run, "1-a", "h", "K. Lee", kUtc, "", ""});
+  const ReportInput input = gathered.of(run);
+  CHECK((input.run.run == run && input.run.operator_name == "N. Nobody"));
+  REQUIRE(input.sensor);
+  CHECK(input.sensor->type == "array-3x2");
+  REQUIRE(input.approvals.size() == 1);
+  CHECK(input.approvals[0].number == "1-a");
+  CHECK((input.frame_count == 4 && input.history.frames == 4 && !input.history.presses));
+  CHECK((input.health.loaded && !input.health.swaps_assessed));
+  CHECK(input.behaviour.taxels == std::vector<int>{0, 1, 2, 3, 4, 5});
+
+  // Under an indenter nothing is said of loops, and silent taxels need not be dead.
+  const Begun begun = begin_example(gathered.store);
+  for (int i = 0; i < 4; ++i) gathered.store.append_frame(begun.run, example_frame(begun.branch, i));
+  const ReportInput pressed = gathered.of(begun.run);
+  CHECK((pressed.history.presses && !pressed.health.loaded && pressed.behaviour.taxels.empty()));
+
+  // A voided branch's frames are frames, too.
+  const std::int64_t again = store_pressure_run(gathered.store, example_run());
+  db::BranchRecord second = example_branch();
+  second.attempt = 1;
+  const std::int64_t broken = gathered.store.begin_branch(again, second);
+  db::FrameRecord frame = example_frame(broken, 0);
+  frame.wrench.reset();
+  gathered.store.append_frame(again, frame);
+  gathered.store.void_branch(broken, "the scanner was lost");
+  CHECK(gathered.of(again).frame_count == 5);
+}
+
+TEST_CASE("gathered by hand: swapped lines are told from two seatings of as many taxels as the run has") {
+  const auto assessed = [](const std::vector<double>& earlier, const std::vector<double>& own, const char* verdict) {
+    Gathered gathered;
+    (void)store_pressure_run(gathered.store, example_run(), earlier, verdict);
+    return gathered.of(store_pressure_run(gathered.store, example_run(), own, "fail")).health.swaps_assessed;
+  };
+  CHECK(assessed(kSeating, kSeating, "pass"));
+  CHECK(assessed(kSeating, kSeating, "warning"));
+  CHECK_FALSE(assessed(kSeating, kSeating, "fail"));
+  CHECK_FALSE(assessed({}, kSeating, "pass"));
+  CHECK_FALSE(assessed(kSeating, {}, "pass"));
+  CHECK_FALSE(assessed({1, 2, 3, 4}, {1, 2, 3, 4}, "pass"));
+  Gathered gathered;
+  (void)store_pressure_run(gathered.store, example_run(), kSeating);
+  (void)store_pressure_run(gathered.store, example_run(), kSeating, "fail");  // an ill one in between
+  const ReportInput input = gathered.of(store_pressure_run(gathered.store, example_run(), kSeating));
+  CHECK(input.history.seating_v == std::vector<double>{5, 10, 15, 20, 25, 30});
+  CHECK(input.history.earlier_seating_v == input.history.seating_v);
+  CHECK(input.history.earlier_seating_run == 1);
+}
+
+TEST_CASE("gathered by hand: taxels that count are those with a model, and without models those that are sound") {
+  Health health;
+  health.rows = 2;
+  health.columns = 2;
+  health.findings = {{1, "noisy", "", false}, {2, "dead", "", true}, {2, "noisy", "", false}, {0, "stuck", "", true}};
+  CHECK(counted_taxels({}, health) == std::vector<int>{1, 3});
+  SensorModel fit;
+  fit.taxels.resize(4);
+  for (ModelTaxel& taxel : fit.taxels) taxel.status = TaxelStatus::kFitted;
+  fit.taxels[3].status = TaxelStatus::kUnfit;
+  CHECK(counted_taxels(fit, health) == std::vector<int>{0, 1, 2});
+  health.findings.clear();
+  CHECK(counted_taxels({}, health) == std::vector<int>{0, 1, 2, 3});
+}
+
+}  // namespace tactbench::tests::gather
+
+// Runs: a value read once is kept, and a part of a run that cannot be read does not affect the others.
+
+using namespace tactbench;
+using namespace tactbench::analysis;
+using namespace tactbench::tests;
+
+namespace {
+
+// One complete repeat of the sequence "down" under an indenter, at 23 °C.
+Begun begin_pressed(db::RunStore& store, const db::RunRecord& record = example_run()) {
+  const Begun begun = begin_example(store, record);
+  for (int i = 0; i < 4; ++i) store.append_frame(begun.run, example_frame(begun.branch, i));
+  store.append_event(begun.run, {5, "environment", "temperature_c", "23.0"});
+  return begun;
+}
+
+template <class Action>
+std::string analysis_error(Action action) {
+  try {
+    action();
+  } catch (const AnalysisError& error) {
+    return error.id();
+  }
+  return {};
+}
+
+}  // namespace
+
+TEST_CASE("a run is read on first use, and the result does not change") {
+  NewStore store;
+  const Begun begun = begin_pressed(store);
+  analysis::Runs runs(store);
+  const db::RunRecord& record = runs.record(begun.run);
+  const Dataset& dataset = runs.dataset(begun.run);
+  const Dataset loaded = load_dataset(store, begun.run);
+  REQUIRE(dataset.sequences.size() == 1);
+  CHECK(dataset.sequences[0].repeats.at(0).volts == loaded.sequences.at(0).repeats.at(0).volts);
+  CHECK(dataset.noise_v == loaded.noise_v);
+
+  store.void_branch(begun.branch, "the scanner was lost");
+  store.append_event(begun.run, {6, "environment", "temperature_c", "28.0"});
+  store.add_note(begun.run, "later");
+  CHECK(&runs.dataset(begun.run) == &dataset);
+  CHECK((&runs.record(begun.run) == &record && record.notes.empty()));
+  CHECK((runs.history(begun.run).frames == 4 && runs.history(begun.run).void_frames == 0));
+  CHECK(runs.press_runs(begun.run).at(0).frames.size() == 4);
+  CHECK(runs.temperatures_c(begun.run) == std::vector{23.0});
+  CHECK(&runs.store() == &store);
+
+  analysis::Runs later(store);
+  CHECK((later.history(begun.run).frames == 0 && later.history(begun.run).void_frames == 4));
+  CHECK(later.press_runs(begun.run).empty());
+  CHECK(later.temperatures_c(begun.run) == std::vector{23.0, 28.0});
+  CHECK(analysis_error([&] { later.dataset(begun.run); }) == "TB-ANALYSIS-EMPTY");
+}
+
+TEST_CASE("a run without a dataset throws the reason each time, and still has its row and history") {
+  NewStore store;
+  db::RunRecord record = example_run();
+  record.devices.pop_back();  // the scanner, whose calibration scales the counts
+  const Begun begun = begin_pressed(store, record);
+  analysis::Runs runs(store);
+  for (int i = 0; i < 2; ++i) {
+    CHECK(analysis_error([&] { runs.dataset(begun.run); }) == "TB-ANALYSIS-NO-CALIBRATION");
+    CHECK(analysis_error([&] { runs.press_runs(begun.run); }) == "TB-ANALYSIS-NO-CALIBRATION");
+  }
+  CHECK(runs.record(begun.run).sensor_serial == "S-1");
+  CHECK(runs.history(begun.run).frames == 4);
+  CHECK(runs.temperatures_c(begun.run).size() == 1);
+
+  for (int i = 0; i < 2; ++i) {
+    CHECK(store_error([&] { runs.record(7); }) == "TB-STORE-NOT-FOUND");
+    CHECK(store_error([&] { runs.history(7); }) == "TB-STORE-NOT-FOUND");
+  }
+}
+
+// A run's way from its records by hand: which events are told and by what name, surroundings, void branches, seatings.
+
+using namespace tactbench;
+using namespace tactbench::analysis;
+
+namespace {
+
+RunHistory history_of_events(std::vector<db::EventRecord> events) {
+  StoredRun run;
+  run.events = std::move(events);
+  return load_history(run);
+}
+
+// The kind that one event is told as; empty: it is not.
+std::string told_as(const char* kind, const char* detail) {
+  const RunHistory history = history_of_events({{7, kind, "", detail}});
+  return history.events.empty() ? std::string() : history.events.front().kind;
+}
+
+RunHistory seating_check(const char* detail, std::vector<double> data) {
+  StoredRun run;
+  run.checks = {{1, 0, "seating", "pass", detail, std::move(data)}};
+  return load_history(run);
+}
+
+}  // namespace
+
+TEST_CASE("a run's events by hand: which are told, as what, and when") {
+  for (const char* kind : {"attempt", "branch-broken", "warning", "fault", "prompt", "word"}) {
+    INFO(kind);
+    CHECK(told_as(kind, "x") == kind);
+  }
+  CHECK(told_as("state", "running -> paused: asked") == "pause");
+  CHECK(told_as("state", "running -> suspended: air") == "suspension");
+  CHECK(told_as("state", "paused -> running") == "");
+  CHECK(told_as("seating", "left out") == "note");
+  for (const char* kind : {"note", "safe", "conditioning"}) CHECK(told_as(kind, "x") == "");
+  const RunHistory history = history_of_events({{2'500'000'000, "fault", "TB-X", "no air"},
+                                                {1, "time", "", "settling 40 %"},
+                                                {3'000'000'000, "prompt", "", "ready?"}});
+  REQUIRE(history.events.size() == 2);
+  CHECK((history.events[0].time_s == Approx(2.5) && history.events[0].text == "no air"));
+  CHECK(history.events[1].time_s == Approx(3.0));
+  CHECK(history.time_spent == "settling 40 %");
+  CHECK((history.loaded && !history.presses));
+}
+
+TEST_CASE("a run's surroundings by hand: lowest, highest and number of readings of each quantity") {
+  const RunHistory history = history_of_events({{1, "environment", "temperature_c", "23.0"},
+                                                {2, "environment", "supply_bar", "6.5"},
+                                                {3, "environment", "temperature_c", "22.5"},
+                                                {4, "environment", "temperature_c", "24 C"},
+                                                {5, "environment", "temperature_c", "warm"},
+                                                {6, "environment", "temperature_c", "inf"},
+                                                {7, "environment", "temperature_c", ""}});
+  REQUIRE(history.surroundings.size() == 2);
+  CHECK((history.surroundings[0].quantity == "temperature_c" && history.surroundings[0].readings == 3));
+  CHECK((history.surroundings[0].low == 22.5 && history.surroundings[0].high == 24.0));
+  CHECK((history.surroundings[1].quantity == "supply_bar" && history.surroundings[1].readings == 1));
+  CHECK((history.surroundings[1].low == 6.5 && history.surroundings[1].high == 6.5));
+  CHECK(history.events.empty());
+}
+
+TEST_CASE("a run's branches by hand: void ones with sequence, repeat, branch and attempt, those of force press") {
+  StoredRun run;
+  run.record.sequences = {{0, "up", "", "", 1, 1}, {1, "down", "", "", 1, 1}};
+  db::BranchRecord good, broken, lost;
+  good.branch = 5;
+  broken.branch = 6;
+  broken.sequence = 1;
+  broken.repeat = 2;
+  broken.ordinal = 3;
+  broken.attempt = 4;
+  broken.is_void = true;
+  broken.void_reason = "went back";
+  lost = broken;
+  lost.branch = 7;
+  lost.sequence = 9;
+  run.branches = {good, broken, lost};
+  db::FrameRecord frame;
+  for (const std::int64_t branch : {5, 5, 6, 7, 7}) {
+    frame.branch = branch;
+    run.frames.push_back(frame);
+  }
+  run.frames[1].flags = "dwell retried";
+  run.frames[2].flags = "dwell";
+  RunHistory history = load_history(run);
+  REQUIRE(history.voids.size() == 2);
+  CHECK((history.voids[0].sequence == "down" && history.voids[0].repeat == 2 && history.voids[0].branch == 3));
+  CHECK((history.voids[0].attempt == 4 && history.voids[0].reason == "went back" && history.voids[1].sequence.empty()));
+  CHECK((history.frames == 2 && history.void_frames == 3 && history.flagged == 1));
+  CHECK(history.flags == std::map<std::string, int>{{"dwell", 1}, {"retried", 1}});
+  CHECK_FALSE(history.presses);
+  run.branches[0].from_n = 0.0;
+  CHECK(load_history(run).presses);
+  run.branches[0].from_n.reset();
+  run.branches[2].to_n = 0.0;
+  CHECK(load_history(run).presses);
+  run.branches[2].to_n.reset();
+  run.frames[4].wrench.emplace();
+  CHECK(load_history(run).presses);
+}
+
+TEST_CASE("a run's seating by hand: loaded less unloaded in volts, of the newest check, none of another shape") {
+  CHECK(seating_check(R"({"volts_per_count":0.5})", {1, 2, 4, 8}).seating_v == std::vector<double>{1.5, 3.0});
+  for (const char* other : {"", "[]", "{}", R"({"volts_per_count":"0.5"})"})
+    CHECK(seating_check(other, {1, 2, 4, 8}).seating_v.empty());
+  StoredRun run;
+  run.checks = {{1, 0, "seating", "pass", R"({"volts_per_count":1})", {1, 2}},
+                {1, 1, "seating", "fail", R"({"volts_per_count":1})", {1, 7}},
+                {1, 2, "tare", "pass", R"({"volts_per_count":1})", {1, 9}}};
+  CHECK(load_history(run).seating_v == std::vector<double>{6.0});
+  CHECK(load_history(run).checks.size() == 3);
+  run.checks.erase(run.checks.begin(), run.checks.begin() + 2);
+  CHECK(load_history(run).seating_v.empty());
+}

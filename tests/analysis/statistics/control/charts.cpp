@@ -1,0 +1,290 @@
+// Between the entries of the table that charts rest on, and what a figure's chart takes of its runs: by hand.
+#include <algorithm>
+#include <array>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "analysis/statistics/control/control_band.h"
+#include "analysis/statistics/control/ewma_chart.h"
+#include "analysis/statistics/control/false_discovery.h"
+#include "analysis/statistics/control/figure_chart.h"
+#include "analysis/statistics/numbers/moments.h"
+
+using namespace tactbench::analysis;
+
+namespace {
+
+// Mean 10, deviation 1.
+const std::vector<double> kEightRuns{9.0, 11.0, 9.0, 11.0, 10.0 - std::sqrt(1.5), 10.0 + std::sqrt(1.5), 10.0, 10.0};
+
+// The table is drawn again in ewma_table_slow.cpp.
+double in_sixty(double one_run, int runs) {
+  return chart_probability(student_quantile(1.0 - one_run / 2.0, runs - 1.0), runs);
+}
+
+}  // namespace
+
+TEST_CASE("charts: between the table's entries, linear in half decades and in one over the runs, constant beyond") {
+  // A quarter of a decade below 1 of 8 runs: half way from 6.149 to 8.650 at 10^-1.25.
+  CHECK(in_sixty(std::pow(10.0, -1.25), 8) / std::pow(10.0, -1.25) == Approx((6.149 + 8.650) / 2));
+  // 1 / 9 lies between 1 / 8 and 1 / 10 by 5 / 9 of the way.
+  CHECK(in_sixty(0.01, 9) / 0.01 == Approx(10.49 + 5.0 / 9.0 * (12.57 - 10.49)));
+  // 120 runs: half way from 60 to no end.
+  CHECK(in_sixty(0.01, 120) / 0.01 == Approx((26.14 + 30.89) / 2));
+  CHECK(in_sixty(0.01, 59) / 0.01 == Approx(26.14 - (1.0 / 59 - 1.0 / 60) / (1.0 / 30 - 1.0 / 60) * (26.14 - 22.15)));
+  CHECK(in_sixty(1e-7, 8) / 1e-7 == Approx(14.89));
+  CHECK(in_sixty(1e-9, 8) / 1e-9 == Approx(14.89).epsilon(1e-4));
+}
+
+TEST_CASE("charts: a mean's level is its average in its own unit, gross values alone leave no chart") {
+  const FigureChart chart = chart_figure("mean_error_psi", kEightRuns, std::vector<double>{12.0, 13.0});
+  REQUIRE(chart.ewma);
+  CHECK((chart.kind == FigureKind::kMean && !chart.logarithmic && !chart.constant));
+  CHECK(chart.level == Approx(10.92));  // z of 0.92 deviations of 1
+  CHECK(chart.ewma->later == 2);
+  const FigureChart gross = chart_figure("mean_error_psi", kEightRuns, std::vector<double>{1000.0});
+  CHECK_FALSE(gross.ewma);
+  CHECK(gross.probability == 1.0);
+  CHECK(gross.level == 0.0);
+  CHECK(gross.band);
+  // A maximum of 0 in the baseline has no logarithm either.
+  std::vector<double> with_zero = kEightRuns;
+  with_zero[0] = 0.0;
+  CHECK_FALSE(chart_figure("max_error_psi", with_zero, std::vector<double>{12.0}).logarithmic);
+  CHECK(chart_figure("max_error_psi", kEightRuns, std::vector<double>{12.0}).logarithmic);
+  CHECK(chart_figure("max_error_psi", with_zero, std::vector<double>{12.0}).kind == FigureKind::kMaximum);
+}
+
+TEST_CASE("charts: the slope is that of the last fourteen runs") {
+  const std::vector<double> later{90, 3, 14, 15, 9, 26, 5, 35, 8, 97, 93, 23, 84, 62, 64, 33};
+  const auto slope_of = [&](std::size_t last) { return theil_sen_slope(std::span(later).last(last)); };
+  const auto slope = chart_figure("mean_error_psi", kEightRuns, later).slope;
+  CHECK(slope == slope_of(14));
+  CHECK(slope != slope_of(13));
+  CHECK(slope != slope_of(15));
+  CHECK(chart_figure("mean_error_psi", kEightRuns, std::span(later).first(4)).slope ==
+        theil_sen_slope(std::span(later).first(4)));
+  CHECK_FALSE(chart_figure("mean_error_psi", kEightRuns, std::span(later).first(3)).slope);
+}
+
+TEST_CASE("charts: a deviation of less than a billionth of the mean is none") {
+  const auto with_deviation = [](double share) {
+    std::vector<double> runs = kEightRuns;
+    for (double& run : runs) run = 1000.0 + 1000.0 * share * (run - 10.0);
+    return runs;
+  };
+  CHECK(EwmaChart::begin(with_deviation(2e-9)));
+  CHECK_FALSE(EwmaChart::begin(with_deviation(0.5e-9)));
+  CHECK_FALSE(chart_figure("frames", with_deviation(2e-9), {}).constant);
+  CHECK(chart_figure("frames", with_deviation(0.5e-9), {}).constant);
+  const auto band = control_band(with_deviation(0.0), 0.05);
+  CHECK(band->low == Approx(1000.0 - 1e-6).epsilon(1e-12));
+  CHECK(band->high == Approx(1000.0 + 1e-6).epsilon(1e-12));
+  CHECK(band->values == 8);
+  const auto negative = control_band(std::vector<double>(3, -7.0), 0.05);
+  CHECK((negative->holds(-7.0 + 6e-9) && !negative->holds(-7.0 + 8e-9)));
+}
+
+// Control bands and slopes against published and exactly computed values, and the promised rate of false alarms.
+
+using namespace tactbench::analysis;
+
+TEST_CASE("Student quantiles are those of the tables") {
+  CHECK(student_quantile(0.975, 10.0) == Approx(2.228139).epsilon(1e-6));
+  CHECK(student_quantile(0.995, 1.0) == Approx(63.65674).epsilon(1e-6));
+  CHECK(student_quantile(0.025, 4.0) == Approx(-2.776445).epsilon(1e-6));
+  CHECK(student_quantile(0.975, std::numeric_limits<double>::infinity()) == Approx(1.959964).epsilon(1e-6));
+  CHECK(std::isnan(student_quantile(1.0, 4.0)));
+  CHECK(std::isnan(student_quantile(0.5, 0.0)));
+  CHECK(student_two_sided(-2.228139, 10.0) == Approx(0.05).epsilon(1e-6));
+  CHECK(student_two_sided(1.959964, std::numeric_limits<double>::infinity()) == Approx(0.05).epsilon(1e-6));
+  CHECK(student_two_sided(std::numeric_limits<double>::infinity(), 3.0) == 0.0);
+  CHECK(std::isnan(student_two_sided(1.0, 0.0)));
+  // Of one degree of freedom, Cauchy's distribution: 1/2 beyond 1, and the quantile at 3/4 is 1.
+  CHECK(student_two_sided(1.0, 1.0) == Approx(0.5));
+  CHECK(student_quantile(0.75, 1.0) == Approx(1.0));
+  // Of a half and 1e300 degrees of freedom there are some, too, and none of -1 or of no t.
+  CHECK(student_two_sided(0.0, 0.5) == 1.0);
+  CHECK(student_quantile(0.5, 0.5) == Approx(0.0).margin(1e-12));
+  CHECK(std::isnan(student_two_sided(1.0, -1.0)));
+  CHECK(std::isnan(student_two_sided(std::nan(""), 3.0)));
+  CHECK(std::isnan(student_quantile(0.0, 4.0)));
+}
+
+TEST_CASE("a control band is the prediction interval of a normal sample") {
+  const auto band = control_band(std::array{1.0, 2.0, 3.0, 4.0, 5.0}, 0.05);
+  REQUIRE(band);
+  CHECK(band->mean == 3.0);
+  CHECK(band->deviation == Approx(1.5811388));
+  CHECK(band->high == Approx(3.0 + 2.776445 * 1.5811388 * std::sqrt(1.2)));
+  CHECK(control_band(std::array{1.0, 2.0, 3.0}, 0.01)->high == Approx(2.0 + 9.924843 * std::sqrt(4.0 / 3.0)));
+  CHECK((band->holds(band->low) && !band->holds(band->low - 1e-6)));
+  CHECK_FALSE(control_band(std::array{1.0, 2.0}, 0.05));
+  CHECK_FALSE(control_band(std::array{1.0, 2.0, std::nan("")}, 0.05));
+  const auto alike = control_band(std::array{7.0, 7.0, 7.0}, 0.05);
+  REQUIRE(alike);
+  CHECK((alike->holds(7.0 + 1e-9) && !alike->holds(7.0 + 1e-7)));
+}
+
+TEST_CASE("values from the baseline's distribution fall outside at the stated rate") {
+  std::mt19937 random(11);
+  std::normal_distribution<double> normal(3.0, 0.2);
+  int outside = 0;
+  constexpr int kTrials = 20000;
+  for (int i = 0; i < kTrials; ++i) {
+    std::array<double, 8> values{};
+    for (double& value : values) value = normal(random);
+    outside += control_band(values, 0.02)->holds(normal(random)) ? 0 : 1;
+  }
+  CHECK(outside / double(kTrials) == Approx(0.02).margin(0.004));  // four standard errors
+}
+
+TEST_CASE("the Theil-Sen slope is the median of the slopes between any two values") {
+  CHECK(theil_sen_slope(std::array{1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0}) == 1.0);
+  CHECK(theil_sen_slope(std::array{4.0, 3.0, 2.0, 1.0}) == -1.0);
+  CHECK(*theil_sen_slope(std::array{1.0, 4.0, 2.0, 3.0}) == Approx(7.0 / 12.0));  // -2, -0.5, 0.5, 2/3, 1, 3
+  CHECK(theil_sen_slope(std::vector<double>(9, 4.0)) == 0.0);
+  CHECK_FALSE(theil_sen_slope(std::array{1.0, 2.0, 3.0}));
+  CHECK_FALSE(theil_sen_slope(std::array{1.0, 2.0, 3.0, std::nan("")}));
+}
+
+// The chart of one figure against values computed by hand, and its promised rates of false alarms and of shifts found.
+
+using namespace tactbench::analysis;
+
+namespace {
+
+// Mean 10, sum of squares 7, so that the deviation is 1.
+const std::array kStartUp = {9.0, 11.0, 9.0, 11.0, 10.0 - std::sqrt(1.5), 10.0 + std::sqrt(1.5), 10.0, 10.0};
+
+}  // namespace
+
+TEST_CASE("EWMA chart: the first three runs by hand") {
+  std::optional<EwmaChart> chart = EwmaChart::begin(kStartUp);
+  REQUIRE(chart);
+  CHECK(chart->state().mean == Approx(10.0));
+  CHECK(chart->state().deviation == Approx(1.0));
+  CHECK(chart->probability() == 1.0);
+  chart->add(12.0);  // z = 0.2 x 2; variance 0.2^2 (1 + 1/8) = 0.045
+  CHECK(chart->state().ewma == Approx(0.4));
+  CHECK(chart->state().statistic == Approx(0.4 / std::sqrt(0.045)));
+  chart->add(13.0);  // z = 0.2 x 3 + 0.8 x 0.4 = 0.92; variance 0.2^2 (1 + 0.64) + 0.36^2 / 8 = 0.0818
+  CHECK(chart->state().ewma == Approx(0.92));
+  CHECK(chart->state().statistic == Approx(0.92 / std::sqrt(0.0818)));
+  chart->add(10.0);  // z = 0.736; variance 0.04 (1 + 0.64 + 0.4096) + 0.488^2 / 8 = 0.111752
+  CHECK(chart->state().statistic == Approx(0.736 / std::sqrt(0.111752)));
+  CHECK(chart->state().later == 3);
+}
+
+TEST_CASE("EWMA chart: a gross value stays out of the average, and what cannot be charted") {
+  std::optional<EwmaChart> chart = EwmaChart::begin(kStartUp);
+  const double limit = student_quantile(1.0 - 0.5e-5, 7.0) * std::sqrt(1.125);
+  chart->add(10.0 - 1.001 * limit);
+  CHECK((chart->state().ewma == 0.0 && chart->state().later == 0 && chart->probability() == 1.0));
+  chart->add(10.0 - 0.999 * limit);
+  CHECK(chart->state().ewma == Approx(-0.2 * 0.999 * limit));
+  CHECK_FALSE(EwmaChart::begin(std::span(kStartUp).first(7)));
+  CHECK_FALSE(EwmaChart::begin(std::vector<double>(8, 4.0)));
+}
+
+TEST_CASE("EWMA chart: the probability in sixty runs lies between that of one and sixty times it") {
+  for (const int n : {8, 9, 25, 60, 500})
+    for (double one = 0.9; one > 1e-12; one *= 0.37) {
+      const double t = student_quantile(1.0 - one / 2.0, n - 1.0), sixty = chart_probability(t, n);
+      INFO(n << " " << one);
+      CHECK((sixty >= one && sixty <= 60.0 * one && sixty <= 1.0));
+      CHECK(chart_probability(1.001 * t, n) <= sixty);
+      CHECK(chart_probability(-t, n) == sixty);
+    }
+  CHECK(chart_probability(student_quantile(1.0 - 0.5e-2, 7.0), 8) == Approx(1e-2 * 10.49));
+  CHECK(chart_probability(student_quantile(1.0 - 0.5e-2, 29.0), 30) == Approx(1e-2 * 22.15));
+  CHECK(chart_probability(0.0, 8) == 1.0);
+  CHECK(chart_probability(INFINITY, 8) == 0.0);
+}
+
+TEST_CASE("of eight runs' baselines a step of two deviations is found in 80 % at today's 4.6 % of false alarms") {
+  std::mt19937_64 random(20261123);
+  std::normal_distribution<double> normal;
+  constexpr int kDrawnHistories = 12000;
+  const auto alarms = [&](double step) {
+    int found = 0;
+    for (int history = 0; history < kDrawnHistories; ++history) {
+      std::array<double, 8> start_up{};
+      for (double& value : start_up) value = normal(random);
+      EwmaChart chart = *EwmaChart::begin(start_up);
+      double largest = 0.0;
+      for (int run = 0; run < 60; ++run) {
+        chart.add(normal(random) + step);
+        largest = std::max(largest, std::abs(chart.state().statistic));
+      }
+      found += chart_probability(largest, 8) <= 0.042 ? 1 : 0;
+    }
+    return 100.0 * found / kDrawnHistories;
+  };
+  const double sound = alarms(0.0), shifted = alarms(2.0);
+  CHECK(sound <= 4.6);
+  CHECK(sound == Approx(4.2).margin(0.6));  // three standard errors
+  CHECK(shifted >= 80.0);
+}
+
+TEST_CASE("figures are means or maxima by their names") {
+  for (const char* name : {"hysteresis_max_percent_fs", "max_error_psi", "worst_taxel_error_psi", "noisiest_taxel_mv",
+                           "overshoot_psi", "repeatability_psi", "stage_repeatability_um"})
+    CHECK(figure_kind(name) == FigureKind::kMaximum);
+  for (const char* name : {"mean_error_psi", "hysteresis_mean_percent_fs", "hold_noise_psi", "frames",
+                           "regulator_hysteresis_psi", "hold_drift_psi_per_min", "force_zero_drift_n"})
+    CHECK(figure_kind(name) == FigureKind::kMean);
+  CHECK(figure_kind("nobody_knows") == FigureKind::kMean);
+}
+
+TEST_CASE("a maximum is charted by its logarithm, as long as it is above zero") {
+  std::vector<double> start_up, later = {std::exp(12.0), std::exp(13.0)};
+  for (const double value : kStartUp) start_up.push_back(std::exp(value));
+  FigureChart chart = chart_figure("max_error_psi", start_up, later);
+  REQUIRE((chart.ewma && chart.band));
+  CHECK(chart.logarithmic);
+  CHECK(chart.ewma->ewma == Approx(0.92));
+  CHECK(chart.level == Approx(std::exp(10.92)));
+  const double half = student_quantile(1.0 - 0.5e-5, 7.0) * std::sqrt(1.125);
+  CHECK(chart.band->high == Approx(std::exp(10.0 + half)));
+  CHECK(chart.band->mean == Approx(control_band(start_up, 0.5)->mean));
+  CHECK(chart.probability == Approx(chart_probability(0.92 / std::sqrt(0.0818), 8)));
+  CHECK_FALSE(chart_figure("mean_error_psi", start_up, later).logarithmic);
+  later.push_back(0.0);
+  CHECK_FALSE(chart_figure("max_error_psi", start_up, later).logarithmic);
+}
+
+TEST_CASE("constants are compared exactly and not charted, counts that varied are") {
+  const std::vector<double> same(8, 3310.0), later = {3310.0, 3309.0};
+  FigureChart chart = chart_figure("frames", same, later);
+  CHECK((chart.constant && !chart.ewma));
+  CHECK((chart.band->holds(3310.0) && !chart.band->holds(3309.0)));
+  std::vector<double> varied = same;
+  varied.front() = 3311.0;
+  CHECK(chart_figure("frames", varied, later).ewma);
+  CHECK_FALSE(chart_figure("mean_error_psi", std::span(kStartUp).first(7), later).ewma);
+  CHECK(chart_figure("mean_error_psi", std::span(kStartUp).first(7), later).band);
+  CHECK_FALSE(chart_figure("mean_error_psi", std::span(kStartUp).first(2), later).band);
+  CHECK_FALSE(chart_figure("mean_error_psi", kStartUp, {}).ewma);
+}
+
+TEST_CASE("Benjamini and Hochberg: their own example, and edges") {
+  // Benjamini and Hochberg 1995, section 4: of fifteen comparisons four are rejected at 0.05.
+  const std::array p = {0.0001, 0.0004, 0.0019, 0.0095, 0.0201, 0.0278, 0.0298, 0.0344,
+                        0.0459, 0.3240, 0.4262, 0.5719, 0.6528, 0.7590, 1.0000};
+  const std::vector<bool> reported = discoveries(p);
+  CHECK(std::ranges::count(reported, true) == 4);
+  CHECK((reported[3] && !reported[4]));
+  CHECK(discoveries(std::array{0.9, 0.04, 0.02}) == std::vector<bool>{false, false, false});
+  CHECK(discoveries(std::array{0.9, 0.033, 0.02}) == std::vector<bool>{false, true, true});  // up to the largest k
+  CHECK(discoveries(std::array{0.05}) == std::vector<bool>{true});
+  CHECK(discoveries(std::array{0.05, 0.05}) == std::vector<bool>{true, true});
+  CHECK(discoveries(std::array{0.025, 0.5}) == std::vector<bool>{true, false});  // 0.05 x 1 / 2
+  CHECK(discoveries(std::array{0.0251, 0.5}) == std::vector<bool>{false, false});
+  CHECK(discoveries(std::array{0.2, 0.1}, 0.2) == std::vector<bool>{true, true});
+  CHECK(discoveries(std::array{0.3, 0.11}, 0.2) == std::vector<bool>{false, false});
+  CHECK(discoveries({}).empty());
+}

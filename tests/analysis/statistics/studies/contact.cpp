@@ -1,0 +1,335 @@
+// Every figure of an array under an object against answers worked out on paper. Taxel areas are such that 1 psi on a
+// taxel is 1 N; the taxels of straight_array.h stand at -2, 0 and 2 mm, the last one dead. Raw figures read both live
+// ones by the mean taxel's line, 15 psi a volt here.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "analysis/error.h"
+#include "analysis/statistics/studies/contact_results.h"
+#include "analysis/statistics/studies/press_run.h"
+#include "tests/analysis/support/straight_array.h"
+
+using namespace straight_array;
+
+namespace {
+
+const ArrayGeometry kOneNewtonAPsi{2.0, 1.0 / kNewtonPerPsiMm2};
+
+SensorModel press_fit() {
+  SensorModel fit = straight_fit();
+  by_hand::finish(fit, straight_taxel(15.0));
+  return fit;
+}
+
+struct Press {
+  int position;
+  bool rising;
+  double target_n, force_n, first_v, second_v, place_x_mm, torque_x_nmm, torque_y_nmm;
+};
+
+// volts -> raw psi, compensated psi, and where their centres lie (x in mm):
+//   (0.5, 1.5)   -> ( 7.5, 22.5) at -0.5, (10, 15) at -0.8
+//   (1, 1)       -> (15, 15)     at -1,   (20, 10) at -4/3
+//   (1, 3)       -> (15, 45)     at -0.5, (20, 30) at -0.8
+//   (1.5, 0.5)   -> (22.5, 7.5)  at -1.5, (30, 5)  at -12/7
+//   (3, 1)       -> (45, 15)     at -1.5, (60, 10) at -12/7; 60 psi is the end of the first taxel's model
+//   (0.75, 0.25) -> (11.25, 3.75) at -1.5, (15, 2.5) at -12/7
+PressRun press_run() {
+  PressRun run;
+  run.run = 9;
+  run.sequence = "ring";
+  run.object = "ring";
+  run.origin = "simulated";
+  run.sensor_serial = "S";
+  run.rows = 1;
+  run.columns = 3;
+  for (const Press& press : {Press{0, true, 10, 28, 0.5, 1.5, 2, 3, 4}, Press{0, true, 30, 31, 1, 1, 2, 0, 0},
+                             Press{0, false, 10, 52, 1, 3, 2, 0, 0}, Press{1, true, 10, 31, 1.5, 0.5, 3, 6, 8},
+                             Press{1, true, 30, 66, 3, 1, 3, 0, 0}, Press{1, false, 10, 16, 0.75, 0.25, 3, 0, 0}}) {
+    PressFrame frame;
+    frame.position = press.position;
+    frame.rising = press.rising;
+    frame.target_n = press.target_n;
+    frame.force_n = press.force_n;
+    frame.wrench[3] = press.torque_x_nmm;
+    frame.wrench[4] = press.torque_y_nmm;
+    frame.place_mm = {press.place_x_mm, 0.0, 0.0};
+    frame.volts = {press.first_v, press.second_v, 9.0};
+    run.frames.push_back(frame);
+  }
+  return run;
+}
+
+}  // namespace
+
+TEST_CASE("forces of an array under an object by hand: sums, errors of level and run, taxels at their end") {
+  const ContactResult result = contact_result(press_run(), press_fit(), kOneNewtonAPsi);
+  CHECK(result.positions == 2);
+  CHECK(result.repeats == 1);
+  CHECK(result.geometry.taxel_area_mm2 == kOneNewtonAPsi.taxel_area_mm2);
+  REQUIRE(result.levels.size() == 3);
+  const ContactLevel &ten = result.levels[0], &thirty = result.levels[1], &falling = result.levels[2];
+  CHECK((ten.rising && thirty.rising && !falling.rising));
+  // 10 N: sums of 30 and 30 N raw, 25 and 35 N compensated, against 28 and 31 N.
+  CHECK(ten.frames == 2);
+  CHECK(ten.force_n == Approx(29.5));
+  CHECK(ten.raw.force_n == Approx(30.0));
+  CHECK(ten.compensated.force_n == Approx(30.0));
+  CHECK(ten.raw_force_error_n == Approx((2.0 + 1.0) / 2));
+  CHECK(ten.compensated_force_error_n == Approx((3.0 + 4.0) / 2));
+  CHECK(ten.torque_nmm == Approx((5.0 + 10.0) / 2));
+  CHECK(ten.clamped_taxels == 0.0);
+  // 30 N: 30 and 60, 30 and 70 N against 31 and 66 N.
+  CHECK(thirty.raw_force_error_n == Approx((1.0 + 6.0) / 2));
+  CHECK(thirty.compensated_force_error_n == Approx((1.0 + 4.0) / 2));
+  CHECK(thirty.clamped_taxels == Approx(0.5));  // one taxel of one of the two frames
+  // 10 N falling: 60 and 15, 50 and 17.5 N against 52 and 16 N.
+  CHECK(falling.raw_force_error_n == Approx((8.0 + 1.0) / 2));
+  CHECK(falling.compensated_force_error_n == Approx((2.0 + 1.5) / 2));
+  // Six frames off by 2 1 8 1 6 1 N raw, 3 1 2 4 4 1.5 N compensated.
+  CHECK(result.raw_mean_error_n == Approx(19.0 / 6));
+  CHECK(result.raw_max_error_n == Approx(8.0));
+  CHECK(result.compensated_mean_error_n == Approx(15.5 / 6));
+  CHECK(result.compensated_max_error_n == Approx(4.0));
+  PressRun other = press_run();
+  other.sensor_serial = "another";
+  CHECK_THROWS_AS(contact_result(other, press_fit(), kOneNewtonAPsi), AnalysisError);
+}
+
+TEST_CASE("the centre of pressure under an object by hand: place, moment, wander, distance from the axis") {
+  PressRun run = press_run();
+  MountTransform mount;  // stage coordinates are taxel coordinates: the first taxel's centre at (0, 0)
+  mount.run = 5;
+  run.mount = {mount};
+  const ContactResult result = contact_result(run, press_fit(), kOneNewtonAPsi);
+  CHECK(result.mount_run == 5);
+  const ContactLevel &ten = result.levels[0], &thirty = result.levels[1];
+  CHECK(ten.raw.x_mm == Approx((-0.5 - 1.5) / 2));
+  CHECK(ten.compensated.x_mm == Approx((-0.8 - 12.0 / 7) / 2));
+  CHECK(ten.raw.y_mm == Approx(0.0).margin(1e-12));
+  CHECK(ten.raw.moment_y_nmm == Approx(2.0 * (7.5 + 22.5) / 2));  // of the first taxel's force, 2 mm off the centre
+  CHECK(ten.raw.area_mm2 == Approx(2.0 * kOneNewtonAPsi.taxel_area_mm2));
+  CHECK(ten.raw.threshold_psi == Approx(2.25));
+  CHECK(ten.compensated.threshold_psi == Approx((1.5 + 3.0) / 2));
+  // At the first position the centre stands at -1/2, -1, -1/2 raw and at -4/5, -4/3, -4/5 compensated, in the mean at
+  // -2/3 and -44/45; at the second one it does not move.
+  CHECK(ten.raw_wander_mm == Approx((1.0 / 6) / 2));
+  CHECK(ten.compensated_wander_mm == Approx((8.0 / 45) / 2));
+  CHECK(thirty.raw_wander_mm == Approx((1.0 / 3) / 2));
+  CHECK(thirty.compensated_wander_mm == Approx((16.0 / 45) / 2));
+  // The object's axis stands at 2 and 3 mm of the stage, 0 and 1 mm from the array's centre.
+  CHECK(ten.raw_place_error_mm == Approx((0.5 + 2.5) / 2));
+  CHECK(ten.compensated_place_error_mm == Approx((0.8 + 12.0 / 7 + 1.0) / 2));
+  const ContactResult unknown = contact_result(press_run(), press_fit(), kOneNewtonAPsi);
+  CHECK(unknown.mount_run == 0);
+  CHECK(std::isnan(unknown.levels[0].raw_place_error_mm));
+}
+
+TEST_CASE("an array that stands upright gives the same places along y, and moments about x") {
+  PressRun run = press_run();
+  run.rows = 3;
+  run.columns = 1;
+  for (PressFrame& frame : run.frames) std::swap(frame.place_mm[0], frame.place_mm[1]);
+  MountTransform mount;
+  run.mount = {mount};
+  SensorModel fit = press_fit();
+  fit.rows = 3;
+  fit.columns = 1;
+  const ContactLevel ten = contact_result(run, fit, kOneNewtonAPsi).levels[0];
+  CHECK(ten.raw.x_mm == Approx(0.0).margin(1e-12));
+  CHECK(ten.raw.y_mm == Approx((-0.5 - 1.5) / 2));
+  CHECK(ten.raw.moment_x_nmm == Approx(-2.0 * (7.5 + 22.5) / 2));
+  CHECK(ten.raw_wander_mm == Approx((1.0 / 6) / 2));
+  CHECK(ten.compensated_wander_mm == Approx((8.0 / 45) / 2));
+  CHECK(ten.raw_place_error_mm == Approx((0.5 + 2.5) / 2));
+}
+
+TEST_CASE("frames and mismatch under an object by hand: of the first position, over the fitted taxels") {
+  const ContactResult result = contact_result(press_run(), press_fit(), kOneNewtonAPsi);
+  const ContactLevel& ten = result.levels[0];
+  CHECK(ten.raw_v == std::vector<double>{0.5, 1.5, 9.0});
+  CHECK(ten.compensated_psi[0] == Approx(10.0));
+  CHECK(ten.compensated_psi[1] == Approx(15.0));
+  CHECK(std::isnan(ten.compensated_psi[2]));
+  CHECK(ten.raw_std == Approx(1.0 / std::sqrt(2.0) / 4.0));
+  CHECK(ten.compensated_std == Approx(5.0 / std::sqrt(2.0) / 60));
+  // Up against down at 10 N: 0.5 and 1.5 V, 10 and 15 psi. The peak has no way down.
+  REQUIRE(result.raw_distance.size() == 2);
+  CHECK(result.raw_distance[0] == Approx(1.0 / 4.0));
+  CHECK(result.compensated_distance[0] == Approx(12.5 / 60));
+  CHECK(std::isnan(result.raw_distance[1]));
+  CHECK(std::isnan(result.compensated_distance[1]));
+}
+
+// Presses as they are read from a run's record, frame by frame, and where an array lies under the stage.
+
+using namespace tactbench;
+using namespace tactbench::analysis;
+
+namespace {
+
+db::BranchRecord branch_of_force(std::int64_t number, int sequence, int repeat, int ordinal, double from_n,
+                                 double to_n) {
+  db::BranchRecord branch;
+  branch.branch = number;
+  branch.sequence = sequence;
+  branch.repeat = repeat;
+  branch.ordinal = ordinal;
+  branch.from_n = from_n;
+  branch.to_n = to_n;
+  return branch;
+}
+
+// One row of two taxels, two scans: 100 and 200, then 300 and 500 counts.
+db::FrameRecord pressed_frame(std::int64_t branch, double target_n, double fz_n) {
+  db::FrameRecord frame;
+  frame.branch = branch;
+  frame.time_ns = 2'500'000'000;
+  frame.rows = 1;
+  frame.columns = 2;
+  frame.scans = 2;
+  frame.counts = {100, 200, 300, 500};
+  db::WrenchRecord wrench;
+  wrench.target_n = target_n;
+  wrench.force_start_n = target_n;
+  wrench.wrench = {1, 2, fz_n, 4, 5, 6};
+  wrench.place_mm = {7, 8, 9};
+  frame.wrench = wrench;
+  return frame;
+}
+
+StoredRun stored_presses() {
+  StoredRun run;
+  run.record.run = 4;
+  run.record.origin = "simulated";
+  run.record.sensor_serial = "S";
+  run.record.scanner_serial = "C";
+  run.record.sequences = {{0, "production", "", "", 1, 1}, {1, "ring", "", "", 1, 1}, {2, "point", "", "", 1, 1}};
+  run.record.devices = {{"tactile scanner", "T", "3", "", "simulated", R"({"volts_per_count":0.001})"}};
+  run.branches = {branch_of_force(21, 1, 0, 0, 0, 20), branch_of_force(22, 1, 0, 1, 20, 0),
+                  branch_of_force(23, 1, 1, 5, 20, 0), branch_of_force(24, 2, 0, 6, 10, 10)};
+  run.frames = {pressed_frame(21, 10, -9.5), pressed_frame(22, 5, 4.5), pressed_frame(23, 5, -4.75),
+                pressed_frame(24, 10, 10.5)};
+  return run;
+}
+
+}  // namespace
+
+TEST_CASE("presses by hand: by sequence, with repeat, place, direction, force and the mean of the scans in volts") {
+  const std::vector<PressRun> presses = load_press_runs(stored_presses());
+  REQUIRE(presses.size() == 2);
+  const PressRun& ring = presses[0];
+  CHECK(ring.run == 4);
+  CHECK(ring.sequence == "ring");
+  CHECK(ring.object.empty());
+  CHECK((ring.origin == "simulated" && ring.sensor_serial == "S" && ring.scanner_serial == "C"));
+  CHECK((ring.rows == 1 && ring.columns == 2));
+  CHECK(ring.mount.empty());
+  REQUIRE(ring.frames.size() == 3);
+  const PressFrame& first = ring.frames[0];
+  CHECK(first.time_s == Approx(2.5));
+  CHECK(first.target_n == 10.0);
+  CHECK(first.wrench == std::array<double, 6>{1, 2, -9.5, 4, 5, 6});
+  CHECK(first.place_mm == std::array<double, 3>{7, 8, 9});
+  REQUIRE(first.volts.size() == 2);
+  CHECK(first.volts[0] == Approx(0.2));   // (100 + 300) / 2 counts of 1 mV
+  CHECK(first.volts[1] == Approx(0.35));  // (200 + 500) / 2
+  // A rising and a falling branch a place: 0 and 1 are the first, 5 the third, 6 the fourth one.
+  CHECK((first.repeat == 0 && first.position == 0 && first.rising));
+  CHECK((ring.frames[1].repeat == 0 && ring.frames[1].position == 0 && !ring.frames[1].rising));
+  CHECK((ring.frames[2].repeat == 1 && ring.frames[2].position == 2 && !ring.frames[2].rising));
+  CHECK(presses[1].sequence == "point");
+  CHECK((presses[1].frames[0].position == 3 && presses[1].frames[0].rising));  // 10 N all the way: not a fall
+  // Pressing is positive whichever sign the force sensor has.
+  CHECK(first.force_n == 9.5);
+  CHECK(ring.frames[1].force_n == 4.5);
+  CHECK(ring.frames[2].force_n == 4.75);
+  const std::vector<PointFrame> points = point_frames(ring);
+  REQUIRE(points.size() == 3);
+  CHECK((points[2].position == 2 && !points[2].rising && points[2].force_n == 4.75));
+  CHECK(points[0].volts == first.volts);
+}
+
+TEST_CASE("presses: a pull stays negative, and a force that was never taken out keeps its sign") {
+  StoredRun run = stored_presses();
+  run.frames = {pressed_frame(21, 10, 0.25), pressed_frame(21, 10, -0.5)};
+  run.frames[0].wrench->force_start_n = -1.0;  // pulls at the dwell's start, too: the sensor shows presses as negative
+  run.frames[1].wrench->force_start_n = 0.0;
+  const PressRun ring = load_press_runs(run).front();
+  CHECK(ring.frames[0].force_n == -0.25);
+  CHECK(ring.frames[1].force_n == -0.5);
+}
+
+TEST_CASE("presses: void branches, frames without a force and of unknown branches do not count") {
+  StoredRun run = stored_presses();
+  run.branches[0].is_void = true;
+  run.frames[1].wrench.reset();
+  run.frames[2].branch = 99;
+  const std::vector<PressRun> presses = load_press_runs(run);
+  REQUIRE(presses.size() == 1);
+  CHECK(presses[0].sequence == "point");
+  run.frames[3].wrench.reset();
+  run.record.devices.clear();  // nothing is pressed: nothing asks for the scanner's scale
+  CHECK(load_press_runs(run).empty());
+}
+
+TEST_CASE("presses: a frame that does not hold its scans is refused") {
+  const auto refused = [](int scans, std::size_t counts) {
+    StoredRun run = stored_presses();
+    run.frames[0].scans = scans;
+    run.frames[0].counts.resize(counts);
+    try {
+      (void)load_press_runs(run);
+    } catch (const AnalysisError& error) {
+      return error.id();
+    }
+    return std::string();
+  };
+  CHECK(refused(2, 4).empty());
+  CHECK(refused(1, 2).empty());
+  CHECK(refused(2, 3) == "TB-ANALYSIS-FRAME");
+  CHECK(refused(0, 0) == "TB-ANALYSIS-FRAME");
+  CHECK(refused(-1, 0) == "TB-ANALYSIS-FRAME");
+}
+
+TEST_CASE("a registration is the last complete one that was stored, with its defaults") {
+  StoredRun run = stored_presses();
+  const auto check_of = [](const char* kind, const char* json) {
+    db::CheckRecord check;
+    check.kind = kind;
+    check.detail_json = json;
+    return check;
+  };
+  run.checks = {check_of("seating", R"({"angle_deg":1,"offset_mm":[0,0]})"),
+                check_of("mount", R"({"angle_deg":30,"offset_mm":[1,2],"flipped":true,"scale":1.5})")};
+  REQUIRE(mount_of(run).size() == 1);
+  const MountTransform first = mount_of(run).front();
+  CHECK(first.run == 4);
+  CHECK((first.angle_deg == 30.0 && first.scale == 1.5 && first.flipped));
+  CHECK(first.offset_mm == std::array<double, 2>{1, 2});
+  run.checks.push_back(check_of("mount", R"({"angle_deg":-5,"offset_mm":[3,4]})"));
+  run.checks.push_back(check_of("mount", R"({"angle_deg":7})"));
+  run.checks.push_back(check_of("mount", R"({"offset_mm":[3,4]})"));
+  run.checks.push_back(check_of("mount", "[7]"));
+  REQUIRE(mount_of(run).size() == 1);
+  const MountTransform last = mount_of(run).front();
+  CHECK((last.angle_deg == -5.0 && last.scale == 1.0 && !last.flipped));
+  CHECK(load_press_runs(run).front().mount.front().angle_deg == -5.0);
+  run.checks.erase(run.checks.begin() + 1, run.checks.begin() + 3);
+  CHECK(mount_of(run).empty());
+}
+
+TEST_CASE("a registration by hand: turned by 30 degrees, twice as large, moved and mirrored") {
+  // stage = 2 R(30) taxel + (10, 20). Taxel (2, 1): R gives (sqrt 3 - 1/2, 1 + sqrt 3 / 2).
+  MountTransform mount;
+  mount.angle_deg = 30.0;
+  mount.scale = 2.0;
+  mount.offset_mm = {10.0, 20.0};
+  const double x = 10.0 + 2.0 * (std::sqrt(3.0) - 0.5), y = 20.0 + 2.0 * (1.0 + std::sqrt(3.0) / 2.0);
+  CHECK(mount.taxel_mm(x, y)[0] == Approx(2.0));
+  CHECK(mount.taxel_mm(x, y)[1] == Approx(1.0));
+  mount.flipped = true;  // the mirror comes first: the same place of the stage is taxel (2, -1)
+  CHECK(mount.taxel_mm(x, y)[0] == Approx(2.0));
+  CHECK(mount.taxel_mm(x, y)[1] == Approx(-1.0));
+  CHECK(mount.taxel_mm(10.0, 20.0)[0] == Approx(0.0).margin(1e-12));
+}

@@ -1,0 +1,492 @@
+// pause, resume, stop, abort, panic, status and watch: which of several runs they mean, and what is refused. The runs
+// are of this process, and do nothing but answer.
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <csignal>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "bench/common/utc.h"
+#include "bench/run/control/locks.h"
+#include "tests/bench/cli/check_refusal.h"
+#include "tests/db/store_example.h"
+#include "tests/support/answering_run.h"
+#include "tests/support/paths.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using CommandWords = std::vector<std::string>;
+
+namespace {
+
+struct CommandsGiven {
+  // A file that is none.
+  [[nodiscard]] std::string store(const std::string& name) const {
+    write_file(folder.path(name), "");
+    return folder.path(name);
+  }
+  Finished give(const CommandWords& words) const { return call(folder, words); }
+  [[nodiscard]] nlohmann::json told(CommandWords words) const {
+    words.emplace_back("--json");
+    return nlohmann::json::parse(give(words).out);
+  }
+  void taken(const CommandWords& words) const {
+    const Finished done = give(words);
+    CAPTURE(words, done.err);
+    CHECK(done.code == 0);
+    CHECK_FALSE(done.out.empty());
+  }
+  void refused(const CommandWords& words, const std::string& id) const {
+    const Finished done = give(words);
+    CAPTURE(words);
+    check_refusal(done, 2, id);
+    CHECK(done.out.empty());
+  }
+  TemporaryFolder folder;
+};
+
+}  // namespace
+
+TEST_CASE("commands: the answer of the one live run, or why it is refused") {
+  const CommandsGiven of;
+  of.refused({"stop"}, "TB-RUN-NOT-LIVE");
+  const AnsweringRun live("live", 3, of.store("live.db"));
+  of.refused({"resume", "3", "--db", "live.db"}, "TB-RUN-WORD");
+  of.taken({"pause"});
+  of.taken({"resume"});
+  const auto told = nlohmann::ordered_json::parse(of.give({"stop", "--json"}).out);
+  CHECK(told.at("schema") == "tactbench.stop");
+  CHECK((told.at("run") == 3 && told.at("bench") == "live" && told.at("store") == of.folder.path("live.db")));
+  CHECK((told.at("state") == "running" && told.at("step") == 3 && told.at("steps") == 40));
+  of.taken({"stop", "--abort", "3"});
+  of.taken({"panic", "--bench", "live"});
+  of.refused({"pause", "4"}, "TB-RUN-NOT-LIVE");
+}
+
+TEST_CASE("resume: a number alone resumes no run of another store where this folder has one") {
+  const CommandsGiven of;
+  const AnsweringRun live("live", 3, of.store("live.db"));
+  of.taken({"pause"});
+  of.taken({"resume", "3"});  // no runs.db lies here
+  of.taken({"pause"});
+  write_file(of.folder.path("runs.db"), "");
+  of.refused({"resume", "3"}, "TB-RUN-AMBIGUOUS");
+  of.taken({"resume", "3", "--db", "live.db"});
+  of.taken({"pause"});
+  of.taken({"resume"});
+}
+
+TEST_CASE("resume: the run of this folder's own store is resumed by its number") {
+  const CommandsGiven of;
+  const AnsweringRun live("live", 3, of.store("runs.db"));
+  of.taken({"pause", "3"});
+  of.taken({"resume", "3"});
+}
+
+TEST_CASE("commands: several live runs must be told apart, and a panic reaches all that are meant") {
+  const CommandsGiven of;
+  const AnsweringRun live("live", 3, of.store("live.db")), other("other", 3, of.store("other.db"));
+  for (const CommandWords& words : {CommandWords{"stop"}, CommandWords{"stop", "3"}, CommandWords{"panic"}})
+    of.refused(words, "TB-RUN-AMBIGUOUS");
+  CHECK(live.control.who().empty());
+  of.taken({"stop", "--bench", "other"});
+  CHECK(live.control.who().empty());
+  of.taken({"panic", "3"});
+  CHECK_FALSE(live.control.who().empty());
+  of.taken({"panic", "3", "--db", "other.db"});
+}
+
+TEST_CASE("panic: all runs must refuse for it to fail") {
+  const CommandsGiven of;
+  const AnsweringRun ended("a", 3, of.store("a.db"), bench::RunState::kEnded);
+  {
+    const AnsweringRun live("live", 3, of.store("live.db"));
+    of.taken({"panic", "3"});  // the live one takes it
+  }
+  const AnsweringRun more("more", 3, of.store("more.db"), bench::RunState::kEnded);
+  check_refusal(of.give({"panic", "3"}), 2, "TB-RUN-WORD");
+}
+
+TEST_CASE("commands: a bench that does not answer is named, and holds up a stop but no panic") {
+  const CommandsGiven of;
+  const AnsweringRun live("live", 3, of.store("live.db"));
+  const SilentRun silent("a-frozen", "/run/7");
+  of.refused({"stop"}, "TB-RUN-AMBIGUOUS");
+  for (const CommandWords& words : {CommandWords{"stop", "7"}, CommandWords{"stop", "--bench", "a-frozen"}})
+    of.refused(words, "TB-RUN-SILENT");
+  of.taken({"stop", "3"});  // the silent one is of another number
+  of.taken({"panic"});
+  of.taken({"stop", "--db", "live.db"});
+}
+
+TEST_CASE("status: each live run, and those of one bench or store alone") {
+  const CommandsGiven of;
+  const AnsweringRun live("live", 3, of.store("live.db")), other("other", 4, of.store("other.db"));
+  const Finished both = of.give({"status"});
+  CHECK(both.code == 0);
+  CHECK(both.err.empty());
+  const auto only = [&](const std::vector<std::string>& words) {
+    const nlohmann::json runs = of.told(words).at("runs");
+    REQUIRE(runs.size() == 1);
+    return runs.at(0).at("run");
+  };
+  CHECK(only({"status", "3"}) == 3);
+  CHECK(only({"status", "--bench", "other"}) == 4);
+  CHECK(only({"status", "--db", "live.db"}) == 3);
+  const nlohmann::json told = of.told({"status"});
+  CHECK(told.at("live") == true);
+  REQUIRE(told.at("runs").size() == 2);
+  CHECK(told.at("runs").at(1).at("run") == 4);
+  CHECK(told.at("silent").empty());
+  CHECK(told.at("last_run").is_null());
+}
+
+TEST_CASE("status: a bench that does not answer is named") {
+  const CommandsGiven of;
+  const SilentRun silent("a-frozen", "/run/7");
+  const nlohmann::json told = of.told({"status"});
+  CHECK(told.at("live") == false);
+  REQUIRE(told.at("silent").size() == 1);
+  const nlohmann::json& one = told.at("silent").at(0);
+  CHECK((one.at("bench") == "a-frozen" && one.at("run") == 7 && one.at("process") == ::getpid()));
+  const AnsweringRun live("live", 3, of.store("live.db"));
+  CHECK(of.told({"status"}).at("live") == true);
+  {  // the last run of a store is told beside a bench that does not answer
+    db::RunStore store = db::RunStore::open(of.folder.path("runs.db"), db::Durability::kNormal);
+    (void)store_example(store);
+  }
+  CHECK(of.told({"status", "--db", "runs.db"}).at("last_run").at("run") == 1);
+}
+
+TEST_CASE("watch: an ended run is told only where nothing else is meant, and one that is carried out is not ended") {
+  const CommandsGiven of;
+  const std::string path = of.folder.path("runs.db");
+  {
+    db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
+    (void)store_example(store);
+    (void)begin_example(store);
+  }
+  CHECK(of.give({"status", "--watch", "1"}).code == 0);
+  {
+    const SilentRun silent("a-frozen", "/run/1");
+    check_refusal(of.give({"status", "--watch", "1"}), 2, "TB-RUN-SILENT");
+  }
+  const Finished ended = of.give({"status", "--watch", "2"});
+  CHECK(ended.code == 3);  // its process died
+  const bench::RunLock lock(path);
+  lock.take_new(2);
+  const Finished carried_out = of.give({"status", "--watch", "2"});
+  CHECK(carried_out.code == 2);
+  CHECK(carried_out.out.empty());
+  CHECK_THAT(carried_out.err, Catch::Contains("[TB-RUN-NOT-LIVE]"));
+}
+
+TEST_CASE("status: without --db the store of this folder is asked") {
+  const CommandsGiven of;
+  check_refusal(of.give({"status", "9"}), 5, "TB-STORE-OPEN");
+  CHECK(of.give({"status", "--db", "none.db"}).code == 5);
+  {
+    db::RunStore store = db::RunStore::open(of.folder.path("runs.db"), db::Durability::kNormal);
+    (void)store_example(store);
+  }
+  CHECK(of.told({"status"}).at("last_run").at("run") == 1);
+  CHECK(of.told({"status", "1"}).at("last_run").at("run") == 1);
+}
+
+// devices check, watch, reset and scan: dates of calibration on their very day, values that nobody filled in, what an
+// instrument reads, and who resets.
+
+using namespace tactbench;
+using namespace tactbench::tests;
+
+TEST_CASE("devices check: a calibration is good on the day when it is due, and overdue on the next") {
+  const TemporaryFolder folder;
+  const auto page_of = [&](const std::string& due) {
+    return call(folder, {"devices", "check", "--bench", "simulated.toml", "--set", "reference.due=" + due}).out;
+  };
+  const auto today = [] { return bench::utc_now().substr(0, 10); };
+  const auto overdue = [&](const std::string& due) { return page_of(due).find("OVERDUE") != std::string::npos; };
+  std::string day;
+  bool late = false;
+  do {  // a day of UTC may turn meanwhile
+    day = today();
+    late = overdue(day);
+  } while (day != today());
+  CHECK_FALSE(late);
+  CHECK(overdue(bench::utc_days_ago(1).substr(0, 10)));
+}
+
+TEST_CASE("devices check: what was not filled in is warned of, and an instrument that is wrong told") {
+  const TemporaryFolder folder;
+  const Finished checked =
+      call(folder, {"devices", "check", "--bench", "simulated.toml", "--set", "reference.certificate=\"FILL-IN\""});
+  CHECK_THAT(checked.err, Catch::Contains("reference.certificate"));
+  const auto document =
+      nlohmann::ordered_json::parse(well(call(folder, {"devices", "check", "--bench", "simulated.toml", "--json",
+                                                       "--set", "reference.span_psi=[5, 105]"}),
+                                         3)
+                                        .out);
+  CHECK(document.at("schema") == "tactbench.devices.check");
+  const auto& reference = document.at("devices").at(2);
+  CHECK(reference.at("role") == "pressure reference");
+  CHECK(reference.at("state") == "wrong");
+  CHECK_FALSE(reference.at("reading").get<std::string>().empty());
+  CHECK_FALSE(reference.at("notes").empty());
+}
+
+TEST_CASE("devices reset: a person is named") {
+  const TemporaryFolder folder;
+  check_refusal(call(folder, {"devices", "reset", "--bench", "simulated.toml", "--operator", " "}), 2, "TB-USAGE",
+                "--operator");
+}
+
+TEST_CASE("live prints the pressures, places, forces and the array once a look") {
+  const TemporaryFolder folder;
+  const Finished seen = call(folder, {"live", "--bench", "simulated.toml", "--frames", "2", "--interval", "0.05"});
+  CHECK(seen.code == 0);
+  for (const char* name : {"\nfeedback  ", "\nreference ", "\nforce     "}) {
+    INFO(name << " in " << seen.out);
+    const std::size_t first = seen.out.find(name);
+    REQUIRE(first != std::string::npos);
+    CHECK(seen.out.find(name, first + 1) != std::string::npos);
+    // Pressures within 0.2 psi of 0, forces within 0.05 N.
+    CHECK(std::abs(std::stod(seen.out.substr(first + 11))) < 0.2);
+  }
+  const auto told =
+      nlohmann::json::parse(call(folder, {"devices", "check", "--bench", "simulated.toml", "--json"}).out);
+  CHECK(told["bench"] == "simulated-rig");
+  REQUIRE(told["devices"].size() == 6);
+  CHECK(told["devices"][1]["role"] == "regulator");
+  CHECK(told["devices"][1]["state"] == "ok");
+  CHECK(told["devices"][4]["notes"].size() == 1);
+}
+
+TEST_CASE("devices scan: its devices as JSON, and a host that does not answer") {
+  const TemporaryFolder folder;
+  CHECK(call(folder, {"devices", "scan"}).code == 0);
+  const auto told = nlohmann::json::parse(call(folder, {"devices", "scan", "--json"}).out);
+  CHECK(told.at("schema") == "tactbench.devices.scan");
+  CHECK(told.at("devices").is_array());
+  // Nothing listens on this port, and the answer says so.
+  const auto one = nlohmann::json::parse(call(folder, {"devices", "scan", "--modbus", "127.0.0.1:1", "--json"}).out);
+  CHECK(std::ranges::any_of(one.at("devices"), [](const nlohmann::json& device) {
+    return device.at("kind") == "Modbus TCP" && device.at("where") == "127.0.0.1:1";
+  }));
+}
+
+// page: the address that it prints, as words and as JSON, and the port that it takes.
+
+using namespace tactbench::tests;
+
+namespace {
+
+// `page` with these words until it has announced itself.
+Finished announced_page(const std::string& words, const char* announced_in = "out") {
+  const TemporaryFolder folder;
+  const std::string announcement = folder.path(announced_in);
+  write_file(announcement, "");
+  const auto told = [&] {
+    const std::string text = read_file(announcement);
+    return text.ends_with("\n") && (!text.starts_with("{") || text.ends_with("\n}\n"));
+  };
+  Finished done =
+      run_program("/bin/sh", {"-c", "exec '" + std::string(program_path()) + "' page " + words + " >out 2>err"},
+                  folder.path(), {SIGTERM, told});
+  done.out = read_file(folder.path("out"));
+  done.err = read_file(folder.path("err"));
+  return done;
+}
+
+int port_in_page_link(const std::string& link) {
+  const std::size_t at = link.find("127.0.0.1:");
+  REQUIRE(at != std::string::npos);
+  return std::stoi(link.substr(at + 10));
+}
+
+// Holds a port of this machine, unless somebody else does.
+class HeldPort {
+ public:
+  explicit HeldPort(std::uint16_t port) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(port);
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    held_ =
+        ::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 && ::listen(socket_, 1) == 0;
+  }
+  ~HeldPort() { ::close(socket_); }
+  HeldPort(const HeldPort&) = delete;
+  HeldPort& operator=(const HeldPort&) = delete;
+  [[nodiscard]] bool held() const { return held_; }
+
+ private:
+  int socket_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  bool held_ = false;
+};
+
+}  // namespace
+
+TEST_CASE("page: its address on a free port, for who reads alone and for who commands, and as JSON") {
+  const Finished reads = announced_page("--port 0");
+  CHECK(reads.err.empty());
+  const std::string secrets = reads.out.substr(reads.out.find('#') + 1);
+  CHECK(secrets.find('.') == std::string::npos);
+  const Finished commands = announced_page("--port 0 --operator bob");
+  CHECK_THAT(commands.out.substr(commands.out.find('#')), Catch::Contains("."));
+  const nlohmann::json told = nlohmann::json::parse(announced_page("--port 0 --operator bob --json").out);
+  CHECK(told.at("schema") == "tactbench.page");
+  CHECK(told.at("operator") == "bob");
+  const std::string link = told.at("link"), readers = told.at("readers_link");
+  CHECK(told.at("port") == port_in_page_link(link));
+  CHECK(told.at("port") != 0);
+  CHECK(link.starts_with(readers + "."));
+  CHECK(nlohmann::json::parse(announced_page("--port 0 --json").out).at("operator") == "");
+}
+
+TEST_CASE("page: beside a run its address goes to standard error, and nothing to standard output") {
+  const Finished beside = announced_page("--port 0 --beside " + std::to_string(::getpid()), "err");
+  CHECK(beside.out.empty());
+}
+
+TEST_CASE("page: another page's usual port is left to it, a port that was asked for is not") {
+  const HeldPort usual(8765);
+  if (!usual.held()) return;  // somebody else has it
+  const Finished other = announced_page("");
+  CHECK(port_in_page_link(other.out) != 8765);
+  const TemporaryFolder folder;
+  const Finished refused = call(folder, {"page", "--port", "8765"});
+  CHECK(refused.code == 2);
+  CHECK(refused.out.empty());
+  CHECK_THAT(refused.err, Catch::Contains("[TB-PAGE-ADDRESS]") && Catch::Contains("8765"));
+  CHECK(call(folder, {"page", "--listen", "192.0.2.1", "--tls", "none.pem", "none.key"}).code == 2);
+}
+
+// What `simulate` tells of the wires that it serves, and the bench file that it writes for its clients.
+
+using namespace tactbench::tests;
+
+namespace {
+
+struct ServedOnce {
+  explicit ServedOnce(const std::vector<std::string>& more = {}) {
+    std::vector<std::string> words = {"simulate", "--for", "0.1", "--write-bench", "client.toml"};
+    words.insert(words.end(), more.begin(), more.end());
+    words.emplace_back("--json");
+    const Finished finished = call(folder, words);
+    REQUIRE(finished.code == 0);
+    told = nlohmann::json::parse(finished.out);
+    bench = read_file(folder.path("client.toml"));
+  }
+  // The place of the first wire whose name begins so.
+  [[nodiscard]] std::string where(const std::string& what) const {
+    for (const auto& one : told.at("served"))
+      if (one.at("what").get<std::string>().starts_with(what)) return one.at("where");
+    return "none";
+  }
+  // The text behind the key in its table; "none" where there is no such key.
+  [[nodiscard]] std::string value(const std::string& table, const std::string& key) const {
+    const std::size_t head = bench.find("\n[" + table + "]\n");
+    if (head == std::string::npos) return "none";
+    const std::size_t end = bench.find("\n[", head + 1), at = bench.find("\n" + key + " = ", head);
+    if (at == std::string::npos || at > end) return "none";
+    const std::size_t from = at + key.size() + 4;
+    return bench.substr(from, bench.find('\n', from) - from);
+  }
+  TemporaryFolder folder;
+  nlohmann::json told;
+  std::string bench;
+};
+
+}  // namespace
+
+TEST_CASE("simulate: each wire by its place, and the client's bench file") {
+  const ServedOnce served({"--rate", "2.5"});
+  CHECK(served.value("simulation", "seed") == "none");
+  CHECK(served.bench.find("[simulation") == std::string::npos);
+  CHECK(served.value("bench", "simulator") == "'external'");
+  CHECK(served.value("bench", "rate") == "2.5");
+  CHECK(served.value("bench", "origin") == "'simulated'");
+  CHECK(served.value("module", "host") == "'127.0.0.1'");
+  CHECK(served.where("pressure").find("127.0.0.1:" + served.value("module", "port") + ",") != std::string::npos);
+  CHECK(served.value("scanner", "socket") == "'" + served.where("tactile scanner") + "'");
+  CHECK(served.value("stage", "port") == "'" + served.where("stage") + "'");
+  CHECK(served.where("Nano17, Net F/T").ends_with("127.0.0.1:" + served.value("force", "port")));
+  CHECK(served.where("Nano17, its calibration") ==
+        "http://127.0.0.1:" + served.value("force", "http_port") + "/netftapi2.xml");
+  CHECK(served.value("scanner", "address") == "none");
+  CHECK(served.value("force", "host") == "'127.0.0.1'");
+}
+
+TEST_CASE("simulate: a frame source and a force sensor on a serial line are connected by their own addresses") {
+  const ServedOnce served({"--set", "scanner.kind=\"frame-source\"", "--set", "force.kind=\"digital\""});
+  CHECK(served.value("scanner", "kind") == "'frame-source'");
+  CHECK(served.value("scanner", "address") == "'" + served.where("tactile scanner, frame-source") + "'");
+  CHECK(served.value("scanner", "socket") == "none");
+  CHECK(served.value("force", "kind") == "'digital'");
+  CHECK(served.value("force", "port") == "'" + served.where("Nano17, Digital") + "'");
+  CHECK(served.value("force", "host") == "none");
+  CHECK(served.value("force", "http_port") == "none");
+}
+
+TEST_CASE("simulate: modules on a serial line, on a bench without stage and force sensor") {
+  const TemporaryFolder folder;
+  write_file(folder.path("rtu.toml"),
+             "schema = 1\n[bench]\nid = \"b\"\norigin = \"simulated\"\n[module]\nprofile = "
+             "\"waveshare-analog-output-8ch-b\"\ntransport = \"rtu\"\n[input_module]\nprofile = "
+             "\"waveshare-analog-input-8ch-b\"\nunit = 2\n"
+             "[regulator]\nserial = \"R\"\n[reference]\nmodel = \"m\"\nserial = \"s\"\n");
+  const ServedOnce served({"--bench", folder.path("rtu.toml")});
+  const std::string port = served.value("module", "serial_port");
+  CHECK_THAT(served.where("pressure"), Catch::Contains(port.substr(1, port.size() - 2)));
+  CHECK(served.value("module", "host") == "none");
+  CHECK(served.value("module", "port") == "none");
+  CHECK(served.value("stage", "port") == "none");
+  CHECK(served.value("force", "port") == "none");
+}
+
+TEST_CASE("simulate: a serial pressure controller is connected by its terminal, and offered on every bench") {
+  const ServedOnce served({"--bench", "simulated-serial.toml"});
+  CHECK(served.value("regulator", "kind") == "'serial'");
+  CHECK(served.value("regulator", "port") == "'" + served.where("pressure controller") + "'");
+  CHECK(served.value("module", "port") == "none");
+  const std::string gauge = served.where("pressure and environment");  // "Modbus TCP 127.0.0.1:40001, unit 5: ..."
+  const std::size_t port = gauge.find(':') + 1;
+  CHECK_THAT(served.bench, Catch::Contains("port = " + gauge.substr(port, gauge.find(',') - port) + "\n"));
+  const ServedOnce usual;
+  CHECK(usual.where("pressure controller").starts_with("/dev/pts/"));
+  CHECK(usual.value("regulator", "port") == "none");
+}
+
+TEST_CASE("simulate: a bench file that names no host gets the one that is served") {
+  const TemporaryFolder folder;
+  write_file(folder.path("least.toml"),
+             "schema = 1\n[bench]\nid = \"b\"\norigin = \"simulated\"\n[module]\nprofile = \"beckhoff-ek9000\"\n"
+             "[regulator]\nserial = \"R\"\n[reference]\nmodel = \"m\"\nserial = \"s\"\n");
+  const ServedOnce served({"--bench", folder.path("least.toml"), "--set", "settling.band_psi=0.5"});
+  CHECK(served.value("module", "host") == "'127.0.0.1'");
+  CHECK(served.value("settling", "band_psi") == "0.5");
+}
+
+TEST_CASE("simulate: as JSON, without a bench file, and what cannot be simulated") {
+  const TemporaryFolder folder;
+  const auto told = nlohmann::ordered_json::parse(call(folder, {"simulate", "--for", "0.1", "--json"}).out);
+  check_members(told, R"({"schema": "tactbench.simulate", "rate": 1.0, "bench": ""})");
+  REQUIRE(told.at("served").size() == 9);
+  CHECK_THAT(told.at("served").at(5).at("where").get<std::string>(), Catch::StartsWith("/dev/"));
+  const Finished hardware = call(folder, {"simulate", "--for", "0.1", "--bench", "paper-rig.example.toml"});
+  CHECK(hardware.code == 2);
+  CHECK(hardware.out.empty());
+  CHECK_THAT(hardware.err, Catch::Contains("[TB-USAGE]") && Catch::Contains("\n  at: paper-rig.example.toml\n"));
+  write_file(folder.path("other.txt"), "mine\n");
+  CHECK(call(folder, {"simulate", "--for", "0.1", "--write-bench", "other.txt"}).code == 2);
+  CHECK(read_file(folder.path("other.txt")) == "mine\n");
+  CHECK(call(folder, {"simulate", "--for", "0.1", "--write-bench", "other.txt", "--replace"}).code == 0);
+}

@@ -1,0 +1,348 @@
+// runs show and runs diff of runs that are known row by row: verdicts by models and limits, remarks, settings,
+// metadata.
+#include <catch2/catch.hpp>
+#include <cstdint>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "bench/cli/runs/runs.h"
+#include "bench/run/control/locks.h"
+#include "db/record.h"
+#include "tests/bench/cli/store_here.h"
+#include "tests/bench/config/bench_text.h"
+#include "tests/support/paths.h"
+#include "tests/support/refusal.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+
+namespace {
+
+struct StoreOfPages : OpenStoreHere {
+  Finished runs(std::vector<std::string> words) const {
+    words.insert(words.begin(), "runs");
+    return say(bench::add_runs, words);
+  }
+  std::int64_t add(const std::function<void(db::RunRecord&)>& change = [](db::RunRecord&) {}) {
+    db::RunRecord run = example_run();
+    change(run);
+    return store_example(store, run);
+  }
+  [[nodiscard]] nlohmann::json shown(std::int64_t run) const {
+    return nlohmann::json::parse(runs({"show", std::to_string(run), "--json"}).out);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("runs show: verdicts by several models and limits, and the word of all") {
+  StoreOfPages store;
+  store.add();
+  store.add();
+  db::FitRecord fit;
+  fit.run = 1;
+  fit.model = "elam";
+  const std::int64_t own = store.store.add_fit(fit);
+  const auto row = [](const char* verdict, const std::string& limits) {
+    return db::VerdictRecord{0, 0, "unfit_taxels", "array", 1.0, 1.5, "taxels", "simple", verdict, "limits", limits};
+  };
+  const std::string first(64, '1'), second(64, '2');
+  store.store.replace_verdicts(2, own, {row("pass", first)});
+  store.store.replace_verdicts(2, 0, {row("fail", second)});
+  const nlohmann::json told = store.shown(2);
+  CHECK(told.at("verdict") == "simulated fail");
+  CHECK(told.at("verdicts").size() == 2);
+  CHECK(told.at("frames") == 3);
+  CHECK_FALSE(told.contains("pruned"));
+  CHECK_FALSE(told.contains("specimen"));
+}
+
+TEST_CASE("runs show: remarks of people, a run without bench, and where its frames went") {
+  StoreOfPages store;
+  store.add([](db::RunRecord& run) {
+    run.bench_id = "";
+    run.operator_name = "";
+    run.git_dirty = false;
+    run.devices.clear();
+  });
+  store.store.add_note(1, "the door was open");
+  store.store.add_note(1, "and the light on");
+  store.store.set_tags(1, {"nightly"}, {});
+  (void)store.store.prune_frames(1, "old nights", kUtc);
+  store.store.void_run(1, "gauge closed", "K. Lee", kUtc);
+  const nlohmann::json told = store.shown(1);
+  CHECK(told.at("pruned") == nlohmann::json{{"frames", 3}, {"rule", "old nights"}, {"pruned_utc", kUtc}});
+  const auto listed = nlohmann::json::parse(store.runs({"list", "--all", "--json"}).out).at("runs");
+  CHECK(listed.at(0).at("frames_pruned") == 3);
+}
+
+TEST_CASE("runs list: void runs are counted, and of one that has not ended whether it lives") {
+  StoreOfPages store;
+  for (int i = 0; i < 3; ++i) store.add();
+  (void)begin_example(store.store);
+  store.store.void_run(1, "door", "K. Lee", kUtc);
+  store.store.void_run(2, "door", "K. Lee", kUtc);
+  const bench::RunLock lock(store.path);
+  CHECK(nlohmann::json::parse(store.runs({"list", "--json"}).out).at("runs").at(1).at("lives") == false);
+  lock.take_again(4);
+  CHECK(nlohmann::json::parse(store.runs({"list", "--all", "--json"}).out).at("runs").size() == 4);
+  const auto told = nlohmann::json::parse(store.runs({"list", "--json"}).out);
+  CHECK(told.at("void_left_out") == 2);
+  REQUIRE(told.at("runs").size() == 2);
+  CHECK(told.at("runs").at(0).at("frames") == 3);
+  CHECK_FALSE(told.at("runs").at(0).contains("lives"));
+  CHECK(told.at("runs").at(1).at("lives") == true);
+  CHECK(told.at("runs").at(1).at("frames") == 0);
+}
+
+TEST_CASE("runs list: in a file or a pipe one whole line a run, with its lot, its recipes and all of its purpose") {
+  StoreOfPages store;
+  const std::string purpose = "of the first film " + std::string(300, 'x') + " and its end";
+  store.add([&](db::RunRecord& run) { run.purpose = purpose; });
+  store.add();
+  store.store.set_tags(1, {"lot=A7", "night"}, {});
+  const std::string out = store.runs({"list"}).out;
+  const std::size_t at = out.find("A7");
+  REQUIRE(at != std::string::npos);
+  const std::size_t begin = out.rfind('\n', at) + 1;
+  const std::string line = out.substr(begin, out.find('\n', at) - begin);
+  const std::string recipe = example_run().sequences.front().name;
+  CHECK(line.find(recipe) < line.find(purpose));
+  CHECK_THAT(line, Catch::Contains(purpose) && Catch::EndsWith("[night]"));
+}
+
+TEST_CASE("runs diff: members by their path, settings by their key, and what is no difference") {
+  StoreOfPages store;
+  store.add();
+  store.add([](db::RunRecord& run) {
+    run.overrides_json = R"([{"key":"a","value":"2"},{"key":"b","value":"3"},{"value":"4"},7])";
+    run.host = "host-b";
+    run.time_zone = "UTC";
+    run.started_utc = "2025-01-01T00:00:00Z";
+    run.rest_s = 5.0;
+    run.devices[1].model = "T-2";
+    run.sequences[0].repeats = 3;
+  });
+  const auto diff = [&](const std::string& second) {
+    return nlohmann::json::parse(store.runs({"diff", "1", second, "--json"}).out);
+  };
+  std::vector<std::string> named;
+  const nlohmann::json differences = diff("2").at("differences");
+  for (const nlohmann::json& one : differences) named.push_back(one.at("what"));
+  CHECK(named == std::vector<std::string>{"overrides.a", "overrides.b", "content_sha256", "recipes[0].repeats",
+                                          "devices[1].model"});
+  CHECK(store.runs({"diff", "1", "2"}).code == 1);
+  store.add();
+  CHECK(diff("3").at("differences").empty());
+  store.store.set_tags(1, {"lot=A7", "night"}, {});
+  store.store.set_tags(3, {"lot=A8", "film=B"}, {});
+  const nlohmann::json told = diff("3");
+  CHECK(told.at("differences") ==
+        nlohmann::json::parse(R"([{"what": "tags", "first": "[\"night\"]", "second": "[]"}])"));
+  CHECK(told.at("metadata").size() == 2);
+  CHECK(told.at("frames_equal") == 3);
+  CHECK(told.at("first_frame") == 0);
+}
+
+TEST_CASE("runs diff: verdicts stand beside each other, and a run with fewer frames") {
+  StoreOfPages store;
+  store.add();
+  store.add();
+  const auto row = [](double value) {
+    db::VerdictRecord one{0, 0, "mismatch", "level", value, 0.05, "FS", "simple", "pass", "limits", "sha"};
+    one.low_psi = one.high_psi = 40.0;
+    one.direction = "up";
+    return one;
+  };
+  const auto differences = [&](const std::string& second) {
+    return nlohmann::json::parse(store.runs({"diff", "1", second, "--json"}).out).at("differences");
+  };
+  store.store.replace_verdicts(1, 0, {row(0.03)});
+  REQUIRE(differences("2").size() == 1);
+  CHECK(differences("2").at(0).at("second") == "nothing");
+  store.store.replace_verdicts(2, 0, {row(0.04)});
+  REQUIRE(differences("2").size() == 1);
+  CHECK(differences("2").at(0).at("second") != "nothing");
+  const Begun fewer = begin_example(store.store);
+  store.store.append_frame(fewer.run, example_frame(fewer.branch, 0));
+  store.store.end_run(fewer.run, db::Outcome::kFailed, "x", db::SafeState::kVerified, kUtc);
+  const auto less = nlohmann::json::parse(store.runs({"diff", "1", std::to_string(fewer.run), "--json"}).out);
+  CHECK(less.at("frames_equal") == 1);
+  CHECK(less.at("first_frame") == 0);
+}
+
+TEST_CASE("runs show: checks with their details, and events by their time") {
+  StoreOfPages store;
+  const std::int64_t run = begin_example(store.store).run;
+  const char* const detail = R"({"findings": [{"text": "first"}, {"text": "second"}], "n": 1})";
+  store.store.append_check(run, {run, 1'250'000'000, "tare", "pass", detail, {}});
+  store.store.append_check(run, {run, 3'000'000'000, "tare", "pass", R"({"findings":[]})", {}});
+  store.store.append_event(run, {1'250'000'000, "fault", "TB-X", "one"});
+  store.store.append_event(run, {2'500'000'000, "command", "", "two"});
+  store.store.end_run(run, db::Outcome::kCompleted, "done", db::SafeState::kVerified, kUtc);
+  const nlohmann::json told = store.shown(run);
+  REQUIRE(told.at("checks").size() == 2);
+  CHECK(told.at("checks").at(0) ==
+        nlohmann::json{
+            {"time_s", 1.25}, {"kind", "tare"}, {"verdict", "pass"}, {"detail", nlohmann::json::parse(detail)}});
+  CHECK(told.at("events") == nlohmann::json::parse(R"([{"time_s": 1.25, "kind": "fault", "id": "TB-X", "detail": "one"},
+                                  {"time_s": 2.5, "kind": "command", "id": "", "detail": "two"}])"));
+}
+
+TEST_CASE("runs show: the specimen of a simulated run alone") {
+  StoreOfPages store;
+  const auto simulated = [](db::RunRecord& run) {
+    run.bench_toml = bench_text("simulated") + "[simulation]\nspecimen = \"harsh\"\n";
+    run.overrides_json = "[]";
+  };
+  CHECK(store.shown(store.add(simulated)).at("specimen") == "harsh");
+  CHECK(store.runs({"show", "1"}).code == 0);
+  CHECK_FALSE(store
+                  .shown(store.add([&](db::RunRecord& run) {
+                    simulated(run);
+                    run.origin = "hardware";
+                  }))
+                  .contains("specimen"));
+  CHECK_FALSE(store
+                  .shown(store.add([&](db::RunRecord& run) {
+                    simulated(run);
+                    run.bench_toml = bench_text("hardware");
+                  }))
+                  .contains("specimen"));
+  CHECK(store.runs({}).code == 2);  // a verb is needed
+}
+
+// Metadata of the command line as tags, at the length that a tag may have, and as a filter.
+
+using namespace tactbench;
+using bench::MetadataOptions;
+
+namespace {
+
+using Tags = std::vector<std::string>;
+
+std::string metadata_refusal(const MetadataOptions& options) {
+  const auto error = tests::refusal_by([&] { (void)bench::metadata_tags(options); });
+  return error ? error->id() + " at " + error->where() : "";
+}
+
+MetadataOptions with_pairs(const Tags& pairs) {
+  MetadataOptions options;
+  options.pairs = pairs;
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("metadata tags: lot and order first, then the pairs in their order") {
+  MetadataOptions options = with_pairs({"film=B12", "a.b_c:/+-Z9=x=y"});
+  CHECK_FALSE(metadata_refusal(options).empty());  // no sign of equality in a value
+  options.pairs = {"film=B12", "a.b_c:/+-Z9=0aZ._:/+-"};
+  options.lot = "A7";
+  options.order = "55/26";
+  CHECK(bench::metadata_tags(options) == Tags{"lot=A7", "order=55/26", "film=B12", "a.b_c:/+-Z9=0aZ._:/+-"});
+  CHECK(bench::metadata_tags({}).empty());
+  CHECK(bench::metadata_tags(with_pairs({"k=" + std::string(62, 'x')})).size() == 1);  // 64 characters
+}
+
+TEST_CASE("metadata tags: what cannot be kept, with its option") {
+  for (const std::string& pair : Tags{"=x", "a=", "a b=x", "a=x y", "a=\xC3\xA4", "a@=x", "a[=x", "a`=x", "a{=x", "a=;",
+                                      "a=,", "k=" + std::string(63, 'x'), "film"})
+    CHECK(metadata_refusal(with_pairs({pair})) == "TB-USAGE at --meta");
+  MetadataOptions lot, order;
+  lot.lot = "a b";
+  CHECK(metadata_refusal(lot) == "TB-USAGE at --lot");
+  order.order = "#";
+  CHECK(metadata_refusal(order) == "TB-USAGE at --order");
+  CHECK(metadata_refusal(with_pairs({"a=1", "b=1", "a=2"})) == "TB-USAGE at --meta");
+  MetadataOptions both = with_pairs({"lot=1"});
+  both.lot = "1";
+  CHECK(metadata_refusal(both) == "TB-USAGE at --meta");
+  both = with_pairs({"order=1"});
+  both.order = "1";
+  CHECK(metadata_refusal(both) == "TB-USAGE at --meta");
+}
+
+TEST_CASE("metadata as a filter: all that is asked for must be there, a key alone with any value") {
+  db::RunRecord run;
+  run.tags = {"film=B12", "lot=A7", "night", "order=55/26"};
+  const auto fits = [&](const std::string& lot, const std::string& order, const Tags& pairs) {
+    MetadataOptions asked = with_pairs(pairs);
+    asked.lot = lot;
+    asked.order = order;
+    return bench::fits_metadata(asked, run);
+  };
+  CHECK(fits("", "", {}));
+  CHECK(fits("A7", "55/26", {"film=B12", "film", "lot=A7"}));
+  CHECK_FALSE(fits("A8", "", {}));
+  CHECK_FALSE(fits("", "55", {}));
+  CHECK_FALSE(fits("A7", "55", {}));
+  CHECK_FALSE(fits("A8", "55/26", {}));
+  CHECK_FALSE(fits("A7", "55/26", {"film=B13"}));
+  CHECK_FALSE(fits("", "", {"film", "station"}));
+  CHECK_FALSE(fits("", "", {"night"}));  // a tag, no metadata
+  CHECK_FALSE(fits("", "", {"station=left"}));
+}
+
+// sensors add, list and show, of a sensor with all its words and of one without.
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using Told = nlohmann::ordered_json;
+
+namespace {
+
+struct StoreOfSensors : StoreHere {
+  StoreOfSensors() {
+    db::RunStore store = open();
+    store.add_sensor({"S-0", "a-very-long-name-of-a-type-of-32c", "rows = 2\n", "h0", "", "", kUtc});
+    store_example(store);  // S-1
+    db::RunRecord other = example_run();
+    other.sensor_serial = "S-0";
+    store_example(store, other);
+    store_example(store);
+  }
+  Finished sensors(std::vector<std::string> words) const {
+    words.insert(words.begin(), "sensors");
+    return say(bench::add_sensors, words);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("sensors list and show: as JSON") {
+  const StoreOfSensors store;
+  const Told told = Told::parse(store.sensors({"list", "--json"}).out);
+  CHECK(told.at("schema") == "tactbench.sensors.list");
+  REQUIRE(told.at("sensors").size() == 2);
+  CHECK(told.at("sensors").at(0).at("serial") == "S-0");
+  CHECK(told.at("sensors").at(1).at("scanner") == "SC-7");
+  const Told one = Told::parse(store.sensors({"show", "S-1", "--json"}).out);
+  CHECK(one.at("schema") == "tactbench.sensors.show");
+  CHECK(one.at("serial") == "S-1");
+  CHECK(one.at("runs") == Told::array({1, 3}));
+  CHECK(one.at("type_toml") == "rows = 3\n");
+}
+
+TEST_CASE("sensors show: a sensor that is not registered") {
+  check_refusal(StoreOfSensors().sensors({"show", "S-2"}), 2, "TB-SENSOR-UNKNOWN");
+}
+
+TEST_CASE("sensors add: the sensor is stored with its type file and when it came") {
+  const StoreOfSensors store;
+  const std::string type = source_path("bench/config/sensor.toml");
+  CHECK(store.sensors({"add", "S-9", "--type", type, "--scanner", "SC-9", "--note", "from lot A7"}).code == 0);
+  const db::RunStore open = db::RunStore::open_read_only(store.path);
+  const auto sensor = open.sensor("S-9");
+  REQUIRE(sensor);
+  CHECK(sensor->type_toml == read_file(type));
+  CHECK(sensor->type_sha256 == db::sha256_hex(read_file(type)));
+  CHECK(sensor->scanner_serial == "SC-9");
+  CHECK(sensor->note == "from lot A7");
+  CHECK(sensor->added_utc > "2026");
+  const Told told = Told::parse(store.sensors({"add", "S-8", "--type", type, "--json"}).out);
+  check_members(told, R"({"schema": "tactbench.sensors.add", "serial": "S-8", "scanner": ""})");
+  CHECK(store.sensors({"add", "S-7", "--type", store.folder.path("none.toml")}).code == 2);
+}

@@ -1,0 +1,321 @@
+// What reaches a terminal: painted blocks, the line that is written over, and the words of long work.
+#include <fcntl.h>
+#include <poll.h>
+#include <pty.h>
+#include <sys/ioctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cstdint>
+#include <cstdio>
+#include <ios>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "analysis/workers.h"
+#include "bench/common/error.h"
+#include "bench/common/file_text.h"
+#include "bench/common/for_people.h"
+#include "bench/common/long_work.h"
+#include "bench/common/screen.h"
+#include "tests/bench/cli/verb_here.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::bench;
+using namespace tactbench::tests;
+
+namespace {
+
+// A pseudo-terminal of that size; the program's end of it.
+struct SizedTerminal {
+  SizedTerminal(unsigned short columns, unsigned short rows) {
+    const winsize size{rows, columns, 0, 0};
+    REQUIRE(openpty(&terminal, &program, nullptr, nullptr, &size) == 0);
+  }
+  ~SizedTerminal() {
+    close(terminal);
+    close(program);
+  }
+  SizedTerminal(const SizedTerminal&) = delete;
+  SizedTerminal& operator=(const SizedTerminal&) = delete;
+  // What `print` writes to standard error when that is this terminal, up to a line's end.
+  template <class Print>
+  std::string shown_by(const Print& print) const {
+    const int before = dup(STDERR_FILENO);
+    dup2(program, STDERR_FILENO);
+    print();
+    dup2(before, STDERR_FILENO);
+    close(before);
+    std::string text;  // a terminal may pass it on in pieces
+    for (pollfd ready{terminal, POLLIN, 0}; !text.ends_with('\n') && poll(&ready, 1, 20'000) == 1;) {
+      char c = 0;
+      if (read(terminal, &c, 1) != 1) break;
+      text += c;
+    }
+    return text;
+  }
+  int terminal = -1, program = -1;
+};
+
+template <class Print>
+std::string said_on_error(const Print& print) {
+  Captured err(stderr);
+  print();
+  return err.text();
+}
+
+}  // namespace
+
+TEST_CASE("screen: the size of a terminal, and 80 x 24 where a terminal tells none") {
+  const auto size_with = [](unsigned short columns, unsigned short rows) {
+    const SizedTerminal terminal(columns, rows);
+    const ScreenSize size = screen_size(terminal.program);
+    return std::pair(size.columns, size.rows);
+  };
+  using Size = std::pair<std::size_t, std::size_t>;
+  CHECK(size_with(132, 50) == Size(132, 50));
+  CHECK(size_with(1, 1) == Size(1, 1));
+  CHECK(size_with(0, 50) == Size(80, 24));
+  CHECK(size_with(132, 0) == Size(80, 24));
+}
+
+TEST_CASE("screen: a block's spans, each in its colour, up to the last column but one") {
+  const std::string end = "\x1b[K\n\x1b[J";
+  CHECK(painted({{{"a", 0}, {"c"}}}, 80, 0) == "\x1b[48;5;0ma\x1b[0mc" + end);
+  CHECK_THAT(painted({{}, {{"a"}}}, 80, 2), Catch::StartsWith("\x1b[2F"));
+  const auto line = [&](const std::vector<PaintedLine>& lines, std::size_t columns) {
+    const std::string text = painted(lines, columns, 0);
+    REQUIRE(text.ends_with(end));
+    return text.substr(0, text.size() - end.size());
+  };
+  const PaintedLine both = {{"ab"}, {"cd"}};
+  CHECK(line({both}, 5) == "abcd");
+  CHECK(line({both}, 4) == "ab\u2026");
+  CHECK(line({{{"测测"}, {"b"}}}, 6) == "测测b");
+  for (const std::size_t columns : {0U, 1U, 2U}) CHECK(line({{{"a"}, {"b"}}}, columns) == "a");
+  CHECK(line({{{"\x1b[31m"}}}, 80) == "\\x1b[31m");
+}
+
+TEST_CASE("screen: a block is painted over in place, and anew when the screen has another size") {
+  ScreenBlock block;
+  const std::vector<PaintedLine> two = {{{"a"}}, {{"b"}}}, one = {{{"c"}}};
+  const auto shown = [&](const std::vector<PaintedLine>& lines, std::size_t columns, std::size_t rows) {
+    return printed_by([&] { block.paint(lines, {columns, rows}); });
+  };
+  const std::string anew = "\x1b[H\x1b[2J", ab = "a\x1b[K\nb\x1b[K\n\x1b[J", c = "c\x1b[K\n\x1b[J";
+  CHECK(shown(two, 80, 24) == ab);
+  CHECK(shown(two, 80, 24) == "\x1b[2F" + ab);
+  CHECK(shown(one, 80, 24) == "\x1b[2F" + c);
+  CHECK(shown(two, 81, 24) == anew + ab);
+  CHECK(shown(one, 81, 25) == anew + c);
+}
+
+TEST_CASE("the line that is written over: as wide as the terminal but one, at most 200 columns") {
+  const std::string text(300, 'x');
+  const auto line = [&](unsigned short columns) {
+    const SizedTerminal terminal(columns, 24);
+    return terminal.shown_by([&] {
+      tty::renew_line(text);
+      tty::print(stderr, "\n");
+    });
+  };
+  const auto cut = [](std::size_t columns) { return "\r" + std::string(columns - 1, 'x') + "\u2026" + "\x1b[K\r\n"; };
+  const std::pair<unsigned short, std::size_t> widths[] = {{10, 9}, {1, 1}, {201, 200}, {202, 200}, {0, 79}};
+  for (const auto& [columns, shown] : widths) CHECK(line(columns) == cut(shown));
+}
+
+TEST_CASE("the line that is written over: what is printed takes it away, a line end alone leaves it") {
+  const std::string away = "\r\x1b[K";
+  CHECK(said_on_error([] { tty::erase_line(); }).empty());
+  CHECK(said_on_error([] {
+          tty::renew_line("12 %");
+          tty::renew_line("13 %");
+          tty::erase_line();
+          tty::erase_line();
+        }) == "\r12 %\x1b[K\r13 %\x1b[K" + away);
+  for (const auto& [first, shown] : {std::pair("look\n", away + "look\n"), {"\n", std::string("\n")}})
+    CHECK(said_on_error([&] {
+            tty::renew_line("12 %");
+            tty::print(stderr, "{}", first);
+            tty::print(stderr, "again\n");
+          }) == "\r12 %\x1b[K" + shown + "again\n");
+  std::string out;
+  CHECK(said_on_error([&] {
+          tty::renew_line("12 %");
+          out = printed_by([] { tty::print("\n"); });
+        }) == "\r12 %\x1b[K" + away);
+  CHECK(out == "\n");
+}
+
+TEST_CASE("standard output that cannot be written is an error, standard error that cannot is none") {
+  std::fflush(nullptr);
+  const pid_t child = fork();
+  if (child == 0) {
+    const int full = open("/dev/full", O_WRONLY | O_CLOEXEC);
+    dup2(full, STDERR_FILENO);
+    std::setvbuf(stderr, nullptr, _IONBF, 0);
+    tty::print(stderr, "lost\n");
+    dup2(full, STDOUT_FILENO);
+    try {
+      tty::print("{}\n", std::string(100'000, 'x'));
+    } catch (const Error& error) {
+      _exit(error.code() == ExitCode::kUsage && error.id() == "TB-FILE-WRITE" ? 0 : 2);
+    }
+    _exit(1);
+  }
+  int status = 0;
+  REQUIRE(waitpid(child, &status, 0) == child);
+  CHECK((WIFEXITED(status) && WEXITSTATUS(status) == 0));
+}
+
+using namespace tactbench::bench;
+
+namespace {
+
+// Whether a terminal may be sent this: lines, tabs, and what a person reads.
+bool harmless(const std::string& text) {
+  for (const char c : text)
+    if ((static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t') || c == 0x7F) return false;
+  return text.find("\u009b") == std::string::npos && text.find("\u202e") == std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("control characters are escaped, ordinary text stays unchanged") {
+  CHECK(for_people("\x1b[31mred\x1b[0m") == "\\x1b[31mred\\x1b[0m");
+  CHECK(for_people("title\x1b]0;t\x07\r\b\x7f") == "title\\x1b]0;t\\x07\\x0d\\x08\\u007f");
+  CHECK(for_people(std::string("a\0b", 3)) == "a\\x00b");
+  CHECK(for_people("C1: \u009b31m \u0085") == "C1: \\u009b31m \\u0085");
+  CHECK(for_people("a\u200bb\u200ec\u2028d\u061c\u2060\ufeff") == "a\\u200bb\\u200ec\\u2028d\\u061c\\u2060\\ufeff");
+  CHECK(for_people("\u202egnp.exe\u202c \u2066x\u2069") == "\\u202egnp.exe\\u202c \\u2066x\\u2069");
+  CHECK(for_people("\xff\xc0\xaf\xed\xa0\x80") == "\\xff\\xc0\\xaf\\xed\\xa0\\x80");
+  CHECK(for_people("cut \xe2\x82") == "cut \\xe2\\x82");
+  for (const char* good : {"", "plain", "two\nlines\tand a tab", "Größe ±5 µm, 测试, ✓, 🙂, e\u0301", "C:\\x1b"})
+    CHECK(for_people(good) == good);
+}
+
+TEST_CASE("a text for one line has no line breaks and is cut to its number of columns") {
+  CHECK(one_line("a\nb\tc") == "a\\x0ab\\x09c");
+  CHECK(one_line("abcdef", 6) == "abcdef");
+  CHECK(one_line("abcdefg", 6) == "abcde\u2026");
+  CHECK(one_line("测试测试", 6) == "测试\u2026");
+  CHECK(one_line("测试", 2) == "\u2026");
+  CHECK(display_width("测试") == 4);
+  CHECK(display_width("e\u0301a") == 2);
+  CHECK(display_width("✓") == 1);
+  CHECK(display_width(one_line(std::string(100'000, '\x1b'), 50)) <= 50);
+  std::string marks = "a";
+  for (int i = 0; i < 5000; ++i) marks += "\u0301";
+  CHECK(one_line(marks, 50).size() < 300);
+  CHECK(one_line(marks, 50).ends_with("\u2026"));
+}
+
+TEST_CASE("an error's text has no control characters and a bounded length") {
+  const std::string evil = "x\x1b]0;t\x07\r\u009b\u202e\xff\ny";
+  const std::string text = error_text(Error("TB-USAGE", evil, evil, evil, evil));
+  CHECK(harmless(text));
+  CHECK(std::count(text.begin(), text.end(), '\n') == 4);
+  const std::string longest = error_text(Error("TB-USAGE", std::string(1'000'000, 'm'), ""));
+  CHECK(longest.size() < 3000);
+}
+
+TEST_CASE("which characters are hidden, and which take no column or two: the ends of Unicode's blocks") {
+  const auto utf8 = [](std::uint32_t c) {
+    std::string text;
+    if (c < 0x80) return std::string(1, static_cast<char>(c));
+    const int more = c < 0x800 ? 1 : c < 0x10000 ? 2 : 3;
+    text += static_cast<char>((more == 1 ? 0xC0U : more == 2 ? 0xE0U : 0xF0U) | (c >> (6 * more)));
+    for (int i = more - 1; i >= 0; --i) text += static_cast<char>(0x80U | ((c >> (6 * i)) & 0x3FU));
+    return text;
+  };
+  const std::vector<std::pair<std::uint32_t, std::uint32_t>> hidden = {
+      {0x00, 0x08},     {0x0B, 0x1F},     {0x7F, 0x9F},     {0x61C, 0x61C},   {0x200B, 0x200B},
+      {0x200E, 0x200F}, {0x2028, 0x202E}, {0x2060, 0x2069}, {0xFEFF, 0xFEFF},
+  };
+  const auto is_shown = [&](std::uint32_t c) { return for_people(utf8(c)) == utf8(c); };
+  for (const auto& [first, last] : hidden) {
+    INFO("U+" << std::hex << first << " to U+" << last);
+    CHECK_FALSE(is_shown(first));
+    CHECK_FALSE(is_shown(last));
+    CHECK(is_shown(last + 1));
+    if (first > 0) CHECK(is_shown(first - 1));
+  }
+  for (const std::uint32_t none : {0x0300U, 0x036FU, 0xFE0FU, 0xFEFFU}) CHECK(display_width(utf8(none)) == 0);
+  for (const std::uint32_t two : {0x1100U, 0x3041U, 0xD7A3U, 0xFF60U, 0x1F600U}) CHECK(display_width(utf8(two)) == 2);
+  CHECK(display_width("aé") == 2);
+  CHECK(one_line("\U00010330\U00010331", 2) == "\U00010330\U00010331");  // four bytes each, one column
+}
+
+TEST_CASE("a time on a clock, to the nearest second") {
+  CHECK(clock_text(0.49) == "0:00:00");
+  CHECK(clock_text(59.5) == "0:01:00");
+  CHECK(clock_text(3661.0) == "1:01:01");
+  CHECK(clock_text(100 * 3600.0 + 62.0) == "100:01:02");
+}
+
+// The progress line of verbs that compute: what it says at each moment, and where it keeps silent.
+
+using namespace tactbench;
+using namespace tactbench::bench;
+
+TEST_CASE("where nothing counts a stage, its part follows from its share and the pace before it") {
+  const std::vector<WorkStage> stages = {{"models", 4.0}, {"uncertainty", 2.0, false}};
+  CHECK(guessed_part(stages, 1, 8.0, 1.0) == Approx(0.25));  // it should take 4 s
+  CHECK(guessed_part(stages, 1, 8.0, 3.0) == Approx(0.75));
+  CHECK(guessed_part(stages, 1, 8.0, 300.0) == Approx(0.95));  // late, but not done
+  CHECK(guessed_part(stages, 0, 0.0, 300.0) == 0.0);           // nothing came before
+}
+
+TEST_CASE("work counts its pieces, and work within it is part of a piece") {
+  const std::size_t before = analysis::work_now().works;
+  {
+    analysis::Work outer(10);
+    outer.add(3);
+    {
+      analysis::Work inner(99);
+      inner.add(50);
+      CHECK(analysis::work_now().count == 10);
+      CHECK(analysis::work_now().done == 3);
+    }
+    outer.add();
+    CHECK(analysis::work_now().done == 4);
+    CHECK(analysis::work_now().works == before + 1);
+  }
+  CHECK(analysis::work_now().count == 0);
+  analysis::Work next(2);
+  CHECK(analysis::work_now().done == 0);
+  CHECK(analysis::work_now().works == before + 2);
+}
+
+TEST_CASE("where no verb computes a stage begins, and progress pauses, without effect") {
+  CHECK_NOTHROW(begin_stage("reading"));
+  CHECK_NOTHROW(pause_progress());
+}
+
+TEST_CASE("without a terminal there is no progress line and no thread that watches") {
+  LongWork work("fit", false, {{"reading", 1.0}});  // a test has no terminal
+  CHECK_FALSE(work.shows());
+  work.begin("reading");
+  work.end();
+}
+
+// A file that is not there has no text; one that cannot be read to its end is an error, not half a text.
+
+using namespace tactbench::bench;
+using namespace tactbench::tests;
+
+TEST_CASE("file text: every byte of it, nothing of a missing file, and an error where reading fails") {
+  const TemporaryFolder folder;
+  std::string bytes;
+  for (int i = 0; i < 40000; ++i) bytes += static_cast<char>(i * i);
+  write_file(folder.path("bytes"), bytes);
+  write_file(folder.path("empty"), "");
+  CHECK(file_text(folder.path("bytes")) == bytes);
+  CHECK(file_text(folder.path("empty")).empty());
+  CHECK(file_text(folder.path("missing")).empty());
+  CHECK_THROWS_AS(file_text(folder.path(".")), std::ios_base::failure);
+}

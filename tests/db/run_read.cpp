@@ -1,0 +1,348 @@
+// Frames of a run as a second process follows them: from a position on, so many at a time, and none of another run.
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <stdexcept>
+
+#include "db/run_look.h"
+#include "db/sqlite.h"
+#include "tests/db/new_store.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using db::RunStore;
+using db::sqlite::Access;
+using db::sqlite::Connection;
+using Positions = std::vector<std::int64_t>;
+
+namespace {
+
+// Three runs of which the second, of five frames, is looked at.
+struct Looked {
+  TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  std::int64_t run = 0, branch = 0;
+  Looked() {
+    store_example(store);
+    const Begun begun = begin_example(store);
+    run = begun.run;
+    branch = begun.branch;
+    for (int i = 0; i < 5; ++i) store.append_frame(run, example_frame(branch, i));
+    const Begun next = begin_example(store);
+    store.append_frame(next.run, example_frame(next.branch, 9));
+  }
+  [[nodiscard]] db::RunLook look() const { return {RunStore::open_read_only(store.path()), run}; }
+};
+
+Positions after(db::RunLook& look, std::int64_t position, int most) {
+  Positions seen;
+  look.frames_after(position, most, [&](const db::SeenFrame& frame) { seen.push_back(frame.position); });
+  return seen;
+}
+
+}  // namespace
+
+TEST_CASE("frames after a position come in their order, at most so many, and none of a neighbour") {
+  const Looked looked;
+  db::RunLook look = looked.look();
+  CHECK(after(look, 0, 99) == Positions{1, 2, 3, 4, 5});
+  CHECK(after(look, 0, 2) == Positions{1, 2});
+  CHECK(after(look, 2, 2) == Positions{3, 4});
+  CHECK(after(look, 4, 2) == Positions{5});
+  CHECK(after(look, 5, 2).empty());
+  CHECK(after(look, 3, 0).empty());
+  CHECK(after(look, -1, 1) == Positions{1});
+  CHECK(after(look, -2, 99) == Positions{1, 2, 3, 4, 5});  // none of the run before
+}
+
+TEST_CASE("the position before the newest frames is counted from the end, and of too few frames it is the start") {
+  const Looked looked;
+  db::RunLook look = looked.look();
+  CHECK(look.before_newest(0) == 5);
+  CHECK(look.before_newest(2) == 3);
+  CHECK(look.before_newest(4) == 1);
+  CHECK(look.before_newest(5) == 0);
+  CHECK(look.before_newest(99) == 0);
+  const RunStore reader = RunStore::open_read_only(looked.store.path());
+  CHECK(db::RunLook(reader, 99).before_newest(0) == 0);
+  CHECK_FALSE(db::RunLook(reader, 99).newest());
+}
+
+TEST_CASE("a frame that is looked at has all that was measured, and whether it counts") {
+  Looked looked;
+  db::FrameRecord bare = example_frame(looked.branch, 7);
+  bare.wrench.reset();
+  bare.flags.clear();
+  looked.store.append_frame(looked.run, bare);
+  db::RunLook look = looked.look();
+  std::vector<db::SeenFrame> seen;
+  look.frames_after(4, 9, [&](const db::SeenFrame& frame) { seen.push_back(frame); });
+  REQUIRE(seen.size() == 2);
+  const db::FrameRecord given = example_frame(looked.branch, 4);
+  CHECK((seen[0].position == 5 && seen[0].time_ns == given.time_ns && seen[0].setpoint_psi == given.setpoint_psi));
+  CHECK((seen[0].feedback_psi == given.feedback_psi && seen[0].reference_psi == given.reference_psi));
+  CHECK((seen[0].rows == 3 && seen[0].columns == 2 && seen[0].scans == 2 && seen[0].counts == given.counts));
+  CHECK((seen[0].flags == "dwell" && !seen[0].is_void));
+  REQUIRE(seen[0].wrench);
+  CHECK((seen[0].wrench->target_n == 6.1 && seen[0].wrench->force_start_n == 6.3));
+  CHECK((seen[0].wrench->wrench == given.wrench->wrench && seen[0].wrench->place_mm == given.wrench->place_mm));
+  CHECK((seen[1].position == 6 && seen[1].flags.empty() && !seen[1].wrench));
+  looked.store.void_branch(looked.branch, "scanner lost");
+  REQUIRE(look.newest());
+  CHECK(look.newest()->is_void);
+  Connection(looked.store.path(), Access::kReadWrite)
+      .execute("PRAGMA foreign_keys = OFF; UPDATE frames SET branch = 77 WHERE frame = 2000000006");
+  CHECK_FALSE(look.newest()->is_void);  // of no branch
+}
+
+TEST_CASE("a frame that was pressed with no force yet is a pressed one, too") {
+  Looked looked;
+  db::FrameRecord frame = example_frame(looked.branch, 7);
+  frame.wrench->target_n = 0.0;
+  frame.wrench->force_start_n = 0.0;
+  looked.store.append_frame(looked.run, frame);
+  db::RunLook look = looked.look();
+  const std::optional<db::SeenFrame> seen = look.newest();
+  REQUIRE((seen && seen->wrench));
+  CHECK((seen->wrench->target_n == 0.0 && seen->wrench->force_start_n == 0.0));
+  CHECK((seen->wrench->wrench == frame.wrench->wrench && seen->wrench->place_mm == frame.wrench->place_mm));
+}
+
+TEST_CASE("a frame whose counts do not fit its shape is not shown, and the next question finds the others") {
+  const Looked looked;
+  Connection(looked.store.path(), Access::kReadWrite)
+      .execute("PRAGMA ignore_check_constraints = ON; UPDATE frames SET scans = 3 WHERE frame = 2000000004");
+  db::RunLook look = looked.look();
+  CHECK(store_error([&] { (void)after(look, 2, 9); }) == "TB-STORE-SQL");
+  CHECK(after(look, 4, 9) == Positions{5});
+}
+
+TEST_CASE("who looked at some of the frames does not hold the log of who writes") {
+  Looked looked;
+  db::RunLook look = looked.look();
+  CHECK(after(look, 0, 2).size() == 2);
+  const auto breaks_off = [](const db::SeenFrame&) { throw std::runtime_error("enough"); };
+  CHECK_THROWS_WITH(look.frames_after(0, 9, breaks_off), "enough");
+  REQUIRE(look.newest());
+  looked.store.append_frame(looked.run, example_frame(looked.branch, 5));
+  Connection writer(looked.store.path(), Access::kReadWrite, 0);
+  CHECK(writer.integer("PRAGMA wal_checkpoint(TRUNCATE)") == 0);  // 1: somebody still reads it
+  CHECK(std::filesystem::file_size(looked.store.path() + "-wal") == 0);
+  CHECK(look.newest()->position == 6);
+}
+
+TEST_CASE("newest: events of one run, newest first, no more than are wanted") {
+  NewStore store;
+  const Begun begun = begin_example(store);
+  for (int i = 1; i <= 4; ++i) store.append_event(begun.run, {i, "kind", "TB-ID", std::to_string(i)});
+  store.append_event(begin_example(store).run, {9, "other", "", ""});
+  std::vector<std::string> seen;
+  store.newest_events(begun.run, [&](const db::EventRecord& event) {
+    CHECK((event.kind == "kind" && event.id == "TB-ID" && std::to_string(event.time_ns) == event.detail));
+    seen.push_back(event.detail);
+    return seen.size() < 3;
+  });
+  CHECK(seen == std::vector<std::string>{"4", "3", "2"});
+}
+
+TEST_CASE("a seen frame's mean counts are those of its scans, taxel by taxel") {
+  db::SeenFrame frame;
+  frame.scans = 2;
+  frame.rows = 1;
+  frame.columns = 3;
+  frame.counts = {1, 2, 65535, 4, 2, 65534};
+  CHECK(db::mean_counts(frame) == std::vector<double>{2.5, 2.0, 65534.5});
+  frame.scans = 1;
+  frame.rows = 3;
+  frame.columns = 2;
+  CHECK(db::mean_counts(frame) == std::vector<double>{1, 2, 65535, 4, 2, 65534});
+}
+
+// Which runs and checks a question finds, condition by condition.
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using db::RunStore;
+using db::sqlite::Access;
+using db::sqlite::Connection;
+using Numbers = std::vector<std::int64_t>;
+
+namespace {
+
+Numbers numbers_of(const std::vector<db::RunRecord>& runs) {
+  Numbers numbers;
+  for (const db::RunRecord& run : runs) numbers.push_back(run.run);
+  return numbers;
+}
+
+}  // namespace
+
+TEST_CASE("runs are found by their sensor, their start and their content, and by all of these at once") {
+  NewStore store;
+  db::SensorRecord other = example_sensor();
+  other.serial = "S-2";
+  store.add_sensor(other);
+  for (const auto& [serial, start] :
+       {std::pair("S-1", "2026-01-01T00:00:00Z"), std::pair("S-2", "2026-01-02T00:00:00Z"),
+        std::pair("S-1", "2026-01-03T00:00:00Z")}) {
+    db::RunRecord record = example_run();
+    record.sensor_serial = serial;
+    record.started_utc = start;
+    store_example(store, record);
+  }
+  const std::string content = store.run(1).content_sha256;  // 1 and 3 have the same: their start does not count
+  REQUIRE(store.run(3).content_sha256 == content);
+  const auto found = [&](const std::string& serial, const std::string& since, const std::string& sha256) {
+    db::RunFilter filter;
+    filter.sensor_serial = serial;
+    filter.since_utc = since;
+    filter.content_sha256 = sha256;
+    return numbers_of(store.runs(filter));
+  };
+  CHECK(numbers_of(store.runs()) == Numbers{1, 2, 3});
+  CHECK(found("", "", "") == Numbers{1, 2, 3});
+  CHECK(found("S-1", "", "") == Numbers{1, 3});
+  CHECK(found("S-2", "", "") == Numbers{2});
+  CHECK(found("S-3", "", "").empty());
+  CHECK(found("", "2026-01-02T00:00:00Z", "") == Numbers{2, 3});
+  CHECK(found("", "2026-01-02T00:00:01Z", "") == Numbers{3});
+  CHECK(found("", "", content) == Numbers{1, 3});
+  CHECK(found("S-1", "2026-01-02T00:00:00Z", "") == Numbers{3});
+  CHECK(found("S-2", "", content).empty());
+  CHECK(found("", "2026-01-02T00:00:00Z", content) == Numbers{3});
+  CHECK(found("S-1", "2026-01-01T00:00:00Z", content) == Numbers{1, 3});
+  CHECK(found("S-1", "2026-01-03T00:00:00Z", content) == Numbers{3});
+}
+
+TEST_CASE("the last check is that of one sensor, kind and verdict, of a run before") {
+  NewStore store;
+  db::SensorRecord other = example_sensor();
+  other.serial = "S-2";
+  store.add_sensor(other);
+  const std::int64_t first = begin_example(store).run, second = begin_example(store).run;
+  db::RunRecord elsewhere = example_run();
+  elsewhere.sensor_serial = "S-2";
+  const std::int64_t third = begin_example(store, elsewhere).run;
+  store.append_check(first, {first, 1, "seating", "pass", R"({"a":1})", {0.5}});
+  store.append_check(first, {first, 2, "seating", "pass", R"({"a":2})", {1.5, 2.5}});
+  store.append_check(second, {second, 3, "seating", "fail", "{}", {}});
+  store.append_check(second, {second, 4, "tare", "pass", "{}", {}});
+  store.append_check(third, {third, 5, "seating", "pass", "{}", {}});
+  const auto time = [&](const std::string& serial, const std::string& kind, const std::string& verdict,
+                        std::int64_t before) {
+    const auto check = store.last_check(serial, kind, verdict, before);
+    return check ? check->time_ns : 0;
+  };
+  CHECK(time("S-1", "seating", "pass", 99) == 2);
+  CHECK(time("S-1", "seating", "pass", second) == 2);
+  CHECK(time("S-1", "seating", "pass", first) == 0);
+  CHECK(time("S-1", "seating", "fail", 99) == 3);
+  CHECK(time("S-1", "seating", "fail", second) == 0);
+  CHECK(time("S-1", "tare", "pass", 99) == 4);
+  CHECK(time("S-1", "tare", "fail", 99) == 0);
+  CHECK(time("S-2", "seating", "pass", 99) == 5);
+  const auto check = store.last_check("S-1", "seating", "pass", 99);
+  REQUIRE(check);
+  CHECK((check->run == first && check->kind == "seating" && check->verdict == "pass"));
+  CHECK((check->detail_json == R"({"a":2})" && check->data == std::vector<double>{1.5, 2.5}));
+}
+
+TEST_CASE(
+    "of several fits the newest that stands for the run is found, else the newest, and a missing one is named beside "
+    "them") {
+  NewStore store;
+  const std::int64_t first = store_example(store), second = store_example(store);
+  CHECK_FALSE(store.standing_fit(first));
+  const auto add = [&](std::int64_t run, const std::string& model, bool stands) {
+    return store.add_fit({0, run, model, stands, 1, "{}", "", "0.1.0", kUtc});
+  };
+  CHECK((add(first, "elam", true) == 1 && add(second, "mpi", false) == 2 && add(first, "gpi", false) == 3));
+  CHECK(store.standing_fit(first)->fit == 1);
+  CHECK(store.standing_fit(second)->fit == 2);  // the only one
+  CHECK(store_error([&] { (void)store.fit(9); }) == "TB-STORE-NOT-FOUND");
+}
+
+TEST_CASE("figures of runs that nobody has are refused, and questions without a run have their own zero") {
+  NewStore store;
+  const std::int64_t empty = begin_example(store).run;
+  CHECK((store.frame_count(empty) == 0 && store.flagged_frame_count(empty) == 0));
+  CHECK(store.scans_of_first_frame(empty) == 0);
+  CHECK(store.last_time_ns(empty) == 0);
+  CHECK(store_error([&] { (void)store.flagged_frame_count(99); }) == "TB-STORE-NOT-FOUND");
+  CHECK(store_error([&] { (void)store.scans_of_first_frame(99); }) == "TB-STORE-NOT-FOUND");
+  CHECK(store_error([&] { (void)store.why_not_pruned(99); }) == "TB-STORE-NOT-FOUND");
+  CHECK(store_error([&] { (void)store.prune_frames(99, "a rule", kUtc); }) == "TB-STORE-NOT-FOUND");
+}
+
+TEST_CASE("flagged frames are counted in their own run, and the first frame is that of the run") {
+  NewStore store;
+  const auto with_scans = [&](const Begun& begun, int scans, const std::string& flags) {
+    db::FrameRecord frame = example_frame(begun.branch, scans);
+    frame.scans = scans;
+    frame.counts.resize(static_cast<std::size_t>(6 * scans));
+    frame.flags = flags;
+    store.append_frame(begun.run, frame);
+  };
+  const Begun first = begin_example(store), second = begin_example(store), third = begin_example(store);
+  for (const auto& [begun, scans] : {std::pair(first, 2), std::pair(second, 3), std::pair(third, 4)}) {
+    with_scans(begun, scans, "dwell");
+    with_scans(begun, scans + 10, "");
+    with_scans(begun, scans + 20, "left-band");
+  }
+  CHECK(store.flagged_frame_count(second.run) == 2);
+  CHECK(store.frame_count(second.run) == 3);
+  CHECK(store.scans_of_first_frame(first.run) == 2);
+  CHECK(store.scans_of_first_frame(second.run) == 3);
+  CHECK(store.last_time_ns(second.run) == example_frame(1, 23).time_ns);
+}
+
+TEST_CASE("frames have their times by position, and beyond the run's own there are none") {
+  NewStore store;
+  const std::int64_t first = store_example(store), run = store_example(store);
+  CHECK(store.last_position(run) == 3);
+  CHECK(store.last_position(first) == 3);
+  CHECK(store.last_position(99) == 0);
+  CHECK(store.last_position(store.begin_run(example_run())) == 0);
+  for (int round = 0; round < 2; ++round) {
+    for (std::int64_t position = 1; position <= 3; ++position) {
+      const auto found = store.frame_time(run, position);
+      REQUIRE(found);
+      CHECK((found->sequence == 1 && found->repeat == 0 && found->ordinal == (position == 3 ? 1 : 0)));
+      CHECK(found->is_void == (position == 1));
+      CHECK(found->time_ns == example_frame(1, found->ordinal).time_ns);
+    }
+    CHECK_FALSE(store.frame_time(run, 0));
+    CHECK_FALSE(store.frame_time(run, 4));
+  }
+}
+
+TEST_CASE("of a run's events those are timed that change its state or begin a way back") {
+  NewStore store;
+  const Begun begun = begin_example(store);
+  store.set_state(begun.run, "running", {5, "state", "", "prepared -> running"});
+  store.append_event(begun.run, {6, "fault", "TB-SCANNER-SILENT", "no report"});
+  store.append_event(begun.run, {7, "way-back", "", "branch 1"});
+  const auto found = store.timed_events(begun.run);
+  REQUIRE(found.size() == 2);
+  CHECK((found[0].time_ns == 5 && found[0].kind == "state" && found[0].detail == "prepared -> running"));
+  CHECK((found[1].time_ns == 7 && found[1].kind == "way-back" && found[1].detail == "branch 1"));
+}
+
+TEST_CASE("the newest completed runs of a bench are learnt from, newest first, each by its sequences") {
+  NewStore store;
+  store_example(store);
+  const std::int64_t second = store_example(store);
+  db::RunRecord elsewhere = example_run();
+  elsewhere.bench_id = "bench-b";
+  store_example(store, elsewhere);
+  const std::int64_t last = store_example(store);
+  const std::int64_t stopped = store.begin_run(example_run());
+  store.end_run(stopped, db::Outcome::kStopped, "", db::SafeState::kVerified, kUtc);
+  const auto found = store.timed_sequences("bench-a", 2);
+  REQUIRE(found.size() == 4);
+  CHECK((found[0].run == last && found[0].sequence == 0 && found[1].run == last && found[1].sequence == 1));
+  CHECK((found[2].run == second && found[3].run == second));
+  CHECK((found[1].recipe_sha256 == "rb" && found[1].repeats == 1 && found[1].frames_per_repeat == 4));
+  CHECK(found[1].overrides_json == example_run().overrides_json);
+  CHECK(store.timed_sequences("bench-b", 9).size() == 2);
+  CHECK(store.timed_sequences("bench-c", 9).empty());
+}
