@@ -12,8 +12,8 @@
 
 #include "analysis/counted.h"
 #include "analysis/error.h"
+#include "analysis/read_whole_file.h"
 #include "analysis/table.h"
-#include "analysis/whole_file.h"
 #include "analysis/workers.h"
 
 namespace tactbench::analysis {

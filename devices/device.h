@@ -19,7 +19,7 @@ struct Identity {
 
 // Rules for every actuator (pressure source or stage): it sends nothing until armed, refuses an out-of-range command
 // before sending it, keeps no command across a broken link, and can be made safe (PressureSource::vent, Stage::halt)
-// from any state. tests/devices/actuator_laws_wire.cpp tests each driver against these rules.
+// from any state. tests/devices/actuator_contract_wire.cpp tests each driver against these rules.
 
 class Actuator {
  public:

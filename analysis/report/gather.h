@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "analysis/dataset.h"
-#include "analysis/report/history.h"
 #include "analysis/report/report.h"
+#include "analysis/report/run_log.h"
 #include "analysis/statistics/studies/press_run.h"
 
 // Cache of the runs that one command uses, each read from the store once: its row on first use, everything else with

@@ -8,7 +8,7 @@
 #include "analysis/report/dcc/dcc.h"
 #include "analysis/report/document/printers.h"
 #include "analysis/report/page/page.h"
-#include "analysis/report/parts.h"
+#include "analysis/report/report_facts.h"
 #include "analysis/report/sections/sections.h"
 #include "db/run_store.h"
 

@@ -16,7 +16,7 @@
 #include "analysis/report/document/document.h"
 #include "bench/cli/profile_options.h"
 #include "bench/common/error.h"
-#include "bench/common/for_people.h"
+#include "bench/common/terminal_safe.h"
 
 namespace CLI {
 class App;

@@ -22,7 +22,7 @@
 
 #include "bench/common/error.h"
 #include "bench/common/file_text.h"
-#include "bench/common/signed_number.h"
+#include "bench/common/signed_report_number.h"
 
 namespace tactbench::bench {
 

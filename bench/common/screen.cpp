@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "bench/common/for_people.h"
+#include "bench/common/terminal_safe.h"
 
 namespace tactbench::bench {
 

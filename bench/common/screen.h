@@ -38,8 +38,8 @@ class ScreenBlock {
 
 }  // namespace tactbench::bench
 
-// Erases the line of standard error that tty::renew_line() overwrites (for_people.h). tty::print() erases it before it
-// writes; a line end alone on standard error leaves it.
+// Erases the line of standard error that tty::renew_line() overwrites (terminal_safe.h). tty::print() erases it before
+// it writes; a line end alone on standard error leaves it.
 
 namespace tactbench::bench::tty {
 

@@ -12,7 +12,7 @@
 #include "analysis/counted.h"
 #include "analysis/pressure_unit.h"
 #include "bench/common/error.h"
-#include "bench/config/calibration_words.h"
+#include "bench/config/calibration_text.h"
 #include "bench/rig/device_records.h"
 #include "bench/safety/fail_safe.h"
 #include "devices/device.h"

@@ -8,10 +8,10 @@
 #include <thread>
 
 #include "analysis/counted.h"
-#include "bench/common/for_people.h"
 #include "bench/common/process_time.h"
 #include "bench/common/standard_streams.h"
 #include "bench/common/stop_request.h"
+#include "bench/common/terminal_safe.h"
 #include "bench/instruments/check.h"
 #include "bench/rig/rig.h"
 #include "devices/device.h"

@@ -10,7 +10,7 @@
 #include "analysis/identify/taxel_status.h"
 #include "analysis/json_io.h"
 #include "analysis/scanner_scale.h"
-#include "db/run_look.h"
+#include "db/run_frame_reader.h"
 
 namespace tactbench::bench {
 

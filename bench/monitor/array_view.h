@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "analysis/pressure_unit.h"
-#include "db/run_look.h"
+#include "db/run_frame_reader.h"
 #include "db/run_store.h"
 
 namespace tactbench::bench {

@@ -12,7 +12,7 @@
 #include "analysis/documents/run_json.h"
 #include "analysis/json_fields.h"
 #include "bench/common/error_table.h"
-#include "bench/common/for_people.h"
+#include "bench/common/terminal_safe.h"
 #include "bench/reporting/judgement.h"
 
 namespace tactbench::bench {

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "bench/common/for_people.h"
+#include "bench/common/terminal_safe.h"
 #include "bench/run/control/locks.h"
 
 namespace tactbench::bench {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "bench/nightly/followed.h"
 #include "bench/nightly/scenario.h"
+#include "bench/nightly/subject_trend.h"
 #include "db/run_store.h"
 
 namespace tactbench::bench {

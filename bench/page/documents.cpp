@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "bench/common/file_text.h"
-#include "bench/common/for_people.h"
+#include "bench/common/terminal_safe.h"
 #include "bench/page/access.h"
 
 namespace tactbench::bench {

@@ -10,7 +10,7 @@
 
 #include "analysis/identify/compensators.h"
 #include "bench/monitor/array_view.h"
-#include "db/run_look.h"
+#include "db/run_frame_reader.h"
 
 namespace tactbench::bench {
 

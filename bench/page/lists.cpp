@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/documents/run_json.h"
-#include "analysis/report/parts.h"
+#include "analysis/report/report_facts.h"
 #include "bench/run/control/locks.h"
 
 namespace tactbench::bench {

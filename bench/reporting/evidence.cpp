@@ -9,11 +9,11 @@
 
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/judgement/judgement.h"
-#include "analysis/report/parts.h"
+#include "analysis/report/report_facts.h"
 #include "analysis/statistics/numbers/moments.h"
 #include "bench/common/error.h"
-#include "bench/common/for_people.h"
 #include "bench/common/overrides.h"
+#include "bench/common/terminal_safe.h"
 #include "bench/reporting/judgement.h"
 #include "bench/reporting/report_budget.h"
 #include "bench/run/run_record.h"

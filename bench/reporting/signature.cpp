@@ -11,7 +11,7 @@
 #include <ctime>
 #include <filesystem>
 
-#include "analysis/whole_file.h"
+#include "analysis/read_whole_file.h"
 #include "bench/common/file_text.h"
 #include "bench/common/output_file.h"
 

@@ -8,10 +8,10 @@
 #include <set>
 #include <system_error>
 
-#include "analysis/report/parts.h"
+#include "analysis/report/report_facts.h"
 #include "bench/common/error.h"
 #include "bench/common/file_text.h"
-#include "bench/common/signed_number.h"
+#include "bench/common/signed_report_number.h"
 #include "bench/reporting/evidence.h"
 
 namespace tactbench::bench {

@@ -13,8 +13,8 @@
 #include "analysis/pressure_unit.h"
 #include "bench/common/error.h"
 #include "bench/common/process_time.h"
-#include "bench/run/dead_man_news.h"
-#include "bench/run/phase_words.h"
+#include "bench/run/dead_man_notices.h"
+#include "bench/run/phase_text.h"
 #include "bench/run/watch/conditioning.h"
 #include "devices/device.h"
 

@@ -37,7 +37,7 @@ class Recorder {
   // after the stored ones.
   Recorder(db::RunStore& store, std::int64_t run, const devices::Clock& clock, devices::Nanoseconds offset = {});
 
-  // Transformation of texts before they are stored (bench/simulation/passing_names.h); without it they are stored
+  // Transformation of texts before they are stored (bench/simulation/ephemeral_addresses.h); without it they are stored
   // unchanged.
   void name_by(std::function<std::string(const std::string&)> names) { names_ = std::move(names); }
   [[nodiscard]] std::string as_stored(const std::string& text) const { return names_ ? names_(text) : text; }

@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/json_io.h"
+#include "analysis/read_whole_file.h"
 #include "analysis/statistics/numbers/moments.h"
-#include "analysis/whole_file.h"
 #include "bench/common/error.h"
 #include "bench/common/process_time.h"
 #include "bench/rig/rig.h"

@@ -16,8 +16,8 @@
 
 #include "analysis/json_io.h"
 #include "bench/common/error.h"
-#include "bench/common/for_people.h"
 #include "bench/common/process_time.h"
+#include "bench/common/terminal_safe.h"
 #include "bench/common/utc.h"
 #include "bench/config/config.h"
 #include "bench/guard/dead_man.h"

@@ -9,7 +9,7 @@
 #include "bench/common/private_files.h"
 #include "bench/config/config.h"
 #include "bench/pressure/pressure_kinds.h"
-#include "bench/simulation/passing_names.h"
+#include "bench/simulation/ephemeral_addresses.h"
 #include "bench/simulation/plant.h"
 #include "bench/simulation/simulated_lines.h"
 #include "devices/force/simulated_digital_ft.h"

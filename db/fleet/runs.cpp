@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "db/fleet/body.h"
+#include "db/fleet/run_archive.h"
 #include "db/run_store.h"
 
 namespace tactbench::db::fleet {

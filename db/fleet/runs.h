@@ -16,7 +16,7 @@ struct SentRun {
   std::string said_sha256;  // of the content's hash and all that is said of the run
   std::string source;       // the store: "host:/path/runs.db"
   std::string facts;        // JSON
-  std::string body;         // db/fleet/body.h
+  std::string body;         // db/fleet/run_archive.h
 };
 
 // Identity of a row that the fleet has, without its content; oldest first.

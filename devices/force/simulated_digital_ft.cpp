@@ -14,7 +14,7 @@
 
 #include "devices/device.h"
 #include "devices/force/ati_matrix.h"
-#include "devices/wire/ends/end_at_work.h"
+#include "devices/wire/ends/end_activity.h"
 #include "devices/wire/ends/pseudo_terminal.h"
 
 namespace tactbench::devices {

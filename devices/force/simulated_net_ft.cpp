@@ -17,7 +17,7 @@
 #include "devices/device.h"
 #include "devices/force/force_checks.h"
 #include "devices/force/rdt_record.h"
-#include "devices/wire/ends/end_at_work.h"
+#include "devices/wire/ends/end_activity.h"
 #include "devices/wire/ends/loopback.h"
 #include "devices/wire/ends/page_server.h"
 

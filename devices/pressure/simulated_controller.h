@@ -13,7 +13,7 @@
 #include "devices/pressure/chamber_port.h"
 #include "devices/pressure/controller_lines.h"
 #include "devices/pressure/options.h"
-#include "devices/wire/ends/end_at_work.h"
+#include "devices/wire/ends/end_activity.h"
 #include "devices/wire/ends/stream_end.h"
 
 namespace tactbench::devices {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "devices/pressure/module_registers.h"
-#include "devices/wire/ends/end_at_work.h"
+#include "devices/wire/ends/end_activity.h"
 
 namespace tactbench::devices {
 

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "devices/device.h"
-#include "devices/wire/ends/end_at_work.h"
+#include "devices/wire/ends/end_activity.h"
 #include "devices/wire/ends/stream_end.h"
 
 namespace tactbench::devices {

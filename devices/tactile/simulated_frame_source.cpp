@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "devices/device.h"
-#include "devices/wire/ends/end_at_work.h"
+#include "devices/wire/ends/end_activity.h"
 #include "devices/wire/ends/loopback.h"
 
 namespace tactbench::devices {

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "devices/device.h"
-#include "devices/wire/ends/end_at_work.h"
+#include "devices/wire/ends/end_activity.h"
 
 namespace tactbench::devices {
 

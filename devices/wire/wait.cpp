@@ -4,7 +4,7 @@
 
 #include <cerrno>
 
-#include "devices/wire/ends/end_at_work.h"
+#include "devices/wire/ends/end_activity.h"
 
 namespace tactbench::devices {
 namespace {

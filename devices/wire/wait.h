@@ -1,5 +1,5 @@
 // Bounded waiting for a descriptor in real time; interrupted calls are retried. A timeout is extended while a simulated
-// end of this process still owes an answer (end_at_work.h).
+// end of this process still owes an answer (end_activity.h).
 #pragma once
 
 #include <chrono>

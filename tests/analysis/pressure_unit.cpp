@@ -10,7 +10,7 @@
 #include "analysis/counted.h"
 #include "analysis/error.h"
 #include "analysis/pressure_unit.h"
-#include "analysis/whole_file.h"
+#include "analysis/read_whole_file.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::analysis;

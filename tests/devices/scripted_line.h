@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "devices/wire/ends/end_at_work.h"
+#include "devices/wire/ends/end_activity.h"
 #include "devices/wire/ends/pseudo_terminal.h"
 #include "devices/wire/modbus/modbus_line.h"
 #include "devices/wire/options.h"

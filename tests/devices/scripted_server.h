@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "devices/wire/ends/end_at_work.h"
+#include "devices/wire/ends/end_activity.h"
 
 namespace tactbench::devices {
 
@@ -27,7 +27,7 @@ class ScriptedServer {
   // Called on the server's thread with the number of the request (from 0), its connection and its bytes.
   using Script = std::function<void(int number, int socket, const Bytes& request)>;
 
-  // No timeout runs while a script does (end_at_work.h), unless it is one that never rests.
+  // No timeout runs while a script does (end_activity.h), unless it is one that never rests.
   explicit ScriptedServer(Script script, bool rests = true)
       : script_(std::move(script)), listener_(::socket(AF_INET, SOCK_STREAM, 0)), stop_(::eventfd(0, 0)) {
     sockaddr_in address{};

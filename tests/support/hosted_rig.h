@@ -15,9 +15,9 @@
 
 #include "bench/guard/trip.h"
 #include "bench/simulation/simulated_rig.h"
+#include "tests/support/generous_timeouts.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
-#include "tests/support/roomy_times.h"
 
 namespace tactbench::tests {
 

@@ -16,9 +16,9 @@
 #include "devices/pressure/analog_module.h"
 #include "devices/pressure/pressure_reference.h"
 #include "tests/support/child_process.h"
+#include "tests/support/generous_timeouts.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
-#include "tests/support/roomy_times.h"
 
 namespace tactbench::tests {
 

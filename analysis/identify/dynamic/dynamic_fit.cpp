@@ -7,7 +7,7 @@
 #include <set>
 
 #include "analysis/identify/dynamic/dynamic_residuals.h"
-#include "analysis/identify/dynamic/own_creep.h"
+#include "analysis/identify/dynamic/fit_run_creep.h"
 #include "analysis/pressure_unit.h"
 #include "analysis/statistics/numbers/moments.h"
 

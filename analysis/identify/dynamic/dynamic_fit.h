@@ -27,7 +27,7 @@ SensorModel fit_dynamic(const Dataset& fitted, const Dataset& rate, const Datase
 // two a dynamic model compensates.
 
 // Like fit_dynamic() with the run itself as rate and creep run: lag where its repeats differ in pace, creep from its
-// holds or, without any, as in own_creep.h. Neither is compensated where the run does not begin at 0 psi. Throws as
+// holds or, without any, as in fit_run_creep.h. Neither is compensated where the run does not begin at 0 psi. Throws as
 // fit_array does.
 SensorModel fit_dynamic_alone(const Dataset& fitted, const DynamicFitOptions& options = {});
 

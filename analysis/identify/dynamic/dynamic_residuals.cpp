@@ -10,7 +10,7 @@
 #include "analysis/error.h"
 #include "analysis/identify/compensators.h"
 #include "analysis/identify/dynamic/dynamic_fit.h"
-#include "analysis/identify/dynamic/own_creep.h"
+#include "analysis/identify/dynamic/fit_run_creep.h"
 #include "analysis/identify/residuals.h"
 #include "analysis/models/interval.h"
 #include "analysis/models/linearised.h"

@@ -7,7 +7,7 @@
 
 #include "analysis/algebra/dense.h"
 #include "analysis/compensate/compensator.h"
-#include "analysis/identify/dynamic/own_creep.h"
+#include "analysis/identify/dynamic/fit_run_creep.h"
 #include "analysis/identify/rivals/nnls.h"
 #include "analysis/statistics/numbers/moments.h"
 

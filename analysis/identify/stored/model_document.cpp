@@ -20,7 +20,7 @@
 #include "analysis/json_fields.h"
 #include "analysis/json_io.h"
 #include "analysis/models/model_json.h"
-#include "analysis/whole_file.h"
+#include "analysis/read_whole_file.h"
 #include "db/run_store.h"
 
 namespace tactbench::analysis {

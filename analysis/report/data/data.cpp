@@ -22,7 +22,7 @@
 #include "analysis/report/data/conformity.h"
 #include "analysis/report/data/reading_figures.h"
 #include "analysis/report/data/traceability.h"
-#include "analysis/report/parts.h"
+#include "analysis/report/report_facts.h"
 #include "db/run_store.h"
 
 namespace tactbench::analysis {

@@ -11,7 +11,7 @@
 #include "analysis/json_fields.h"
 #include "analysis/report/data/conformity.h"
 #include "analysis/report/data/data.h"
-#include "analysis/report/parts.h"
+#include "analysis/report/report_facts.h"
 #include "analysis/statistics/numbers/moments.h"
 
 namespace tactbench::analysis {

@@ -4,7 +4,7 @@
 #include "analysis/documents/evaluation_json.h"
 #include "analysis/json_fields.h"
 #include "analysis/report/data/data.h"
-#include "analysis/report/parts.h"
+#include "analysis/report/report_facts.h"
 
 namespace tactbench::analysis {
 namespace {

@@ -7,7 +7,7 @@
 #include "analysis/counted.h"
 #include "analysis/report/data/conformity.h"
 #include "analysis/report/data/traceability.h"
-#include "analysis/report/parts.h"
+#include "analysis/report/report_facts.h"
 
 namespace tactbench::analysis {
 

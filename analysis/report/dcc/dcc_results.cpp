@@ -5,7 +5,7 @@
 #include "analysis/counted.h"
 #include "analysis/report/data/conformity.h"
 #include "analysis/report/dcc/dcc.h"
-#include "analysis/report/parts.h"
+#include "analysis/report/report_facts.h"
 
 namespace tactbench::analysis::dcc {
 

@@ -9,7 +9,7 @@
 #include "analysis/identify/sensor_model.h"
 #include "analysis/pressure_unit.h"
 #include "analysis/report/page/chart.h"
-#include "analysis/report/parts.h"
+#include "analysis/report/report_facts.h"
 
 namespace tactbench::analysis {
 

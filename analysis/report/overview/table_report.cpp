@@ -9,7 +9,7 @@
 #include "analysis/report/document/printers.h"
 #include "analysis/report/overview/overview_figures.h"
 #include "analysis/report/page/page.h"
-#include "analysis/report/parts.h"
+#include "analysis/report/report_facts.h"
 #include "db/run_store.h"
 
 namespace tactbench::analysis {

@@ -4,7 +4,7 @@
 
 #include "analysis/report/document/printers.h"
 #include "analysis/report/page/taxel_map.h"
-#include "analysis/report/parts.h"
+#include "analysis/report/report_facts.h"
 #include "analysis/report/sections/sections.h"
 #include "analysis/statistics/numbers/moments.h"
 

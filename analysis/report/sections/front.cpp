@@ -9,7 +9,7 @@
 #include "analysis/report/document/printers.h"
 #include "analysis/report/page/chart.h"
 #include "analysis/report/page/qr_code.h"
-#include "analysis/report/parts.h"
+#include "analysis/report/report_facts.h"
 #include "analysis/report/sections/sections.h"
 
 namespace tactbench::analysis {

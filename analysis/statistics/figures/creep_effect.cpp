@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "analysis/identify/dynamic/dynamic_fit.h"
-#include "analysis/identify/dynamic/own_creep.h"
+#include "analysis/identify/dynamic/fit_run_creep.h"
 #include "analysis/loop.h"
 #include "analysis/pressure_unit.h"
 #include "analysis/statistics/figures/behaviour.h"

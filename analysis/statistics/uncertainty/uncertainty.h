@@ -21,7 +21,7 @@
 #include "analysis/statistics/figures/history_errors.h"
 #include "analysis/statistics/figures/sweep_errors.h"
 #include "analysis/statistics/numbers/coverage.h"
-#include "analysis/statistics/uncertainty/counted_errors.h"
+#include "analysis/statistics/uncertainty/empirical_errors.h"
 #include "analysis/statistics/uncertainty/reference_uncertainty.h"
 #include "analysis/statistics/uncertainty/temperature_effect.h"
 

@@ -24,7 +24,7 @@
 #include "analysis/identify/dynamic/dynamic_fit.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/json_fields.h"
-#include "bench/cli/judgement_words.h"
+#include "bench/cli/judgement_output.h"
 #include "bench/cli/models/fit_models.h"
 #include "bench/cli/reports/report.h"
 #include "bench/cli/rig/run.h"

@@ -26,8 +26,8 @@
 #include "bench/cli/runs/source.h"
 #include "bench/cli/session.h"
 #include "bench/common/error.h"
-#include "bench/common/for_people.h"
 #include "bench/common/output_file.h"
+#include "bench/common/terminal_safe.h"
 
 namespace tactbench::bench {
 

@@ -19,7 +19,7 @@
 #include "bench/common/build_info.h"
 #include "bench/common/private_files.h"
 #include "bench/fleet/facts.h"
-#include "db/fleet/body.h"
+#include "db/fleet/run_archive.h"
 #include "db/fleet/schema.h"
 
 namespace tactbench::bench {

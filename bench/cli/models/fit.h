@@ -7,7 +7,7 @@
 
 #include "analysis/identify/histories.h"
 #include "bench/cli/models/fit_models.h"
-#include "bench/common/long_work.h"
+#include "bench/common/work_progress.h"
 
 namespace tactbench::bench {
 

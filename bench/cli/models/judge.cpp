@@ -6,11 +6,11 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/identify/stored/model_document.h"
-#include "bench/cli/judgement_words.h"
+#include "bench/cli/judgement_output.h"
 #include "bench/cli/models/fit_models.h"
 #include "bench/cli/reports/report.h"
 #include "bench/cli/runs/source.h"
-#include "bench/common/long_work.h"
+#include "bench/common/work_progress.h"
 #include "bench/config/config.h"
 #include "bench/config/config_laboratory.h"
 #include "bench/reporting/evaluation.h"

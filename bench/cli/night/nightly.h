@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "bench/cli/session.h"
-#include "bench/nightly/followed_page.h"
 #include "bench/nightly/night.h"
+#include "bench/nightly/trend_pages.h"
 
 namespace tactbench::bench {
 

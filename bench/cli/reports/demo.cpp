@@ -12,7 +12,7 @@
 #include "analysis/identify/sensor_model.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/json_fields.h"
-#include "bench/cli/judgement_words.h"
+#include "bench/cli/judgement_output.h"
 #include "bench/cli/rig/page.h"
 #include "bench/cli/session.h"
 #include "bench/common/output_file.h"

@@ -9,7 +9,7 @@
 #include "analysis/report/report.h"
 #include "bench/cli/runs/runs.h"
 #include "bench/cli/session.h"
-#include "bench/common/long_work.h"
+#include "bench/common/work_progress.h"
 #include "bench/reporting/judgement.h"
 #include "bench/reporting/report_results.h"
 #include "bench/reporting/signature.h"

@@ -15,7 +15,7 @@
 
 #include "analysis/counted.h"
 #include "analysis/json_fields.h"
-#include "analysis/whole_file.h"
+#include "analysis/read_whole_file.h"
 #include "bench/cli/session.h"
 #include "bench/common/utc.h"
 #include "bench/reporting/evaluation.h"

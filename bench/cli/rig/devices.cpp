@@ -17,7 +17,7 @@
 #include "bench/guard/trip.h"
 #include "bench/instruments/check.h"
 #include "bench/instruments/scan.h"
-#include "bench/nightly/followed.h"
+#include "bench/nightly/subject_trend.h"
 #include "bench/reporting/evaluation.h"
 
 namespace tactbench::bench {

@@ -14,8 +14,8 @@
 #include "analysis/counted.h"
 #include "analysis/json_fields.h"
 #include "analysis/json_io.h"
-#include "bench/common/long_work.h"
 #include "bench/common/utc.h"
+#include "bench/common/work_progress.h"
 #include "bench/run/run_record.h"
 
 namespace tactbench::bench {

@@ -14,7 +14,7 @@
 #include "bench/cli/runs/import.h"
 #include "bench/fleet/facts.h"
 #include "bench/reporting/evidence.h"
-#include "db/fleet/body.h"
+#include "db/fleet/run_archive.h"
 #include "db/fleet/schema.h"
 
 namespace tactbench::bench {

@@ -17,8 +17,8 @@
 #include "bench/common/output_file.h"
 #include "bench/common/screen.h"
 #include "bench/common/utc.h"
-#include "bench/nightly/followed.h"
-#include "bench/nightly/followed_page.h"
+#include "bench/nightly/subject_trend.h"
+#include "bench/nightly/trend_pages.h"
 #include "bench/reporting/evidence.h"
 
 namespace tactbench::bench {

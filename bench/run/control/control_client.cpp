@@ -13,8 +13,8 @@
 #include <utility>
 
 #include "analysis/json_io.h"
-#include "bench/common/for_people.h"
 #include "bench/common/private_files.h"
+#include "bench/common/terminal_safe.h"
 #include "bench/run/control/locks.h"
 #include "bench/run/control/machine_name.h"
 

@@ -17,8 +17,8 @@
 
 #include "analysis/json_io.h"
 #include "bench/common/error.h"
-#include "bench/common/for_people.h"
 #include "bench/common/private_files.h"
+#include "bench/common/terminal_safe.h"
 #include "bench/run/control/control_client.h"
 #include "bench/run/control/peer.h"
 

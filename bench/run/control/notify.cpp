@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "bench/common/child_process.h"
-#include "bench/common/for_people.h"
+#include "bench/common/terminal_safe.h"
 
 namespace tactbench::bench {
 

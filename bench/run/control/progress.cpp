@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "bench/common/for_people.h"
+#include "bench/common/terminal_safe.h"
 
 namespace tactbench::bench {
 

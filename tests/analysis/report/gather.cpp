@@ -3,7 +3,7 @@
 #include <string>
 
 #include "analysis/report/gather.h"
-#include "analysis/report/history.h"
+#include "analysis/report/run_log.h"
 #include "tests/db/new_store.h"
 
 namespace tactbench::tests::gather {

@@ -7,8 +7,8 @@
 #include <set>
 #include <vector>
 
-#include "analysis/report/parts.h"
 #include "analysis/report/report.h"
+#include "analysis/report/report_facts.h"
 #include "tests/analysis/report/report_example_full.h"
 #include "tests/analysis/report/report_page.h"
 

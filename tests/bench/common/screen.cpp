@@ -18,9 +18,9 @@
 #include "analysis/workers.h"
 #include "bench/common/error.h"
 #include "bench/common/file_text.h"
-#include "bench/common/for_people.h"
-#include "bench/common/long_work.h"
 #include "bench/common/screen.h"
+#include "bench/common/terminal_safe.h"
+#include "bench/common/work_progress.h"
 #include "tests/bench/cli/verb_here.h"
 #include "tests/support/process.h"
 

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "db/fleet/body.h"
+#include "db/fleet/run_archive.h"
 #include "tests/db/store_example.h"
 #include "tests/support/process.h"
 

@@ -1,5 +1,5 @@
 // The dead-man's process against a simulated rig in real time. What is asserted has wide margins; the times that were
-// measured are printed as FIGURE lines: of the shipped bench with TACTBENCH_SHIPPED_TIMES=1 (roomy_times.h).
+// measured are printed as FIGURE lines: of the shipped bench with TACTBENCH_SHIPPED_TIMES=1 (generous_timeouts.h).
 #include <fmt/format.h>
 
 #include <sys/wait.h>

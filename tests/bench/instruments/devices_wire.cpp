@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "bench/common/error.h"
-#include "bench/config/calibration_words.h"
+#include "bench/config/calibration_text.h"
 #include "bench/instruments/check.h"
 #include "bench/instruments/reference_calibration.h"
 #include "bench/instruments/scan.h"

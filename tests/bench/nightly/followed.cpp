@@ -1,5 +1,5 @@
 // Figures over nights: what is reported, and what must not be.
-#include "bench/nightly/followed.h"
+#include "bench/nightly/subject_trend.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <pugixml.hpp>
 #include <random>
 
-#include "bench/nightly/followed_page.h"
+#include "bench/nightly/trend_pages.h"
 #include "tests/db/store_example.h"
 #include "tests/support/process.h"
 

@@ -1,5 +1,5 @@
 // Trends of figures in kPa and bar: which names are of pressures, what is multiplied, what stays.
-#include "bench/nightly/followed.h"
+#include "bench/nightly/subject_trend.h"
 
 #include <catch2/catch.hpp>
 

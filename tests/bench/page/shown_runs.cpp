@@ -1,6 +1,6 @@
 // What the page tells of the run on show: its state with each member, the last one of a bench, a store that is not
 // there; the safe state; and the lists of runs and sensors. On runs that are stored by hand.
-#include "bench/page/run_on_show.h"
+#include "bench/page/displayed_run.h"
 
 #include <fmt/format.h>
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "analysis/identify/stored/model_document.h"
-#include "analysis/report/parts.h"
+#include "analysis/report/report_facts.h"
 #include "bench/common/build_info.h"
 #include "bench/reporting/evaluation.h"
 #include "tests/bench/reporting/judged_store.h"

@@ -9,7 +9,7 @@
 #include "analysis/models/elam_hysteresis.h"
 #include "analysis/models/linearised.h"
 #include "analysis/models/preisach.h"
-#include "tests/benchmarks/speed/figures.h"
+#include "tests/benchmarks/speed/ratios.h"
 #include "tests/benchmarks/speed/synthetic_array.h"
 
 namespace tactbench::speed {

@@ -11,7 +11,7 @@
 #include "analysis/identify/histories.h"
 #include "analysis/identify/sensor_model.h"
 #include "bench/common/private_files.h"
-#include "tests/benchmarks/speed/figures.h"
+#include "tests/benchmarks/speed/ratios.h"
 #include "tests/benchmarks/speed/synthetic_array.h"
 #include "tests/benchmarks/study/simulated_run.h"
 

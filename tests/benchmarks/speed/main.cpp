@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <map>
 
-#include "tests/benchmarks/speed/figures.h"
+#include "tests/benchmarks/speed/ratios.h"
 
 namespace {
 

@@ -22,7 +22,7 @@
 #include "devices/pressure/simulated_module.h"
 #include "devices/stage/simulated_chain.h"
 #include "devices/wire/serial_link.h"
-#include "tests/benchmarks/speed/figures.h"
+#include "tests/benchmarks/speed/ratios.h"
 #include "tests/benchmarks/study/simulated_run.h"
 
 namespace tactbench::speed {

@@ -13,7 +13,7 @@
 #include "bench/common/private_files.h"
 #include "db/run_store.h"
 #include "db/sqlite.h"
-#include "tests/benchmarks/speed/figures.h"
+#include "tests/benchmarks/speed/ratios.h"
 #include "tests/benchmarks/speed/synthetic_array.h"
 
 namespace tactbench::speed {

@@ -8,8 +8,8 @@
 
 #include "bench/common/output_file.h"
 #include "bench/common/private_files.h"
-#include "tests/benchmarks/study/charts.h"
 #include "tests/benchmarks/study/compensation.h"
+#include "tests/benchmarks/study/control_charts.h"
 #include "tests/benchmarks/study/coverage.h"
 #include "tests/benchmarks/study/draw_seed.h"
 #include "tests/benchmarks/study/fixed.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bench/config/plant_options.h"
-#include "tests/benchmarks/study/figure.h"
+#include "tests/benchmarks/study/study_value.h"
 
 namespace tactbench::bench {
 

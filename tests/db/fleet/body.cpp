@@ -1,5 +1,5 @@
 // A run packed for the fleet and unpacked again.
-#include "db/fleet/body.h"
+#include "db/fleet/run_archive.h"
 
 #include <catch2/catch.hpp>
 

@@ -9,7 +9,7 @@
 
 #include "devices/pressure/simulated_controller.h"
 #include "devices/wire/stream_link.h"
-#include "tests/devices/actuator_laws.h"
+#include "tests/devices/actuator_contract.h"
 #include "tests/devices/test_chamber.h"
 #include "tests/devices/timeouts.h"
 

@@ -2,7 +2,7 @@
 #include <atomic>
 #include <cmath>
 
-#include "tests/devices/actuator_laws.h"
+#include "tests/devices/actuator_contract.h"
 #include "tests/devices/stage/zaber_rig.h"
 
 using namespace tactbench::devices;

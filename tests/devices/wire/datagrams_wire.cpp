@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "devices/wire/descriptor_channel.h"
-#include "devices/wire/ends/end_at_work.h"
+#include "devices/wire/ends/end_activity.h"
 #include "devices/wire/ends/loopback.h"
 #include "devices/wire/packet_link.h"
 #include "devices/wire/stream_link.h"

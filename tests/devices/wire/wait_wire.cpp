@@ -14,7 +14,7 @@
 #include <memory>
 #include <thread>
 
-#include "devices/wire/ends/end_at_work.h"
+#include "devices/wire/ends/end_activity.h"
 #include "tests/devices/timeouts.h"
 
 using namespace tactbench::devices;

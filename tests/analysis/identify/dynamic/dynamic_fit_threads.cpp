@@ -5,7 +5,7 @@
 
 #include "analysis/identify/compensators.h"
 #include "analysis/identify/dynamic/dynamic_fit.h"
-#include "analysis/identify/dynamic/own_creep.h"
+#include "analysis/identify/dynamic/fit_run_creep.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/models/linearised.h"
 #include "analysis/models/preisach.h"

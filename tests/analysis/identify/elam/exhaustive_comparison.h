@@ -1,6 +1,6 @@
 #pragma once
 // The fast search against an exhaustive one that shares only the samples and the model with it. Parameters that the
-// data leave open are not settled here: that trades J within chance (determined.cpp).
+// data leave open are not settled here: that trades J within chance (undetermined_parameters.cpp).
 #include <catch2/catch.hpp>
 
 #include "analysis/identify/elam/identify.h"

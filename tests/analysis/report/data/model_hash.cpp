@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-#include "analysis/report/parts.h"
+#include "analysis/report/report_facts.h"
 #include "tests/analysis/support/sensor_models.h"
 
 using namespace tactbench;

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "analysis/statistics/control/control_band.h"
-#include "analysis/statistics/control/ewma_chart.h"
+#include "analysis/statistics/control/control_chart.h"
+#include "analysis/statistics/control/ewma_control_chart.h"
 #include "analysis/statistics/control/false_discovery.h"
-#include "analysis/statistics/control/figure_chart.h"
 #include "analysis/statistics/numbers/moments.h"
 
 using namespace tactbench::analysis;

@@ -99,7 +99,7 @@ TEST_CASE("figures of health and raw behaviour are those recomputed from the sto
       for (const double v : steps.at(static_cast<int>(i))) mean += v / 512.0;
     CHECK(trace[i].get<double>() == Approx(mean));
   }
-  // What is moved to set-points follows from the dataset (figure_answers.cpp checks how).
+  // What is moved to set-points follows from the dataset (run_values.cpp checks how).
   std::vector<int> all(256);
   for (int t = 0; t < 256; ++t) all[static_cast<std::size_t>(t)] = t;
   const analysis::Behaviour own = analysis::behaviour_of(analysis::load_dataset(store, 1), all);

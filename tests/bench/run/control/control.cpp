@@ -14,7 +14,7 @@
 #include "bench/run/control/progress.h"
 #include "bench/run/control/run_status.h"
 #include "bench/run/control/status_board.h"
-#include "bench/run/phase_words.h"
+#include "bench/run/phase_text.h"
 #include "tests/bench/monitor/status_example.h"
 
 using namespace tactbench;

@@ -5,7 +5,7 @@
 #include "bench/common/error.h"
 #include "bench/run/control/control.h"
 #include "bench/run/control/control_client.h"
-#include "bench/run/ending.h"
+#include "bench/run/end_reason.h"
 #include "bench/run/recorder.h"
 #include "devices/device.h"
 #include "tests/db/store_example.h"

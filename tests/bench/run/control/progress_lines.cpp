@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 
-#include "bench/common/for_people.h"
+#include "bench/common/terminal_safe.h"
 #include "bench/run/control/control.h"
 #include "bench/run/control/progress.h"
 #include "bench/run/control/status_board.h"

@@ -1,0 +1,23 @@
+// HTML pages of a nightly run with its trends, and of the figures of a sensor or rig over its runs. One file each, no
+// script, inline SVG, well-formed XML.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bench/nightly/scenario.h"
+#include "bench/nightly/subject_trend.h"
+
+namespace tactbench::bench {
+
+struct NightPage {
+  std::string begun_utc, program;       // program: version and commit
+  std::vector<ScenarioResult> results;  // in the suite's order
+  std::vector<Followed> followed;       // of the suite's subjects, where nights are kept; else empty
+};
+std::string night_page(const Suite& suite, const NightPage& night);
+
+// `origin`: simulated data is marked so on the page.
+std::string trend_page(const std::string& title, const std::string& origin, const std::vector<Followed>& followed);
+
+}  // namespace tactbench::bench

@@ -1,0 +1,80 @@
+#include "bench/run/end_reason.h"
+
+#include <fmt/format.h>
+
+namespace tactbench::bench {
+
+namespace {
+
+Error error_of(const Leave& leave, const std::string& where) {
+  if (leave.command != Command::kStop) {
+    const bool panic = leave.command == Command::kPanic;
+    return Error(panic ? ErrorId("TB-RUN-PANIC") : ErrorId("TB-RUN-ABORTED"),
+                 fmt::format("{} by {}", panic ? "panic" : "aborted", leave.who), where)
+        .by_word();
+  }
+  return Error("TB-RUN-STOPPED", "stopped by " + leave.who, where).by_signal(leave.signal).by_word();
+}
+
+bool command_wins(const Leave& leave, const Error& met) {
+  return leave.command == Command::kPanic || met.code() == ExitCode::kDevice;
+}
+
+// 7 outranks all other exit codes.
+Error with_fault(const Error& word, const Error& met) {
+  return word.with_message(fmt::format("{}; also, while the run ended: {}", word.what(), met.id()))
+      .with_rig_state(word.rig_state(), met.code() != ExitCode::kUnsafe);
+}
+
+}  // namespace
+
+void Ending::by_exception(const std::string& where) {
+  try {
+    throw;
+  } catch (const Leave& leave) {
+    heard_ = leave.command;
+    error_ = error_of(leave, where);
+  } catch (...) {
+    const Error met = as_error(std::current_exception(), where);
+    met_store_ = met_store_ || met.code() == ExitCode::kStore;
+    const std::optional<Leave> leave = control_.asked(signals_);
+    if (!leave || !command_wins(*leave, met)) {
+      heard_.reset();
+      error_ = met;
+      return;
+    }
+    heard_ = leave->command;
+    met_ = met;
+    error_ = with_fault(error_of(*leave, where), met);
+  }
+}
+
+void Ending::by(const Error& error) {
+  if (!error_) error_ = error;
+}
+
+void Ending::take_last_command(const std::string& where) {
+  const std::optional<Leave> leave = control_.close(signals_);
+  if (!leave || leave->command == heard_) return;
+  const Error word = error_of(*leave, where);
+  if (!error_ && leave->command != Command::kStop) {
+    heard_ = leave->command;
+    error_ = word;
+  } else {
+    last_command_ = word;
+  }
+}
+
+db::Outcome Ending::outcome() const {
+  if (!error_) return db::Outcome::kCompleted;
+  if (heard_) return *heard_ == Command::kStop ? db::Outcome::kStopped : db::Outcome::kAborted;
+  return error_->code() == ExitCode::kStopped ? db::Outcome::kAborted : db::Outcome::kFailed;
+}
+
+void Ending::write(Recorder& recorder) const {
+  if (met_) recorder.event("fault", met_->id(), met_->what());
+  if (error_) recorder.event("fault", error_->id(), error_->what());
+  if (last_command_) recorder.event("word", last_command_->id(), last_command_->what());
+}
+
+}  // namespace tactbench::bench
