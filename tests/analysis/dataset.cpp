@@ -56,7 +56,7 @@ std::string refusal_of(const StoredRun& run) {
 
 }  // namespace
 
-TEST_CASE("a dataset by hand: times, references, means of the scans in volts, in the order of the steps") {
+TEST_CASE("load_dataset: times, references, mean volts of the scans, noise and step order match hand-computed values") {
   const Dataset data = load_dataset(record_of_four());
   CHECK((data.run == 6 && data.rows == 1 && data.columns == 2 && data.scans == 3));
   REQUIRE(data.sequences.size() == 1);
@@ -75,7 +75,7 @@ TEST_CASE("a dataset by hand: times, references, means of the scans in volts, in
   CHECK((!data.at_limit[0] && !data.at_limit[1]));
 }
 
-TEST_CASE("a dataset: scans that differ in number, frames of one scan, and the converter's limit") {
+TEST_CASE("load_dataset: unequal scan counts are weighted in the noise, single scans give no noise") {
   StoredRun run = record_of_four();
   run.frames[3] = frame_of_two(12, 0, {150, 65535});
   const Dataset data = load_dataset(run);
@@ -89,7 +89,7 @@ TEST_CASE("a dataset: scans that differ in number, frames of one scan, and the c
   CHECK_FALSE(single.at_limit[1]);
 }
 
-TEST_CASE("a dataset: repeats that are not complete are left out, without one the best says what is missing") {
+TEST_CASE("load_dataset: incomplete repeats are left out, and a run without a complete repeat is refused") {
   StoredRun run = record_of_four();
   run.frames.erase(run.frames.begin());
   CHECK(load_dataset(run).sequences[0].repeats.size() == 1);
@@ -102,7 +102,7 @@ TEST_CASE("a dataset: repeats that are not complete are left out, without one th
   CHECK(refusal_of(run) == "TB-ANALYSIS-EMPTY");
 }
 
-TEST_CASE("a dataset: frames that do not fit the run are refused, each of them") {
+TEST_CASE("load_dataset: frames that do not fit the run are refused, frames of void branches are not checked") {
   const auto with = [](auto change) {
     StoredRun run = record_of_four();
     change(run);
@@ -135,7 +135,7 @@ TEST_CASE("a dataset: frames that do not fit the run are refused, each of them")
         }).empty());
 }
 
-TEST_CASE("the scanner's scale: of the first scanner, a positive number, else it is refused") {
+TEST_CASE("volts per count: comes from the tactile scanner, and is refused unless it is a positive number") {
   const auto scale = [](const std::string& role, const std::string& json) {
     db::RunRecord run;
     run.devices = {{"tactile array", "", "", "", "", R"({"volts_per_count":9})"}, {role, "", "", "", "", json}};
@@ -159,7 +159,7 @@ TEST_CASE("the scanner's scale: of the first scanner, a positive number, else it
   }
 }
 
-TEST_CASE("temperatures of a run: of its own events alone, each a finite number and nothing else") {
+TEST_CASE("load_dataset: temperatures come from environment events only, values that are not finite are refused") {
   StoredRun run = record_of_four();
   const auto event = [](const char* kind, const char* id, const char* detail) {
     db::EventRecord record;
@@ -177,7 +177,7 @@ TEST_CASE("temperatures of a run: of its own events alone, each a finite number 
   }
 }
 
-TEST_CASE("time between samples by hand: since the command, and conditioning beyond five seconds of settling") {
+TEST_CASE("elapsed time: counts from the command, and a gap beyond 5 s of settling counts as conditioning") {
   const auto passed = [](double time_s, double held_s, double before_s) {
     const TimePassed found = time_passed({0, 0, time_s, held_s}, before_s);
     return std::pair(found.worked_s, found.step_s);

@@ -15,7 +15,7 @@ std::string nested(int depth) {
 
 }  // namespace
 
-TEST_CASE("JSON nested deeper than the program writes is refused by every reader") {
+TEST_CASE("JSON: every reader refuses nesting beyond the depth limit") {
   CHECK(parse_json(nested(kDeepestJson)).is_array());
   for (const std::string& deep : {nested(kDeepestJson + 1), nested(10'000'000), std::string(10'000'000, '['),
                                   "{\"a\":" + nested(kDeepestJson) + "}"}) {
@@ -27,7 +27,7 @@ TEST_CASE("JSON nested deeper than the program writes is refused by every reader
   }
 }
 
-TEST_CASE("brackets side by side and in texts are not nested") {
+TEST_CASE("JSON: adjacent brackets and brackets in strings do not count as nesting") {
   std::string flat = "[";
   for (int i = 0; i < 1000; ++i) flat += "[{}],";
   CHECK(parse_json(flat + "0]").size() == 1001);

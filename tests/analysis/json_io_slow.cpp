@@ -6,7 +6,7 @@
 
 using namespace tactbench::analysis;
 
-TEST_CASE("JSON longer than any model is refused before it is parsed") {
+TEST_CASE("JSON: text beyond 64 MB is refused with the limit named") {
   const std::string blanks(kLongestJson - 1, ' ');
   CHECK(parse_json(blanks + "7") == 7);
   CHECK_THROWS_WITH(parse_json(blanks + "77"), Catch::Contains("64000000"));

@@ -50,7 +50,7 @@ double left_out_of(std::size_t outliers, double turn) {
 
 }  // namespace
 
-TEST_CASE("set-points split into branches that share their turning points") {
+TEST_CASE("branches: set-points split into branches that share their turning points") {
   const auto branches = branches_along(std::vector<double>{0, 2, 4, 2, 0, 2});
   REQUIRE(branches.size() == 3);
   CHECK((branches[0].first == 0 && branches[0].last == 2 && branches[0].ascending));
@@ -58,7 +58,7 @@ TEST_CASE("set-points split into branches that share their turning points") {
   CHECK((branches[2].first == 4 && branches[2].last == 5 && branches[2].ascending));
 }
 
-TEST_CASE("[A8] held samples keep the last direction") {
+TEST_CASE("branches: held samples keep the previous direction") {
   const auto branches = branches_along(std::vector<double>{0, 0, 2, 4, 4, 4, 2, 2, 0});
   REQUIRE(branches.size() == 2);
   CHECK((branches[0].first == 0 && branches[0].last == 5));
@@ -67,7 +67,7 @@ TEST_CASE("[A8] held samples keep the last direction") {
   CHECK(branches_along(std::vector<double>{3}).empty());
 }
 
-TEST_CASE("branches by hand: a turn goes back by more than the tolerance, a direction begins with more than it") {
+TEST_CASE("branches: a direction starts or reverses only when the input moves by more than the tolerance") {
   const auto count = [](const std::vector<double>& x) { return branches_along(x, 0.5).size(); };
   CHECK(count({0, 1, 0.5, 1.5}) == 1);
   CHECK(count({0, 1, 0.4375, 1.5}) == 3);
@@ -83,7 +83,7 @@ TEST_CASE("branches by hand: a turn goes back by more than the tolerance, a dire
   CHECK((branches[1].first == 2 && branches[1].last == 4 && branches[1].ascending));
 }
 
-TEST_CASE("outputs move to the set-point by the slope of their own branch") {
+TEST_CASE("bring_to_common: outputs move to the set-point along the slope of their own branch") {
   // Up along v = p, down along v = 2 p - 4; the reference is off by 0.1 up and -0.2 down.
   SequenceData sequence{"s", {}};
   Repeat repeat;
@@ -106,7 +106,7 @@ TEST_CASE("outputs move to the set-point by the slope of their own branch") {
   CHECK(left.pressure_psi[3] == Approx(1.8));
 }
 
-TEST_CASE("slope by hand: the commanded step stands for a reference that moved by a tenth of it or less") {
+TEST_CASE("local slope: uses the commanded step if the reference moved by less than a tenth of it") {
   // Moved by 4: 2 a psi. By half a psi: 16. By less than 0.4, back, or not at all: 2 of the commanded 4.
   CHECK(moved_from({0.0, 1.5, 4.0})[1] == Approx(1.0 + 2.0 * 0.5));
   CHECK(moved_from({1.75, 1.5, 2.25})[1] == Approx(1.0 + 16.0 * 0.5));
@@ -124,7 +124,7 @@ TEST_CASE("slope by hand: the commanded step stands for a reference that moved b
   CHECK(bring_to_common(held, 1).values[3] == 3.0);
 }
 
-TEST_CASE("repeats by hand: from the first to the last that are asked for, all of them there") {
+TEST_CASE("bring_to_common: averages the requested repeats, and refuses a range with a missing repeat") {
   SequenceData sequence{"s", {}};
   for (const double v : {1.0, 2.0, 6.0, 20.0}) sequence.repeats.push_back({{{0, 0}, {2, 2}, {0, 0}}, {v, v, v}});
   const auto mean = [&](int first, int last) {
@@ -154,7 +154,7 @@ TEST_CASE("repeats by hand: from the first to the last that are asked for, all o
   CHECK(id_of_repeats(sequence, {.first_repeat = 0, .last_repeat = 3}) == "TB-ANALYSIS-REPEATS");
 }
 
-TEST_CASE("sweeps by hand: full within a hundredth of both ends, their values drawn on to the grid") {
+TEST_CASE("external loop: sweeps within 1 % of both ends are full, and are extrapolated to the ends of the grid") {
   // Up to 100 and down; up to 99 and down to 1, which are full; up to 98 and down to 0, which are not.
   const TaxelTable table = table_along({0, 100, 0, 99, 1, 98, 0}, {0, 10, 0, 20, 0, 1000, 0});
   const ExternalLoop loop = external_loop(std::vector{table}, 1);
@@ -173,7 +173,7 @@ TEST_CASE("sweeps by hand: full within a hundredth of both ends, their values dr
   CHECK(both.descending == std::vector<double>{1, 2, 6, 7, 11, 12});
 }
 
-TEST_CASE("sweeps by hand: measured inputs may leave out up to a fiftieth at either end, commanded ones none") {
+TEST_CASE("external loop: up to 2 % of measured samples may lie beyond either end, but no commanded ones") {
   CHECK(left_out_of(0, 0.01) == 0.0);
   CHECK(left_out_of(1, 0.01) == 0.01);
   CHECK(left_out_of(2, 0.01) == 0.02);
@@ -184,7 +184,7 @@ TEST_CASE("sweeps by hand: measured inputs may leave out up to a fiftieth at eit
   CHECK(left_out_of(1, 5.0) == 0.0);
 }
 
-TEST_CASE("a missing full sweep is an error") {
+TEST_CASE("external loop: a missing full sweep is an error") {
   TaxelTable common;
   common.pressure_psi = {0, 10, 20, 10};
   common.branches = branches_along(common.pressure_psi);

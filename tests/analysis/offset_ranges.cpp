@@ -39,7 +39,7 @@ PatternCurve line_there() {
 
 }  // namespace
 
-TEST_CASE("ranges elsewhere: sweeps are full, and repeats begin and end at the lowest level, within 1 % of the range") {
+TEST_CASE("range not starting at 0: sweeps are full, and repeats return to the lowest level, within 1 % of the range") {
   SensorModel fit = straight_fit();
   fit.pressure_psi = {10.0, 20.0, 60.0};
   const auto zeros = [&](double first, double last) {
@@ -60,7 +60,8 @@ TEST_CASE("ranges elsewhere: sweeps are full, and repeats begin and end at the l
   CHECK(sweeps(10, 59.49) == 0);
 }
 
-TEST_CASE("ranges elsewhere: the external loop's sweeps, and the ends that stand for one") {
+TEST_CASE(
+    "range not starting at 0: sweeps of the external loop, and outputs at its ends, count within 1 % of the range") {
   const auto counts = [](double bottom, double top) {
     std::vector<TaxelTable> tables;
     for (const auto& [x, y] : {std::pair{std::vector<double>{0, 50, 100, 50, 0}, 0.0},
@@ -80,7 +81,7 @@ TEST_CASE("ranges elsewhere: the external loop's sweeps, and the ends that stand
   CHECK((ends.ascending(kBegin) == 2.0 && ends.ascending(kBegin + 100.0) == 22.0));
 }
 
-TEST_CASE("ranges elsewhere: turning points, inner branches, and crossings of first order") {
+TEST_CASE("range not starting at 0: turning points, folds and congruency pairs use bounds of 1 % of the range") {
   const ElamModel model{line_there(), line_there(), {}, {}};
   CHECK(turning_point(model, {true, {kBegin + 0.99, 0}, {7, 0}}).x == kBegin);
   CHECK(turning_point(model, {true, {kBegin + 1.01, 0}, {7, 0}}).x == kBegin + 1.01);
@@ -109,7 +110,7 @@ TEST_CASE("ranges elsewhere: turning points, inner branches, and crossings of fi
   CHECK(pairs_from(0.99, 98.99) == 0);
 }
 
-TEST_CASE("ranges elsewhere: what a stream leaves by level, random paths, and doubtful starts") {
+TEST_CASE("range not starting at 0: residual levels, random paths, inner shares and mid-range starts use the range") {
   ModelTaxel taxel = by_hand::elam_taxel(line_there(), line_there());
   taxel.residual_psi = 1.0;
   const std::vector<double> half{kBegin, kBegin + 50.0, kBegin + 100.0}, y{0.0, 2.0, 10.0};

@@ -21,7 +21,7 @@ constexpr PressureUnit kKpa = PressureUnit::kKilopascal, kBar = PressureUnit::kB
 
 }  // namespace
 
-TEST_CASE("units by their names, in any case, and nothing else") {
+TEST_CASE("PressureUnit: accepts kPa, bar and psi in any case, and no other name") {
   CHECK(PressureUnit::from("kPa") == kKpa);
   CHECK(PressureUnit::from("KPA") == kKpa);
   CHECK(PressureUnit::from("bar") == kBar);
@@ -29,7 +29,7 @@ TEST_CASE("units by their names, in any case, and nothing else") {
   for (const char* other : {"", "pa", "mbar", "kPa ", "psig"}) CHECK_FALSE(PressureUnit::from(other).has_value());
 }
 
-TEST_CASE("pressures convert by definition and round as finely as they did in psi") {
+TEST_CASE("PressureUnit: conversion follows the definition, and rounding is as fine as in psi") {
   CHECK(kKpa.of(60.0) == Approx(413.68543759).epsilon(1e-9));  // NIST SP 811: 6.894757 kPa
   CHECK(kBar.of(60.0) == Approx(4.1368543759).epsilon(1e-9));
   CHECK(kPsi.of(60.0) == 60.0);
@@ -52,7 +52,7 @@ TEST_CASE("pressures convert by definition and round as finely as they did in ps
   CHECK(kPsi.beside() == kKpa);
 }
 
-TEST_CASE("spans, and pressures in both units, psi first") {
+TEST_CASE("PressureUnit: spans and values are printed in one unit, or in both with psi first") {
   CHECK(kKpa.short_span(0, 60) == "0 to 413.7 kPa");
   CHECK(kPsi.short_span(8, 60) == "8 to 60 psi");
   CHECK(both_units(40) == "40 psi (275.8 kPa)");
@@ -60,7 +60,7 @@ TEST_CASE("spans, and pressures in both units, psi first") {
   CHECK(both_units_span(0, 60) == "0 to 60 psi (0 to 413.7 kPa)");
 }
 
-TEST_CASE("a text with pressures is written in the unit asked for, in the order that they were added") {
+TEST_CASE("PressureText: prints its pressures in the requested unit, in the order they were added") {
   PressureText reading("reference "), text("vented (feedback ");
   reading.add(40, 1);
   (text.add(-0.04, 1) += ", ").add(reading) += ")";
@@ -75,7 +75,7 @@ using namespace tactbench::analysis;
 using tactbench::tests::TemporaryFolder;
 using tactbench::tests::write_file;
 
-TEST_CASE("a file is read whole up to its most bytes, in blocks, and one byte more is refused") {
+TEST_CASE("file reading: a file up to the size limit is read whole, one byte more is refused") {
   const TemporaryFolder folder;
   const std::string path = folder.path("f");
   for (const std::size_t bytes : {0U, 10U, 65536U, 65537U, 200001U}) {
@@ -101,7 +101,7 @@ TEST_CASE("a file is read whole up to its most bytes, in blocks, and one byte mo
 
 using tactbench::analysis::counted;
 
-TEST_CASE("a counted noun is in the singular or plural as its number requires") {
+TEST_CASE("counted: the noun is singular for one and plural for any other number") {
   CHECK(counted(0, "frame") == "0 frames");
   CHECK(counted(1, "frame") == "1 frame");
   CHECK(counted(std::size_t{2}, "frame") == "2 frames");

@@ -100,7 +100,7 @@ std::int64_t record_dataset(db::RunStore& store, const Dataset& data) {
 
 }  // namespace
 
-TEST_CASE("stored frames become volts in step order, without void branches and repeats that are not complete") {
+TEST_CASE("load_dataset: volts come in step order, without void branches and incomplete repeats") {
   AnalysedStore store;
   const std::int64_t run = begin(*store, kTiny);
   const std::int64_t bad = store->begin_branch(run, {0, 0, 0, 0, 0, false, "", 0.0, 2.0});
@@ -127,8 +127,7 @@ TEST_CASE("stored frames become volts in step order, without void branches and r
   CHECK_FALSE(data.at_limit[0]);  // the void frame alone stood there
 }
 
-TEST_CASE(
-    "a sample that the other scan contradicts is left out, and a taxel that stands at the limit twice is saturated") {
+TEST_CASE("load_dataset: a sample contradicted by the other scan is dropped, two frames at the limit mean saturated") {
   AnalysedStore store;
   const std::int64_t run = begin(*store, {{0, "tiny", "r = 1", "", 1, 6}});
   const std::int64_t branch = store->begin_branch(run, {0, 0, 0, 0, 0, false, "", 0.0, 10.0});
@@ -151,7 +150,7 @@ TEST_CASE(
   CHECK(data.noise_v[0] < 5.0 * kScale);
 }
 
-TEST_CASE("scans of a taxel that differ again and again are its noise") {
+TEST_CASE("load_dataset: scans of a taxel that differ repeatedly count as noise, not as outliers") {
   AnalysedStore store;
   const std::int64_t run = begin(*store, {{0, "tiny", "r = 1", "", 1, 8}});
   const std::int64_t branch = store->begin_branch(run, {0, 0, 0, 0, 0, false, "", 0.0, 14.0});
@@ -164,7 +163,7 @@ TEST_CASE("scans of a taxel that differ again and again are its noise") {
   CHECK(data.noise_v[1] < kScale);
 }
 
-TEST_CASE("a fit survives the store bit for bit, and evaluates the same") {
+TEST_CASE("stored fit: is read back bit for bit and evaluates the same") {
   AnalysedStore store;
   ArrayOptions options;
   options.rows = 3;

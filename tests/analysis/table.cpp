@@ -39,7 +39,7 @@ using TextLines = std::vector<std::string>;
 
 }  // namespace
 
-TEST_CASE("a table is read by the names of its columns, in row order, all rows are one history where none is named") {
+TEST_CASE("read_table: finds columns by name and keeps the row order, unnamed sequences are one history") {
   const auto series = read("sequence,step,input,output,taxel\nb,1,0,0.5,3\nb,2,1.25,1e-3,3\na,1,2,3,3\nb,3,-1,7,3\n");
   REQUIRE(series.size() == 2);
   CHECK((series[0].sequence == "b" && series[0].taxel == 3 && series[0].input == std::vector{0.0, 1.25, -1.0}));
@@ -50,7 +50,7 @@ TEST_CASE("a table is read by the names of its columns, in row order, all rows a
   CHECK((alone[0].sequence == "1" && alone[0].taxel == 0 && alone[0].input.size() == 2));
 }
 
-TEST_CASE("columns are mapped by name or number, a name before a number, names with a comma in quotes") {
+TEST_CASE("column map: a name is matched before a number, and names with a comma are quoted") {
   const std::string text = "2,b,c\n5,6,7\n", quoted = "\"time, s\",\"force, N\"\n1,2\n";
   const auto first = [&](const std::string& map) { return read(text, map)[0].input[0]; };
   CHECK(first("input=c,output=b") == 7.0);
@@ -73,7 +73,7 @@ TEST_CASE("columns are mapped by name or number, a name before a number, names w
   CHECK(read("a,b,b\n1,2,3\n", "input=a,output=3")[0].output == std::vector{3.0});
 }
 
-TEST_CASE("without names columns are numbers, and no sample is taken for names") {
+TEST_CASE("read_table: without a header columns go by number, and no sample is read as a column name") {
   const auto inputs = [](const std::string& text, const std::string& map = "input=1,output=2", bool no_header = false) {
     std::istringstream stream(text);
     TableLayout layout = table_layout(map);
@@ -100,7 +100,7 @@ TEST_CASE("without names columns are numbers, and no sample is taken for names")
   CHECK_THROWS_AS(read_table(named, "t", layout), AnalysisError);
 }
 
-TEST_CASE("what loggers write above the names is passed over, by name as by number") {
+TEST_CASE("read_table: preamble lines of data loggers above the header are skipped") {
   const std::string mark = "\xEF\xBB\xBF", rows = "0,1,2\n5,3,4\n", tabs = "0\t1\t2\n5\t3\t4\n";
   const std::string labview = "LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\n\t\n";
   const std::string segment = "Channels\t2\t\t\nSamples\t9\t9\t\nX0\t0.0\t0.0\t\n***End_of_Header***\t\t\t\n";
@@ -132,7 +132,7 @@ TEST_CASE("what loggers write above the names is passed over, by name as by numb
   CHECK(read_table(skipped, "t", layout).series[0].input == std::vector{1.0, 3.0});
 }
 
-TEST_CASE("a field at the end that never holds a number may be missing or too many, any other may not") {
+TEST_CASE("read_table: a trailing field without numbers may be missing or extra, any other may not") {
   const std::string head = "input,output,note\n";
   CHECK(read(head + "1,2,begun\n3,4\n5,6,\n")[0].input == std::vector{1.0, 3.0, 5.0});
   CHECK(read("0.5 2 begun\n3 4\n5 6 on\n", "input=1,output=2")[0].input == std::vector{0.5, 3.0, 5.0});
@@ -143,7 +143,7 @@ TEST_CASE("a field at the end that never holds a number may be missing or too ma
   CHECK(refusal("input,output\n1,2,x,y\n") == "TB-TABLE-ROW t:2");
 }
 
-TEST_CASE("one column a taxel: by range, pattern or list, and what an export of a run holds") {
+TEST_CASE("read_table: accepts one column per taxel by range, pattern or list, and exported frames of a run") {
   const std::string text = "time,force,s0,s1,s2\n0,1,10,20,30\n1,2,11,21,31\n";
   for (const char* outputs : {"3-5", "s*", "s0+s1+s2", "3+s1+5", "s0+4-5"}) {
     INFO(outputs);
@@ -183,7 +183,7 @@ TEST_CASE("one column a taxel: by range, pattern or list, and what an export of 
   CHECK(read("sequence,name,taxel,position,input,output\n0,\"a, b\",3,0,1,2\n")[0].sequence == "a, b");
 }
 
-TEST_CASE("times do not go back, but for a counter of 32 bits that begins again") {
+TEST_CASE("read_table: times that go back are refused, unless a counter wraps") {
   const auto times = [](const std::string& name, const std::vector<std::string>& cells, const std::string& map = {}) {
     std::string text = name + ",input,output\n";
     for (const std::string& cell : cells) text += cell + ",0,0\n";
@@ -221,7 +221,7 @@ TEST_CASE("times do not go back, but for a counter of 32 bits that begins again"
   CHECK(refusal("time,output\n0,0\n1,1\n0,0\n", "input=time") == "accepted");
 }
 
-TEST_CASE("all usual separators, line ends, comments, quotes and a byte order mark are accepted") {
+TEST_CASE("read_table: common separators, line ends, comments, quotes and a byte order mark are accepted") {
   for (const std::string text : {"input;output\n1;2\n", "input\toutput\n1\t2\n", "input\t\"output\"\n1\t2\n",
                                  "input,output\r\n1,2\r\n", "# made by hand\n\ninput , output\n\n 1 , +2 \n# end\n",
                                  "\xEF\xBB\xBFinput,output\n1,2", "# head\n\xEF\xBB\xBFinput,output\n1,2",
@@ -241,7 +241,7 @@ TEST_CASE("all usual separators, line ends, comments, quotes and a byte order ma
   CHECK(row.outputs.front() == 3.0);
 }
 
-TEST_CASE("a bad row is refused with its line") {
+TEST_CASE("read_table: a bad row is refused with its line") {
   const std::string head = "input,output\n1,2\n", nul(1, '\0');
   for (const std::string& row : {std::string("3\n"), std::string("3,4,5\n"), std::string("nan,4\n"),
                                  std::string("3,inf\n"), std::string("3,4 V\n"), std::string("3,\n"), nul + "3,4\n"})
@@ -256,14 +256,14 @@ TEST_CASE("a bad row is refused with its line") {
   CHECK(read("input,output,note\n1,2," + std::string(200'000, 'x') + "\n3,4,\n")[0].input.size() == 2);
 }
 
-TEST_CASE("taxels of a table are whole numbers from 0 to a million") {
+TEST_CASE("read_table: taxel numbers are integers from 0 to 1000000") {
   const auto taxel = [](const std::string& cell) { return refusal("input,output,taxel\n1,2," + cell + "\n"); };
   CHECK(taxel("0") == "accepted");
   CHECK(taxel("1000000") == "accepted");
   for (const char* none : {"1000001", "-1", "0.5"}) CHECK(taxel(none) == "TB-TABLE-ROW t:2");
 }
 
-TEST_CASE("quotes follow RFC 4180, and an unclosed one is refused with its line") {
+TEST_CASE("read_table: quotes follow RFC 4180, and an unclosed quote is refused with its line") {
   const std::string head = "sequence,input,output\n";
   const auto names = [&](const std::string& cell) { return read(head + cell + ",1,2\n")[0].sequence; };
   CHECK(names("\"a,b\"") == "a,b");
@@ -275,7 +275,7 @@ TEST_CASE("quotes follow RFC 4180, and an unclosed one is refused with its line"
   CHECK(refusal("\"input,output\n1,2\n") == "TB-TABLE-ROW t:1");
 }
 
-TEST_CASE("steps rise, or fall to where they began, in each sequence and taxel for itself") {
+TEST_CASE("read_table: step numbers rise or restart where they began, per sequence and taxel") {
   const auto steps = [](const std::string& numbers) {
     std::string text = "step,input,output\n";
     for (const char step : numbers) text += std::string(1, step) + ",0,0\n";
@@ -292,7 +292,7 @@ TEST_CASE("steps rise, or fall to where they began, in each sequence and taxel f
   CHECK(read("step,input,output\nup,0,0\nup,1,1\n")[0].input.size() == 2);  // no number: not looked at
 }
 
-TEST_CASE("decimal commas are read where semicolons, tabs or quotes separate the columns, and are reported") {
+TEST_CASE("read_table: decimal commas are read if another separator or quotes allow it, and are reported") {
   for (const std::string text : {"input;output\n0;-1\n1,5;+2,5e1\n", "input\toutput\n0\t-1\n1,5\t25\n",
                                  "input,output\n0,-1\n\"1,5\",\"25,0\"\n", "input output\n0 -1\n1,5   25\n"}) {
     INFO(text);
@@ -308,8 +308,7 @@ TEST_CASE("decimal commas are read where semicolons, tabs or quotes separate the
   CHECK(refusal("input,output\n1,5,2,5\n") == "TB-TABLE-ROW t:2");
 }
 
-TEST_CASE(
-    "a line of units: words of up to 24 bytes in the columns needed, as many fields as names, no number anywhere") {
+TEST_CASE("unit line: has text of up to 24 bytes in each mapped column, as many fields as the header and no number") {
   const Table table = table_of("time,force,signal\ns,[N],(V)\n0,1,2\n1,3,4\n", "input=force,output=signal");
   CHECK(table.series[0].input == std::vector{1.0, 3.0});
   CHECK((table.input_unit == "N" && table.output_unit == "V" && table.assumed.size() == 1));
@@ -337,7 +336,7 @@ TEST_CASE(
   CHECK(refusal("input,output\n1,2\nN,V\n") == "TB-TABLE-ROW t:3");
 }
 
-TEST_CASE("bad rows are left out when asked for, the first twenty named with their lines, and no more than half") {
+TEST_CASE("bad rows: are skipped on request, the first 20 are named with their lines, more than half are refused") {
   const std::string text = "input,output\n1,2\n3,\n4,x\n5,6\n7\n8,nan\n9,\"1\n10,11\n12,13\n14,15\n";
   CHECK(refusal(text) == "TB-TABLE-ROW t:3");
   const Table table = table_of(text, {}, true);
@@ -365,7 +364,7 @@ TEST_CASE("bad rows are left out when asked for, the first twenty named with the
   CHECK(refusal("input,output\n1,2\n1" + std::string(1, '\0') + ",2\n", {}, true) == "TB-TABLE-ROW t:3");
 }
 
-TEST_CASE("a table that is not a file is refused") {
+TEST_CASE("read_table: a path that is not a readable file is refused") {
   const auto id = [](const std::string& path) -> std::string {
     try {
       (void)read_table(path);
@@ -418,7 +417,7 @@ std::vector<std::size_t> places(const TableSeries& series) {
 
 }  // namespace
 
-TEST_CASE("wild samples: up to three in a row beyond three spans, of outputs or of inputs, wherever they stand") {
+TEST_CASE("wild samples: up to three in a row beyond three spans are found, in outputs or inputs, at any place") {
   using Values = std::vector<double> TableSeries::*;
   for (const Values values : {&TableSeries::output, &TableSeries::input}) {
     for (const double value : {83886.07, -83886.07, 1e308, 300.0, -250.0})
@@ -440,7 +439,7 @@ TEST_CASE("wild samples: up to three in a row beyond three spans, of outputs or 
   CHECK(places(seldom).size() == 8);
 }
 
-TEST_CASE("wild samples: steps, short presses, jumps of the zero, noise and converters' limits are none") {
+TEST_CASE("wild samples: steps, short presses, zero jumps, noise and converter limits are not reported") {
   using Change = std::function<void(TableSeries&)>;
   const std::vector<std::pair<const char*, Change>> good = {
       {"as it is", [](TableSeries&) {}},
@@ -491,7 +490,7 @@ std::string number_read(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("separators: the most frequent outside quotes, commas before others, blanks where there is nothing else") {
+TEST_CASE("separator: the most frequent outside quotes, comma before others, blanks only if there is no other") {
   CHECK(separator_of("a,b;c") == ',');
   CHECK(separator_of("a;b;c,d") == ';');
   CHECK(separator_of("a\tb\tc;d") == '\t');
@@ -501,7 +500,7 @@ TEST_CASE("separators: the most frequent outside quotes, commas before others, b
   CHECK(separator_of("a b;c") == ';');
 }
 
-TEST_CASE("fields by hand: quotes doubled and closed, blanks around and between, empty ones") {
+TEST_CASE("table fields: doubled quotes, quoted separators, blanks and empty fields are split correctly") {
   CHECK(split_by(',', "a, b ,,") == "[a][b][][]");
   CHECK(split_by(',', "") == "[]");
   CHECK(split_by(',', R"("a,b",c)") == "[a,b][c]");
@@ -517,7 +516,7 @@ TEST_CASE("fields by hand: quotes doubled and closed, blanks around and between,
   CHECK(trimmed(" \t\r").empty());
 }
 
-TEST_CASE("numbers by hand: signs, exponents, decimal commas, and what is none") {
+TEST_CASE("number text: signs, exponents and decimal commas are read, other text is refused") {
   CHECK(number_read("1.5") == "1.500000");
   CHECK(number_read("+1.5") == "1.500000");
   CHECK(number_read("-1,5") == "-1.500000");
@@ -537,7 +536,7 @@ TEST_CASE("numbers by hand: signs, exponents, decimal commas, and what is none")
   CHECK_THAT(text.read("1.5", 6, value), Catch::Contains(" 4"));
 }
 
-TEST_CASE("clocks by hand: with a date and without, and what is none") {
+TEST_CASE("clock text: times with and without a date are converted to seconds, other text is refused") {
   CHECK(clock_seconds("10:11:12.5") == 36672.5);
   CHECK(clock_seconds("1970-01-02 00:00:01") == 86401.0);
   CHECK(clock_seconds("2000/03/01T00:00:00") == 951868800.0);
@@ -546,7 +545,7 @@ TEST_CASE("clocks by hand: with a date and without, and what is none") {
     CHECK_FALSE(clock_seconds(none));
 }
 
-TEST_CASE("formulas by hand: a field that a spreadsheet would carry out is a text, numbers and other texts stay") {
+TEST_CASE("formula cells: fields that a spreadsheet would execute are marked as text, all others are unchanged") {
   for (const char* formula :
        {"=1", "@SUM(A1)", "+cmd|' /C calc'!A0", "-1+cmd|' /C calc'!A0", "=", "-x", "-2+3", "+1-2e-3"})
     CHECK(is_formula(formula));
@@ -557,7 +556,7 @@ TEST_CASE("formulas by hand: a field that a spreadsheet would carry out is a tex
   CHECK(without_formulas("1;-2,5;@x", ';') == "1;-2,5;'@x");
 }
 
-TEST_CASE("a reader tells what it needs: columns that are not asked for, times, lines as they stand") {
+TEST_CASE("TableReader: reports the requested columns, times, steps and the original text of each line") {
   std::istringstream stream("time_s;output;step\r\n0,5;1;x\r\n;2;3\r\n");
   TableReader reader(stream, "t", {}, TableNeeds::kOutput);
   CHECK(reader.header() == "time_s;output;step");

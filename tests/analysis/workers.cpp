@@ -8,7 +8,7 @@
 
 using namespace tactbench::analysis;
 
-TEST_CASE("workers: each index is done once, all of them also where some fail, and the lowest failure is thrown") {
+TEST_CASE("for_each_index: runs each index once even if others fail, and throws the failure of the lowest index") {
   std::vector<int> times(5, 0);
   for_each_index(5, 1, [&](std::size_t i) { ++times[i]; });
   CHECK(times == std::vector<int>(5, 1));
@@ -21,7 +21,7 @@ TEST_CASE("workers: each index is done once, all of them also where some fail, a
   CHECK(times == std::vector<int>(5, 2));
 }
 
-TEST_CASE("workers: what is done of a work is counted, that of a work inside is not") {
+TEST_CASE("work progress: counts the outer work, not work nested in it") {
   const std::size_t before = work_now().works;
   std::vector<std::size_t> done;
   for_each_index(3, 1, [&](std::size_t) {

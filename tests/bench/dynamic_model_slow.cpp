@@ -50,7 +50,7 @@ double held_out_error(const Finished& fit) {
 
 }  // namespace
 
-TEST_CASE("the dynamic model is fitted from three runs, judged, verified, shown and streamed") {
+TEST_CASE("dynamic model: is fitted from three runs, judged, verified, shown and streamed") {
   const TemporaryFolder folder;
   four_runs(folder);
   const double elam = held_out_error(call(folder, {"fit", "1", "--model", "elam"}, {"judge", "1", "4", "--json"}));
@@ -128,7 +128,7 @@ TEST_CASE("the dynamic model is fitted from three runs, judged, verified, shown 
   CHECK_THAT(gone.out, Catch::Contains("3 was declared void"));
 }
 
-TEST_CASE("ELAM on the linearised output is a fit beside the paper's, which goes on standing for the run") {
+TEST_CASE("ELAM on linearised output: is stored as a further fit, the plain ELAM fit remains the model of the run") {
   const TemporaryFolder folder;
   begin_small(folder);
   REQUIRE(measure(folder, {"descending", "ascending"}, "1", {"recipe.repeats=1"}).code == 0);
@@ -143,7 +143,7 @@ TEST_CASE("ELAM on the linearised output is a fit beside the paper's, which goes
   CHECK(call(folder, {"live", "--bench", "bench.toml", "--model", "1:2", "--frames", "3", "--json"}).code == 0);
 }
 
-TEST_CASE("what a dynamic model lacks is said before anything is stored") {
+TEST_CASE("dynamic model: missing or unsuitable inputs are rejected before anything is stored") {
   const TemporaryFolder folder;
   four_runs(folder);
   const auto fails = [&](std::vector<std::string> words, int code, const std::string& id) {
@@ -165,7 +165,7 @@ TEST_CASE("what a dynamic model lacks is said before anything is stored") {
   CHECK(json::parse(call(folder, {"runs", "show", "1", "--json"}).out)["models"].empty());
 }
 
-TEST_CASE("fit makes the dynamic model of a run where none is named, keeps to ELAM where it cannot, and says so") {
+TEST_CASE("fit: defaults to the dynamic model of one run, uses ELAM if that is impossible, and reports it") {
   const TemporaryFolder folder;
   begin_small(folder);
   REQUIRE(measure(folder, {"production"}, "1").code == 0);
@@ -219,7 +219,7 @@ TEST_CASE("fit makes the dynamic model of a run where none is named, keeps to EL
   CHECK(std::ranges::any_of(judged, [](const json& own) { return own["source"] == "creep"; }));
 }
 
-TEST_CASE("the dynamic model of one run errs as ELAM after the short recipe, and takes a run that begins above 0") {
+TEST_CASE("dynamic model of one run: small error after the short recipe, accepts a run that starts above 0 psi") {
   const TemporaryFolder folder;
   begin_small(folder);
   REQUIRE(measure(folder, {"production"}, "1").code == 0);

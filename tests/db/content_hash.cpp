@@ -24,7 +24,7 @@ using db::sqlite::Access;
 using db::sqlite::Connection;
 using db::sqlite::Statement;
 
-TEST_CASE("SHA-256 gives the known answers of FIPS 180") {
+TEST_CASE("SHA-256: gives the published values of FIPS 180") {
   CHECK(db::sha256_hex("") == "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
   CHECK(db::sha256_hex("abc") == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
   CHECK(db::sha256_hex("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq") ==
@@ -33,7 +33,7 @@ TEST_CASE("SHA-256 gives the known answers of FIPS 180") {
         "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
 }
 
-TEST_CASE("a run continued by another process has the hash of one written in one go") {
+TEST_CASE("content hash: a run continued by another process has the hash of one written in one go") {
   const TemporaryFolder folder;
   const auto half = [&](bool reopen) {
     const std::string path = folder.path(reopen ? "two.db" : "one.db");
@@ -49,7 +49,7 @@ TEST_CASE("a run continued by another process has the hash of one written in one
   CHECK(half(false) == half(true));
 }
 
-TEST_CASE("UUID, host, wall clock, time zone and run number do not count") {
+TEST_CASE("content hash: does not depend on UUID, host, wall clock, time zone or run number") {
   const TemporaryFolder folder;
   RunStore one = RunStore::open(folder.path("one.db"));
   RunStore two = RunStore::open(folder.path("two.db"), db::Durability::kNormal);
@@ -66,7 +66,7 @@ TEST_CASE("UUID, host, wall clock, time zone and run number do not count") {
 
 // Changes each column of each table of a run and checks that the hash changes. A column added later is covered
 // automatically.
-TEST_CASE("every canonical column counts, and no other") {
+TEST_CASE("content hash: depends on every canonical column, and on no other") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
   RunStore store = RunStore::open(path);
@@ -122,7 +122,7 @@ TEST_CASE("every canonical column counts, and no other") {
   CHECK(tried > 55);
 }
 
-TEST_CASE("each bit of a blob, each frame, event and branch, and their order count") {
+TEST_CASE("content hash: depends on each bit of a blob, each frame, event and branch, and their order") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
   RunStore store = RunStore::open(path);
@@ -170,7 +170,7 @@ TEST_CASE("each bit of a blob, each frame, event and branch, and their order cou
   CHECK(differs_in_a_copy("UPDATE frames SET frame = frame + 5 WHERE frame % 10 = 2"));
 }
 
-TEST_CASE("the bytes under a link of the chain are unambiguous, and numbers hash as SQLite stores them") {
+TEST_CASE("content hash: field boundaries are unambiguous, and numbers hash as SQLite stores them") {
   db::HashChain chain;
   db::RunRecord one = example_run(), two = example_run();
   one.operator_name = "ab";
@@ -186,7 +186,7 @@ TEST_CASE("the bytes under a link of the chain are unambiguous, and numbers hash
   CHECK(chain.frame({}, {}, frame) != chain.frame({}, {}, same));
 }
 
-TEST_CASE("a reading of -0.0 or not-a-number does not break verification") {
+TEST_CASE("content hash: a pressure of -0.0, NaN or infinity does not break verification") {
   NewStore store;
   const Begun begun = begin_example(store);
   db::FrameRecord frame = example_frame(begun.branch, 0);
@@ -212,14 +212,14 @@ db::BranchRecord fourth_attempt() {
 
 }  // namespace
 
-TEST_CASE("the content of a run hashes to what another program finds") {
+TEST_CASE("content hash: a run has the hash that another program computed") {
   const TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("runs.db"));
   const std::int64_t run = store_example(store);
   CHECK(store.run(run).content_sha256 == "058012ec21c9467134fc0dc98492780abafd573ad5ed9fa7f15e0181a6779295");
 }
 
-TEST_CASE("header and frames hash to what another program finds") {
+TEST_CASE("content hash: header and frames have the hashes that another program computed") {
   HashChain chain;
   const db::Digest header = chain.header(example_run());
   CHECK(db::hex(header) == "b50aae7688d59992466f0454025f289c15a320d866dbf20c7c3214f7f891f273");
@@ -236,7 +236,8 @@ TEST_CASE("header and frames hash to what another program finds") {
         "0873c62e582ec4fbf2e7c96fe3198705252d535ce2f7734d1b5e29427c06030a");
 }
 
-TEST_CASE("the end of a run hashes to what another program finds, with a force at one end of a branch and with none") {
+TEST_CASE(
+    "content hash: the end of a run has the hash that another program computed, with and without a branch force") {
   HashChain chain;
   db::RunEnd end;
   end.branches = {fourth_attempt()};
@@ -250,7 +251,7 @@ TEST_CASE("the end of a run hashes to what another program finds, with a force a
   CHECK(chain.close({}, 0, end) != other);
 }
 
-TEST_CASE("sealed data hash to what another program finds") {
+TEST_CASE("content hash: sealed data have the hashes that another program computed") {
   HashChain chain;
   const db::FitRecord first{3, 1, "elam", true, 256, R"({"p":[-0.0,5e-324]})", "a build", "0.1.0", "2024"};
   db::FitRecord second;
@@ -269,7 +270,7 @@ TEST_CASE("sealed data hash to what another program finds") {
   CHECK(db::hex(chain.voided(run)) == "41b8e56961715f5668775219045d2d45afdb941e26e987a3377de3bba0d0b906");
 }
 
-TEST_CASE("without SHA-256 nothing is hashed") {
+TEST_CASE("content hash: fails without SHA-256 in the library") {
   REQUIRE(EVP_set_default_properties(nullptr, "provider=none_of_that_name") == 1);
   const std::string id = store_error([] { const HashChain chain; });
   REQUIRE(EVP_set_default_properties(nullptr, "") == 1);
@@ -277,7 +278,7 @@ TEST_CASE("without SHA-256 nothing is hashed") {
   CHECK(db::sha256_hex("abc").substr(0, 8) == "ba7816bf");
 }
 
-TEST_CASE("outcomes and safe states have a word each, and no other word is one") {
+TEST_CASE("outcome and safe state: each converts to its text and back, and not from a text of the other") {
   using db::Outcome, db::SafeState;
   const std::vector<std::pair<Outcome, std::string>> outcomes = {
       {Outcome::kIncomplete, "incomplete"}, {Outcome::kCompleted, "completed"}, {Outcome::kStopped, "stopped"},
@@ -408,7 +409,7 @@ std::string changed(RunStore& store, std::int64_t run, const std::string& sql) {
 
 }  // namespace
 
-TEST_CASE("the first thing that differs is named") {
+TEST_CASE("content check: the first difference is named") {
   const auto named = [](const std::string& sql) {
     const TemporaryFolder folder;
     RunStore store = RunStore::open(folder.path("runs.db"));
@@ -446,7 +447,7 @@ TEST_CASE("the first thing that differs is named") {
   CHECK(named("UPDATE runs SET host = 'X', tags = 'a', notes = 'b', started_utc = 'c', time_zone = 'd'").empty());
 }
 
-TEST_CASE("one changed byte anywhere in the file is noticed, or the content reads back as it was") {
+TEST_CASE("content check: one changed byte anywhere in the file is detected, or does not change the content") {
   const TemporaryFolder folder;
   std::int64_t run = 0;
   {

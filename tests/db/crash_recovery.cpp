@@ -13,7 +13,7 @@ using namespace tactbench::tests;
 using db::Durability;
 using db::RunStore;
 
-TEST_CASE("a frame is visible to another connection as soon as it is acknowledged") {
+TEST_CASE("run store: a frame is visible to another connection as soon as it is acknowledged") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"), Durability::kNormal);
   const Begun begun = begin_example(store);
@@ -27,7 +27,7 @@ TEST_CASE("a frame is visible to another connection as soon as it is acknowledge
   CHECK(reader.run(begun.run).state == "running");
 }
 
-TEST_CASE("a run whose process dies keeps every acknowledged frame and becomes interrupted") {
+TEST_CASE("run store: a run whose process dies keeps every acknowledged frame and becomes interrupted") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
   REQUIRE(in_child([&] {
@@ -63,7 +63,7 @@ TEST_CASE("a run whose process dies keeps every acknowledged frame and becomes i
 }
 
 // Killed at no chosen point: within a commit as well as between two.
-TEST_CASE("SIGKILL at any moment loses nothing acknowledged and breaks no file") {
+TEST_CASE("run store: SIGKILL at any moment loses no acknowledged frame and leaves an intact file") {
   for (int round = 0; round < 6; ++round) {
     const TemporaryFolder folder;
     const std::string path = folder.path("runs.db");
@@ -100,7 +100,7 @@ TEST_CASE("SIGKILL at any moment loses nothing acknowledged and breaks no file")
   }
 }
 
-TEST_CASE("several processes may make one store at once and write to it at once") {
+TEST_CASE("run store: several processes may create one store at once and write to it at once") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
   constexpr int kWriters = 6;

@@ -51,7 +51,7 @@ extern "C" int statfs(const char* path, struct statfs* status) noexcept {
   return static_cast<int>(result);
 }
 
-TEST_CASE("a store on a network file system is neither made, opened nor copied there") {
+TEST_CASE("network store: a store on a network file system is not created, opened or copied to") {
   const TemporaryFolder folder;
   const std::string local = folder.path("local"), there = folder.path("there");
   std::filesystem::create_directory(local);
@@ -72,7 +72,7 @@ TEST_CASE("a store on a network file system is neither made, opened nor copied t
   CHECK(store_error([&] { RunStore::open(there + "/old.db"); }).empty());
 }
 
-TEST_CASE("a finished store on a network file system is read as it is, and one with a log is not") {
+TEST_CASE("network store: a finished store is readable with a warning, one with a non-empty log is not") {
   const TemporaryFolder folder;
   const std::string there = folder.path("there"), path = there + "/runs.db", log = path + "-wal";
   std::filesystem::create_directory(there);
@@ -107,7 +107,7 @@ TEST_CASE("a finished store on a network file system is read as it is, and one w
   db::tell_warnings_to({});
 }
 
-TEST_CASE("the program warns of a store on a network file system without sending its name's characters to a terminal") {
+TEST_CASE("network store: the warning escapes control characters of the file name") {
   const TemporaryFolder folder;
   const std::string there = folder.path("th\x1b[31mere"), told = folder.path("told");
   std::filesystem::create_directory(there);
@@ -127,7 +127,7 @@ TEST_CASE("the program warns of a store on a network file system without sending
   CHECK_THAT(read_file(told), Catch::Contains("th\\x1b[31mere/runs.db") && !Catch::Contains("\x1b"));
 }
 
-TEST_CASE("a file system behind FUSE is named as the mount table names it") {
+TEST_CASE("network store: a FUSE file system is named as in the mount table") {
   const TemporaryFolder folder;
   const std::string type = mounted_type(folder.path());
   networked = folder.path();
@@ -141,7 +141,7 @@ TEST_CASE("a file system behind FUSE is named as the mount table names it") {
   CHECK_THAT(message, Catch::Contains("(" + type + ")"));
 }
 
-TEST_CASE("the number of a file system that fills 32 bits is known with a sign and without") {
+TEST_CASE("network store: a 32-bit file system number is recognised with and without sign extension") {
   const TemporaryFolder folder;
   networked = folder.path();
   for (const std::int64_t number : {std::int64_t{0xff534d42}, std::int64_t{0xff534d42} - (std::int64_t{1} << 32)}) {

@@ -22,7 +22,7 @@ std::int64_t seeded(RunStore& store, std::int64_t seed, std::int64_t sensor_seed
 
 }  // namespace
 
-TEST_CASE("each field of each night comes back, and each result beneath its own night") {
+TEST_CASE("nights: each field of each night reads back, with the results of its own night") {
   NewStore store;
   const std::int64_t run = store_example(store);
   db::NightRecord first{
@@ -51,7 +51,7 @@ TEST_CASE("each field of each night comes back, and each result beneath its own 
   CHECK((nights[1].results[0].label == "z" && nights[1].results[0].json == R"({"y":2})"));
 }
 
-TEST_CASE("a night that is refused half way leaves nothing") {
+TEST_CASE("nights: a night that is refused half way leaves nothing") {
   NewStore store;
   db::NightRecord night{0, "small", "f", "t", "{}", 1, 1, kUtc, kUtc, "p", {}};
   night.results = {{0, "a", "{}", 0}, {0, "a again", "{}", 0}};
@@ -63,7 +63,7 @@ TEST_CASE("a night that is refused half way leaves nothing") {
   CHECK(store.add_night(night) == 1);
 }
 
-TEST_CASE("a run is found by its UUID, and one that is not there is none") {
+TEST_CASE("run lookup: a run is found by its UUID, and an unknown UUID gives none") {
   NewStore store;
   CHECK(store.run_of_uuid("") == 0);
   const std::int64_t first = store_example(store), second = store_example(store);
@@ -72,7 +72,7 @@ TEST_CASE("a run is found by its UUID, and one that is not there is none") {
   CHECK(store.run_of_uuid(store.run(first).uuid + "0") == 0);
 }
 
-TEST_CASE("the last run of a subject has both its seeds and its figures, lies before, and is not void") {
+TEST_CASE("run lookup: the last run of a subject has both seeds and statistics, is earlier, and is not void") {
   NewStore store;
   const std::int64_t first = seeded(store, 1, 2), second = seeded(store, 1, 2), third = seeded(store, 1, 3),
                      fourth = seeded(store, 2, 2);
@@ -91,7 +91,7 @@ TEST_CASE("the last run of a subject has both its seeds and its figures, lies be
   CHECK(store.last_run_of("a", 1, 2, 99) == first);
 }
 
-TEST_CASE("subjects are named once and in order, those of a run by themselves, and figures by run and subject") {
+TEST_CASE("statistics: subjects are listed once and in order, also per run, and values by run and subject") {
   NewStore store;
   const std::int64_t first = seeded(store, 1, 2), second = seeded(store, 3, 4);
   CHECK(store.subjects().empty());
@@ -111,7 +111,7 @@ TEST_CASE("subjects are named once and in order, those of a run by themselves, a
   CHECK(store.figures_of(99, "a").empty());
 }
 
-TEST_CASE("a baseline that is taken over comes back as it was, and the last of a subject is the one accepted last") {
+TEST_CASE("baselines: an imported baseline reads back unchanged, and the last one is the one accepted last") {
   NewStore store;
   const std::int64_t first = seeded(store, 1, 2), second = seeded(store, 3, 4);
   CHECK_FALSE(store.last_baseline("rig"));
@@ -136,7 +136,7 @@ TEST_CASE("a baseline that is taken over comes back as it was, and the last of a
   CHECK(store.baselines().size() == 4);
 }
 
-TEST_CASE("figures are replaced as a whole, by run and subject, and those of void runs are not listed") {
+TEST_CASE("statistics: are replaced as a whole per run and subject, and those of void runs are not listed") {
   NewStore store;
   const std::int64_t first = store_example(store), second = store_example(store);
   store.replace_figures(first, "nightly/a", {{"x_psi", 1.0}, {"y_mv", std::nan("")}});
@@ -155,7 +155,7 @@ TEST_CASE("figures are replaced as a whole, by run and subject, and those of voi
   CHECK(store_error([&] { store.replace_figures(99, "nightly/a", {}); }) == "TB-STORE-NOT-FOUND");
 }
 
-TEST_CASE("a baseline needs runs with figures of its subject, a reason and a name") {
+TEST_CASE("baselines: a baseline requires runs with statistics of its subject, a reason and a name") {
   NewStore store;
   const std::int64_t first = seeded(store, 1, 0), second = seeded(store, 2, 0), third = seeded(store, 3, 0);
   for (const std::int64_t run : {first, second})
@@ -182,7 +182,7 @@ TEST_CASE("a baseline needs runs with figures of its subject, a reason and a nam
   CHECK(refused([&](db::BaselineRecord&) {}) == "TB-STORE-CONFLICT");
 }
 
-TEST_CASE("runs that repeat one another count once, and alone they are not a baseline") {
+TEST_CASE("baselines: runs that repeat one another count once, and only repetitions are refused") {
   NewStore store;
   // 1 and 2: the same content; 3: another seed and the same figures, one of them not-a-number; 4: other figures.
   std::vector<std::int64_t> runs;
@@ -206,7 +206,7 @@ TEST_CASE("runs that repeat one another count once, and alone they are not a bas
   CHECK(store.baselines().back().runs == runs);
 }
 
-TEST_CASE("approved reports and figures are copied with their run") {
+TEST_CASE("run copy: approved reports and statistics are copied with their run") {
   NewStore store;
   const std::int64_t run = store_example(store);
   store.add_report({run, "1-0a1b2c3d", "0a1b2c3d", "K. Lee", "2026-01-01T00:00:00Z", "", ""});

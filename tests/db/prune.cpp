@@ -34,7 +34,7 @@ void judge(RunStore& store, std::int64_t fitted, std::int64_t judged) {
 
 }  // namespace
 
-TEST_CASE("the frames of a night's run go, and all else stays and is still checked") {
+TEST_CASE("prune: removes the frames of a nightly run, and everything else stays and still verifies") {
   NewStore store;
   const std::int64_t run = night_run(store), other = night_run(store);
   store.replace_figures(run, "nightly/a", {{"mean_error_psi", 0.25}});
@@ -60,7 +60,7 @@ TEST_CASE("the frames of a night's run go, and all else stays and is still check
   CHECK(raw.integer("SELECT frames_pruned FROM v_runs WHERE run = 1") == 3);
 }
 
-TEST_CASE("a change of what is left of a pruned run is detected") {
+TEST_CASE("prune: a later change to the rest of a pruned run is detected") {
   const auto difference_after = [](const char* sql) {
     const TemporaryFolder folder;
     RunStore store = RunStore::open(folder.path("runs.db"));
@@ -80,7 +80,7 @@ TEST_CASE("a change of what is left of a pruned run is detected") {
   CHECK_FALSE(difference_after("DELETE FROM pruned").empty());
 }
 
-TEST_CASE("frames of hardware, of other runs than nights', void, pinned, reported or open ones stay") {
+TEST_CASE("prune: keeps the frames of hardware, non-nightly, void, pinned, reported and open runs") {
   NewStore store;
   db::RunRecord hardware = example_run();
   hardware.origin = "hardware";
@@ -108,7 +108,7 @@ TEST_CASE("frames of hardware, of other runs than nights', void, pinned, reporte
   CHECK(store.why_not_pruned(free).empty());
 }
 
-TEST_CASE("a damaged run is not pruned, and a pruned one is not continued") {
+TEST_CASE("prune: a damaged run is not pruned, and a pruned run is not continued") {
   NewStore store;
   night_run(store);
   const Begun begun = begin_example(store);
@@ -122,7 +122,7 @@ TEST_CASE("a damaged run is not pruned, and a pruned one is not continued") {
   CHECK(store.frame_count(1) == 3);
 }
 
-TEST_CASE("a pruned run is copied as such, and the space that frames leave is given back on request") {
+TEST_CASE("prune: a pruned run is copied as pruned, and shrink frees the space of removed frames") {
   NewStore store;
   for (int i = 0; i < 30; ++i) {
     const Begun begun = begin_example(store);

@@ -20,7 +20,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
-TEST_CASE("a run reads back as it was written") {
+TEST_CASE("run store: a run reads back as written") {
   NewStore store;
   db::RunRecord given = example_run();
   given.uuid = db::new_uuid();
@@ -56,7 +56,7 @@ TEST_CASE("a run reads back as it was written") {
   CHECK(store.runs().size() == 1);
 }
 
-TEST_CASE("frames, branches and events read back exactly") {
+TEST_CASE("run store: frames, branches, checks and events read back exactly") {
   NewStore store;
   const Begun begun = begin_example(store);
   db::FrameRecord odd = example_frame(begun.branch, 1);
@@ -115,7 +115,7 @@ TEST_CASE("frames, branches and events read back exactly") {
   CHECK((events[1].time_ns == 9 && events[1].id == "X" && store.run(begun.run).state == "running"));
 }
 
-TEST_CASE("models and verdicts read back exactly") {
+TEST_CASE("run store: fits and verdicts read back exactly") {
   NewStore store;
   const std::int64_t run = store_example(store);
   db::FitRecord fit{0, run, "elam", true, 256, R"({"p":[-0.0,5e-324]})", "a build", "0.1.0", "2024-05-02T00:00:00Z"};
@@ -153,7 +153,7 @@ TEST_CASE("models and verdicts read back exactly") {
   CHECK((store.verdicts(run)[0].fit == second && store.verdicts(run)[1].fit == rival));
 }
 
-TEST_CASE("verdicts by other limits, and by models of another run, are not replaced") {
+TEST_CASE("run store: verdicts by other limits or by models of another run are not replaced") {
   NewStore store;
   const std::int64_t judged = store_example(store), one = store_example(store), other = store_example(store);
   const auto fit_of_run = [&](std::int64_t run) {
@@ -181,7 +181,7 @@ TEST_CASE("verdicts by other limits, and by models of another run, are not repla
   CHECK(store.verdicts_of_models(one).back().model_run == one);
 }
 
-TEST_CASE("rows that contradict the run are refused and leave nothing") {
+TEST_CASE("run store: rows that contradict the run are refused and leave nothing") {
   NewStore store;
   const std::int64_t ended = store_example(store);
   const Begun begun = begin_example(store);
@@ -208,7 +208,7 @@ TEST_CASE("rows that contradict the run are refused and leave nothing") {
   CHECK(store.run(begun.run).content_sha256 == store.content_hash(begun.run));
 }
 
-TEST_CASE("UUIDs are of version 4 and differ") {
+TEST_CASE("UUID: new UUIDs are of version 4 and differ") {
   const std::string form = "xxxxxxxx-xxxx-4xxx-yxxx-xxxxxxxxxxxx";
   for (int round = 0; round < 64; ++round) {
     const std::string uuid = db::new_uuid();
@@ -233,7 +233,7 @@ using db::RunStore;
 using db::sqlite::Access;
 using db::sqlite::Connection;
 
-TEST_CASE("frames of two branches and of two runs in turn each have the place of their own branch") {
+TEST_CASE("run store: interleaved frames of two branches and two runs each keep their own branch") {
   NewStore store;
   const Begun one = begin_example(store), other = begin_example(store);
   db::BranchRecord next = example_branch();
@@ -255,8 +255,7 @@ TEST_CASE("frames of two branches and of two runs in turn each have the place of
   CHECK((store.frame_count(one.run) == 6 && store.frame_count(other.run) == 4));
 }
 
-TEST_CASE(
-    "a frame of no branch of its run is told by its place and still enters the hash, wherever its branch would lie") {
+TEST_CASE("content check: a frame without a branch of its run is named and still enters the hash") {
   for (const char* branch : {"-1", "2", "77"}) {
     CAPTURE(branch);
     const TemporaryFolder folder;
@@ -293,7 +292,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("frames that came back after all were removed are told, with the day of the removal") {
+TEST_CASE("content check: frames restored after pruning are reported, with the date of the pruning") {
   NewStore store;
   store_example(store);
   store_example(store);
@@ -308,7 +307,7 @@ TEST_CASE("frames that came back after all were removed are told, with the day o
   CHECK(store_error([&] { (void)store.frames(2); }) == "TB-STORE-PRUNED");
 }
 
-TEST_CASE("texts are compared with their own hashes only where there are such") {
+TEST_CASE("content check: file texts are compared with their own hashes only if these are valid") {
   NewStore store;
   db::RunRecord record = example_run();
   record.bench_sha256 = std::string(63, 'a');  // no SHA-256
@@ -318,7 +317,7 @@ TEST_CASE("texts are compared with their own hashes only where there are such") 
   CHECK_THAT(store.check_content(run).difference, Contains("the run's row, a sequence, a device, or frame 1 "));
 }
 
-TEST_CASE("runs copied in any order keep their verdicts beside the fits of each") {
+TEST_CASE("run copy: runs copied in any order keep their verdicts and the fits of these") {
   NewStore source, target;
   for (int i = 0; i < 3; ++i) store_example(source);
   const auto fit_of = [&](std::int64_t run, const std::string& model) {
@@ -355,7 +354,7 @@ TEST_CASE("runs copied in any order keep their verdicts beside the fits of each"
   CHECK(store_error([&] { (void)target.copy_runs_from(source, {1}); }) == "TB-STORE-EXISTS");
 }
 
-TEST_CASE("nights, too, are missed when they were deleted") {
+TEST_CASE("structure check: deleted nights are reported") {
   NewStore store;
   (void)store.add_night({0, "small", "f", "t", "{}", 1, 1, kUtc, kUtc, "p", {}});
   CHECK(store.check_structure().empty());
@@ -454,7 +453,7 @@ std::string store_in(const std::string& path, bool with_free_pages) {
 
 }  // namespace
 
-TEST_CASE("each flipped bit of a store's header is refused, or makes no difference to reading and writing") {
+TEST_CASE("store header: each flipped bit is refused, or does not affect reading and writing") {
   const TemporaryFolder folder;
   const std::string content = store_in(folder.path("runs.db"), false);
   const Fates fates = flip_each(read_file(folder.path("runs.db")), content, 0, kHeaderBytes);
@@ -463,7 +462,7 @@ TEST_CASE("each flipped bit of a store's header is refused, or makes no differen
   CHECK(fates.harmless > 100);  // counters of changes, reserved bytes, the version of the library
 }
 
-TEST_CASE("each flipped bit of the header is refused or harmless also where pages are free") {
+TEST_CASE("store header: each flipped bit of the page fields is refused or harmless, also with free pages") {
   const TemporaryFolder folder;
   const std::string content = store_in(folder.path("runs.db"), true);
   REQUIRE(Connection(folder.path("runs.db"), Access::kReadOnly).integer("PRAGMA freelist_count") > 3);
@@ -471,7 +470,7 @@ TEST_CASE("each flipped bit of the header is refused or harmless also where page
   CHECK(fates.refused + fates.harmless == 128);
 }
 
-TEST_CASE("an impossible schema version is reported as damage") {
+TEST_CASE("store header: an impossible schema version is reported as damage") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
   RunStore::open(path);

@@ -41,7 +41,7 @@ Positions after(db::RunLook& look, std::int64_t position, int most) {
 
 }  // namespace
 
-TEST_CASE("frames after a position come in their order, at most so many, and none of a neighbour") {
+TEST_CASE("live frames: frames after a position come in order, up to the limit, and only from their run") {
   const Looked looked;
   db::RunLook look = looked.look();
   CHECK(after(look, 0, 99) == Positions{1, 2, 3, 4, 5});
@@ -54,7 +54,7 @@ TEST_CASE("frames after a position come in their order, at most so many, and non
   CHECK(after(look, -2, 99) == Positions{1, 2, 3, 4, 5});  // none of the run before
 }
 
-TEST_CASE("the position before the newest frames is counted from the end, and of too few frames it is the start") {
+TEST_CASE("live frames: the position before the newest n frames is counted from the end, and is at least 0") {
   const Looked looked;
   db::RunLook look = looked.look();
   CHECK(look.before_newest(0) == 5);
@@ -67,7 +67,7 @@ TEST_CASE("the position before the newest frames is counted from the end, and of
   CHECK_FALSE(db::RunLook(reader, 99).newest());
 }
 
-TEST_CASE("a frame that is looked at has all that was measured, and whether it counts") {
+TEST_CASE("live frames: a frame has all its measured data, and whether it is void") {
   Looked looked;
   db::FrameRecord bare = example_frame(looked.branch, 7);
   bare.wrench.reset();
@@ -94,7 +94,7 @@ TEST_CASE("a frame that is looked at has all that was measured, and whether it c
   CHECK_FALSE(look.newest()->is_void);  // of no branch
 }
 
-TEST_CASE("a frame that was pressed with no force yet is a pressed one, too") {
+TEST_CASE("live frames: a pressed frame without force still has its wrench") {
   Looked looked;
   db::FrameRecord frame = example_frame(looked.branch, 7);
   frame.wrench->target_n = 0.0;
@@ -107,7 +107,7 @@ TEST_CASE("a frame that was pressed with no force yet is a pressed one, too") {
   CHECK((seen->wrench->wrench == frame.wrench->wrench && seen->wrench->place_mm == frame.wrench->place_mm));
 }
 
-TEST_CASE("a frame whose counts do not fit its shape is not shown, and the next question finds the others") {
+TEST_CASE("live frames: a frame whose counts do not fit its shape is refused, and the next query finds the others") {
   const Looked looked;
   Connection(looked.store.path(), Access::kReadWrite)
       .execute("PRAGMA ignore_check_constraints = ON; UPDATE frames SET scans = 3 WHERE frame = 2000000004");
@@ -116,7 +116,7 @@ TEST_CASE("a frame whose counts do not fit its shape is not shown, and the next 
   CHECK(after(look, 4, 9) == Positions{5});
 }
 
-TEST_CASE("who looked at some of the frames does not hold the log of who writes") {
+TEST_CASE("live frames: a reader that stops part way does not hold the writer's log") {
   Looked looked;
   db::RunLook look = looked.look();
   CHECK(after(look, 0, 2).size() == 2);
@@ -130,7 +130,7 @@ TEST_CASE("who looked at some of the frames does not hold the log of who writes"
   CHECK(look.newest()->position == 6);
 }
 
-TEST_CASE("newest: events of one run, newest first, no more than are wanted") {
+TEST_CASE("live events: events of one run come newest first, no more than requested") {
   NewStore store;
   const Begun begun = begin_example(store);
   for (int i = 1; i <= 4; ++i) store.append_event(begun.run, {i, "kind", "TB-ID", std::to_string(i)});
@@ -144,7 +144,7 @@ TEST_CASE("newest: events of one run, newest first, no more than are wanted") {
   CHECK(seen == std::vector<std::string>{"4", "3", "2"});
 }
 
-TEST_CASE("a seen frame's mean counts are those of its scans, taxel by taxel") {
+TEST_CASE("live frames: mean counts of a frame are the means of its scans, per taxel") {
   db::SeenFrame frame;
   frame.scans = 2;
   frame.rows = 1;
@@ -176,7 +176,7 @@ Numbers numbers_of(const std::vector<db::RunRecord>& runs) {
 
 }  // namespace
 
-TEST_CASE("runs are found by their sensor, their start and their content, and by all of these at once") {
+TEST_CASE("run lookup: runs are found by sensor, start and content, and by all of these at once") {
   NewStore store;
   db::SensorRecord other = example_sensor();
   other.serial = "S-2";
@@ -213,7 +213,7 @@ TEST_CASE("runs are found by their sensor, their start and their content, and by
   CHECK(found("S-1", "2026-01-03T00:00:00Z", content) == Numbers{3});
 }
 
-TEST_CASE("the last check is that of one sensor, kind and verdict, of a run before") {
+TEST_CASE("run lookup: the last check is that of one sensor, kind and verdict, in an earlier run") {
   NewStore store;
   db::SensorRecord other = example_sensor();
   other.serial = "S-2";
@@ -246,9 +246,7 @@ TEST_CASE("the last check is that of one sensor, kind and verdict, of a run befo
   CHECK((check->detail_json == R"({"a":2})" && check->data == std::vector<double>{1.5, 2.5}));
 }
 
-TEST_CASE(
-    "of several fits the newest that stands for the run is found, else the newest, and a missing one is named beside "
-    "them") {
+TEST_CASE("run lookup: the selected fit of a run is found, else its only one, and an unknown fit is an error") {
   NewStore store;
   const std::int64_t first = store_example(store), second = store_example(store);
   CHECK_FALSE(store.standing_fit(first));
@@ -261,7 +259,7 @@ TEST_CASE(
   CHECK(store_error([&] { (void)store.fit(9); }) == "TB-STORE-NOT-FOUND");
 }
 
-TEST_CASE("figures of runs that nobody has are refused, and questions without a run have their own zero") {
+TEST_CASE("run lookup: counts of an empty run are 0, and queries of an unknown run are errors") {
   NewStore store;
   const std::int64_t empty = begin_example(store).run;
   CHECK((store.frame_count(empty) == 0 && store.flagged_frame_count(empty) == 0));
@@ -273,7 +271,7 @@ TEST_CASE("figures of runs that nobody has are refused, and questions without a 
   CHECK(store_error([&] { (void)store.prune_frames(99, "a rule", kUtc); }) == "TB-STORE-NOT-FOUND");
 }
 
-TEST_CASE("flagged frames are counted in their own run, and the first frame is that of the run") {
+TEST_CASE("run lookup: flagged frames, first frame and last time are those of the run itself") {
   NewStore store;
   const auto with_scans = [&](const Begun& begun, int scans, const std::string& flags) {
     db::FrameRecord frame = example_frame(begun.branch, scans);
@@ -295,7 +293,7 @@ TEST_CASE("flagged frames are counted in their own run, and the first frame is t
   CHECK(store.last_time_ns(second.run) == example_frame(1, 23).time_ns);
 }
 
-TEST_CASE("frames have their times by position, and beyond the run's own there are none") {
+TEST_CASE("run lookup: frame times are found by position, and not beyond the run's own frames") {
   NewStore store;
   const std::int64_t first = store_example(store), run = store_example(store);
   CHECK(store.last_position(run) == 3);
@@ -315,7 +313,7 @@ TEST_CASE("frames have their times by position, and beyond the run's own there a
   }
 }
 
-TEST_CASE("of a run's events those are timed that change its state or begin a way back") {
+TEST_CASE("run lookup: timed events are those that change the state or start a way back") {
   NewStore store;
   const Begun begun = begin_example(store);
   store.set_state(begun.run, "running", {5, "state", "", "prepared -> running"});
@@ -327,7 +325,7 @@ TEST_CASE("of a run's events those are timed that change its state or begin a wa
   CHECK((found[1].time_ns == 7 && found[1].kind == "way-back" && found[1].detail == "branch 1"));
 }
 
-TEST_CASE("the newest completed runs of a bench are learnt from, newest first, each by its sequences") {
+TEST_CASE("run lookup: timed sequences are those of the newest completed runs of a bench, newest first") {
   NewStore store;
   store_example(store);
   const std::int64_t second = store_example(store);

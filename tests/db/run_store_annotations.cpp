@@ -21,7 +21,7 @@ std::int64_t seeded(RunStore& store, std::int64_t seed, const std::string& origi
 
 }  // namespace
 
-TEST_CASE("runs without figures or without an end are not repetitions of each other") {
+TEST_CASE("repeated runs: runs without statistics, or open runs with different ones, are not repetitions") {
   NewStore store;
   const std::int64_t one = seeded(store, 1), two = seeded(store, 2);
   CHECK(store.repeated_runs("rig", {one, two}).empty());
@@ -33,7 +33,7 @@ TEST_CASE("runs without figures or without an end are not repetitions of each ot
   CHECK(store.repeated_runs("rig", {open, other}) == std::map<std::int64_t, std::int64_t>{{other, open}});
 }
 
-TEST_CASE("a baseline has a date and one origin") {
+TEST_CASE("baselines: a baseline requires a date and runs of one origin") {
   NewStore store;
   const std::int64_t simulated = seeded(store, 1), real = seeded(store, 2, "hardware");
   for (const std::int64_t run : {simulated, real}) {
@@ -56,7 +56,7 @@ TEST_CASE("a baseline has a date and one origin") {
   CHECK(added(kUtc, {simulated, again}) == "TB-STORE-CONFLICT");
 }
 
-TEST_CASE("a report names the one that it replaces and why, the first names none") {
+TEST_CASE("approved reports: a report names the one it replaces and why, and the first names none") {
   NewStore store;
   const std::int64_t run = store_example(store);
   const auto approved = [&](const std::string& number, const std::string& replaces, const std::string& reason) {
@@ -81,14 +81,14 @@ TEST_CASE("a report names the one that it replaces and why, the first names none
   CHECK(store.check_seals(run).empty());
 }
 
-TEST_CASE("equal counts are no repetition, the same content is") {
+TEST_CASE("repeated runs: equal counts are not a repetition, equal content is") {
   NewStore store;
   const std::vector<std::int64_t> runs = {seeded(store, 1), seeded(store, 2), seeded(store, 2)};
   for (const std::int64_t run : runs) store.replace_figures(run, "rig", {{"frames", 124.0}, {"branches_redone", 2.0}});
   CHECK(store.repeated_runs("rig", runs) == std::map<std::int64_t, std::int64_t>{{runs[2], runs[1]}});
 }
 
-TEST_CASE("the hash over the frames is that of what was measured, whatever program did") {
+TEST_CASE("frames hash: depends on the measured data, not on the program that measured") {
   NewStore store;
   db::RunRecord record = example_run();
   const std::int64_t first = store_example(store, record);
@@ -102,7 +102,7 @@ TEST_CASE("the hash over the frames is that of what was measured, whatever progr
   CHECK_THROWS_AS(db::frames_hash(store, 99), db::StoreError);
 }
 
-TEST_CASE("tags are a sorted set of words") {
+TEST_CASE("tags: are a sorted set of words, with one value per key") {
   NewStore store;
   const std::int64_t run = store_example(store), other = store_example(store);
   store.set_tags(run, {"night", "a:b", "night"}, {});
@@ -134,7 +134,7 @@ TEST_CASE("tags are a sorted set of words") {
   CHECK(store.check_content(run).holds());
 }
 
-TEST_CASE("notes are lines that only grow") {
+TEST_CASE("notes: are lines that can only be added") {
   NewStore store;
   const std::int64_t run = store_example(store);
   store.add_note(run, "first");
@@ -146,7 +146,7 @@ TEST_CASE("notes are lines that only grow") {
   CHECK(store.check_content(run).holds());
 }
 
-TEST_CASE("a void run is kept with reason and name, and is not a reference for later runs") {
+TEST_CASE("void run: is kept with reason and name, and is not a reference for later runs") {
   NewStore store;
   const std::int64_t run = store_example(store);
   REQUIRE(store.last_check("S-1", "seating", "pass", run + 1));
@@ -170,7 +170,7 @@ TEST_CASE("a void run is kept with reason and name, and is not a reference for l
   CHECK(store_error([&] { raw.execute("UPDATE runs SET void_by = ''"); }) == "TB-STORE-CONFLICT");
 }
 
-TEST_CASE("time estimates do not learn from void runs") {
+TEST_CASE("time estimates: void runs are not used") {
   NewStore store;
   const std::int64_t first = store_example(store), second = store_example(store);
   CHECK(store.timed_sequences("bench-a", 5).size() == 4);

@@ -32,14 +32,15 @@ std::string named_after(int frames, bool ended, const std::string& sql) {
 
 using Catch::Contains;
 
-TEST_CASE("of a run without frames the row is named, its texts by their own hashes") {
+TEST_CASE(
+    "content check: for a run without frames the run's row is named, and changed file texts by their own hashes") {
   CHECK_THAT(named_after(0, true, "UPDATE runs SET operator = 'X'"), Contains("run's row") && Contains("now 0"));
   CHECK_THAT(named_after(0, true, "UPDATE runs SET bench_toml = 'X'"), Contains("bench file") && !Contains("now 0"));
   CHECK_THAT(named_after(0, true, "UPDATE events SET detail = 'X'"), Contains("an event") && Contains("run's row"));
   CHECK_THAT(named_after(2, true, "UPDATE events SET detail = 'X'"), Contains("now 2") && !Contains("run's row"));
 }
 
-TEST_CASE("an open run has no hash of its end, and its frames are checked") {
+TEST_CASE("content check: an open run has no hash of its end, and its frames are checked") {
   CHECK(named_after(3, false, "SELECT 1").empty());
   CHECK_THAT(named_after(3, false, "UPDATE frames SET status = 7 WHERE frame % 10 = 3"),
              Contains("frame 3 ") && Contains("its row"));
@@ -50,7 +51,7 @@ TEST_CASE("an open run has no hash of its end, and its frames are checked") {
   CHECK(named_after(3, false, "INSERT INTO events (run, time_ns, kind, id, detail) VALUES (1, 1, '', '', '')").empty());
 }
 
-TEST_CASE("of several changes the first is named") {
+TEST_CASE("content check: of several changes the first is named") {
   CHECK_THAT(named_after(5, true,
                          "UPDATE frames SET status = 7 WHERE frame % 10 = 2; DELETE FROM frames WHERE frame % 10 = 4"),
              Contains("frame 2 ") && !Contains("missing"));
@@ -64,7 +65,7 @@ TEST_CASE("of several changes the first is named") {
              Contains("frame 3 ") && Contains("its row"));
 }
 
-TEST_CASE("tables without a version are damage, a file without either is new, and one is no longer than its pages") {
+TEST_CASE("store opening: tables without a version and extra bytes are damage, an empty database is new") {
   Connection connection(":memory:", Access::kReadWrite);
   CHECK(store_error([&] { db::check_version(connection); }).empty());
   connection.execute("CREATE TABLE mine (a)");
@@ -80,7 +81,7 @@ TEST_CASE("tables without a version are damage, a file without either is new, an
   CHECK(store_error([&] { RunStore::open(path); }).empty());
 }
 
-TEST_CASE("a third backup has a name of its own, too") {
+TEST_CASE("store migration: a third backup also gets a name of its own") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
   CHECK(db::backup_path(path, 3) == path + ".schema-3.backup");

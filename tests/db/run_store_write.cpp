@@ -12,7 +12,7 @@ using db::RunStore;
 using db::sqlite::Access;
 using db::sqlite::Connection;
 
-TEST_CASE("a branch that is void takes no frame, the next attempt does") {
+TEST_CASE("run store: a void branch accepts no frame, from its own run or another") {
   NewStore store;
   const Begun begun = begin_example(store);
   REQUIRE(begun.run == 1);
@@ -24,7 +24,7 @@ TEST_CASE("a branch that is void takes no frame, the next attempt does") {
   CHECK(store_error([&] { store.append_frame(other_run, example_frame(begun.branch, 1)); }) == "TB-STORE-CONFLICT");
 }
 
-TEST_CASE("names of a run and of a sensor each have a maximum length") {
+TEST_CASE("run store: names of a run and of a sensor have a maximum length") {
   NewStore store;
   const std::string longest(db::kLongestName, 'n'), longer = longest + 'n';
   for (std::string db::SensorRecord::*member :
@@ -49,7 +49,7 @@ TEST_CASE("names of a run and of a sensor each have a maximum length") {
   CHECK(store.runs().size() == 3);
 }
 
-TEST_CASE("a sensor is registered once, and again only as another") {
+TEST_CASE("run store: a sensor is registered once, and not again with another type or scanner") {
   NewStore store;
   store.add_sensor(example_sensor());
   store.add_sensor(example_sensor());
@@ -76,7 +76,7 @@ TEST_CASE("a sensor is registered once, and again only as another") {
   CHECK(store_error([&] { store.begin_run(unknown); }) == "TB-STORE-CONFLICT");
 }
 
-TEST_CASE("devices are replaced as a whole until the first frame") {
+TEST_CASE("run store: devices are replaced as a whole, until the first frame") {
   NewStore store;
   const Begun begun = begin_example(store);
   store.set_devices(begun.run, {{"stage", "Z-1", "7", "6.0", "simulated", "{}"}});
@@ -91,7 +91,7 @@ TEST_CASE("devices are replaced as a whole until the first frame") {
   CHECK(store.check_content(begun.run).holds());
 }
 
-TEST_CASE("devices of a run that another program ended are not replaced") {
+TEST_CASE("run store: devices of a run that another program ended are not replaced") {
   NewStore own;
   RunStore other = RunStore::open(own.path());
   own.add_sensor(example_sensor());
@@ -103,7 +103,7 @@ TEST_CASE("devices of a run that another program ended are not replaced") {
   CHECK(other.check_content(run).holds());
 }
 
-TEST_CASE("a run that two programs wrote in turn is closed as it stands in the file") {
+TEST_CASE("run store: a run that two programs wrote in turn is closed with all rows of the file") {
   NewStore one;
   RunStore two = RunStore::open(one.path());
   const Begun begun = begin_example(one);
@@ -121,7 +121,7 @@ TEST_CASE("a run that two programs wrote in turn is closed as it stands in the f
   CHECK(one.frame_count(begun.run) == 4);
 }
 
-TEST_CASE("a resumed run continues after its last frame, whichever process wrote it") {
+TEST_CASE("run store: a resumed run continues after its last frame, whichever process wrote it") {
   NewStore one;
   RunStore two = RunStore::open(one.path());
   const Begun begun = begin_example(one);
@@ -135,7 +135,7 @@ TEST_CASE("a resumed run continues after its last frame, whichever process wrote
   CHECK(one.frame_count(begun.run) == 3);
 }
 
-TEST_CASE("a log of exactly a thousand pages is long enough, and one that is a byte shorter is not") {
+TEST_CASE("write-ahead log: a log of exactly 1000 pages is kept, one a byte shorter is lengthened") {
   // A write-ahead log is a header of 32 bytes, then 24 bytes and a page for each page that it holds.
   for (const std::uintmax_t length : {1000 * (4096 + 24) + 32 - 1, 1000 * (4096 + 24) + 32}) {
     const TemporaryFolder folder;
@@ -148,7 +148,7 @@ TEST_CASE("a log of exactly a thousand pages is long enough, and one that is a b
   }
 }
 
-TEST_CASE("a missing run cannot be read, extended or annotated") {
+TEST_CASE("run store: a missing run cannot be read, extended or annotated") {
   NewStore store;
   const std::int64_t run = store_example(store);
   db::FitRecord fit;
@@ -203,7 +203,7 @@ TEST_CASE("a missing run cannot be read, extended or annotated") {
   CHECK((store.fits(run).size() == 1 && store.check_seals(run).empty() && store.check_structure().empty()));
 }
 
-TEST_CASE("an ended run accepts no more data, and the error states how it ended") {
+TEST_CASE("run store: an ended run accepts no more data") {
   NewStore store;
   const std::int64_t run = store_example(store);
   const std::vector<std::pair<std::string, std::function<void()>>> changes = {
@@ -227,7 +227,7 @@ TEST_CASE("an ended run accepts no more data, and the error states how it ended"
   CHECK((!record.rest_s && record.seen_utc.empty()));
 }
 
-TEST_CASE("an unknown word for an outcome or a safe state is refused") {
+TEST_CASE("run store: an unknown text for an outcome or a safe state is refused") {
   NewStore store;
   const std::int64_t run = store_example(store);
   Connection raw(store.path(), Access::kReadWrite);
@@ -241,7 +241,7 @@ TEST_CASE("an unknown word for an outcome or a safe state is refused") {
   CHECK(read_with("safe_state = 'verified'").empty());
 }
 
-TEST_CASE("a run's rest and the forces at a branch's ends are absent unless they were stored") {
+TEST_CASE("run store: rest time and forces at the ends of a branch are absent unless stored") {
   NewStore store;
   const Begun begun = begin_example(store);
   CHECK_FALSE(store.run(begun.run).rest_s);
@@ -261,7 +261,7 @@ TEST_CASE("a run's rest and the forces at a branch's ends are absent unless they
   CHECK((!branches[3].from_n && !branches[3].to_n));
 }
 
-TEST_CASE("the newest time of a run is that of its last frame or of its last event, whichever is later") {
+TEST_CASE("run store: the last time of a run is that of its last frame or event, whichever is later") {
   NewStore store;
   const Begun begun = begin_example(store);
   CHECK(store.last_time_ns(begun.run) == 0);

@@ -17,7 +17,7 @@ double mean_of(const Counts& scans, std::vector<double> before = {}) {
 
 }  // namespace
 
-TEST_CASE("scans: a sample far from what the others agree on is not in the mean") {
+TEST_CASE("scans: a sample far from the majority of the others is left out of the mean") {
   CHECK(mean_of({5000, 5004}) == 5002.0);
   CHECK(mean_of({5000, 8200}) == 6600.0);  // within 5 % of the converter: noise, or a load that moves
   CHECK(mean_of({5000, 65535, 5004}) == 5002.0);
@@ -28,7 +28,7 @@ TEST_CASE("scans: a sample far from what the others agree on is not in the mean"
   CHECK(mean_of({65535, 65535, 65535, 5000}) == 65535.0);  // the taxel is at the limit
 }
 
-TEST_CASE("scans: of two that differ the one near the frame before counts, or the one that is at no end") {
+TEST_CASE("scans: of two that differ, the one near the previous frame counts, else the one not at a limit") {
   CHECK(mean_of({5600, 65535}) == 5600.0);
   CHECK(mean_of({0, 5600}) == 5600.0);
   CHECK(mean_of({5600, 30000}) == 17800.0);
@@ -37,7 +37,7 @@ TEST_CASE("scans: of two that differ the one near the frame before counts, or th
   CHECK(mean_of({5600, 30000}, {18000.0}) == 17800.0);  // as far from both
 }
 
-TEST_CASE("scans: each taxel for itself, and any that disagrees is told") {
+TEST_CASE("scans: means are per taxel, and a disagreement of any taxel is reported") {
   const Counts frame = {100, 200, 300, 104, 65535, 300};  // two scans of three taxels
   CHECK(db::scan_means(frame, 2) == std::vector<double>{102.0, 200.0, 300.0});
   CHECK(db::scans_disagree(frame, 2));

@@ -17,7 +17,7 @@ using db::RunStore;
 using db::sqlite::Access;
 using db::sqlite::Connection;
 
-TEST_CASE("a new store has the application id, the newest version, WAL and pages of 4096") {
+TEST_CASE("store schema: a new store has the application id, the newest version, WAL and pages of 4096 bytes") {
   const TemporaryFolder folder;
   RunStore::open(folder.path("runs.db"));
   Connection raw(folder.path("runs.db"), Access::kReadWrite);
@@ -29,7 +29,7 @@ TEST_CASE("a new store has the application id, the newest version, WAL and pages
   CHECK(raw.text("PRAGMA integrity_check") == "ok");
 }
 
-TEST_CASE("every table is STRICT, and a text in a column of numbers is refused") {
+TEST_CASE("store schema: every table is STRICT, and invalid values are refused") {
   NewStore store;
   const std::int64_t run = store_example(store);
   Connection raw(store.path(), Access::kReadWrite);
@@ -51,7 +51,7 @@ TEST_CASE("every table is STRICT, and a text in a column of numbers is refused")
   }
 }
 
-TEST_CASE("foreign keys hold") {
+TEST_CASE("store schema: foreign keys are enforced") {
   NewStore store;
   const Begun begun = begin_example(store);
   store.append_frame(begun.run, example_frame(begun.branch, 0));
@@ -67,7 +67,7 @@ TEST_CASE("foreign keys hold") {
   CHECK(raw.integer("SELECT count(*) FROM pragma_foreign_key_check") == 0);
 }
 
-TEST_CASE("the views show runs, frames and verdicts with their units") {
+TEST_CASE("store schema: the views show runs, frames and verdicts with their units") {
   NewStore store;
   store_example(store);
   const std::int64_t run = store_example(store);
@@ -111,7 +111,7 @@ const db::Migrations& with_second_schema() {
 
 }  // namespace
 
-TEST_CASE("a made-up schema 2: the store is copied, migrated with its rows and hashes, and refused by this program") {
+TEST_CASE("store migration: keeps a backup, rows and hashes, and the newer schema is then refused by this program") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db"), kept = path + ".schema-1.backup.2";
   write_file(path + ".schema-1.backup", "mine");  // never written over
@@ -139,7 +139,7 @@ TEST_CASE("a made-up schema 2: the store is copied, migrated with its rows and h
   CHECK(read_file(path) == before);
 }
 
-TEST_CASE("a migration that fails, or a store of another schema, leaves the file as it was") {
+TEST_CASE("store migration: a failed migration and a store of another schema leave the file unchanged") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
   {
@@ -158,7 +158,7 @@ TEST_CASE("a migration that fails, or a store of another schema, leaves the file
   CHECK(read_file(path) == before);
 }
 
-TEST_CASE("a store of a migration before this program's own is migrated once, by whichever process is first") {
+TEST_CASE("store migration: an older store is migrated once, by whichever process is first") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
   RunStore::open(path);
@@ -170,7 +170,7 @@ TEST_CASE("a store of a migration before this program's own is migrated once, by
   CHECK(second.integer("PRAGMA user_version") == 2);
 }
 
-TEST_CASE("taxels of a fit are read with SQL out of its document") {
+TEST_CASE("store schema: v_fit_taxels reads the taxels of a fit from its document") {
   NewStore store;
   const std::int64_t run = store_example(store);
   const char* const document = R"({"output":{"unit":"V"},"taxels":[
@@ -187,7 +187,7 @@ TEST_CASE("taxels of a fit are read with SQL out of its document") {
   CHECK(raw.integer("SELECT count(*) FROM v_fit_taxels WHERE status = 'dead' AND mean_error IS NULL") == 1);
 }
 
-TEST_CASE("the series of an imported run read back bit for bit") {
+TEST_CASE("run store: the series of an imported run read back bit for bit") {
   NewStore store;
   db::RunRecord imported = example_run();
   imported.origin = "imported";
@@ -205,7 +205,7 @@ TEST_CASE("the series of an imported run read back bit for bit") {
   CHECK(store_error([&] { store.append_series(begun.run, {{0, 9, input, output}}); }) == "TB-STORE-CONFLICT");
 }
 
-TEST_CASE("an ended run that was not completed can be opened again, and its chain continues") {
+TEST_CASE("run store: an ended run that was not completed can be reopened, and its hash chain continues") {
   NewStore store;
   const Begun begun = begin_example(store);
   store.append_frame(begun.run, example_frame(begun.branch, 0));
@@ -253,7 +253,7 @@ FrameRow row_of(Connection& raw, std::int64_t position) {
 
 }  // namespace
 
-TEST_CASE("v_frames has each wrench and place as stored, bit for bit") {
+TEST_CASE("v_frames: has each wrench and position as stored, bit for bit") {
   NewStore store;
   const Begun begun = begin_example(store);
   std::mt19937_64 random(20);  // NOLINT(bugprone-random-generator-seed): the same each time
@@ -292,7 +292,7 @@ TEST_CASE("v_frames has each wrench and place as stored, bit for bit") {
   CHECK((half.known[0] && !half.known[2] && !half.known[3] && half.known[8]));
 }
 
-TEST_CASE("v_frames has the raw counts and the value of a count") {
+TEST_CASE("v_frames: has the raw counts and the volts per count") {
   NewStore store;
   store_example(store);
   Connection raw(store.path(), Access::kReadOnly);

@@ -51,7 +51,7 @@ std::string sealed_rows_after(const std::string& sql) {
 
 }  // namespace
 
-TEST_CASE("changes and deletions of verdicts, fits, approvals and voids are noticed") {
+TEST_CASE("seals: changes and deletions of verdicts, fits, approvals and voids are detected") {
   CHECK(sealed_rows_after("DELETE FROM verdicts") == "verdicts");
   CHECK(sealed_rows_after("DELETE FROM verdicts WHERE criterion = 'unfit_taxels'") == "verdicts");
   CHECK(sealed_rows_after("UPDATE verdicts SET verdict = 'fail' WHERE criterion = 'unfit_taxels'") == "verdicts");
@@ -72,7 +72,7 @@ TEST_CASE("changes and deletions of verdicts, fits, approvals and voids are noti
   CHECK(sealed_rows_after("UPDATE runs SET tags = 'a', notes = 'b'").empty());
 }
 
-TEST_CASE("a run that was never judged is sealed from its start") {
+TEST_CASE("seals: a run is sealed from its start, so that an added verdict is detected") {
   NewStore store;
   const std::int64_t run = store_example(store);
   CHECK(store.check_seals(run).empty());
@@ -85,7 +85,7 @@ TEST_CASE("a run that was never judged is sealed from its start") {
   CHECK_THAT(store.check_seals(run).front(), Catch::StartsWith("verdicts"));
 }
 
-TEST_CASE("missing runs and baselines are noticed") {
+TEST_CASE("structure check: deleted runs and baselines are reported") {
   NewStore store;
   const std::int64_t run = store_example(store);
   store.begin_run(example_run());
@@ -102,7 +102,7 @@ TEST_CASE("missing runs and baselines are noticed") {
   CHECK_THAT(store.check_structure().front(), Catch::StartsWith("runs: 2 "));
 }
 
-TEST_CASE("copied runs are sealed in the other store, and one that was tampered with is not copied") {
+TEST_CASE("seals: copied runs are sealed in the other store, and a tampered run is not copied") {
   NewStore store, other;
   const std::int64_t run = judged_example(store);
   store_example(other);

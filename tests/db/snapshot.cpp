@@ -19,7 +19,7 @@ using db::RunStore;
 using db::sqlite::Access;
 using db::sqlite::Connection;
 
-TEST_CASE("a snapshot of a store with a live run holds the acknowledged frames, and neither is disturbed") {
+TEST_CASE("snapshot: of a live run has all acknowledged frames, and disturbs neither store nor run") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   const std::int64_t done = store_example(store);
@@ -43,7 +43,7 @@ TEST_CASE("a snapshot of a store with a live run holds the acknowledged frames, 
   CHECK(copy.mark_interrupted("2026-01-01T00:00:00Z") == 1);
 }
 
-TEST_CASE("a snapshot overwrites nothing, and a failed one leaves nothing") {
+TEST_CASE("snapshot: overwrites no existing file, and replaces the partial files of a dead program") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   store_example(store);
@@ -61,7 +61,7 @@ TEST_CASE("a snapshot overwrites nothing, and a failed one leaves nothing") {
   CHECK(RunStore::open_read_only(folder.path("copy.db")).check_content(1).holds());
 }
 
-TEST_CASE("a program that dies over a snapshot leaves no file of its name, and the next one takes over") {
+TEST_CASE("snapshot: a program that dies during it leaves no file of that name, and the next one succeeds") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   store_example(store);
@@ -83,7 +83,7 @@ TEST_CASE("a program that dies over a snapshot leaves no file of its name, and t
   CHECK_FALSE(std::filesystem::exists(copy + ".partial"));
 }
 
-TEST_CASE("a store whose file is gone refuses what is new, takes what is said after that, and is saved whole") {
+TEST_CASE("removed store file: new work is refused, later notes are kept, and rescue saves all of it") {
   const auto replaced = GENERATE(false, true);
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
@@ -108,7 +108,7 @@ TEST_CASE("a store whose file is gone refuses what is new, takes what is said af
   if (replaced) CHECK(RunStore::open_read_only(path).run(1).notes.empty());
 }
 
-TEST_CASE("a store that is cut off under its program is noticed, one that gives free pages back is not") {
+TEST_CASE("truncated store file: is detected, and a store that VACUUM shrank is not mistaken for one") {
   const auto bytes = GENERATE(0U, 100U, 3U * 4096U);
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
@@ -128,7 +128,7 @@ TEST_CASE("a store that is cut off under its program is noticed, one that gives 
   for (const char* ending : {"", "-wal", "-shm"}) CHECK_FALSE(std::filesystem::exists(path + ".rescued" + ending));
 }
 
-TEST_CASE("a snapshot without free space ends with TB-STORE-FULL and leaves nothing") {
+TEST_CASE("snapshot: without free space ends with TB-STORE-FULL and leaves nothing") {
   const TemporaryFolder folder;
   {
     RunStore store = RunStore::open(folder.path("runs.db"));
@@ -146,7 +146,7 @@ TEST_CASE("a snapshot without free space ends with TB-STORE-FULL and leaves noth
   }
 }
 
-TEST_CASE("the structure check names rows that point nowhere and broken constraints") {
+TEST_CASE("structure check: broken references and violated constraints are reported") {
   NewStore store;
   store_example(store);
   CHECK(store.check_structure().empty());
@@ -169,7 +169,7 @@ std::size_t open_descriptors() {
 
 }  // namespace
 
-TEST_CASE("a snapshot leaves no descriptor open, and takes one of any number") {
+TEST_CASE("snapshot: leaves no descriptor open, and works with descriptor 0") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   store_example(store);
@@ -185,7 +185,7 @@ TEST_CASE("a snapshot leaves no descriptor open, and takes one of any number") {
         }) == 0);
 }
 
-TEST_CASE("in a read-only folder a store with a log beside it is not read without the log") {
+TEST_CASE("store opening: a store with a log in a read-only folder is not read without the log") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
   REQUIRE(in_child([&] {
@@ -205,7 +205,7 @@ TEST_CASE("in a read-only folder a store with a log beside it is not read withou
   CHECK(code == 0);
 }
 
-TEST_CASE("all runs that are copied come with their verdicts under seal, the first as well as the last") {
+TEST_CASE("run copy: each copied run has its verdicts under seal") {
   NewStore source, target;
   db::VerdictRecord verdict;
   verdict.verdict = "pass";
@@ -238,7 +238,7 @@ void store_judged(RunStore& store) {
 
 }  // namespace
 
-TEST_CASE("copied runs keep their content, tags, fits and verdicts, under the numbers of the other store") {
+TEST_CASE("run copy: content, tags, fits and verdicts are kept, under the numbers of the other store") {
   NewStore source;
   NewStore target;
   store_judged(source);
@@ -261,7 +261,7 @@ TEST_CASE("copied runs keep their content, tags, fits and verdicts, under the nu
   CHECK(target.check_content(6).holds());
 }
 
-TEST_CASE("a run is copied once, ended and complete, or nothing is copied") {
+TEST_CASE("run copy: a run is copied once, ended and complete, or nothing is copied") {
   NewStore source;
   NewStore target;
   store_judged(source);

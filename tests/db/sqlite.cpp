@@ -33,7 +33,7 @@ void check_error(const std::string& id, const std::function<void()>& action) { C
 
 }  // namespace
 
-TEST_CASE("a statement that failed or finished keeps no value bound before") {
+TEST_CASE("sqlite: a statement that failed or finished keeps no bound value") {
   Connection connection(":memory:", Access::kReadWrite);
   connection.execute("CREATE TABLE t (a INTEGER UNIQUE, b REAL, c TEXT, d BLOB)");
   Statement insert(connection, "INSERT INTO t VALUES (?, ?, ?, ?)");
@@ -49,7 +49,7 @@ TEST_CASE("a statement that failed or finished keeps no value bound before") {
   CHECK(connection.integer("SELECT a FROM t WHERE b = 2.5 AND c = 'word' AND length(d) = 8") == 1);
 }
 
-TEST_CASE("NULL is not an empty text, and an empty text and an empty blob are not NULL") {
+TEST_CASE("sqlite: NULL, an empty text and an empty blob are distinct") {
   Connection connection(":memory:", Access::kReadWrite);
   Statement row(connection, "SELECT typeof(?1), length(?1), typeof(?2), length(?2), ?3, ?4");
   row.bind(std::string_view(), std::vector<double>{}, std::nan(""), std::string("a\0b", 3));
@@ -69,7 +69,7 @@ TEST_CASE("NULL is not an empty text, and an empty text and an empty blob are no
   CHECK((text.empty() && values.empty() && count == 0));
 }
 
-TEST_CASE("an array takes the bytes of a blob, up to its own size") {
+TEST_CASE("sqlite: an array receives the bytes of a blob, up to its own size") {
   Connection connection(":memory:", Access::kReadWrite);
   Statement row(connection, "SELECT x'0102', x'030405060708'");
   REQUIRE(row.step());
@@ -82,7 +82,7 @@ TEST_CASE("an array takes the bytes of a blob, up to its own size") {
   CHECK(got.behind == std::array<std::uint8_t, 4>{9, 9, 9, 9});
 }
 
-TEST_CASE("a query without a row is an error") {
+TEST_CASE("sqlite: a query for a single value without a row is an error") {
   Connection connection(":memory:", Access::kReadWrite);
   CHECK(connection.integer("SELECT 41 + 1") == 42);
   CHECK(connection.text("SELECT 'a' || 'b'") == "ab");
@@ -90,7 +90,7 @@ TEST_CASE("a query without a row is an error") {
   check_error("TB-STORE-SQL", [&] { (void)connection.text("SELECT 1 WHERE 0"); });
 }
 
-TEST_CASE("a value beyond the library's bound is refused where it is bound") {
+TEST_CASE("sqlite: a value beyond the library's size limit is refused when it is bound") {
   Connection connection(":memory:", Access::kReadWrite);
   sqlite3_limit(connection.handle(), SQLITE_LIMIT_LENGTH, 1000);
   Statement row(connection, "SELECT length(?)");
@@ -101,7 +101,7 @@ TEST_CASE("a value beyond the library's bound is refused where it is bound") {
   REQUIRE(row.step());
 }
 
-TEST_CASE("a connection enforces foreign keys, trusts no schema and takes no quoted name for a text") {
+TEST_CASE("sqlite: a connection enforces foreign keys, trusts no schema and accepts no quoted name as a text") {
   Connection connection(":memory:", Access::kReadWrite);
   CHECK(connection.integer("PRAGMA foreign_keys") == 1);
   CHECK(connection.integer("PRAGMA trusted_schema") == 0);
@@ -112,7 +112,7 @@ TEST_CASE("a connection enforces foreign keys, trusts no schema and takes no quo
   });
 }
 
-TEST_CASE("writing through a read-only connection fails at once") {
+TEST_CASE("sqlite: writing through a read-only connection fails at once") {
   const TemporaryFolder folder;
   Connection(folder.path("a.db"), Access::kReadWrite).execute("CREATE TABLE t (a)");
   Connection reader(folder.path("a.db"), Access::kReadOnly);
@@ -124,7 +124,7 @@ TEST_CASE("writing through a read-only connection fails at once") {
   CHECK_FALSE(std::filesystem::exists(folder.path("none.db")));
 }
 
-TEST_CASE("a file name with special characters of URIs is taken literally") {
+TEST_CASE("sqlite: special URI characters in a file name are used literally") {
   const TemporaryFolder folder;
   for (const std::string name : {"a?mode=memory.db", "a%41.db", "a#b.db", "a b&c=d.db", "Zz-_.~09\xc3\xa4.db"}) {
     CAPTURE(name);
@@ -135,7 +135,7 @@ TEST_CASE("a file name with special characters of URIs is taken literally") {
   }
 }
 
-TEST_CASE("an uncommitted transaction is rolled back, a committed one is kept, and rows are counted") {
+TEST_CASE("sqlite: an uncommitted transaction is rolled back, a committed one is kept, and rows are counted") {
   const TemporaryFolder folder;
   Connection connection(folder.path("a.db"), Access::kReadWrite);
   connection.execute("CREATE TABLE t (a)");
@@ -161,7 +161,7 @@ TEST_CASE("an uncommitted transaction is rolled back, a committed one is kept, a
   CHECK_FALSE(connection.in_transaction());
 }
 
-TEST_CASE("a copy takes all pages, and one over a database that is in use fails") {
+TEST_CASE("sqlite: a copy has all pages, and copying over a database in use fails") {
   const TemporaryFolder folder;
   Connection source(folder.path("a.db"), Access::kReadWrite), target(folder.path("b.db"), Access::kReadWrite, 0);
   source.execute("CREATE TABLE t (a); INSERT INTO t VALUES (zeroblob(100000))");
@@ -176,7 +176,7 @@ TEST_CASE("a copy takes all pages, and one over a database that is in use fails"
   check_error("TB-STORE-SQL", [&] { source.copy_to(source); });
 }
 
-TEST_CASE("a store whose making was cut off is not read, and an opening for writing takes the half back") {
+TEST_CASE("store opening: a half-created store is not read, and opening it for writing recovers it") {
   const TemporaryFolder folder;
   const std::string whole = folder.path("whole.db"), half = folder.path("half.db");
   (void)db::RunStore::open(whole);
@@ -194,7 +194,7 @@ TEST_CASE("a store whose making was cut off is not read, and an opening for writ
   CHECK(Connection(half, Access::kReadOnly).integer("SELECT count(*) FROM sqlite_master WHERE name = 'half'") == 0);
 }
 
-TEST_CASE("each code of the database library has the id of its kind, and is told by its number") {
+TEST_CASE("sqlite: each error code maps to the id of its kind, and the message states the code") {
   const Connection connection(":memory:", Access::kReadWrite);
   const std::map<std::string, std::vector<int>> known = {
       {"TB-STORE-FULL", {SQLITE_FULL}},
@@ -216,7 +216,7 @@ TEST_CASE("each code of the database library has the id of its kind, and is told
   CHECK_THROWS_AS(connection.fail(SQLITE_NOMEM, "what was done"), std::bad_alloc);
 }
 
-TEST_CASE("a second writer waits no longer than its connection was told") {
+TEST_CASE("sqlite: a second writer waits no longer than the timeout of its connection") {
   const TemporaryFolder folder;
   Connection holder(folder.path("a.db"), Access::kReadWrite), hasty(folder.path("a.db"), Access::kReadWrite, 1);
   CHECK(Connection(folder.path("a.db"), Access::kReadWrite).integer("PRAGMA busy_timeout") == 5000);
@@ -231,7 +231,7 @@ TEST_CASE("a second writer waits no longer than its connection was told") {
   CHECK(hasty.integer("PRAGMA busy_timeout") == 2);
 }
 
-TEST_CASE("who holds a store's lock is named by program and process, with its log and without") {
+TEST_CASE("store lock: the holder is named by program and process id, with and without WAL") {
   const TemporaryFolder folder;
   for (const char* journal : {"WAL", "DELETE"}) {
     const std::string path = folder.path(journal);
@@ -252,7 +252,7 @@ TEST_CASE("who holds a store's lock is named by program and process, with its lo
   }
 }
 
-TEST_CASE("the first value of a query is that of its first row, and of no row there is none") {
+TEST_CASE("sqlite: the first value of a query is that of its first row, and none without a row") {
   Connection connection(":memory:", Access::kReadWrite);
   CHECK(Statement(connection, "VALUES (7), (8)").first<int>() == 7);
   CHECK(Statement(connection, "VALUES ('a')").first<std::string>() == "a");
@@ -266,7 +266,7 @@ TEST_CASE("the first value of a query is that of its first row, and of no row th
   CHECK((row.is_null(1) && !row.is_null(0)));
 }
 
-TEST_CASE("a statement that was reset begins anew without its values") {
+TEST_CASE("sqlite: a statement that was reset starts again without its values") {
   Connection connection(":memory:", Access::kReadWrite);
   Statement row(connection, "SELECT ?1 UNION ALL SELECT ?1");
   row.bind(5);

@@ -54,7 +54,7 @@ bool is_store_with(std::size_t at, std::size_t bytes, std::uint32_t value) {
 
 }  // namespace
 
-TEST_CASE("a hundred bytes are enough to know a store, and no fewer") {
+TEST_CASE("store header: a store is recognised by its first 100 bytes, and not by fewer") {
   CHECK(is_store(good_header()));
   CHECK(is_store(good_header() + std::string(5000, 'x')));
   CHECK_FALSE(is_store(good_header().substr(0, 99)));
@@ -66,13 +66,13 @@ TEST_CASE("a hundred bytes are enough to know a store, and no fewer") {
   CHECK(db::look_at_file(folder.path("runs.db")) == FileKind::kEmpty);
 }
 
-TEST_CASE("each byte of the application's number counts") {
+TEST_CASE("store header: a file with another application id is not a store") {
   CHECK_FALSE(is_store_with(68, 4, 0x54424349));
   CHECK_FALSE(is_store_with(68, 1, 0x55));
   CHECK_FALSE(is_store_with(68, 4, 0));
 }
 
-TEST_CASE("each constant byte of the header is checked") {
+TEST_CASE("store header: each constant byte is checked") {
   struct HeaderField {
     std::size_t at, bytes;
     std::uint32_t value;
@@ -95,7 +95,7 @@ TEST_CASE("each constant byte of the header is checked") {
   }
 }
 
-TEST_CASE("the format's versions are both 1 or both 2") {
+TEST_CASE("store header: both format versions must be 1, or both 2") {
   for (const std::uint32_t write : {0U, 1U, 2U, 3U}) {
     for (const std::uint32_t read : {0U, 1U, 2U, 3U}) {
       CAPTURE(write, read);
@@ -104,7 +104,7 @@ TEST_CASE("the format's versions are both 1 or both 2") {
   }
 }
 
-TEST_CASE("free pages are among the pages, and the first of them is named where there are some") {
+TEST_CASE("store header: free pages are within the page count, and the first is set only if there are some") {
   const auto holds = [](std::uint32_t pages, std::uint32_t first_free, std::uint32_t free) {
     std::string header = good_header();
     put(header, 28, 4, pages);
@@ -119,7 +119,7 @@ TEST_CASE("free pages are among the pages, and the first of them is named where 
   CHECK((holds(0x01020304, 1, 0x01020303) && !holds(0x01020304, 1, 0x01020304)));
 }
 
-TEST_CASE("network file systems by the numbers of statfs(2) and of the kernel's header") {
+TEST_CASE("network file systems: are recognised by the numbers of statfs(2) and the kernel's header") {
   const std::vector<std::pair<std::uint64_t, std::string>> known = {
       {NFS_SUPER_MAGIC, "NFS"},
       {SMB_SUPER_MAGIC, "SMB"},

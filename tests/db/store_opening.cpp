@@ -36,14 +36,14 @@ void check_opening(const TemporaryFolder& folder, const std::string& id) {
 
 }  // namespace
 
-TEST_CASE("the store of a build with a later schema is refused, by both ways of opening") {
+TEST_CASE("store opening: a store with a later schema is refused, for reading and for writing") {
   const TemporaryFolder folder;
   RunStore::open(folder.path("runs.db"));
   Connection(folder.path("runs.db"), Access::kReadWrite).execute("PRAGMA user_version = 9999");
   check_opening(folder, "TB-STORE-OTHER-SCHEMA");
 }
 
-TEST_CASE("a database of another program is refused and left as it was") {
+TEST_CASE("store opening: a database of another program is refused and left unchanged") {
   const TemporaryFolder folder;
   Connection(folder.path("runs.db"), Access::kReadWrite)
       .execute("PRAGMA journal_mode = WAL; CREATE TABLE runs (a); PRAGMA user_version = 1");
@@ -51,7 +51,7 @@ TEST_CASE("a database of another program is refused and left as it was") {
   CHECK_FALSE(std::filesystem::exists(folder.path("runs.db-wal")));
 }
 
-TEST_CASE("a file that is not a database is refused") {
+TEST_CASE("store opening: a file that is not a database is refused") {
   const TemporaryFolder folder;
   RunStore::open(folder.path("good.db"));
   const std::string good = read_file(folder.path("good.db"));
@@ -63,7 +63,7 @@ TEST_CASE("a file that is not a database is refused") {
   }
 }
 
-TEST_CASE("a missing folder, a folder for a file and no name are refused with a remedy") {
+TEST_CASE("store opening: a missing folder, a folder instead of a file and an empty name are refused") {
   const TemporaryFolder folder;
   CHECK(store_error([&] { RunStore::open(folder.path("none/runs.db")); }) == "TB-STORE-OPEN");
   CHECK(store_error([&] { RunStore::open(folder.path()); }) == "TB-STORE-OPEN");
@@ -75,7 +75,7 @@ TEST_CASE("a missing folder, a folder for a file and no name are refused with a 
   CHECK(store_error([&] { RunStore::open(folder.path("runs.db")); }).empty());  // an empty file may become a store
 }
 
-TEST_CASE("folders, devices and pipes are refused as such, unread, by both ways of opening") {
+TEST_CASE("store opening: folders, devices and pipes are refused, for reading and for writing") {
   const TemporaryFolder folder;
   const std::string pipe = folder.path("pipe"), inner = folder.path("inner");
   REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
@@ -86,7 +86,7 @@ TEST_CASE("folders, devices and pipes are refused as such, unread, by both ways 
   }
 }
 
-TEST_CASE("reading never writes, and does not recover a dead writer's log") {
+TEST_CASE("store opening: reading never writes, and does not recover the log of a dead writer") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
   REQUIRE(in_child([&] {
@@ -109,7 +109,7 @@ TEST_CASE("reading never writes, and does not recover a dead writer's log") {
   CHECK(read_file(path + "-wal") == log);
 }
 
-TEST_CASE("a file and a folder without write permission: open reports it, reading works") {
+TEST_CASE("store opening: without write permission, writing is refused and reading works") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
   {
@@ -135,7 +135,7 @@ TEST_CASE("a file and a folder without write permission: open reports it, readin
   CHECK(as_user(0555, false) == 0);
 }
 
-TEST_CASE("a database that may not grow is full") {
+TEST_CASE("sqlite: a database that may not grow is reported as a full store") {
   const TemporaryFolder folder;
   Connection small(folder.path("small.db"), Access::kReadWrite);
   small.execute("PRAGMA max_page_count = 4; CREATE TABLE t (b BLOB)");
@@ -143,7 +143,7 @@ TEST_CASE("a database that may not grow is full") {
 }
 
 // The system's limit on file size stands in for a full disk: the same failed write, without a disk of its own.
-TEST_CASE("when the disk is full in mid-run, the frame is refused and all before it are kept") {
+TEST_CASE("run store: if the disk is full during a run, the frame is refused and all earlier ones are kept") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
   int pipe_ends[2];
@@ -242,7 +242,7 @@ std::string failed_with(int number, std::string* message) {
 
 }  // namespace
 
-TEST_CASE("a full disk, a full quota and a file size limit are all reported as a full store") {
+TEST_CASE("store write failure: a full disk, a full quota and a file size limit are reported as a full store") {
   for (const int number : {ENOSPC, EDQUOT, EFBIG}) {
     std::string message;
     CHECK(failed_with(number, &message) == "TB-STORE-FULL");
@@ -251,7 +251,7 @@ TEST_CASE("a full disk, a full quota and a file size limit are all reported as a
   }
 }
 
-TEST_CASE("a failing disk is not reported as full, and its error number is given in words") {
+TEST_CASE("store write failure: a failing disk is not reported as full, and the message has the system's error text") {
   std::string message;
   CHECK(failed_with(EIO, &message) == "TB-STORE-SQL");
   CHECK_THAT(message, Catch::Contains(std::strerror(EIO)));

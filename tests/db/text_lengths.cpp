@@ -30,7 +30,7 @@ std::string umlauts(std::size_t count) {
 
 }  // namespace
 
-TEST_CASE("names, purposes, notes and reasons have a maximum length in characters") {
+TEST_CASE("run store: names, purposes, notes and reasons have a maximum length in characters") {
   NewStore store;
   const std::string name(db::kLongestName + 1, 'n'), text(db::kLongestText + 1, 't');
   const auto refused = [](auto action) { CHECK(store_error(action) == "TB-STORE-TOO-LONG"); };
@@ -63,7 +63,7 @@ TEST_CASE("names, purposes, notes and reasons have a maximum length in character
   CHECK((stored.notes.empty() && !stored.is_void() && store.reports(run).empty() && store.baselines().empty()));
 }
 
-TEST_CASE("names without a visible character are refused as a usage error") {
+TEST_CASE("run store: names without a visible character are refused as blank") {
   NewStore store;
   for (const char* blank : {" ", "\t\n", "\u00a0\u2003", "\u200b", "\ufeff\u3000"}) {
     db::SensorRecord sensor = example_sensor();
@@ -88,7 +88,7 @@ TEST_CASE("names without a visible character are refused as a usage error") {
   CHECK((db::is_blank("") && !db::is_blank("\xff") && !db::is_blank(" \u00fc ")));
 }
 
-TEST_CASE("texts from an instrument have a maximum length and are UTF-8, else none of them is stored") {
+TEST_CASE("run store: device texts have a maximum length and must be UTF-8, otherwise nothing is stored") {
   NewStore store;
   store.add_sensor(example_sensor());
   db::RunRecord record = example_run();
@@ -112,7 +112,7 @@ TEST_CASE("texts from an instrument have a maximum length and are UTF-8, else no
   CHECK(store.runs().size() == 1);
 }
 
-TEST_CASE("a run has a hundred tags at most") {
+TEST_CASE("run store: a run has at most a hundred tags") {
   NewStore store;
   const std::int64_t run = store_example(store);
   std::vector<std::string> tags;
@@ -123,7 +123,7 @@ TEST_CASE("a run has a hundred tags at most") {
   store.set_tags(run, {"one-more"}, {"tag0"});
 }
 
-TEST_CASE("texts that are too long are a usage error, not damage of the store") {
+TEST_CASE("run store: a text that is too long is a usage error, not damage of the store") {
   std::exception_ptr thrown;
   try {
     db::check_words("the note", std::string(db::kLongestText + 1, 't'), db::kLongestText);
@@ -151,7 +151,7 @@ constexpr std::uintmax_t kFullLog = 1000 * (4096 + 24) + 32;
 
 }  // namespace
 
-TEST_CASE("a durable run writes over its log and does not lengthen it") {
+TEST_CASE("write-ahead log: is preallocated for a durable run, and frames overwrite it without lengthening it") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
   RunStore store = RunStore::open(path, Durability::kFull);
@@ -167,14 +167,14 @@ TEST_CASE("a durable run writes over its log and does not lengthen it") {
   CHECK(store.check_content(run).holds());
 }
 
-TEST_CASE("a run under the turned clock does not lengthen the log") {
+TEST_CASE("write-ahead log: is not preallocated for a run of normal durability") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"), Durability::kNormal);
   begin_example(store);
   CHECK(std::filesystem::file_size(folder.path("runs.db-wal")) < 400'000);
 }
 
-TEST_CASE("a store without a log waits for who reads it, and then has its log") {
+TEST_CASE("write-ahead log: opening a store in rollback-journal mode waits for a reader, then switches to WAL") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
   RunStore::open(path);
@@ -204,7 +204,7 @@ TEST_CASE("a store without a log waits for who reads it, and then has its log") 
   CHECK(Connection(path, Access::kReadWrite).text("PRAGMA journal_mode") == "wal");
 }
 
-TEST_CASE("the libraries of the room are named with their versions") {
+TEST_CASE("library versions: SQLite and OpenSSL are named with their versions") {
   const auto versions = db::library_versions();
   REQUIRE(versions.size() == 2);
   CHECK((versions[0].first == "SQLite" && versions[0].second.starts_with("3.")));
@@ -251,7 +251,7 @@ Changed changed_by(const std::string& sql) {
 
 }  // namespace
 
-TEST_CASE("foreign triggers, tables, indexes and views are named, and a store with them is not written") {
+TEST_CASE("foreign objects: foreign triggers, tables, indexes and views are named, and the store is not written") {
   const auto refused = [](const std::string& sql, const std::string& named) {
     const Changed changed = changed_by(sql);
     INFO(sql);
@@ -267,7 +267,7 @@ TEST_CASE("foreign triggers, tables, indexes and views are named, and a store wi
   refused("CREATE VIEW v_mine AS SELECT 1", "'v_mine'");
 }
 
-TEST_CASE("where one of the store's own tables or views differs, reading is refused, too, and at once") {
+TEST_CASE("foreign objects: if a table, index or view of the store itself differs, reading is refused too") {
   const auto refused = [](const std::string& sql, const std::string& named) {
     const Changed changed = changed_by(sql);
     INFO(sql);
@@ -284,12 +284,12 @@ TEST_CASE("where one of the store's own tables or views differs, reading is refu
   refused("ALTER TABLE verdicts ADD COLUMN more TEXT", "'verdicts'");
 }
 
-TEST_CASE("SQLite's own statistics do not count as foreign objects") {
+TEST_CASE("foreign objects: SQLite's own statistics are not foreign") {
   const Changed changed = changed_by("ANALYZE");
   CHECK((changed.written.empty() && changed.read.empty() && changed.structure.empty()));
 }
 
-TEST_CASE("no trigger of a store fires and no view of it is read") {
+TEST_CASE("foreign objects: no trigger runs and no view is read on an untrusted schema") {
   const TemporaryFolder folder;
   Connection connection(folder.path("any.db"), Access::kReadWrite);
   connection.execute(
@@ -301,7 +301,7 @@ TEST_CASE("no trigger of a store fires and no view of it is read") {
   CHECK_FALSE(store_error([&] { (void)connection.integer("SELECT x FROM c"); }).empty());
 }
 
-TEST_CASE("a value too large for a store is refused before memory is taken") {
+TEST_CASE("sqlite: a value too large for a store is refused before memory is allocated") {
   const TemporaryFolder folder;
   Connection connection(folder.path("any.db"), Access::kReadWrite);
   connection.trust_no_schema();
@@ -309,7 +309,7 @@ TEST_CASE("a value too large for a store is refused before memory is taken") {
   CHECK(connection.integer("SELECT length(zeroblob(5000000))") == 5000000);
 }
 
-TEST_CASE("frames whose counts do not fit their shape are not returned") {
+TEST_CASE("run store: frames whose counts do not fit their shape are not returned") {
   NewStore store;
   store_example(store);
   const auto read_with = [&](const std::string& change) {

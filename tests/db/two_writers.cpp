@@ -67,7 +67,7 @@ std::map<int, int> resume_at_once(const std::string& path, int count, bool held)
 
 }  // namespace
 
-TEST_CASE("of processes that resume a run at once only one continues, and the run is unchanged") {
+TEST_CASE("run store: of several processes that resume a run at once only one succeeds, and the run still verifies") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
   {
@@ -88,7 +88,7 @@ TEST_CASE("of processes that resume a run at once only one continues, and the ru
   }
 }
 
-TEST_CASE("a run that another process ended takes no more rows, and stays verified") {
+TEST_CASE("run store: a run that another process ended accepts no more rows, and still verifies") {
   NewStore own;
   RunStore other = RunStore::open(own.path());
   const Begun begun = begin_example(own);
@@ -117,7 +117,7 @@ TEST_CASE("a run that another process ended takes no more rows, and stays verifi
   CHECK(other.check_content(begun.run).holds());
 }
 
-TEST_CASE("a run that was changed since it ended is not resumed, since its next end would hide that") {
+TEST_CASE("run store: a run that was changed after its end is not resumed") {
   NewStore store;
   const Begun begun = begin_example(store);
   store.append_frame(begun.run, example_frame(begun.branch, 0));
@@ -148,7 +148,7 @@ int make_before_listing(unsigned /*kind*/, void* context, void* /*statement*/, v
 
 }  // namespace
 
-TEST_CASE("tables that another process makes while a new store is looked at are not taken for foreign ones") {
+TEST_CASE("foreign objects: tables that another process creates during the check are not foreign") {
   const TemporaryFolder folder;
   MakesMeanwhile maker{folder.path("runs.db")};
   Connection watched(maker.path, Access::kReadWrite);

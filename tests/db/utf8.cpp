@@ -25,7 +25,7 @@ std::string encoded(std::uint32_t value) {
 
 }  // namespace
 
-TEST_CASE("every character is decoded, whatever follows, and surrogates are none") {
+TEST_CASE("UTF-8: every character is decoded, whatever follows, and surrogates are refused") {
   std::size_t wrong = 0;
   for (std::uint32_t value = 0; value <= 0x10ffff; ++value) {
     const std::string bytes = encoded(value);
@@ -38,7 +38,7 @@ TEST_CASE("every character is decoded, whatever follows, and surrogates are none
   CHECK(wrong == 0);
 }
 
-TEST_CASE("two bytes are a character only where RFC 3629 allows it") {
+TEST_CASE("UTF-8: two bytes are a character only if RFC 3629 allows it") {
   for (std::uint32_t first = 0x80; first < 0x100; ++first) {
     for (std::uint32_t second = 0; second < 0x100; ++second) {
       const bool valid = first >= 0xc2 && first <= 0xdf && second >= 0x80 && second <= 0xbf;
@@ -47,7 +47,7 @@ TEST_CASE("two bytes are a character only where RFC 3629 allows it") {
   }
 }
 
-TEST_CASE("overlong forms, surrogates, what lies above U+10FFFF and torn sequences are one wrong byte") {
+TEST_CASE("UTF-8: overlong forms, surrogates, values above U+10FFFF and cut sequences are one invalid byte") {
   for (const std::string& bytes : std::vector<std::string>{
            "\xe0\x9f\xbf",     "\xe0\x80\x80",     "\xed\xa0\x80",     "\xed\xbf\xbf", "\xf0\x8f\xbf\xbf",
            "\xf0\x80\x80\x80", "\xf4\x90\x80\x80", "\xf5\x80\x80\x80", "\xc1\xbf",     "\xc2",
@@ -60,7 +60,7 @@ TEST_CASE("overlong forms, surrogates, what lies above U+10FFFF and torn sequenc
   }
 }
 
-TEST_CASE("blank are the white spaces of Unicode and marks that nobody sees, and no other character") {
+TEST_CASE("UTF-8: Unicode white space and invisible marks are blank, and no other character") {
   using Span = std::pair<std::uint32_t, std::uint32_t>;
   // PropList.txt: White_Space.
   const std::vector<Span> white = {{0x0009, 0x000D}, {0x0020, 0x0020}, {0x0085, 0x0085}, {0x00A0, 0x00A0},

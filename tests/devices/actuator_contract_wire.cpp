@@ -40,7 +40,7 @@ void check_made_safe(ActuatorBed& bed) {
 
 }  // namespace
 
-TEST_CASE("actuator law: before it is armed and after it is disarmed each command is refused and nothing is sent") {
+TEST_CASE("actuator contract: refuses each command before arming and after disarming, and sends nothing") {
   for_each_actuator([](ActuatorBed& bed) {
     check_not_armed(bed);
     CHECK(bed.received() == 0);
@@ -52,7 +52,7 @@ TEST_CASE("actuator law: before it is armed and after it is disarmed each comman
   });
 }
 
-TEST_CASE("actuator law: arming drives nothing") {
+TEST_CASE("actuator contract: arming does not drive the output") {
   for_each_actuator([](ActuatorBed& bed) {
     bed.actuator().arm();
     CHECK(bed.received() > 0);
@@ -66,8 +66,7 @@ TEST_CASE("actuator law: arming drives nothing") {
   });
 }
 
-TEST_CASE(
-    "actuator law: a value out of range or not-a-number is refused before anything is sent, and disarms nothing") {
+TEST_CASE("actuator contract: refuses a value out of range or NaN before anything is sent, and stays armed") {
   for_each_actuator([](ActuatorBed& bed) {
     bed.make_ready();
     const std::uint64_t before = bed.received();
@@ -82,7 +81,8 @@ TEST_CASE(
   });
 }
 
-TEST_CASE("actuator law: it is made safe from any state, armed or not, under load, twice, after a mended wire") {
+TEST_CASE(
+    "actuator contract: can be made safe from any state, armed or not, under load, twice, and after reconnection") {
   for_each_actuator([](ActuatorBed& bed) {
     check_made_safe(bed);  // never armed
     bed.make_ready();
@@ -106,7 +106,7 @@ TEST_CASE("actuator law: it is made safe from any state, armed or not, under loa
   });
 }
 
-TEST_CASE("actuator law: it is made safe from another thread than the one that armed") {
+TEST_CASE("actuator contract: another thread than the one that armed can make it safe") {
   for_each_actuator(
       [](ActuatorBed& bed) {
         bed.make_ready();
@@ -121,7 +121,7 @@ TEST_CASE("actuator law: it is made safe from another thread than the one that a
       {20s, 100ms});
 }
 
-TEST_CASE("actuator law: a quiet wire is a fault in its time, and disarms") {
+TEST_CASE("actuator contract: a silent connection is a timeout fault after the reply timeouts, and disarms") {
   for_each_actuator(
       [](ActuatorBed& bed) {
         bed.make_ready();
@@ -139,7 +139,7 @@ TEST_CASE("actuator law: a quiet wire is a fault in its time, and disarms") {
       kShortBed);
 }
 
-TEST_CASE("actuator law: on a quiet wire making safe is bounded in time and returns false") {
+TEST_CASE("actuator contract: with a silent connection, making safe ends in bounded time and returns false") {
   for_each_actuator(
       [](ActuatorBed& bed) {
         bed.make_ready();
@@ -155,7 +155,7 @@ TEST_CASE("actuator law: on a quiet wire making safe is bounded in time and retu
       kShortBed);
 }
 
-TEST_CASE("actuator law: a broken wire is a fault, disarms, and once it is mended no earlier command is sent") {
+TEST_CASE("actuator contract: a broken connection is a fault, disarms, and its restoration resends no command") {
   for_each_actuator([](ActuatorBed& bed) {
     bed.make_ready();
     bed.load();

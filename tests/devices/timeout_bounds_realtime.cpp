@@ -32,7 +32,7 @@ Nanoseconds time_of(Act&& act) {
 
 }  // namespace
 
-TEST_CASE("bounds: a silent module holds a request for its response timeout, a vent for two") {
+TEST_CASE("timeouts: with a silent module a request ends after its response timeout, and a vent within bounded time") {
   TurnedClock clock;
   TestChamber chamber(clock);
   const SimulatedModule server(module_profile("beckhoff-ek9000"), 0, chamber, clock, {.silent_after_requests = 0});
@@ -48,7 +48,7 @@ TEST_CASE("bounds: a silent module holds a request for its response timeout, a v
 }
 
 // The machine holds an end's thread up for ten times the timeout: no answer is lost.
-TEST_CASE("bounds: a simulated end that is held up is waited for beyond the timeout") {
+TEST_CASE("timeouts: a delayed reply of a simulated instrument is waited for beyond the timeout") {
   static constexpr auto kTooShort = 20ms;
   const FaultInjector held_up = [] {
     std::this_thread::sleep_for(10 * kTooShort);
@@ -112,7 +112,7 @@ TEST_CASE("bounds: a simulated end that is held up is waited for beyond the time
   CHECK(clock.now() == 0ns);  // nothing was lost
 }
 
-TEST_CASE("bounds: a module that trickles its answer cannot stretch the response timeout") {
+TEST_CASE("timeouts: a reply that arrives in pieces does not extend the response timeout") {
   // Half an answer, then nothing: the wait ends with the response timeout, counted from the request.
   ScriptedServer server([](int, int socket, const Bytes& request) {
     auto reply = ScriptedServer::answer(request, {1, 2, 3, 4});
@@ -138,7 +138,7 @@ TEST_CASE("bounds: a module that trickles its answer cannot stretch the response
   CHECK(fault_id_of([&] { patient.read_input_registers(0, values); }) == "TB-MODBUS-TIMEOUT");
 }
 
-TEST_CASE("bounds: connecting to a host that does not answer ends with the response timeout") {
+TEST_CASE("timeouts: connecting to an unresponsive host ends after the response timeout") {
   FullQueue queue;
   queue.fill();
   TurnedClock clock;
@@ -151,7 +151,8 @@ TEST_CASE("bounds: connecting to a host that does not answer ends with the respo
   CHECK(clock.now() == kTimeout);
 }
 
-TEST_CASE("bounds: a silent scanner holds a scan for its frame timeout, and simulated ends stop at once") {
+TEST_CASE(
+    "timeouts: with a silent scanner a scan ends after its frame timeout, and simulated instruments stop at once") {
   const TemporaryFolder folder;
   TurnedClock clock;
   TestArray array;

@@ -17,7 +17,7 @@ using namespace std::chrono_literals;
 static_assert(!std::is_convertible_v<double, Psi>, "a bare number is no pressure");
 static_assert(!std::is_convertible_v<Volts, Psi> && !std::is_constructible_v<Psi, Volts>, "volts are no pressure");
 
-TEST_CASE("units: conversions against published values") {
+TEST_CASE("units: conversions agree with published values") {
   CHECK(9.0 * kPsiPerBar == Approx(130.534).epsilon(1e-5));  // 9 bar = 130.5 psi
   CHECK(kilopascals(Psi(60.0)) == Approx(413.6854).epsilon(1e-6));
   CHECK(kilopascals(Psi(kPsiPerBar)) == Approx(100.0));
@@ -31,7 +31,7 @@ TEST_CASE("units: arithmetic and order stay within one unit") {
   CHECK_FALSE(Psi(std::nan("")) <= Psi(60.0));
 }
 
-TEST_CASE("clock: a turned clock moves only when turned and never back") {
+TEST_CASE("clock: a simulated clock advances only by waits and lost replies, and never goes back") {
   TurnedClock clock;
   CHECK(clock.now() == 0ns);
   clock.wait_until(2s);
@@ -42,7 +42,7 @@ TEST_CASE("clock: a turned clock moves only when turned and never back") {
   CHECK(clock.now() == 2500ms);
 }
 
-TEST_CASE("clock: a reply that was lost does not move a steady clock") {
+TEST_CASE("clock: a lost reply does not advance a steady clock") {
   SteadyClock clock;
   const auto before = clock.now();
   clock.reply_lost(1h);  // real waiting has already moved it
@@ -55,7 +55,7 @@ using Real = std::chrono::steady_clock;
 
 }  // namespace
 
-TEST_CASE("clock: a steady clock's time is real time by its rate, seen from outside") {
+TEST_CASE("clock: the time of a steady clock is real time multiplied by its rate") {
   for (const double rate : {1.0, 0.25, 1.2, 4.0, 1000.0}) {
     INFO("rate " << rate);
     const auto before_it = Real::now();
@@ -72,7 +72,7 @@ TEST_CASE("clock: a steady clock's time is real time by its rate, seen from outs
   }
 }
 
-TEST_CASE("clock: a wait lasts as long as the rate makes it, and ends after the time waited for") {
+TEST_CASE("clock: a wait on a steady clock lasts as long as its rate requires, and ends at or after its time") {
   for (const double rate : {0.5, 1.0, 1000.0}) {
     INFO("rate " << rate);
     SteadyClock clock(rate);
@@ -88,7 +88,7 @@ TEST_CASE("clock: a wait lasts as long as the rate makes it, and ends after the 
   }
 }
 
-TEST_CASE("library versions: each library by its own number") {
+TEST_CASE("library versions: each device library has its own version number") {
   const auto versions = library_versions();
   REQUIRE(versions.size() == 5);
   const char* names[] = {"libmodbus", "libserialport", "hidapi", "pugixml", "Eigen"};

@@ -6,13 +6,27 @@
 using namespace tactbench::tests;
 using tactbench::bench::FaultKind;
 
-TEST_CASE("chamber: valve stuck") { check_row(Bench::kChamber, holding(FaultKind::kValveStuck)); }
-TEST_CASE("chamber: leak") { check_row(Bench::kChamber, breakage(FaultKind::kLeak, 40.0)); }
-TEST_CASE("chamber: overshoot") { check_row(Bench::kChamber, breakage(FaultKind::kOvershoot)); }
-TEST_CASE("chamber: supply lost") { check_row(Bench::kChamber, breakage(FaultKind::kSupplyLost)); }
-TEST_CASE("chamber: regulator without power") { check_row(Bench::kChamber, holding(FaultKind::kRegulatorUnpowered)); }
-TEST_CASE("chamber: feedback offset") { check_row(Bench::kChamber, breakage(FaultKind::kFeedbackOffset)); }
-TEST_CASE("chamber: reference offset") { check_row(Bench::kChamber, breakage(FaultKind::kReferenceOffset)); }
+TEST_CASE("chamber run: valve stuck, frames are kept and the reported safe state is true") {
+  check_row(Bench::kChamber, holding(FaultKind::kValveStuck));
+}
+TEST_CASE("chamber run: chamber leaks, frames are kept and the reported safe state is true") {
+  check_row(Bench::kChamber, breakage(FaultKind::kLeak, 40.0));
+}
+TEST_CASE("chamber run: pressure overshoots, frames are kept and the reported safe state is true") {
+  check_row(Bench::kChamber, breakage(FaultKind::kOvershoot));
+}
+TEST_CASE("chamber run: supply lost, frames are kept and the reported safe state is true") {
+  check_row(Bench::kChamber, breakage(FaultKind::kSupplyLost));
+}
+TEST_CASE("chamber run: regulator without power, frames are kept and the reported safe state is true") {
+  check_row(Bench::kChamber, holding(FaultKind::kRegulatorUnpowered));
+}
+TEST_CASE("chamber run: feedback offset, frames are kept and the reported safe state is true") {
+  check_row(Bench::kChamber, breakage(FaultKind::kFeedbackOffset));
+}
+TEST_CASE("chamber run: reference offset, frames are kept and the reported safe state is true") {
+  check_row(Bench::kChamber, breakage(FaultKind::kReferenceOffset));
+}
 
 // A supply that is lost behind a live zero reads far below 0 psi.
 namespace {
@@ -23,12 +37,17 @@ const Breakage kReferenceDead = breakage(FaultKind::kReferenceOffset, kDead);
 
 }  // namespace
 
-TEST_CASE("chamber: feedback dead") { check_row(Bench::kChamber, together("feedback dead", {kFeedbackDead})); }
-TEST_CASE("chamber: reference dead") { check_row(Bench::kChamber, together("reference dead", {kReferenceDead})); }
-TEST_CASE("chamber: both transmitters dead") {
+TEST_CASE("chamber run: feedback dead, frames are kept and the reported safe state is true") {
+  check_row(Bench::kChamber, together("feedback dead", {kFeedbackDead}));
+}
+TEST_CASE("chamber run: reference dead, frames are kept and the reported safe state is true") {
+  check_row(Bench::kChamber, together("reference dead", {kReferenceDead}));
+}
+TEST_CASE("chamber run: feedback and reference dead, frames are kept and the reported safe state is true") {
   check_row(Bench::kChamber, together("both transmitters dead", {kFeedbackDead, kReferenceDead}));
 }
-TEST_CASE("chamber: both transmitters dead, valve stuck") {
+TEST_CASE(
+    "chamber run: feedback and reference dead and valve stuck, frames are kept and the reported safe state is true") {
   check_row(Bench::kChamber, together("both transmitters dead, valve stuck",
                                       {kFeedbackDead, kReferenceDead, holding(FaultKind::kValveStuck)}));
 }

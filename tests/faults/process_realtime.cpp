@@ -74,7 +74,7 @@ constexpr double kPoints[] = {30.0, 59.5};
 
 }  // namespace
 
-TEST_CASE("process: SIGKILL") {
+TEST_CASE("separate process: after SIGKILL the chamber is vented, and the run can be resumed") {
   std::vector<std::string> cells;
   for (const double psi : kPoints) {
     OwnProcess own;
@@ -87,7 +87,7 @@ TEST_CASE("process: SIGKILL") {
   check_row("process", "SIGKILL", cells);
 }
 
-TEST_CASE("process: SIGSTOP, then SIGCONT") {
+TEST_CASE("separate process: SIGSTOP vents the chamber, SIGCONT aborts the run, and it can be resumed after a reset") {
   std::vector<std::string> cells;
   for (const double psi : kPoints) {
     OwnProcess own;
@@ -106,7 +106,7 @@ TEST_CASE("process: SIGSTOP, then SIGCONT") {
 
 // What a steady clock sees of a machine that stood still, or of a wall clock that was set: time has gone by. 0.3 s
 // where the watchers have the shipped times, in proportion where they have more.
-TEST_CASE("process: time jumps by 0.3 s") {
+TEST_CASE("separate process: a pause of 0.3 s does not prevent the run from completing") {
   std::vector<std::string> cells;
   for (const double psi : kPoints) {
     OwnProcess own(std::vector<sequences::Override>{{"dead_man.timeout_ms", "5000"}});  // more than 3 jumps

@@ -54,7 +54,7 @@ const std::string kUpAndDown =
 
 }  // namespace
 
-TEST_CASE("a recipe of levels becomes these steps, field by field") {
+TEST_CASE("compile: a levels recipe gives the expected steps, field by field") {
   const Recipe recipe =
       recipe_of(kUpAndDown + "[conditioning]\ncycles = 2\npeak = 8\n[prompt]\nbefore = \"loaded?\"\n");
   std::vector<Step> wanted;
@@ -82,7 +82,7 @@ TEST_CASE("a recipe of levels becomes these steps, field by field") {
   check_same(compile(recipe, 5), wanted);
 }
 
-TEST_CASE("a recipe of one level becomes its frames alone") {
+TEST_CASE("compile: a recipe of one level gives its frames only") {
   const Recipe recipe = recipe_of("turning_points = [3]\nstep = 1\nframes_per_level = 3\nframe_interval_s = 4\n");
   std::vector<Step> wanted;
   for (int i = 0; i < 3; ++i) {
@@ -97,7 +97,7 @@ TEST_CASE("a recipe of one level becomes its frames alone") {
   check_same(back, cycle);
 }
 
-TEST_CASE("a level between turning points lies on the grid, the turning point itself is exact") {
+TEST_CASE("compile: levels between turning points lie on the grid, turning points are exact") {
   // Three steps of 0.1 from 0.1 are 0.4 on paper; as sums of doubles they are not.
   const auto steps = compile(recipe_of("turning_points = [0.1, 0.4]\nstep = 0.1\n"), 0);
   REQUIRE(steps.size() == 4);
@@ -107,7 +107,7 @@ TEST_CASE("a level between turning points lies on the grid, the turning point it
   CHECK(steps[3].setpoint == Psi(0.4));
 }
 
-TEST_CASE("the way back to a branch of a later repeat, field by field") {
+TEST_CASE("way back: to a branch of a later repeat has the expected steps, field by field") {
   const Recipe recipe = recipe_of(kUpAndDown + "[conditioning]\ncycles = 2\npeak = 8\n");
   std::vector<Step> wanted;
   append_cycles(wanted, 4, 2, 8.0, 1.0);
@@ -119,26 +119,26 @@ TEST_CASE("the way back to a branch of a later repeat, field by field") {
   check_same(way_back(recipe, 4, 1, 1), wanted);
 }
 
-TEST_CASE("the way back has the recipe's own cycles, even a single one") {
+TEST_CASE("way back: uses the recipe's own conditioning cycles, even a single one") {
   std::vector<Step> wanted;
   append_cycles(wanted, 0, 1, 8.0, 1.0);
   check_same(way_back(recipe_of(kUpAndDown + "[conditioning]\ncycles = 1\npeak = 8\n"), 0, 0, 0), wanted);
 }
 
-TEST_CASE("the way back of a press recipe is its own") {
+TEST_CASE("way back: of a press recipe starts with a retraction, of a levels recipe with conditioning") {
   const Recipe press = press_of("forces_n = [1]\npositions_mm = [[1, 1]]\n");
   CHECK(way_back(press, 0, 0, 0).front().kind == StepKind::kRetract);
   CHECK(way_back(recipe_of(kUpAndDown), 0, 0, 0).front().kind == StepKind::kConditioning);
 }
 
-TEST_CASE("the steps of a run are those of its recipes, one after another, numbered") {
+TEST_CASE("compile: the steps of a run are those of its recipes in order, numbered by sequence") {
   const Recipe first = recipe_of("turning_points = [0, 2]\nstep = 1\n"), second = recipe_of(kUpAndDown);
   std::vector<Step> wanted = compile(first, 0);
   for (const Step& step : compile(second, 1)) wanted.push_back(step);
   check_same(compile({first, second}), wanted);
 }
 
-TEST_CASE("a million steps together are made, one more is refused by the names of the recipes") {
+TEST_CASE("compile: a million steps in total are accepted, more are refused with the recipes' names") {
   // 2 levels x 500 repeats x 1000 frames.
   const std::string million = "turning_points = [0, 2]\nstep = 2\nrepeats = 500\nframes_per_level = 1000\n";
   CHECK(compile({recipe_of(million)}).size() == 1'000'000);
@@ -194,7 +194,7 @@ Recipe presses(const std::string& press, const std::string& root) {
 
 }  // namespace
 
-TEST_CASE("a press recipe becomes these steps, field by field") {
+TEST_CASE("compile: a press recipe gives the expected steps, field by field") {
   const Recipe recipe =
       presses("positions_mm = [[10, 20], [30, 40]]\nforces_n = [2, 6]\n[conditioning]\ncycles = 2\npeak_n = 5\n",
               "repeats = 2\ndwell_s = [1, 3]\n");
@@ -226,7 +226,7 @@ TEST_CASE("a press recipe becomes these steps, field by field") {
   check_touches(compile(untared, 2), wanted, {1.0, 3.0});
 }
 
-TEST_CASE("the way back to a falling branch of a press, field by field") {
+TEST_CASE("way back: to a falling branch of a press has the expected steps, field by field") {
   const Recipe recipe =
       presses("positions_mm = [[10, 20], [30, 40]]\nforces_n = [2, 6]\n[conditioning]\ncycles = 1\npeak_n = 5\n",
               "repeats = 2\ndwell_s = [1, 3]\n");
@@ -254,7 +254,7 @@ TEST_CASE("the way back to a falling branch of a press, field by field") {
   CHECK((rising.size() == 8 && rising.back().kind == kDown && rising.back().ordinal == 3));
 }
 
-TEST_CASE("levels are the decimals of the file's unit, the same on every way up and down") {
+TEST_CASE("compile: levels are exact decimals of the file's unit, equal on every way up and down") {
   struct Row {
     const char* unit;
     double step, top, psi_per_unit;

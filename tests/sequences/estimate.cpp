@@ -43,7 +43,7 @@ std::vector<StepTime> times_of(const std::vector<Recipe>& recipes) {
 
 }  // namespace
 
-TEST_CASE("a press takes the way between its forces, by half and twice the contact's stiffness") {
+TEST_CASE("estimate: a press takes the time between its forces, with half and twice the contact's stiffness") {
   check_times(times_of({touch()}), {{10, 20, 40},         // home
                                     {1, 2, 4},            // tare
                                     {3, 6, 12},           // move
@@ -60,7 +60,7 @@ TEST_CASE("a press takes the way between its forces, by half and twice the conta
   check_times(step_times({touch()}, {press}, slow_bench()), {{2.25, 3.25, 5.25}});
 }
 
-TEST_CASE("a prompt takes half to twice its time, a held frame its interval, levels in passing no settling") {
+TEST_CASE("estimate: a prompt takes half to twice its time, a held frame its interval, passing levels no settling") {
   const Recipe held = recipe_of(
       "turning_points = [0]\nstep = 2\nframes_per_level = 2\nframe_interval_s = 5\n[prompt]\nbefore = \"?\"\n");
   check_times(times_of({held}), {{15, 30, 60}, {9.25, 12.25, 22.25}, {5.25, 5.25, 5.25}});
@@ -68,7 +68,7 @@ TEST_CASE("a prompt takes half to twice its time, a held frame its interval, lev
   check_times(times_of({passing}), {{7.25, 10.25, 20.25}, {4.25, 4.25, 4.25}});
 }
 
-TEST_CASE("cycles that a criterion may leave out are not in the shortest time") {
+TEST_CASE("estimate: conditioning cycles that may be skipped are not in the shortest time") {
   const std::string cycles =
       "turning_points = [0, 0.5]\nstep = 0.5\nrepeats = 4\n[conditioning]\ncycles = 4\n"
       "least = 2\npeak = 8\n";
@@ -87,7 +87,7 @@ TEST_CASE("cycles that a criterion may leave out are not in the shortest time") 
   CHECK(always[1].likely_s == Approx(8.0 / 2.0 + 2.0 + 10.0));
 }
 
-TEST_CASE("a contact twice as stiff under a servo twice as fast takes a quarter of the time") {
+TEST_CASE("estimate: twice the contact stiffness at twice the servo speed takes a quarter of the time") {
   TimeModel stiff = slow_bench();
   stiff.stiffness_n_per_mm = 40.0;
   const std::vector<Recipe> recipes = {touch("servo_mm_per_s = 0.1\n")};
@@ -95,7 +95,7 @@ TEST_CASE("a contact twice as stiff under a servo twice as fast takes a quarter 
   check_times({times.begin() + 5, times.begin() + 6}, {{3.75, 4.25, 5.25}});  // from 2 to 6 N: 1 s instead of 4 s
 }
 
-TEST_CASE("each recipe's first step bears its warm-up: none of it, half of it, all of it") {
+TEST_CASE("estimate: a recipe's first step has none, half and all of the warm-up as low, likely and high time") {
   const Recipe warm = recipe_of("turning_points = [0, 4]\nstep = 4\n[warm_up]\nat_most_s = 100\n");
   const std::vector<StepTime> cold = times_of({recipe_of("turning_points = [0, 4]\nstep = 4\n")});
   const std::vector<StepTime> times = times_of({warm, warm});
@@ -110,7 +110,7 @@ TEST_CASE("each recipe's first step bears its warm-up: none of it, half of it, a
   }
 }
 
-TEST_CASE("an estimate is the sum of its steps' times") {
+TEST_CASE("estimate: the total is the sum of the times of all steps") {
   const std::vector<Recipe> recipes = {touch()};
   const Estimate all = estimate(recipes, compile(recipes), slow_bench(), 100.0);
   CHECK((all.steps == 9 && all.frames == 3));
@@ -120,7 +120,7 @@ TEST_CASE("an estimate is the sum of its steps' times") {
   CHECK(all.bytes == 3 * 320.0);
 }
 
-TEST_CASE("a level takes its ramp by the chamber's rise or fall, 0.7 to 2 times the settling, its dwell and a frame") {
+TEST_CASE("estimate: a level takes its ramp, 0.7 to 2 times the settling, its dwell and a frame") {
   const std::vector<Recipe> recipes = {recipe_of("turning_points = [0, 0.5, 0]\nstep = 0.5\ndwell_s = 3\n")};
   const auto times = step_times(recipes, compile(recipes), slow_bench());
   REQUIRE(times.size() == 3);
@@ -132,7 +132,7 @@ TEST_CASE("a level takes its ramp by the chamber's rise or fall, 0.7 to 2 times 
   }
 }
 
-TEST_CASE("a ramp slower than the chamber's takes its own time, a faster one the chamber's") {
+TEST_CASE("estimate: a ramp slower than the chamber's takes its own time, a faster one the chamber's") {
   const auto likely = [](const std::string& rate) {
     const std::vector<Recipe> recipes = {
         recipe_of("turning_points = [0, 8, 0]\nstep = 8\nramp_psi_per_s = " + rate + "\n")};

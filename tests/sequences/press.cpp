@@ -7,7 +7,7 @@
 
 using namespace tactbench::sequences;
 
-TEST_CASE("the way back to a branch of a press ends where the branch's own steps continue") {
+TEST_CASE("way back: to a branch of a press ends where the branch's own steps continue") {
   const Recipe recipe = press_of("positions_mm = [[10, 20], [30, 40]]\nforces_n = [2, 6, 10]\n");
   // Where the way back ends, the branch's own steps continue.
   const auto steps = compile(recipe, 0);
@@ -19,7 +19,7 @@ TEST_CASE("the way back to a branch of a press ends where the branch's own steps
   }
 }
 
-TEST_CASE("a grid is walked row by row, every other one backward") {
+TEST_CASE("press grid: positions go row by row, every other row backward") {
   const Recipe recipe = press_of("forces_n = [2]\n[press.grid]\nx = [10, 12, 1]\ny = [5, 7, 2]\n");
   const std::vector<std::pair<double, double>> expected = {{10, 5}, {11, 5}, {12, 5}, {12, 7}, {11, 7}, {10, 7}};
   CHECK(recipe.press.positions_mm == expected);
@@ -28,7 +28,7 @@ TEST_CASE("a grid is walked row by row, every other one backward") {
                                        {1, 1}, {2, 1}, {2, 2}, {1, 2}, {1, 3}, {2, 3}, {2, 4}, {1, 4}, {1, 5}, {2, 5}});
 }
 
-TEST_CASE("a step's line differs with each of its fields") {
+TEST_CASE("step line: differs for each field of a step") {
   Step base;
   base.kind = StepKind::kPress;
   std::set<std::string> lines = {step_line(base)};
@@ -69,7 +69,7 @@ std::vector<double> xs_of(const std::string& x) {
 
 }  // namespace
 
-TEST_CASE("an axis of a grid ends at the last step that does not pass its end") {
+TEST_CASE("press grid: an axis ends at the last step that does not pass its end") {
   CHECK(xs_of("[10, 12, 0.5]") == std::vector<double>{10, 10.5, 11, 11.5, 12});
   CHECK(xs_of("[10, 12.25, 0.5]") == std::vector<double>{10, 10.5, 11, 11.5, 12});
   CHECK(xs_of("[-4, 4, 4]") == std::vector<double>{-4, 0, 4});
@@ -80,12 +80,12 @@ TEST_CASE("an axis of a grid ends at the last step that does not pass its end") 
   CHECK(xs_of("[0, 0.9999999989, 1]").size() == 1);
 }
 
-TEST_CASE("a grid has ten thousand positions at most, along an axis and in all") {
+TEST_CASE("press grid: ten thousand positions are accepted, along one axis or in total") {
   CHECK(grid_recipe("[1, 100, 1]", "[1, 100, 1]").press.positions_mm.size() == 10'000);
   CHECK(grid_recipe("[1, 10000, 1]", "[1, 1, 1]").press.positions_mm.size() == 10'000);
 }
 
-TEST_CASE("positions are given either as a list or as a grid") {
+TEST_CASE("press positions: need either a list or a grid, not both") {
   const std::string grid = "[press.grid]\nx = [1, 1, 1]\ny = [1, 1, 1]\n", list = "positions_mm = [[1, 1]]\n";
   for (const std::string& at :
        {list + grid, std::string("positions_mm = []\n"), std::string("positions_mm = 1\n"), std::string()})

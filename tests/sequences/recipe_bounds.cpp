@@ -68,7 +68,7 @@ std::map<std::string, std::string> defaults_of(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("numbers of a recipe of levels: their bounds are allowed, the next number beyond is not") {
+TEST_CASE("levels recipe: numbers at their bounds are accepted, the next ones beyond are refused") {
   check_bounds(kLevelsHead, "",
                {{"", "dwell_s", 0, 86400},
                 {"", "repeats", 1, 1000, true},
@@ -92,7 +92,7 @@ TEST_CASE("numbers of a recipe of levels: their bounds are allowed, the next num
   check_bounds(kLevelsHead + suspend, "", {{"", "hold_s", 0, 86400}, {"", "timeout_s", 0, 604'800}});
 }
 
-TEST_CASE("a ramp is absent, or from 0.01 to 1000 psi/s") {
+TEST_CASE("recipe ramp: is absent, or from 0.01 to 1000 psi/s") {
   const auto ramp = [](const std::string& settle, double value) {
     return accepted(kLevelsHead + settle + fmt::format("ramp_psi_per_s = {}\n", value));
   };
@@ -106,7 +106,7 @@ TEST_CASE("a ramp is absent, or from 0.01 to 1000 psi/s") {
   }
 }
 
-TEST_CASE("numbers of a press recipe: their bounds are allowed, the next number beyond is not") {
+TEST_CASE("press recipe: numbers at their bounds are accepted, the next ones beyond are refused") {
   check_bounds(kTouchHead, kTouch,
                {{"", "dwell_s", 0, 86400},
                 {"press", "contact_n", 0.01, 10},
@@ -118,7 +118,7 @@ TEST_CASE("numbers of a press recipe: their bounds are allowed, the next number 
                 {"guard", "tolerance_n", 0, 100}});
 }
 
-TEST_CASE("schema 1, a name, a unit and a step are not optional") {
+TEST_CASE("recipe: schema 1, a name, a unit and a step are required") {
   for (const std::string& gone :
        std::vector<std::string>{"schema = 1\n", "step = 2\n", "name = \"t\"\n", "unit = \"psi\"\n"}) {
     std::string text = kLevelsHead;
@@ -133,7 +133,7 @@ TEST_CASE("schema 1, a name, a unit and a step are not optional") {
   CHECK(!accepted(kTouchHead));
 }
 
-TEST_CASE("a recipe of levels has these defaults") {
+TEST_CASE("levels recipe: has the expected defaults") {
   CHECK(defaults_of(kLevelsHead) == std::map<std::string, std::string>{{"title", "\"t\""},
                                                                        {"kind", "\"levels\""},
                                                                        {"settle", "\"band\""},
@@ -174,7 +174,7 @@ TEST_CASE("a recipe of levels has these defaults") {
   CHECK(defaults_of(kLevelsHead + "settle = \"none\"\nramp_psi_per_s = 1\n").at("dwell_s") == "0");
 }
 
-TEST_CASE("a press recipe has these defaults") {
+TEST_CASE("press recipe: has the expected defaults, and reads each key that is given") {
   const auto found = defaults_of(kTouchHead + kTouch);
   const std::map<std::string, std::string> wanted = {{"dwell_s", "2"},
                                                      {"press.contact_n", "0.2"},
@@ -216,7 +216,7 @@ Recipe rules_of(const std::string& rules) {
 
 }  // namespace
 
-TEST_CASE("the rules of a run are read") {
+TEST_CASE("recipe: all rules of a run are read") {
   const Recipe given = rules_of(
       "rest_restart_s = 600\n"
       "[conditioning]\ncycles = 6\nleast = 2\nchange_percent = 0.5\npeak = 100\n"

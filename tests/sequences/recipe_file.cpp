@@ -25,7 +25,7 @@ bool suspends(const std::string& rule, const std::string& place = {}) {
 
 }  // namespace
 
-TEST_CASE("a suspension ends at its trip or past it, on the side it came from") {
+TEST_CASE("suspension: ends at its trip value or past it, on the side it came from") {
   CHECK(suspends("trip_below = 6\nresume_above = 6\n"));
   CHECK(suspends("trip_below = 6\nresume_above = 6.5\n"));
   CHECK(!suspends("trip_below = 6\nresume_above = 5.999\n", "resume_above"));
@@ -37,7 +37,7 @@ TEST_CASE("a suspension ends at its trip or past it, on the side it came from") 
   CHECK(!suspends("trip_below = 6\nresume_below = 7\n", "suspend[0].resume_above"));
 }
 
-TEST_CASE("by default a recipe has as many repeats as its longer list has values") {
+TEST_CASE("recipe repeats: default to the length of the longer list of values") {
   const auto repeats = [](const std::string& rest) { return recipe_of(kTwoLevels + rest).repeats; };
   CHECK(repeats("dwell_s = [1, 2, 3]\nramp_psi_per_s = 1\n") == 3);
   CHECK(repeats("dwell_s = 1\nramp_psi_per_s = [1, 2]\n") == 2);
@@ -48,7 +48,7 @@ TEST_CASE("by default a recipe has as many repeats as its longer list has values
   CHECK(recipe_of("title = \"T\"\n" + kTwoLevels).title == "T");
 }
 
-TEST_CASE("the text of a recipe is kept as it was read, whatever was set") {
+TEST_CASE("recipe text: is kept as it was read, whatever is set over it") {
   const std::string body = "schema = 1\nname = \"t\"\nunit = \"psi\"\n# why\n" + kTwoLevels;
   const Recipe recipe = parse_recipe(TomlDocument::from_text(body, "t.toml"), {{"repeats", "7"}});
   CHECK(recipe.text == body);
@@ -70,7 +70,7 @@ Recipe recipe_with(const std::vector<Override>& overrides, const std::string& bo
 
 }  // namespace
 
-TEST_CASE("a parameter stands for a number, by default and as set") {
+TEST_CASE("recipe parameter: provides a number, by default or as set") {
   const Recipe standard = recipe_with({});
   CHECK(standard.turning_points[1].value() == 60.0);
   CHECK(standard.dwell_s == std::vector<double>{2.0});
@@ -88,7 +88,7 @@ TEST_CASE("a parameter stands for a number, by default and as set") {
   }
 }
 
-TEST_CASE("a key set over a parameter's place wins") {
+TEST_CASE("recipe: a key that is set replaces a parameter in its place") {
   std::string other = kBody;
   other.replace(other.find("[parameters.times]"), 18, "[parameters.count]");
   other.replace(other.find("$times"), 6, "$count");
@@ -108,7 +108,7 @@ Recipe with(const std::vector<Override>& overrides) {
 
 }  // namespace
 
-TEST_CASE("a typed pressure has a number and a unit, in any case") {
+TEST_CASE("typed pressure: needs a number and a unit, in any case") {
   CHECK(*typed_pressure_psi("3 psi") == 3.0);
   CHECK(*typed_pressure_psi("413.6854375901kPa") == Approx(60.0));
   CHECK(*typed_pressure_psi(" 2BAR ") == Approx(29.0075475));
@@ -126,7 +126,7 @@ TEST_CASE("a typed pressure has a number and a unit, in any case") {
   CHECK(as_number_in("s", "20 kPa") == "20 kPa");  // a time is no pressure: the key's own error follows
 }
 
-TEST_CASE("recipe: a parameter and a key of pressure take other units, a bare number the recipe's") {
+TEST_CASE("recipe: parameters and pressure keys accept other units, a bare number has the recipe's unit") {
   CHECK(with({{"step", "0.5bar"}}).step.value() == Approx(50.0 / 6.894757293168));
   CHECK(with({{"step", "50"}}).step.value() == Approx(50.0 / 6.894757293168));
   CHECK(with({{"conditioning.peak", "30 psi"}}).conditioning.peak.value() == Approx(30.0));
@@ -142,7 +142,7 @@ TEST_CASE("recipe: a parameter and a key of pressure take other units, a bare nu
   CHECK_THROWS_AS(with({{"dwell_s", "2kPa"}}), FileError);
 }
 
-TEST_CASE("a file that names recipes gives these in their order, each with what is set") {
+TEST_CASE("recipe list: gives its recipes in order, each with the values that are set") {
   const tactbench::tests::TemporaryFolder folder;
   const auto find = [&](const std::string& name) { return folder.path(name); };
   const auto write = [&](const std::string& name, const std::string& rest) {
@@ -166,7 +166,7 @@ TEST_CASE("a file that names recipes gives these in their order, each with what 
   for (const char* name : {"none", "nested", "more"}) CHECK_THROWS_AS(read(name), FileError);
 }
 
-TEST_CASE("a file that names a recipe several times sets its parameters, and the text that is kept has them") {
+TEST_CASE("recipe list: entries set the recipe's parameters, and the stored text includes them") {
   const tactbench::tests::TemporaryFolder folder;
   const auto find = [&](const std::string& name) { return folder.path(name); };
   const auto write = [&](const std::string& name, const std::string& rest) {

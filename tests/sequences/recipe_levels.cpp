@@ -33,7 +33,7 @@ std::string level_refused(const std::string& body, const std::string& fact = {})
 
 }  // namespace
 
-TEST_CASE("random reversals are those of the 64-bit Mersenne Twister, drawn modulo the remaining range") {
+TEST_CASE("random reversals: follow the 64-bit Mersenne Twister, modulo the remaining range") {
   // From a second implementation of the generator (its 10000th number of seed 5489 is 9981545532273789042, as the
   // standard asks): after 0, high, 0 alternately low' + 1 + g % (high - low') and low + g % (last - low), where low' is
   // the larger of the last point and low.
@@ -44,7 +44,7 @@ TEST_CASE("random reversals are those of the 64-bit Mersenne Twister, drawn modu
   CHECK(points_of(drawn("1", 0, 1, "0", "2")).size() == 5);
 }
 
-TEST_CASE("random reversals keep to their grid and their bounds") {
+TEST_CASE("random reversals: values off the grid or beyond their bounds are refused") {
   CHECK(level_refused(drawn("1", 1, 3, "0.5", "9")) == "random.low");
   CHECK(level_refused(drawn("1", 1, 3, "0", "9.5")) == "random.high");
   CHECK(level_refused(drawn("1", 1, 3, "-1", "9")) == "random.high");
@@ -62,14 +62,14 @@ TEST_CASE("random reversals keep to their grid and their bounds") {
   CHECK(level_refused(drawn("1", 1, 1, "0", "1000001")) == "random.high");
 }
 
-TEST_CASE("a point within a millionth of a step of the grid is on it") {
+TEST_CASE("level grid: a point within a millionth of a step is on the grid") {
   CHECK(level_refused(drawn("1", 1, 1, "1e-6", "9")) == "accepted");
   CHECK(level_refused(drawn("1", 1, 1, fmt::format("{}", std::nextafter(1e-6, 1.0)), "9")) == "random.low");
   CHECK(points_of("turning_points = [0, 4.0000018]\nstep = 2\n").back() == 4.0000018);
   CHECK(level_refused("turning_points = [0, 4.0000022]\nstep = 2\n", "0 to 4") == "turning_points");
 }
 
-TEST_CASE("turning points are named by their number, a single one needs several frames") {
+TEST_CASE("turning points: an error names the point's number, and a single point needs several frames") {
   const std::string frames = "frames_per_level = 2\n";
   CHECK(level_refused("turning_points = []\nstep = 2\n") == "turning_points");
   CHECK(level_refused("turning_points = []\nstep = 2\n" + frames) == "turning_points");
@@ -83,7 +83,7 @@ TEST_CASE("turning points are named by their number, a single one needs several 
   CHECK(level_refused("turning_points = [4, 2, 5]\nstep = 2\n", "2 to 5 ") == "turning_points");
 }
 
-TEST_CASE("frames taken in passing have no dwell, and one frame a level") {
+TEST_CASE("passing levels: accept no dwell, and one frame per level") {
   const std::string passing = "turning_points = [0, 2]\nstep = 2\nsettle = \"none\"\nramp_psi_per_s = 1\n";
   CHECK(level_refused(passing + "dwell_s = 0\nframes_per_level = 1\n") == "accepted");
   CHECK(level_refused(passing + "dwell_s = 1e-9\n", "0 to 0") == "dwell_s");
@@ -95,7 +95,7 @@ TEST_CASE("frames taken in passing have no dwell, and one frame a level") {
   CHECK(level_refused("turning_points = [0, 2]\nstep = 2\nsettle = \"nome\"\n") == "settle");
 }
 
-TEST_CASE("a cycle of conditioning has a peak, and its least number of cycles no more than all") {
+TEST_CASE("conditioning: a cycle needs a peak, and the least number of cycles is no more than all") {
   const std::string head = "turning_points = [0, 2]\nstep = 2\n[conditioning]\n";
   CHECK(level_refused(head + "cycles = 1\npeak = 0\n") == "conditioning.peak");
   CHECK(level_refused(head + "cycles = 1\npeak = -1\n") == "conditioning.peak");
@@ -110,7 +110,7 @@ TEST_CASE("a cycle of conditioning has a peak, and its least number of cycles no
   CHECK(least("cycles = 1\nleast = 0\npeak = 1\n") == 0);
 }
 
-TEST_CASE("units by definition: 1 bar is 100 kPa, 1 psi 6.894757 kPa") {
+TEST_CASE("recipe units: 1 bar is 100 kPa, and 1 psi is 6.894757 kPa") {
   const auto second = [](const std::string& unit, const std::string& conditioning) {
     return parse_recipe(TomlDocument::from_text(
         "schema = 1\nname = \"t\"\nunit = \"" + unit + "\"\nturning_points = [0, 50]\nstep = 10\n" + conditioning,
@@ -136,7 +136,7 @@ int measuring(const std::vector<Step>& steps, int repeat) {
 
 }  // namespace
 
-TEST_CASE("the paper's sequences have 211 and 451 frames a repeat and 3310 in all") {
+TEST_CASE("paper sequences: have 211 and 451 frames per repeat, and 3310 in total") {
   const Recipe descending = read_recipe(kRecipes + "descending.toml");
   const Recipe ascending = read_recipe(kRecipes + "ascending.toml");
   for (int repeat = 0; repeat < 5; ++repeat) {
@@ -153,7 +153,7 @@ TEST_CASE("the paper's sequences have 211 and 451 frames a repeat and 3310 in al
   CHECK(extremes(compile(both)).lowest == Psi(0.0));
 }
 
-TEST_CASE("a ramp without stops names its rate and settles only at its start") {
+TEST_CASE("compile: a ramp without stops states its rate and settles only at its start") {
   const auto steps =
       compile(recipe_of("turning_points = [0, 4, 0]\nstep = 2\nsettle = \"none\"\nramp_psi_per_s = [0.5, 8]\n"), 0);
   REQUIRE(steps.size() == 10);
@@ -165,7 +165,7 @@ TEST_CASE("a ramp without stops names its rate and settles only at its start") {
   CHECK(extremes(steps).fastest_ramp_psi_per_s == 8.0);
 }
 
-TEST_CASE("the way back conditions and travels to where the branch starts, without a frame") {
+TEST_CASE("way back: conditions and moves to the start of the branch, without a frame") {
   const Recipe recipe =
       recipe_of("turning_points = [0, 60, 10, 60, 0]\nstep = 10\ndwell_s = 1\n[conditioning]\ncycles = 2\npeak = 50\n");
   const auto levels = [](const std::vector<Step>& steps) {
@@ -198,7 +198,7 @@ TEST_CASE("the way back conditions and travels to where the branch starts, witho
   }
 }
 
-TEST_CASE("drawn presses: one height in each of as many equal parts of the range, in an order that is drawn") {
+TEST_CASE("drawn presses: one peak lies in each of equal parts of the range, in random order") {
   std::string orders;
   for (int seed = 1; seed <= 20; ++seed) {
     const std::vector<Psi> points =
@@ -214,7 +214,7 @@ TEST_CASE("drawn presses: one height in each of as many equal parts of the range
   CHECK((orders.find('<') != std::string::npos && orders.find('>') != std::string::npos));
 }
 
-TEST_CASE("frames at holds: none between the turning points, all of a level above the lowest, one at the lowest") {
+TEST_CASE("frames at holds: all frames of turning points above the lowest level, one at the lowest, none between") {
   const Recipe recipe = recipe_of(
       "turning_points = [0, 30, 0, 10, 4, 0]\nstep = 2\nframes_per_level = 3\nframe_interval_s = 2\nframes_at = "
       "\"holds\"\n");
@@ -226,14 +226,14 @@ TEST_CASE("frames at holds: none between the turning points, all of a level abov
   CHECK((steps[3].hold && steps[3].dwell_s == 2.0 && !steps[1].hold && !steps[4].hold));
 }
 
-TEST_CASE("the way back settles at every level, also in a recipe whose ramps do not stop") {
+TEST_CASE("way back: settles at every level, even if the recipe's ramps do not stop") {
   const Recipe ramps = recipe_of("turning_points = [0, 4, 2, 4]\nstep = 2\nsettle = \"none\"\nramp_psi_per_s = 0.5\n");
   const auto back = way_back(ramps, 0, 0, 2);
   REQUIRE(back.size() == 5);  // a cycle to the highest level, then 0, 4, 2
   for (const Step& step : back) CHECK(step.settle);
 }
 
-TEST_CASE("every branch of every shipped levels recipe starts where its way back ends") {
+TEST_CASE("way back: ends where the branch starts, for every branch of the shipped levels recipes") {
   for (const char* name : {"descending", "ascending", "inner-loops", "random-reversal", "rate", "creep-hold"}) {
     const Recipe recipe = read_recipe(kRecipes + name + ".toml");
     const auto steps = compile(recipe, 0);
@@ -246,7 +246,7 @@ TEST_CASE("every branch of every shipped levels recipe starts where its way back
   }
 }
 
-TEST_CASE("spans cover all steps once and name the branches") {
+TEST_CASE("branch spans: cover all steps once and name the branches") {
   const auto steps =
       compile(recipe_of("turning_points = [0, 4, 0]\nstep = 2\nrepeats = 2\n[conditioning]\ncycles = 2\npeak = 4\n"
                         "[prompt]\nbefore = \"ready?\"\n"),
@@ -267,7 +267,7 @@ TEST_CASE("spans cover all steps once and name the branches") {
   CHECK(next == steps.size());
 }
 
-TEST_CASE("random reversals lie on the grid, rise and fall in turn and are the same for the same seed") {
+TEST_CASE("random reversals: lie on the grid, alternate up and down, and are equal for equal seeds") {
   const auto points = [](int seed, int low) {
     return recipe_of("step = 2\n[random]\nseed = " + std::to_string(seed) +
                      "\nreversals = 99\nlow = " + std::to_string(low) + "\nhigh = 60\n")
@@ -288,7 +288,7 @@ TEST_CASE("random reversals lie on the grid, rise and fall in turn and are the s
   CHECK(points(3, 0) != points(4, 0));
 }
 
-TEST_CASE("each kind of drawn points keeps its promise, for every seed, and what is drawn is held where it says") {
+TEST_CASE("drawn points: each kind keeps its reversal sizes, bounds and holds, for twenty seeds") {
   struct Row {
     const char *kind, *refused;  // the key that is refused with an even number; empty: none
     int low, smallest, most;     // of a reversal, in steps of 2 psi

@@ -21,7 +21,7 @@ void read_levels(const std::string& body) { (void)recipe_of(body); }
 
 }  // namespace
 
-TEST_CASE("refused: keys, texts, units and numbers that a recipe cannot have") {
+TEST_CASE("recipe: invalid keys, texts, units and numbers are refused with their place") {
   check_refusals(
       {{kSweep + "dwel_s = 2\n", "TB-FILE-KEY", "test.toml:6:10, dwel_s", "dwel_s"},
        {kSweep + "dwell_s = \"2 s\"\n", kValue, "test.toml:6:11, dwell_s"},
@@ -48,7 +48,7 @@ TEST_CASE("refused: keys, texts, units and numbers that a recipe cannot have") {
       {"unit PSI", kValue, "u:3:6, unit", "psi"});
 }
 
-TEST_CASE("refused: a press that cannot be made") {
+TEST_CASE("press recipe: an impossible press is refused with its place") {
   const std::string at = "positions_mm = [[1, 1]]\n";
   check_refusals({{at + "forces_n = []\n", kValue, "p.toml:7:12, press.forces_n"},
                   {at + "forces_n = [0.1]\n", kValue, "p.toml:7:12, press.forces_n", "0.2 N"},
@@ -69,7 +69,7 @@ TEST_CASE("refused: a press that cannot be made") {
       {"no [press]", kValue, "p.toml:1:1, press"});
 }
 
-TEST_CASE("refused: a grid that has no positions or too many") {
+TEST_CASE("press grid: no positions or too many are refused") {
   const auto grid = [](const std::string& x, const std::string& y, const std::string& place, const std::string& fact) {
     check_refusal([&] { (void)press_of("forces_n = [2]\n[press.grid]\nx = " + x + "\ny = " + y + "\n"); },
                   {x + " " + y, kValue, place, fact});
@@ -81,7 +81,7 @@ TEST_CASE("refused: a grid that has no positions or too many") {
   grid("[1, 101, 1]", "[1, 100, 1]", "p.toml:7:1, press.grid", "101 x 100");
 }
 
-TEST_CASE("refused: a parameter that cannot be used") {
+TEST_CASE("recipe parameter: an invalid or unused one is refused") {
   const auto read = [](const std::string& tables, const std::vector<Override>& overrides = {}) {
     (void)parse_recipe(TomlDocument::from_text("schema = 1\nname = \"t\"\nunit = \"psi\"\nturning_points = "
                                                "[0, \"$peak\"]\nstep = 1\n[parameters.peak]\n" +
@@ -116,7 +116,7 @@ TEST_CASE("refused: a parameter that cannot be used") {
   CHECK_NOTHROW(read(peak, {{"peak", "9"}, {"peak", "3"}}));
 }
 
-TEST_CASE("refused: an unknown key in every table") {
+TEST_CASE("recipe: an unknown key is refused in every table") {
   const std::string press = "positions_mm = [[1, 1]]\nforces_n = [20]\n";
   for (const std::string& table :
        std::vector<std::string>{"conditioning", "limits", "guard", "warm_up", "dwell", "retry", "timeout", "prompt"})
@@ -173,7 +173,7 @@ bool dwells(const std::string& text) { return too_large(text, " days") == "accep
 
 }  // namespace
 
-TEST_CASE("a recipe of a million steps is allowed, and one step more is not") {
+TEST_CASE("recipe size: a million steps are accepted, and one step more is refused") {
   CHECK(too_large(sweep(100, 100, 100), "") == "accepted");
   CHECK(too_large(sweep(100, 100, 100, "[prompt]\nbefore = \"?\"\n"), "1000001 steps") == "step");
   // Home, 62 times a tare and at each of 2016 positions move, approach, 5 presses, retract, then a tare:
@@ -183,7 +183,7 @@ TEST_CASE("a recipe of a million steps is allowed, and one step more is not") {
   CHECK(too_large(asked, "1000001 steps") == "press.grid");
 }
 
-TEST_CASE("the error for too many steps names the key with the largest number") {
+TEST_CASE("recipe size: the error for too many steps names the key with the largest number") {
   CHECK(too_large(sweep(100, 100, 101), "1010000 steps") == "frames_per_level");
   CHECK(too_large(sweep(100, 101, 101), "1020100 steps") == "frames_per_level");
   CHECK(too_large(sweep(101, 100, 101), "1020100 steps") == "step");
@@ -197,7 +197,7 @@ TEST_CASE("the error for too many steps names the key with the largest number") 
   CHECK(too_large(grid(501, 1, 1000, true), "2004001 steps") == "repeats");
 }
 
-TEST_CASE("dwells of 366 days are allowed, all frames, repeats and cycles counted") {
+TEST_CASE("recipe dwell: 366 days are accepted, counting all frames, repeats and cycles") {
   const auto levels = [](int repeats, double dwell_s, const std::string& more = {}) {
     return sweep(2, repeats, 1, fmt::format("dwell_s = {}\n", dwell_s) + more);
   };
@@ -217,7 +217,7 @@ TEST_CASE("dwells of 366 days are allowed, all frames, repeats and cycles counte
   CHECK(too_large(sweep(2, 92, 2, held), "368 days") == "dwell_s");  // as long at first as held
 }
 
-TEST_CASE("a press recipe may dwell as long, at every force of every position") {
+TEST_CASE("press recipe dwell: 366 days are accepted, counting every force at every position") {
   const auto press = [](int repeats, int cycles) {
     return fmt::format(
         "schema = 1\nname = \"t\"\nkind = \"press\"\nrepeats = {}\ndwell_s = 86400\n[press]\nobject = \"ring\"\n"
@@ -246,7 +246,7 @@ void check_refused(const std::string& body, const std::string& steps, const std:
 
 }  // namespace
 
-TEST_CASE("a recipe's steps are counted without making them") {
+TEST_CASE("recipe size: the step count equals the number of compiled steps") {
   const auto shipped = [](const std::string& name) {
     return tactbench::tests::source_path("sequences/" + name + ".toml");
   };
@@ -276,7 +276,7 @@ TEST_CASE("a recipe's steps are counted without making them") {
   }
 }
 
-TEST_CASE("a recipe with more than a million steps is refused with file, line, key, number and bound") {
+TEST_CASE("recipe size: too many steps are refused with the file, line, key and number") {
   const std::string sweep = kHead + "turning_points = [0, 60, 0]\n";
   check_refused(sweep + "step = 0.0001\n", "1200001 steps", "big.toml:5:8, step");
   check_refused(sweep + "step = 1e-300\n", "e+", "big.toml:5:8, step");  // no 300 digits
@@ -290,7 +290,7 @@ TEST_CASE("a recipe with more than a million steps is refused with file, line, k
   check_refused(press + "[press.grid]\nx = [0, 99, 1]\ny = [0, 99, 1]\n", "10000 positions", "press.grid");
 }
 
-TEST_CASE("typed values go through the same bound") {
+TEST_CASE("recipe size: values set on the command line have the same limit") {
   const std::string body = kHead + "turning_points = [0, 60, 0]\nstep = 2\n";
   check_refused(body, "1200001 steps", "--set recipe.step (over big.toml)", {{"step", "1e-4"}});
   check_refused(body, "steps", "--set recipe.frames_per_level (over big.toml)", {{"frames_per_level", "99999"}});

@@ -32,7 +32,7 @@ void check_stretches(const std::vector<BranchSpan>& spans, const std::vector<Str
 
 }  // namespace
 
-TEST_CASE("a frame is taken at levels and presses alone, and not by a press that only travels") {
+TEST_CASE("frames of steps: only measuring and press steps have one, and no press that only travels") {
   for (const StepKind kind :
        {StepKind::kConditioning, StepKind::kMeasure, StepKind::kPrompt, StepKind::kTare, StepKind::kHome,
         StepKind::kMoveXy, StepKind::kApproach, StepKind::kPress, StepKind::kRetract}) {
@@ -44,7 +44,7 @@ TEST_CASE("a frame is taken at levels and presses alone, and not by a press that
   }
 }
 
-TEST_CASE("each recipe of a run has spans of its own") {
+TEST_CASE("branch spans: each recipe of a run has its own") {
   const Recipe up = recipe_of("turning_points = [0, 2]\nstep = 2\n");
   const auto spans = branches(compile({up, up}));
   check_stretches(spans, {{SpanKind::kBranch, 0, 2}, {SpanKind::kBranch, 2, 2}});
@@ -53,7 +53,7 @@ TEST_CASE("each recipe of a run has spans of its own") {
   check_stretches(branches(way_back(conditioned, 3, 0, 0)), {{SpanKind::kConditioning, 0, 4}});
 }
 
-TEST_CASE("the spans of a press are its branches, what conditions, and what is between") {
+TEST_CASE("branch spans: press steps are split into branches, conditioning and travel") {
   const auto steps = compile(three_touches("[conditioning]\ncycles = 2\n"), 0);
   // home, tare | move | 2 x (approach, press, retract) | approach | 2 up | 1 down | retract and so on.
   const auto travel = SpanKind::kTravel, conditioning = SpanKind::kConditioning, branch = SpanKind::kBranch;
@@ -70,7 +70,7 @@ TEST_CASE("the spans of a press are its branches, what conditions, and what is b
                   {{travel, 0, 4}, {conditioning, 4, 3}, {travel, 7, 1}, {conditioning, 8, 2}});
 }
 
-TEST_CASE("the extremes of steps, the lowest and the highest neither first nor last") {
+TEST_CASE("step extremes: lowest and highest values are found, also if neither first nor last") {
   const Extremes levels = extremes(compile(recipe_of("turning_points = [4, 8, 2, 6]\nstep = 2\nsettle = \"none\"\n"
                                                      "ramp_psi_per_s = [0.5, 0.75, 0.25]\n"),
                                            0));

@@ -69,7 +69,7 @@ void unplug_soon(UhidScanner& device, std::vector<Report>& reports) {
 
 }  // namespace
 
-TEST_CASE("an absent scanner is named, with those present") {
+TEST_CASE("hid scanner in VM: an absent scanner is a fault that names it and those present") {
   const auto fault = fault_of([] { (void)open_hid_link(kAddress); });
   CHECK(fault.id() == "TB-HID-OPEN");
   CHECK_THAT(fault.what(), Contains("5443:0016 serial 'VM-42'") && Contains("present: none"));
@@ -79,7 +79,7 @@ TEST_CASE("an absent scanner is named, with those present") {
   CHECK_THAT(other.what(), Contains("present: 5443:0016 serial 'VM-42' tactbench test scanner"));
 }
 
-TEST_CASE("identity and 200 frames are read correctly") {
+TEST_CASE("hid scanner in VM: identity and 200 frames are read correctly") {
   Rig rig;
   auto scanner = rig.open();
   CHECK(scanner.identity().serial == kSerial);
@@ -100,7 +100,7 @@ TEST_CASE("identity and 200 frames are read correctly") {
   figure("vm_hid_exchange_of_one_report", milliseconds(now() - one_by_one) / 200, "ms");
 }
 
-TEST_CASE("an overflowed queue is drained before a scan is requested") {
+TEST_CASE("hid scanner in VM: an overflowed report queue is drained before a scan is requested") {
   Rig rig;
   const auto link = open_hid_link(kAddress);
   send_unasked(*rig.device, 1, 200);
@@ -112,7 +112,7 @@ TEST_CASE("an overflowed queue is drained before a scan is requested") {
   check_scan(scanner.read(1), 1);
 }
 
-TEST_CASE("a missing and a damaged report are found and the next scan is whole") {
+TEST_CASE("hid scanner in VM: a missing and a damaged report are detected, and the next scan is whole") {
   Rig rig;
   auto scanner = rig.open();
   rig.device->at_next_scan([](UhidScanner&, auto& reports) { reports.erase(reports.begin() + 8); });
@@ -127,7 +127,7 @@ TEST_CASE("a missing and a damaged report are found and the next scan is whole")
   check_scan(scanner.read(1), 3);
 }
 
-TEST_CASE("a signal does not end a reading") {
+TEST_CASE("hid scanner in VM: a signal does not end a reading") {
   Rig rig;
   auto scanner = rig.open();
   static volatile sig_atomic_t signals = 0;
@@ -145,7 +145,7 @@ TEST_CASE("a signal does not end a reading") {
   CHECK(signals == 3);
 }
 
-TEST_CASE("unplugging ends a blocking read at once, and the link does not recover") {
+TEST_CASE("hid scanner in VM: unplugging ends a blocking read within a second, and the link stays lost") {
   Rig rig;
   const auto link = open_hid_link(kAddress);
   rig.device->at_next_scan(unplug_soon);
@@ -161,7 +161,7 @@ TEST_CASE("unplugging ends a blocking read at once, and the link does not recove
   CHECK(fault_of([&] { link->write(encode(CommandReport{ScanCommand::kScan, 8})); }).id() == "TB-HID-WRITE");
 }
 
-TEST_CASE("a scanner unplugged during a scan is lost, and read again once it is back") {
+TEST_CASE("hid scanner in VM: a scanner unplugged during a scan is lost, and is read again once it is back") {
   Rig rig;
   rig.options.frame_timeout = 20s;
   auto scanner = rig.open();

@@ -108,7 +108,7 @@ int error_for_user() {
 
 }  // namespace
 
-TEST_CASE("the adapter is listed with its ids and found by its serial number") {
+TEST_CASE("serial port in VM: the adapter is listed with its ids and found by its serial number") {
   REQUIRE(within_ten_seconds([] { return Host::adapter().has_value(); }));
   const auto info = *Host::adapter();
   CHECK(info.name == kPort);
@@ -123,7 +123,7 @@ TEST_CASE("the adapter is listed with its ids and found by its serial number") {
   CHECK_THAT(absent.what(), Contains("/dev/ttyUSB0 (serial ZB0001)"));
 }
 
-TEST_CASE("an open port cannot be opened again") {
+TEST_CASE("serial port in VM: an open port cannot be opened again") {
   REQUIRE(::chmod(kPort, 0666) == 0);
   auto held = open_serial(usb_port());
   const auto fault = fault_of([] { (void)open_serial(usb_port()); });
@@ -135,7 +135,7 @@ TEST_CASE("an open port cannot be opened again") {
   CHECK_NOTHROW(open_serial(usb_port()));
 }
 
-TEST_CASE("baud rate, parity and stop bits reach the port") {
+TEST_CASE("serial port in VM: baud rate, parity and stop bits reach the port") {
   for (const char parity : {'N', 'E', 'O'}) {
     for (const int stop_bits : {1, 2}) {
       INFO(parity << stop_bits);
@@ -151,7 +151,7 @@ TEST_CASE("baud rate, parity and stop bits reach the port") {
   }
 }
 
-TEST_CASE("waiting for a silent line costs no processor") {
+TEST_CASE("serial port in VM: waiting for a silent line uses little processor time") {
   const auto port = open_serial(usb_port());
   std::uint8_t byte = 0;
   const auto begin = now();
@@ -161,7 +161,7 @@ TEST_CASE("waiting for a silent line costs no processor") {
   CHECK(std::clock() - used < CLOCKS_PER_SEC / 10);
 }
 
-TEST_CASE("the stage homes, moves and stops") {
+TEST_CASE("stage in VM: homes, moves and stops") {
   Rig rig;
   rig.stage.arm();
   for (const Axis axis : {Axis::kX, Axis::kY, Axis::kZ}) rig.stage.home(axis);
@@ -180,7 +180,7 @@ TEST_CASE("the stage homes, moves and stops") {
          "ms");
 }
 
-TEST_CASE("unplugging ends a blocking read at once, and is no silence") {
+TEST_CASE("serial port in VM: unplugging ends a blocking read within two seconds, as a lost port and not as silence") {
   Host host;
   {
     const auto port = open_serial(usb_port());
@@ -202,7 +202,7 @@ TEST_CASE("unplugging ends a blocking read at once, and is no silence") {
   CHECK(Host::adapter()->name == kPort);
 }
 
-TEST_CASE("a stage unplugged during a move is lost, and safe once it is back") {
+TEST_CASE("stage in VM: a stage unplugged during a move is lost, and can be halted once it is back") {
   Rig rig;
   rig.stage.arm();
   rig.stage.home(Axis::kZ);

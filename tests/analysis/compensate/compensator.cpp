@@ -46,7 +46,7 @@ bool same(const Compensated& a, const Compensated& b) {
 
 }  // namespace
 
-TEST_CASE("compensators give inputs back along random reversals, as far as the noise lets them be seen") {
+TEST_CASE("compensators: recover the input along random reversals, as far as noise allows") {
   for (const Kind& kind : kinds())
     for (const double step : {2.0, 0.3})
       for (const unsigned seed : {1U, 2U}) {
@@ -59,7 +59,7 @@ TEST_CASE("compensators give inputs back along random reversals, as far as the n
       }
 }
 
-TEST_CASE("compensators that went to a turn in small steps read what one reads that jumped there") {
+TEST_CASE("compensators: small steps and a single jump to a turning point give the same pressure") {
   // Pieces of curves are kept from sample to sample, and hold to the branch's end at most.
   for (const Kind& kind : kinds()) {
     if (kind.in_time) continue;
@@ -88,7 +88,7 @@ TEST_CASE("compensators that went to a turn in small steps read what one reads t
   }
 }
 
-TEST_CASE("wiggles within the dead band leave no memory, and a tremor on a hold no error beyond its size") {
+TEST_CASE("compensators: noise within the dead band leaves no memory, oscillation on a hold no error beyond its size") {
   for (const Kind& kind : kinds())
     for (const double level : {12.0, 35.0, 45.0}) {
       INFO(kind.name << ", held at " << level);
@@ -131,7 +131,7 @@ TEST_CASE("wiggles within the dead band leave no memory, and a tremor on a hold 
     }
 }
 
-TEST_CASE("samples beyond what a taxel can give are held and flagged, and what follows is as without them") {
+TEST_CASE("compensators: impossible samples are held or flagged, and later readings are as without them") {
   for (const Kind& kind : kinds()) {
     const double full = kOutputGain * kind.full(), margin = 0.1 * full;
     Random draw(7);
@@ -171,7 +171,7 @@ TEST_CASE("samples beyond what a taxel can give are held and flagged, and what f
   }
 }
 
-TEST_CASE("what stays beyond a taxel's outputs is its loop's end, at once when it came from nearby") {
+TEST_CASE("compensators: output staying out of range reads as the end of the loop, at once if it came from nearby") {
   for (const Kind& kind : kinds()) {
     INFO(kind.name);
     const double full = kOutputGain * kind.full();
@@ -202,7 +202,7 @@ TEST_CASE("what stays beyond a taxel's outputs is its loop's end, at once when i
   }
 }
 
-TEST_CASE("an unknown start lies midway with the truth within twice its uncertainty, until it is known") {
+TEST_CASE("compensators: after an unknown start twice the uncertainty covers the input until the state is known") {
   for (const Kind& kind : kinds()) {
     double unknown = 0.0, within = 0.0;
     for (const unsigned seed : {1U, 2U, 3U, 4U}) {
@@ -232,7 +232,8 @@ TEST_CASE("an unknown start lies midway with the truth within twice its uncertai
   }
 }
 
-TEST_CASE("tare, rest, loss, a falling output and a wrong time") {
+TEST_CASE(
+    "compensators: tare and lost samples keep the reading, falling output is mirrored, invalid times are refused") {
   for (const Kind& kind : kinds()) {
     INFO(kind.name);
     const Walk walk = walk_of(kind, reversals(kind, 200, 2.0, 3), 0.0, 1);
@@ -290,7 +291,7 @@ TEST_CASE("tare, rest, loss, a falling output and a wrong time") {
   }
 }
 
-TEST_CASE("on a hold samples are averaged, and a step comes at once") {
+TEST_CASE("compensators: samples on a hold are averaged, and a step is followed at once") {
   for (const Kind& kind : kinds()) {
     const double noise = 0.002;
     const auto averaging = kind.stream(noise);
@@ -318,7 +319,7 @@ TEST_CASE("on a hold samples are averaged, and a step comes at once") {
   }
 }
 
-TEST_CASE("lag and creep are undone by the time that passes, told to each taxel or once to all") {
+TEST_CASE("compensators: lag and creep are removed by the elapsed time, including times of work and rest") {
   for (const Kind& kind : kinds()) {
     if (!kind.in_time) continue;
     const Walk walk = walk_of(kind, reversals(kind, 600, 2.0, 4), kNoise / 10.0, 1);
@@ -356,7 +357,7 @@ TEST_CASE("lag and creep are undone by the time that passes, told to each taxel 
   }
 }
 
-TEST_CASE("more creep undone than there is makes no turn of a hold, and no fall of pressure") {
+TEST_CASE("compensators: twice the real creep correction causes no reversal on a hold and a bounded error") {
   for (const Kind& kind : kinds()) {
     if (!kind.in_time) continue;
     std::vector<double> way = levels_of({0, 40});
@@ -374,7 +375,7 @@ TEST_CASE("more creep undone than there is makes no turn of a hold, and no fall 
   }
 }
 
-TEST_CASE("a gain that changed by a hundredth is found at the top, and doubted") {
+TEST_CASE("compensators: a gain error of 1 % is found at the top, which reduces the error and widens the uncertainty") {
   for (const Kind& kind : kinds())
     for (const double gain : {0.99, 1.01}) {
       if (kind.in_time || kind.name == "elam") continue;
@@ -405,7 +406,7 @@ TEST_CASE("a gain that changed by a hundredth is found at the top, and doubted")
     }
 }
 
-TEST_CASE("uncertainty: wider until creep has settled, the more of it the wider") {
+TEST_CASE("compensators: uncertainty is larger until creep has settled, and grows with the amount of creep") {
   for (const Kind& kind : kinds()) {
     if (kind.name != "linearised in time") continue;  // as fitted
     INFO(kind.name);
@@ -424,7 +425,7 @@ TEST_CASE("uncertainty: wider until creep has settled, the more of it the wider"
   }
 }
 
-TEST_CASE("numbers of a set-up that make no compensator are refused, each") {
+TEST_CASE("make_compensator: each invalid number of the setup is refused") {
   using Spoil = std::function<void(CompensatorSetup&)>;
   const std::vector<Kind> all = kinds();
   const auto refused = [](const Kind& kind, const Spoil& spoil) {

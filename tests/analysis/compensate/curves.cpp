@@ -76,7 +76,7 @@ void check_pieces(Curve curve, unsigned seed) {
 
 }  // namespace
 
-TEST_CASE("pieces of curves hold to the end of their branch at most, along nested loops that close") {
+TEST_CASE("curve pieces: equal the curve up to the end of their branch, along nested loops that close") {
   for (const unsigned seed : {1U, 2U, 3U})
     for (const Kind& kind : kinds()) {
       if (kind.in_time) continue;
@@ -92,7 +92,7 @@ TEST_CASE("pieces of curves hold to the end of their branch at most, along neste
     }
 }
 
-TEST_CASE("on branches that leave the external loop ELAM's curve is the paper's") {
+TEST_CASE("ElamStack: branches that leave the external loop equal the paper's curves") {
   ArrayOptions options;
   options.rows = options.columns = 3;
   for (ElamModel model : Array(options).taxels)
@@ -123,7 +123,7 @@ TEST_CASE("on branches that leave the external loop ELAM's curve is the paper's"
     }
 }
 
-TEST_CASE("a stream that stands reads what its curve says there, though its pieces are short") {
+TEST_CASE("TurningCompensator: cached curve pieces and an uncached curve give the same readings on noisy holds") {
   const PreisachModel film = film_of(1, 60);  // a state's pieces have no length: nothing is kept of it
   const double top = film.everett(film.x_high(), film.x_low());
   CompensatorSetup setup;

@@ -85,7 +85,7 @@ struct Handle {
 
 }  // namespace
 
-TEST_CASE("frames of a model, of its taxels, of its document and of the C API are the same, for every kind") {
+TEST_CASE("FrameCompensator: model, single taxels, document and C API give the same frames, for every model kind") {
   const tactbench::tests::TemporaryFolder folder;
   for (const Kind& kind : kinds())
     for (const bool falling : {false, true}) {
@@ -141,7 +141,7 @@ TEST_CASE("frames of a model, of its taxels, of its document and of the C API ar
     }
 }
 
-TEST_CASE("frames: bits of a lost, a dead, a spiked and an outside taxel, gaps, tares, and what is refused") {
+TEST_CASE("FrameCompensator: sets status bits of lost, dead and out-of-range taxels, and refuses invalid frames") {
   for (const Kind& kind : kinds()) {
     INFO(kind.name);
     const SensorModel model = sensor_of(kind);
@@ -203,7 +203,7 @@ TEST_CASE("frames: bits of a lost, a dead, a spiked and an outside taxel, gaps, 
   CHECK(id_of_refusal([&] { (void)compensator_of(wild, wild.taxels[2]); }) == "TB-MODEL-COMPENSATOR");
 }
 
-TEST_CASE("a document that lacks a member, or has a wrong one, makes no frames and leaves no handle") {
+TEST_CASE("FrameCompensator: a document with a missing or wrong member is refused and leaves no handle") {
   using Json = nlohmann::ordered_json;
   for (const Kind& kind : {kinds().front(), kinds().back()}) {
     const Json whole = Json::parse(to_text(sensor_of(kind)));
@@ -247,7 +247,7 @@ TEST_CASE("a document that lacks a member, or has a wrong one, makes no frames a
   CHECK_THROWS_AS(frames_from_document("[]", 0), std::invalid_argument);
 }
 
-TEST_CASE("C API: codes, messages cut to size, and a state that is as before a refusal") {
+TEST_CASE("C API: returns error codes and truncated messages, and a refusal leaves the state unchanged") {
   const tactbench::tests::TemporaryFolder folder;
   const std::string text = to_text(sensor_of(kinds().back()));  // in time
   CHECK(tb_compensator_abi_version() == TB_COMPENSATOR_ABI_VERSION);
@@ -312,7 +312,7 @@ TEST_CASE("C API: codes, messages cut to size, and a state that is as before a r
   tb_compensator_destroy(nullptr);
 }
 
-TEST_CASE("frames of ELAM and of tables allocate nothing, whatever happens to them") {
+TEST_CASE("FrameCompensator: ELAM and table models allocate no memory while they process frames") {
   for (const Kind& kind : kinds()) {
     if (kind.name != "elam" && kind.name != "preisach" && kind.name != "linearised in time") continue;
     FrameCompensator frames = frames_of(sensor_of(kind), 1.0, 3);

@@ -37,7 +37,7 @@ const Keys kDeviceKeys = {"role",        "model",         "serial",     "firmwar
 
 }  // namespace
 
-TEST_CASE("a run's document has every key, of an empty run as well") {
+TEST_CASE("run JSON: has every key, also for an empty run") {
   CHECK(keys_of(run_json({})) == kRunKeys);
   db::RunRecord run = tests::example_run();
   run.run = 4;
@@ -75,7 +75,7 @@ TEST_CASE("a run's document has every key, of an empty run as well") {
   CHECK(voided["overrides"].is_null());
 }
 
-TEST_CASE("a device's document states its calibration as the report does, and omits fields that were never filled in") {
+TEST_CASE("device JSON: states the calibration as the report does, and leaves FILL-IN fields empty") {
   db::RunRecord run = tests::example_run();
   run.devices[0].calibration_json = R"({"certificate":"C-1","calibrated":"2024-01-31","due":"2024-04-30"})";
   run.devices[1].model = "FILL-IN";
@@ -94,7 +94,7 @@ TEST_CASE("a device's document states its calibration as the report does, and om
   CHECK(run_json(run)["devices"][0]["overdue"] == false);
 }
 
-TEST_CASE("a report holds the same facts on its runs as their documents, except tags and notes") {
+TEST_CASE("report JSON: holds the same facts on its runs as the run JSON, except tags and notes") {
   ReportInput input = example::example_input();
   input.further = {tests::example_run()};
   input.run.tags = {"night"};
@@ -133,7 +133,7 @@ TEST_CASE("a report holds the same facts on its runs as their documents, except 
   CHECK(render_report(input).number == number);
 }
 
-TEST_CASE("figures have the same keys in every document, shares of full scale end in _fs") {
+TEST_CASE("evaluation JSON: has the same keys in every document, and shares of full scale end in _fs") {
   const ReportInput input = example::example_input();
   const Document own = evaluation_json(input.evaluation);
   CHECK(own["raw_distance_fs"] == input.evaluation.raw_distance);
@@ -159,7 +159,7 @@ TEST_CASE("figures have the same keys in every document, shares of full scale en
   }
 }
 
-TEST_CASE("verdicts have the same keys in every document") {
+TEST_CASE("verdict JSON: has the same keys in every document") {
   ReportInput input = example::example_input();
   input.judgement.stored_worse = {input.judgement.figures[1]};
   const Document own = figure_json(input.judgement.figures[0]);

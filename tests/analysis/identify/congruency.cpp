@@ -60,7 +60,7 @@ Congruency of_rises(const std::vector<std::pair<double, double>>& rises, double 
 
 }  // namespace
 
-TEST_CASE("congruency by hand: inner branches between the same inputs rise and fall alike but for the divider") {
+TEST_CASE("congruency: finds the divider for which inner branches between equal inputs rise and fall equally") {
   const Congruency found = find_divider(congruent(true));
   CHECK(found.pairs == 4);
   CHECK(found.divider.zero == 0.5);
@@ -75,7 +75,7 @@ TEST_CASE("congruency by hand: inner branches between the same inputs rise and f
   CHECK(none.plain_rms == Approx(0.0).margin(1e-12));
 }
 
-TEST_CASE("congruency by hand: the misfit is the root mean square of what rise and fall differ by, at three pairs") {
+TEST_CASE("congruency: the misfit is the RMS difference of rises and falls, and needs three pairs") {
   // Between 4 and 7 the fall is 3, between 1 and 7 6, between 3 and 7 4: rises that are 1, 2 and 2 more.
   const Congruency found = of_rises({{4.0, 4.0 / 3.0}, {1.0, 8.0 / 6.0}, {3.0, 6.0 / 4.0}});
   CHECK(found.pairs == 3);
@@ -92,8 +92,7 @@ TEST_CASE("congruency by hand: the misfit is the root mean square of what rise a
   CHECK(of_rises({{1.0, 1.5}, {2.0, 1.5}, {3.0, 1.5}}, 9.875).pairs == 3);
 }
 
-TEST_CASE(
-    "congruency by hand: branches count that come from the ends, within a hundredth, and reach the other's turn") {
+TEST_CASE("congruency: only branches from within 1 % of an end that reach the other's turning point count") {
   const auto pairs = [](const History& rise) {
     std::vector<History> histories = {along("fall", {0, 7, 0}, {0, 7, 0})};
     for (int n = 0; n < 3; ++n) histories.push_back(rise);
@@ -110,7 +109,7 @@ TEST_CASE(
   CHECK(pairs(none) == 0);
 }
 
-TEST_CASE("linearised by hand: histories and both patterns go through the divider") {
+TEST_CASE("linearised: histories and both patterns are converted by the divider") {
   const Divider divider{0.5, 0.25};
   FitData data = straight_loop({along("a", {0, 10}, {0.5, seen(3.0)})}, seen(10.0), 0.5);
   data.descending =

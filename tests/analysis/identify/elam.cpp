@@ -45,7 +45,7 @@ History history_of(const std::vector<double>& turns, unsigned seed) {
 
 }  // namespace
 
-TEST_CASE("memory reduces ELAM's error on random reversals that were not fitted") {
+TEST_CASE("ELAM: memory reduces the error on random reversals that were not fitted") {
   FitData data;
   data.histories = {history_of(kDescendingTurns, 1), history_of(kAscendingTurns, 2)};
   std::vector<double> grid, up, down;
@@ -111,7 +111,7 @@ int elam_samples(double from, double to, const IdentifyOptions& options = {}) {
 
 }  // namespace
 
-TEST_CASE("ELAM: a recording's first branch counts from 0.6 psi of either end, elsewhere its turn is not known") {
+TEST_CASE("ELAM: a recording's first branch counts only if it starts within 0.6 psi of an end") {
   // All samples but each branch's first: 5 and 9. Without the first branch two less.
   for (const bool free_run : {false, true}) {
     IdentifyOptions options;
@@ -128,7 +128,7 @@ TEST_CASE("ELAM: a recording's first branch counts from 0.6 psi of either end, e
   }
 }
 
-TEST_CASE("ELAM: branches whose turn is not known count where one direction would be missing") {
+TEST_CASE("ELAM: branches with unknown turning point are used if one direction would be missing without them") {
   const ElamModel truth = model_of(paper_loop(), kPrinted, true);
   FitData data{{}, truth.ascending, truth.descending};
   const std::vector<double> x{20, 40, 60, 30, 0};
@@ -140,7 +140,7 @@ TEST_CASE("ELAM: branches whose turn is not known count where one direction woul
   for (const int splits : {1, 2, 8}) CHECK_NOTHROW(identify_elam(data, {.splits = splits}));
 }
 
-TEST_CASE("ELAM: full cycles in one direction leave that one's parameters open, at the pattern's own middle") {
+TEST_CASE("ELAM: a direction whose branches all start at an end stays undetermined, at the pattern's middle") {
   for (const double noise : {0.0, 0.003}) {
     CAPTURE(noise);
     const FitData falls = paper_data(kDescendingTurns, noise), rises = paper_data(kAscendingTurns, noise);
@@ -155,8 +155,7 @@ TEST_CASE("ELAM: full cycles in one direction leave that one's parameters open, 
   }
 }
 
-TEST_CASE(
-    "ELAM by hand: parameters at a bound are those within a thousand millionth of 0 or 1, the longest split's too") {
+TEST_CASE("ELAM: parameters within 1e-9 of 0 or 1 count as at a bound, also for the longest split") {
   const std::vector<double> x{0, 60}, y{0, 3};
   const PatternCurve pattern(x, y, 0.0, 3.0);
   const auto bounds = [&](const ElamParameters& p) { return bounds_met({pattern, pattern, p, {}}); };
@@ -188,7 +187,7 @@ TEST_CASE(
   CHECK((p.alpha_d == 0.2 && p.beta_d == 0.5 && p.alpha_a0 == 0.2));
 }
 
-TEST_CASE("ELAM by hand: a fit's figures are over all samples but each branch's first, from the turn that counts") {
+TEST_CASE("ELAM: fit errors are over all samples except each branch's first, from the turning point in use") {
   const std::vector<double> x{0, 60}, y{-5, 1};
   const PatternCurve pattern(x, y, -5.0, 1.0);
   const ElamModel model{pattern, pattern, {}, {}};  // straight: a tenth of the input less 5

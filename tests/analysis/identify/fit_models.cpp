@@ -58,7 +58,7 @@ double largest_difference(const HysteresisModel& a, const HysteresisModel& b) {
 
 }  // namespace
 
-TEST_CASE("identification: noiseless data give back the model that made them") {
+TEST_CASE("identification: noiseless data return the model that made them") {
   SECTION("MPI") {
     for (const double low : {0.0, 5.0}) {
       const MpiModel truth({.a1 = 0.1, .a2 = -0.001, .a3 = 5e-6, .rho = 3.0, .tau = 0.7}, low, low + 60.0, 0.3);
@@ -110,7 +110,7 @@ TEST_CASE("identification: noiseless data give back the model that made them") {
   }
 }
 
-TEST_CASE("identification: the errors are those of the model walked along the data") {
+TEST_CASE("identification: reported errors equal those of the model evaluated along the data") {
   for (const bool free_run : {false, true}) {
     const FitData data = paper_both(0.032, 0.0205);
     for (const char* name : kOthers) {
@@ -137,7 +137,7 @@ TEST_CASE("identification: the errors are those of the model walked along the da
   }
 }
 
-TEST_CASE("identification: no parameters near the fitted ones have a smaller error") {
+TEST_CASE("identification: changing any fitted parameter by 0.1 % does not reduce the error") {
   const FitData data = paper_both(0.032, 0.0205);
   for (const char* name : {"gpi", "mpi", "poly"}) {
     const ModelFit fit = identify(name, data);
@@ -167,7 +167,7 @@ TEST_CASE("identification: no parameters near the fitted ones have a smaller err
 
 // Measured inputs: off the grid, wavering within a branch, branches of unequal length, a range that does not begin at
 // 0, a history that starts in the middle.
-TEST_CASE("identification: measured inputs, unequal branches and an origin elsewhere are fitted as well") {
+TEST_CASE("identification: measured inputs, unequal branches and an offset origin are fitted within error limits") {
   std::mt19937 random(11);
   std::normal_distribution<double> normal;
   const ElamModel truth = model_of(paper_loop(), kPrinted, true);
@@ -201,7 +201,7 @@ TEST_CASE("identification: measured inputs, unequal branches and an origin elsew
   }
 }
 
-TEST_CASE("identification: a long history is thinned for the regressions, not for the errors") {
+TEST_CASE("identification: errors of a long history are over all its samples, though the regressions thin it") {
   std::mt19937 random(2);
   const std::vector<double> inputs = random_inputs(random, 12000, 0.0, 60.0, 4);
   const PolyModel truth = rising_poly();
@@ -256,7 +256,7 @@ const std::vector<BoundedFit> kBoundedFits{
 
 }  // namespace
 
-TEST_CASE("fits of each model and mode leave no larger J than their bounds") {
+TEST_CASE("identify: each model and mode reaches a J no larger than its bound") {
   const FitData data = bounded_data();
   for (const auto& [model, options, most_j] : kBoundedFits) {
     CAPTURE(model, options.free_run, options.memory, options.splits, options.linearise);
@@ -289,7 +289,7 @@ TableSeries inner_loop(int taxel, double turn, double gain) {
 
 }  // namespace
 
-TEST_CASE("fits of a table: taxels of one external loop whose inner inputs differ are each fitted to its own") {
+TEST_CASE("fit_models: taxels with different inner inputs are fitted separately, without a mean taxel") {
   HistoriesOptions options;
   options.turn = 0.5;
   options.noise = 0.0;
@@ -342,7 +342,7 @@ std::shared_ptr<const PolyModel> bent_poly() {
 
 }  // namespace
 
-TEST_CASE("histories are predicted branch by branch, and sample by sample where there is no branch") {
+TEST_CASE("predicted history: follows branches, and single samples outside of branches") {
   check_alike(walked({0, 30, 60, 45, 30, 15}, {{0, 2, true}, {2, 5, false}}), {0, 1, 3, 2.5, 2, 1}, 1e-12);
   // A step back within a branch is no turn: from 45 to 30 it would be 1.5.
   check_alike(walked({0, 45, 30, 60, 30}, {{0, 3, true}, {3, 4, false}}), {0, 2, 1, 3, 2}, 1e-12);
@@ -359,7 +359,7 @@ TEST_CASE("histories are predicted branch by branch, and sample by sample where 
   CHECK_FALSE(begins_falling({"h", {30, 15}, {}, {}}));
 }
 
-TEST_CASE("a measured turn is where the next branch begins, but of a free run, in the taxel's own outputs") {
+TEST_CASE("predicted history: a measured turning point starts the next branch, except in a free run") {
   // Up to 30 the model has 1, where 2 was measured: down to 15, half of the way, three quarters of that.
   const History history{"h", {0, 30, 15}, {0, 2, 0}, {{0, 1, true}, {1, 2, false}}};
   check_alike(predict_history(*bent_poly(), history, false), {0, 1, 1.5}, 1e-12);
@@ -374,7 +374,7 @@ TEST_CASE("a measured turn is where the next branch begins, but of a free run, i
   check_alike(taxel.predicted(adjusted, true), {0.5, 2.5, 2.0}, 1e-12);
 }
 
-TEST_CASE("a sensor's taxels by hand: the mean apart, those that are fitted, falling outputs, the external loop") {
+TEST_CASE("SensorModel: separates the mean taxel, lists fitted taxels, and handles falling outputs and the loop") {
   SensorModel model;
   model.source = "run 4";
   CHECK(model.array().empty());

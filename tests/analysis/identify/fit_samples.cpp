@@ -34,8 +34,7 @@ std::string samples_refused(const FitData& data, bool one_way = false) {
 
 }  // namespace
 
-TEST_CASE(
-    "samples of a fit by hand: inputs within the loop, branches with their beginnings, all but first ones scored") {
+TEST_CASE("FitSamples: clips inputs to the loop, marks the start of each branch, and scores all but first samples") {
   const FitSamples samples(up_and_down());
   CHECK((samples.x_low == 0.0 && samples.x_high == 60.0));
   CHECK(samples.x == std::vector<double>{0.0, 30.0, 60.0, 30.0, 0.0, 60.0, 40.0, 20.0});
@@ -53,7 +52,7 @@ TEST_CASE(
   CHECK(samples.outputs(up_and_down()) == std::vector<double>{0.0, 1.0, 3.0, 2.0, 0.0, 3.0, 2.4, 1.5});
 }
 
-TEST_CASE("samples of a fit by hand: what cannot be fitted is refused, each for its reason") {
+TEST_CASE("FitSamples: data that cannot be fitted are refused with a reason") {
   CHECK(samples_refused(up_and_down()).empty());
   const auto spoilt = [](const auto& change) {
     FitData data = up_and_down();
@@ -89,7 +88,7 @@ TEST_CASE("samples of a fit by hand: what cannot be fitted is refused, each for 
     CHECK_FALSE(other_curve(at, out).empty());
 }
 
-TEST_CASE("samples of a fit by hand: both directions are needed, or one where that is enough") {
+TEST_CASE("FitSamples: needs both directions, or one if that is enough") {
   FitData data = up_and_down();
   data.histories.erase(data.histories.begin());
   CHECK_FALSE(samples_refused(data).empty());
@@ -101,7 +100,7 @@ TEST_CASE("samples of a fit by hand: both directions are needed, or one where th
   CHECK_FALSE(samples_refused(data, true).empty());
 }
 
-TEST_CASE("samples of a fit by hand: outputs are taken of the same inputs and branches alone") {
+TEST_CASE("FitSamples: outputs are accepted only for the same inputs and branches") {
   const FitSamples samples(up_and_down());
   const auto refused = [&](const auto& change) {
     FitData data = up_and_down();
@@ -126,7 +125,7 @@ TEST_CASE("samples of a fit by hand: outputs are taken of the same inputs and br
   CHECK_THAT(refused([](FitData& d) { d.histories[1].y[0] = std::numeric_limits<double>::quiet_NaN(); }), missing);
 }
 
-TEST_CASE("figures of a fit by hand: sum of squares, mean and largest error of any number of samples") {
+TEST_CASE("fit errors: sum of squares, mean and largest error are right for any number of samples") {
   const FitData data = up_and_down();
   const std::vector<double> errors = {0.1, -0.2, 0.3, -0.4, 0.5, -0.6, 0.7, -0.8, 0.9};
   for (std::size_t n = 1; n <= errors.size(); ++n) {
@@ -176,7 +175,7 @@ double curve_at(const ModelFit& fit, double x) {
 
 }  // namespace
 
-TEST_CASE("least squares without negative values by hand: what would be negative is 0, the others are fitted anew") {
+TEST_CASE("non-negative least squares: negative coefficients become 0 and the others are fitted again") {
   check_alike(least_squares({{2, 0}, {0, 4}}, {3, 8}), {1.5, 2}, 1e-12);
   check_alike(least_squares({{1, 0}, {0, 1}}, {1, -2}), {1, 0}, 1e-12);
   check_alike(least_squares({{2, 1}, {1, 2}}, {1, -1}), {0.5, 0}, 1e-12);  // without bounds 1 and -1
@@ -192,7 +191,7 @@ TEST_CASE("least squares without negative values by hand: what would be negative
   CHECK(std::min(twins[0], twins[1]) == 0.0);
 }
 
-TEST_CASE("least squares without negative values: no set of columns that are held at 0 gives less") {
+TEST_CASE("non-negative least squares: no subset of columns gives a smaller sum of squares") {
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
   constexpr int kColumns = 5;
@@ -220,7 +219,7 @@ TEST_CASE("least squares without negative values: no set of columns that are hel
   }
 }
 
-TEST_CASE("a single-valued curve by hand: near inputs are one knot, outputs that do not rise their weighted mean") {
+TEST_CASE("monotone model: near inputs share a knot, and falling outputs become their weighted mean") {
   // Within a two-thousandth of the span, 0.005, of a knot's begin: 5 and 5.004 are one, of 4 V. Then 2 V at 8: with it
   // (4 + 4 + 2) / 3. The first sample of a branch does not count; the curve's ends are those of the loop.
   const ModelFit one = identify("monotone", single_way({0, 2, 5, 5.004, 8, 10}, {9, 1, 3, 5, 2, 6}));

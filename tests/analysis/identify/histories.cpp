@@ -56,7 +56,7 @@ std::vector<RepeatDrift> drifts_of(const std::vector<std::pair<double, double>>&
 
 }  // namespace
 
-TEST_CASE("the mean taxel by hand: outputs, noise and turn of those that can be fitted") {
+TEST_CASE("mean taxel: outputs, noise and turn size come from the taxels that can be fitted, if their inputs agree") {
   Histories histories = of_three();
   finish(histories);
   REQUIRE(histories.taxels.size() == 4);
@@ -85,7 +85,7 @@ TEST_CASE("the mean taxel by hand: outputs, noise and turn of those that can be 
   CHECK(id_of_refusal([&] { finish(none); }) == "TB-ANALYSIS-NO-TAXEL");
 }
 
-TEST_CASE("the loop of a mean by hand: of each taxel's own loop, where they have the same inputs") {
+TEST_CASE("mean loop: averages each taxel's own loop, if all have the same inputs") {
   const Histories histories = of_three();
   const auto mean = mean_fit_data(histories, {0, 1}, {});
   REQUIRE(mean);
@@ -102,8 +102,7 @@ TEST_CASE("the loop of a mean by hand: of each taxel's own loop, where they have
   CHECK_FALSE(mean_fit_data(other, {0, 1}, {}));
 }
 
-TEST_CASE(
-    "histories by name: in the order asked for, all of a name, those there are, each once, where one is missing") {
+TEST_CASE("histories by name: come in the requested order, all of one name, and a missing name is refused") {
   const std::vector<History> histories{
       {"a", {1}, {}, {}, {}, {}}, {"b", {2}, {}, {}, {}, {}}, {"a", {3}, {}, {}, {}, {}}};
   const auto inputs = [&](const std::vector<std::string>& names) {
@@ -118,7 +117,7 @@ TEST_CASE(
   CHECK((span.low == -1.0 && span.high == 9.0 && span.length() == 10.0));
 }
 
-TEST_CASE("a first repeat differs by three uncertainties of its mean, or twice the others' root mean square") {
+TEST_CASE("repeat drift: a first repeat differs beyond 3 uncertainties of its mean or twice the others' RMS") {
   // Others 0 and 0.02 with +-0.2 at the two steps: shifts of 0.02, uncertain by 0.02 sqrt(3/4); rms sqrt(0.0404) =
   // 0.201.
   const auto shifted = [](double shift) {
@@ -143,7 +142,7 @@ TEST_CASE("a first repeat differs by three uncertainties of its mean, or twice t
   CHECK(drifts_of({{0, 0}, {1, 1}, {2, 2}}).size() == 1);
 }
 
-TEST_CASE("histories by hand: outputs are negated where they fall with the input over all usable taxels") {
+TEST_CASE("histories: outputs are negated if they fall with the input over all usable taxels") {
   const std::vector<double> there_and_back{0, 1, 2, 1, 0};
   // Mean inputs are 0.8: of these outputs the sum of products is -3.2 and, of the second taxel, 1.6 times as much.
   const std::vector<double> falls{0, -1, -2, -1, 0}, rises{0, 2, 4, 2, 0};
@@ -163,7 +162,7 @@ TEST_CASE("histories by hand: outputs are negated where they fall with the input
   CHECK_FALSE(gathered({shifted}).falling);
 }
 
-TEST_CASE("histories by hand: both patterns begin and end in the mean of what was measured, or there is no rise") {
+TEST_CASE("fit data: both patterns start and end at the mean of the measured outputs, and must rise") {
   const std::vector<double> there_and_back{0, 1, 2, 1, 0};
   TaxelHistories taxel = of_history(0, {0, 1, 2, 2}, {0.2, 2, 5, 5});
   const std::vector<double> down{2, 1, 0, 0};

@@ -69,8 +69,7 @@ double amplitude_taken(const FitData& data, bool cross, const PrepareInner& inne
 
 }  // namespace
 
-TEST_CASE("linearised: the divider is taken where errors on held branches are less with it, by a millionth",
-          "[linearise]") {
+TEST_CASE("linearised: the divider is used if it reduces the errors on held-out branches", "[linearise]") {
   const FitData data = data_with_divider();
   REQUIRE(find_divider(data).divider.per_amplitude > 0.0);
   const double zero = data.ascending.y().front(), above = above_plain(data);
@@ -93,7 +92,8 @@ TEST_CASE("linearised: the divider is taken where errors on held branches are le
   CHECK(amplitude_taken(data, false, with(zero)) > 0.0);
 }
 
-TEST_CASE("linearised: where branches cannot be held out the congruency test alone decides", "[linearise]") {
+TEST_CASE("linearised: if no branches can be held out the congruency test alone decides on the divider",
+          "[linearise]") {
   const FitData data = data_with_divider();
   const double above = above_plain(data);
   int prepared = 0;
@@ -113,7 +113,7 @@ TEST_CASE("linearised: where branches cannot be held out the congruency test alo
   CHECK(prepared == 4);
 }
 
-TEST_CASE("linearised: errors are those of the whole model on the outputs as they were measured", "[linearise]") {
+TEST_CASE("linearised: errors are those of the whole model on the measured outputs", "[linearise]") {
   const FitData data = data_with_divider();
   const double above = above_plain(data), zero = data.ascending.y().front();
   const auto fit = prepare_linearised(data, false, false, [&](const FitData&) {
@@ -136,7 +136,7 @@ TEST_CASE("linearised: errors are those of the whole model on the outputs as the
   CHECK(fit.full_scale == Approx(data.ascending.y().back() - zero));
 }
 
-TEST_CASE("linearised: without a divider outputs that begin above 0 are the plain model's", "[linearise]") {
+TEST_CASE("linearised: without a divider, outputs that start above 0 are fitted by the plain model", "[linearise]") {
   FitData data = two_sequences(film_of(31, 30));
   for (History& history : data.histories)
     for (double& y : history.y) y += 0.5;
@@ -189,7 +189,8 @@ SensorModel sensor_of(const std::string& name, const ModelFit& fit, const FitDat
 
 }  // namespace
 
-TEST_CASE("the divider of a plant is found, and without one the model is the plain one bit for bit", "[linearise]") {
+TEST_CASE("linearised: finds a plant's divider within 1 %, and without one equals the plain model bit for bit",
+          "[linearise]") {
   IdentifyOptions options;
   options.linearise = true;
   for (const unsigned seed : {31U, 32U, 33U}) {
@@ -213,7 +214,7 @@ TEST_CASE("the divider of a plant is found, and without one the model is the pla
   }
 }
 
-TEST_CASE("models on the linearised output are kept and read with their c, and others as before", "[linearise]") {
+TEST_CASE("linearised: documents store and read back the divider, those of plain models have none", "[linearise]") {
   const FitData data = two_sequences(plant());
   IdentifyOptions options;
   options.linearise = true;
@@ -239,7 +240,7 @@ TEST_CASE("models on the linearised output are kept and read with their c, and o
 
 using namespace synthetic;
 
-TEST_CASE("an offset of all outputs moves what each model predicts by itself, and changes no error") {
+TEST_CASE("identification: an output offset shifts each model's prediction and leaves its errors unchanged") {
   const FitData data = paper_both(0.03, 0.02);
   for (const double offset : {0.7, -1.9}) {
     const auto moved = [&](std::vector<double> y) {

@@ -51,7 +51,7 @@ std::vector<double> levels_of(const ModelTaxel& taxel) {
 
 }  // namespace
 
-TEST_CASE("frames of single-valued taxels by hand: pressure, drift, lost samples, dead taxels, outside of validity") {
+TEST_CASE("FrameCompensator: pressures and status bits of single-valued taxels match hand-computed values") {
   const SensorModel model = line_array();
   FrameCompensator stream = frames_of(model, 1.0, 2);
   FrameOut out;
@@ -78,7 +78,7 @@ TEST_CASE("frames of single-valued taxels by hand: pressure, drift, lost samples
   CHECK(out.pressure[1] == Approx(0.0).margin(1e-6));
 }
 
-TEST_CASE("frames of a falling sensor are read as measured, and of a part of an array not at all") {
+TEST_CASE("FrameCompensator: falling outputs are read as measured, and part of an array is refused") {
   SensorModel model = line_array();
   model.falling = true;
   FrameCompensator stream = frames_of(model, 1.0, 2);
@@ -90,7 +90,7 @@ TEST_CASE("frames of a falling sensor are read as measured, and of a part of an 
   CHECK(id_of_refusal([&] { (void)frames_of(model); }) == "TB-MODEL-COMPENSATOR");
 }
 
-TEST_CASE("what a stream leaves is spread by the flatness of each of twenty levels, within half and twelve times") {
+TEST_CASE("residual by level: grows with the flatness of each of 20 levels, from 0.5 to 4 times the residual") {
   ModelTaxel taxel = rising_line(0);
   CHECK(levels_of(taxel).empty());
   taxel.residual_psi = 0.5;

@@ -42,7 +42,7 @@ const std::vector<double> kTurningPoints = {0, 10, 0, 10, 5, 10, 3, 10, 1, 10, 0
 
 }  // namespace
 
-TEST_CASE("noise is estimated from the fitted branches, without turns and without scored data") {
+TEST_CASE("noise estimate: uses the fitted branches, without turning points and without scored data") {
   const std::vector<TableSeries> table = {play_series("fit", kTurningPoints, 40, {0.0, 0.01}),
                                           play_series("score", kTurningPoints, 40, {0.0, 1.0})};
   HistoriesOptions options;
@@ -54,7 +54,7 @@ TEST_CASE("noise is estimated from the fitted branches, without turns and withou
   CHECK(histories_of(table, "t.csv", options).taxels[0].noise == 0.5);
 }
 
-TEST_CASE("what is only scored changes neither the turns nor the noise of what is fitted") {
+TEST_CASE("scored data: change neither the turn size nor the noise of the fitted data") {
   const TableSeries fitted = play_series("fit", kTurningPoints, 40, {0.002, 0.01});
   TableSeries wide = play_series("score", {0, 30, 0, 30, 0}, 400, {0.5, 0.0});
   HistoriesOptions options;
@@ -67,7 +67,7 @@ TEST_CASE("what is only scored changes neither the turns nor the noise of what i
   CHECK(both.fit[1].branches.size() == 4);  // its own noise does not shred it
 }
 
-TEST_CASE("curvature and turns of a coarse table are not taken for noise") {
+TEST_CASE("noise estimate: curvature and turning points of a coarse table do not count as noise") {
   TableSeries series{"1", 0, {}, {}};
   for (int cycle = 0; cycle < 5; ++cycle) {
     for (int i = 0; i < 40; ++i) {
@@ -79,7 +79,7 @@ TEST_CASE("curvature and turns of a coarse table are not taken for noise") {
   CHECK(histories_of({series}, "t.csv").taxels[0].noise < 0.002 * 2.0);
 }
 
-TEST_CASE("turns are distinguished from the noise of the inputs, or by a stated size") {
+TEST_CASE("turning points: are separated from input noise, by default or by a stated turn size") {
   CHECK(branches_of(play_series("1", kTurningPoints, 200, {0.03, 0.0})) == kTurningPoints.size() - 1);
   CHECK(branches_of(play_series("1", kTurningPoints, 200)) == kTurningPoints.size() - 1);
   const TableSeries noisy = play_series("1", {0, 10, 0, 10, 5, 10, 0}, 200, {0.1, 0.0});
@@ -90,7 +90,7 @@ TEST_CASE("turns are distinguished from the noise of the inputs, or by a stated 
   CHECK(branches_of(wavers, 0.6) == 2);
 }
 
-TEST_CASE("measured sweeps that miss the extremes make the external loop, commanded ones do not") {
+TEST_CASE("external loop: measured sweeps may miss the extremes, commanded ones may not") {
   const Histories histories = histories_of({play_series("1", {0.2, 10, 0.2, 9.75, 0, 9.75, 0.2}, 100)}, "t.csv");
   const FitData data = fit_data_of(histories.taxels[0], {});
   CHECK(data.no_loop.empty());
@@ -102,7 +102,7 @@ TEST_CASE("measured sweeps that miss the extremes make the external loop, comman
   CHECK(external_loop(sequences, 1, 0.01).left_out > 0.0);
 }
 
-TEST_CASE("without an external loop the models that need none are fitted, the others say what is missing") {
+TEST_CASE("no external loop: models that need none are fitted, ELAM and POLY are refused") {
   const Histories histories = histories_of({play_series("1", {0, 10, 4, 8, 3, 9, 5, 7, 2, 8, 4}, 40)}, "t.csv");
   const FitData data = fit_data_of(histories.taxels[0], {});
   CHECK_FALSE(data.no_loop.empty());
@@ -132,7 +132,7 @@ TableSeries with_outputs(TableSeries series, const auto& output_of) {
 
 }  // namespace
 
-TEST_CASE("what is doubtful about a recording is told, once, and a sound one is not doubted") {
+TEST_CASE("table warnings: each doubtful feature is reported once, and a sound recording gives none") {
   const TableSeries sound = play_series("1", kTurningPoints, 40, {0.0, 0.002});
   const double rows = static_cast<double>(sound.input.size());
   const auto [low, high] = std::ranges::minmax(sound.output);
@@ -176,7 +176,7 @@ TEST_CASE("what is doubtful about a recording is told, once, and a sound one is 
   CHECK(warnings_of(play_series("1", kTurningPoints, 40)) == 0);  // without noise the same cycle may come again
 }
 
-TEST_CASE("slips are told from turns, with a size of turns that leaves them out") {
+TEST_CASE("table warnings: small slips of the input are reported with a turn size that removes them") {
   const TableSeries clean = play_series("1", kTurningPoints, 40, {0.0, 0.002});
   const std::size_t branches = branches_of(clean);
   for (const std::size_t slips : {4U, 12U}) {  // twelve leave no sweep whole
@@ -199,7 +199,7 @@ TEST_CASE("slips are told from turns, with a size of turns that leaves them out"
                                 40, {0.0, 0.002})) == 0);
 }
 
-TEST_CASE("noise is not less than a count's rounding, and is sought where inputs rest") {
+TEST_CASE("noise estimate: is at least the rounding of a count, and uses rests of the input") {
   const auto in_counts = [](double count) {
     return [count](double, double y, std::size_t) { return count * std::round(y / count); };
   };
@@ -228,7 +228,7 @@ TEST_CASE("noise is not less than a count's rounding, and is sought where inputs
   CHECK(histories_of({stairs}, "t.csv").taxels[0].noise == Approx(0.0).margin(1e-9));  // levels are no counts
 }
 
-TEST_CASE("a recording 0, +, -, 0 has an external loop where it ends as it began") {
+TEST_CASE("external loop: a recording 0, +, -, 0 has one if it ends as it began") {
   const TableSeries loops = play_series("1", {0, 10, -10, 10, -10, 0}, 40);
   CHECK(fit_data_of(histories_of({loops}, "t.csv").taxels[0], {}).no_loop.empty());
   TableSeries once = play_series("1", {-10, 0, 10, -10, 0}, 40);
@@ -246,7 +246,7 @@ TEST_CASE("a recording 0, +, -, 0 has an external loop where it ends as it began
   CHECK_FALSE(fit_data_of(histories_of({virgin}, "t.csv").taxels[0], {}).no_loop.empty());
 }
 
-TEST_CASE("columns that are constant but for rounding are constant") {
+TEST_CASE("table histories: columns that vary only by rounding are refused as constant") {
   TableSeries series = play_series("1", kTurningPoints);
   const auto id = [](const TableSeries& own) { return id_of_refusal([&] { return histories_of({own}, "t.csv"); }); };
   CHECK(id(with_outputs(series, [](double, double y, std::size_t) { return 1.0 + 1e-10 * y; })) ==
@@ -285,7 +285,7 @@ const std::vector<double> kSoundWay{0, 100, 20, 80, 30, 70, 40, 60, 50, 100, 0};
 
 }  // namespace
 
-TEST_CASE("doubts: a start is in mid-range beyond 1 % of the span from both ends, or beyond the turn") {
+TEST_CASE("table warnings: a start is in mid-range if it is over 1 % of the span, or the turn size, from both ends") {
   const auto start = [](double first, double turn = 0.0) {
     std::vector<double> way = kSoundWay;
     way.insert(way.begin(), {first});
@@ -299,7 +299,8 @@ TEST_CASE("doubts: a start is in mid-range beyond 1 % of the span from both ends
   CHECK_FALSE(start(5.1, 5.0).empty());
 }
 
-TEST_CASE("doubts: three inner branches of each direction are needed, those that begin at the ends do not count") {
+TEST_CASE(
+    "table warnings: fewer than three inner branches per direction are reported, those from the ends do not count") {
   const auto inner = [](const std::vector<double>& way) {
     return about(doubts_of({doubtful_series("a", way)}), "few reversals");
   };
@@ -311,13 +312,13 @@ TEST_CASE("doubts: three inner branches of each direction are needed, those that
   CHECK_THAT(inner({0, 100, 0.9, 99.1, 0.9, 99.1, 0.9, 99.1, 0}), Catch::Contains("0 branches"));
 }
 
-TEST_CASE("doubts: no external loop, and one that does not reach the extremes") {
+TEST_CASE("table warnings: a missing external loop is reported") {
   const std::vector<double> no_fall{0, 100, 20, 80, 30, 70, 40, 60, 50, 55};
   CHECK_FALSE(about(doubts_of({doubtful_series("a", no_fall)}), "external loop").empty());
   CHECK(about(doubts_of({doubtful_series("a", kSoundWay)}), "external loop").empty());
 }
 
-TEST_CASE("doubts: a dead band of more than 2 % of the span, of the taxel where it is widest") {
+TEST_CASE("table warnings: a dead band above 2 % of the span is reported, with the taxel where it is widest") {
   // Six noises of an output that spans 200.
   const auto band = [](double noise) {
     return about(doubts_of({doubtful_series("a", kSoundWay)}, 0.0, noise), "dead band");
@@ -330,7 +331,7 @@ TEST_CASE("doubts: a dead band of more than 2 % of the span, of the taxel where 
              Catch::Contains("4.02 %") && Catch::Contains("taxel 3"));
 }
 
-TEST_CASE("tables that are too short, constant, or whose turn is as wide as the inputs are refused") {
+TEST_CASE("table histories: tables that are too short, constant or no wider than the turn size are refused") {
   const auto refused = [](const std::vector<TableSeries>& series, double turn = 0.0) {
     return id_of_refusal([&] { return doubts_of(series, turn); });
   };
@@ -341,7 +342,7 @@ TEST_CASE("tables that are too short, constant, or whose turn is as wide as the 
   CHECK(refused({doubtful_series("a", {0, 1, 2, 0})}, 2.0) == "TB-TABLE-TURN");
 }
 
-TEST_CASE("without a loop the outputs span from the mean within 1 % of the lowest input to that of the highest") {
+TEST_CASE("fit data: without a loop the end outputs are means within 1 % of the lowest and highest input") {
   TableSeries series{"a", 0, {0, 1, 1.5, 50, 98.5, 99, 100}, {1.0, 2.0, 4.0, 5.0, 6.0, 8.0, 9.0}};
   HistoriesOptions options;
   options.turn = 0.0;
@@ -355,7 +356,7 @@ TEST_CASE("without a loop the outputs span from the mean within 1 % of the lowes
   CHECK(data.ascending.x().back() == 100.0);
 }
 
-TEST_CASE("turns of a table by hand: seven noises of the inputs where fifty tell them, at least 0.1 % of the span") {
+TEST_CASE("turn size: is seven times the input noise if fifty samples show it, at least 0.1 % of the span") {
   // A ramp up and down with a step back of `back` in the middle of the way up.
   const auto turn_of = [](std::size_t samples, double wave) {
     TableSeries series{"a", 0, {}, {}};
@@ -375,7 +376,7 @@ TEST_CASE("turns of a table by hand: seven noises of the inputs where fifty tell
   CHECK(turn_of(401, 20.0) < 1.0);  // more than a quarter of the span: such inputs jump
 }
 
-TEST_CASE("turns of a table by hand: a stated size, and 0 is one, is that of sequences that are only scored, too") {
+TEST_CASE("turn size: a stated value, also 0, applies to sequences that are only scored, too") {
   TableSeries even{"even", 0, {}, {}}, noisy{"noisy", 0, {}, {}};
   for (int i = 0; i <= 200; ++i) {
     const double ramp = 100.0 - std::abs(100 - i);
@@ -396,7 +397,7 @@ TEST_CASE("turns of a table by hand: a stated size, and 0 is one, is that of seq
   CHECK(branches_with(-1.0) == 2);  // the sequence's own noise
 }
 
-TEST_CASE("inputs that jump are told with their noise, and their turns are the least") {
+TEST_CASE("table warnings: inputs that jump are reported with their noise, and get the smallest turn size") {
   // 0 10 0 10 ...: the first differences are 10 over sqrt 2, less than those of any other order; 73.4 are seven noises.
   TableSeries series{"a", 0, {}, {}};
   for (int i = 0; i < 60; ++i) {
@@ -408,7 +409,7 @@ TEST_CASE("inputs that jump are told with their noise, and their turns are the l
   CHECK(found.taxels[0].turn == Approx(0.01));
 }
 
-TEST_CASE("noise of counts by hand: rounding's to a count where twenty tell it, else to the last decimal place") {
+TEST_CASE("noise of counts: is the rounding to a count if twenty values show it, else to the last decimal place") {
   const auto noise_with = [](std::size_t equal, std::size_t steps) {
     // `steps` of 0.5 in a row, then so many equal ones; the way back is one step.
     TableSeries series{"a", 0, {0.0}, {0.0}};

@@ -41,7 +41,7 @@ std::size_t inputs_outside(double low, double high) { return outside_of(valid_wi
 
 }  // namespace
 
-TEST_CASE("validity by hand: inputs of all samples, holds and rates from the second on") {
+TEST_CASE("validity: inputs cover all samples, holds and rates start at the second sample") {
   const std::vector<History> histories{{"a", {5, 10, 10, 40}, {}, {}, {0, 2, 2, 7}, {9, 1, 4, 3}},
                                        {"b", {50, -1}, {}, {}, {}, {}}};
   const Validity found = validity_of(histories, {23.0, 21.0});
@@ -57,7 +57,7 @@ TEST_CASE("validity by hand: inputs of all samples, holds and rates from the sec
       (range.contains(0.5, 0.5) && range.contains(2.5, 0.5) && !range.contains(0.4, 0.5) && !range.contains(2.6, 0.5)));
 }
 
-TEST_CASE("validity bounds: inputs by 2 % of the range, holds and rates by a tenth, temperatures by a kelvin") {
+TEST_CASE("validity: allows 2 % of the range for inputs, 10 % for holds and rates, 1 K for temperatures") {
   CHECK(inputs_outside(9.01, 60.99) == 0);
   CHECK(inputs_outside(8.99, 60) == 1);
   CHECK(inputs_outside(10, 61.01) == 1);
@@ -88,7 +88,7 @@ TEST_CASE("validity bounds: inputs by 2 % of the range, holds and rates by a ten
   }
 }
 
-TEST_CASE("folds by hand: branches that begin more than 1 % of the range from an end are dealt in turn") {
+TEST_CASE("folds: branches starting more than 1 % of the range from an end are dealt out in turn") {
   const auto folds_with = [](double from, int most) {
     FitData data;
     const std::vector<double> ends{0, 100}, y{0, 1};
@@ -113,7 +113,7 @@ TEST_CASE("folds by hand: branches that begin more than 1 % of the range from an
   CHECK((two[0].held[0][0].first == 2 && two[0].held[0][1].first == 4 && two[1].held[0][0].first == 3));
 }
 
-TEST_CASE("states of taxels: each word and back, and the bound from both sides") {
+TEST_CASE("TaxelStatus: converts to and from its name, and is decided at the voltage bound") {
   for (const auto& [status, word] :
        {std::pair{TaxelStatus::kFitted, "fitted"}, std::pair{TaxelStatus::kDead, "dead"},
         std::pair{TaxelStatus::kStuck, "stuck"}, std::pair{TaxelStatus::kSaturated, "saturated"},

@@ -70,7 +70,7 @@ std::vector<std::int64_t> runs_in(const Judgement& judgement) {
 
 }  // namespace
 
-TEST_CASE("judge: each requirement has its figure, limit, unit and verdict, in the order of the limits") {
+TEST_CASE("judge: gives each requirement its value, limit and verdict, in the order of the limits") {
   EvidenceRun run = run_of(7);
   for (const double psi : {20.0, 40.0})
     for (const Direction direction : {Direction::kUp, Direction::kDown})
@@ -112,7 +112,7 @@ TEST_CASE("judge: each requirement has its figure, limit, unit and verdict, in t
   }
 }
 
-TEST_CASE("judge: a level is met by the nearest one measured within 0.01 psi, and is called as that one") {
+TEST_CASE("judge: a limit's level matches the nearest measured level within 0.01 psi, and is reported as that") {
   const auto judged_at = [](double typed, std::vector<double> measured) {
     EvidenceRun run = run_of(7);
     for (const double psi : measured)
@@ -136,7 +136,7 @@ TEST_CASE("judge: a level is met by the nearest one measured within 0.01 psi, an
   CHECK(judged_at(14.497, {level, 14.498}).value == Approx(0.014498));  // steps finer than that: the nearest
 }
 
-TEST_CASE("judge: the default rule is four-way where U of the figure is known, simple where it is not") {
+TEST_CASE("judge: the default rule is four-way if U of the value is known, simple if not") {
   EvidenceRun run = run_of(7);
   run.figures[0].u.expanded = 0.3;
   const std::vector<JudgedFigure> rows = judge(evidence_of({run}), limits_of(DecisionRule::kDefault)).figures;
@@ -155,7 +155,7 @@ TEST_CASE("judge: the default rule is four-way where U of the figure is known, s
   CHECK((guarded[0].verdict == Verdict::kFail && guarded[1].verdict == Verdict::kInconclusive));
 }
 
-TEST_CASE("judge: every run that counts is judged in turn, the worst decides, and the closest figures are named") {
+TEST_CASE("judge: every run that counts is judged in order, the worst decides, and the closest values are named") {
   const Judgement judgement = judge(
       evidence_of({run_of(1, 0.1, Counts::kModelsOwn), run_of(7, 1.0), run_of(3, 0.75), run_of(4, 0.25)}), limits_of());
   CHECK(runs_in(judgement) == std::vector<std::int64_t>{7, 3, 4});
@@ -171,7 +171,7 @@ TEST_CASE("judge: every run that counts is judged in turn, the worst decides, an
   CHECK((nothing.figures.empty() && !nothing.overall && nothing.decided_by.empty() && !nothing.deciding));
 }
 
-TEST_CASE("judge: without a run that counts the first one's figures are listed, inconclusive, and the reason is told") {
+TEST_CASE("judge: without a run that counts the first run's values are inconclusive, and the reason is stated") {
   const Judgement own = judge(evidence_of({run_of(1, 0.1, Counts::kModelsOwn)}), limits_of());
   CHECK((own.overall == Verdict::kInconclusive && own.not_judged->kind == Remark::Kind::kNoIndependentData));
   CHECK((own.figures.size() == 4 && own.runs.empty() && own.not_assessed.empty()));
@@ -204,7 +204,7 @@ TEST_CASE("judge: a void run is left out with its reason, or counted on request 
   CHECK((with.remarks[0].kind == Remark::Kind::kVoidCounted && with.void_counted.at(0).run == 3));
 }
 
-TEST_CASE("judge: errors against a reference that is overdue, or does not reach, are inconclusive, the rest is not") {
+TEST_CASE("judge: errors are inconclusive if the reference is overdue or out of its range, other values are not") {
   EvidenceRun run = run_of(2);
   run.figures.push_back(figure(Criterion::kMpe, Scope::span(0, 40, 0.95), 1.0));
   run.figures.push_back(figure(Criterion::kMpe, Scope::span(0, 60, 0.95), 1.0));
@@ -234,8 +234,7 @@ TEST_CASE("judge: errors against a reference that is overdue, or does not reach,
   CHECK(words(run_of(5)) == "++++??");  // nothing measured for [[mpe]]
 }
 
-TEST_CASE(
-    "judge: stored verdicts by these limits stand where they are worse, of the newest fit, and worse ones are named") {
+TEST_CASE("judge: a worse stored verdict by the same limits prevails, and all worse stored verdicts are listed") {
   Evidence evidence = evidence_of({run_of(1, 0.1, Counts::kModelsOwn), run_of(2), run_of(3)});
   evidence.stored = {stored_row(2, 5.0, Verdict::kFail, "abc", 3), stored_row(2, 6.0, Verdict::kPass, "abc", 4),
                      stored_row(3, 8.0, Verdict::kConditionalFail, "other"),
@@ -277,8 +276,7 @@ TEST_CASE("judge: a pass without a limit on single readings says so in its state
   CHECK_FALSE(statement(limits_of()).first);  // a fail
 }
 
-TEST_CASE(
-    "judge: what neither a judged run nor a study shows is not assessed, an undated reference of any run neither") {
+TEST_CASE("judge: effects shown by no judged run or study, and undated references, are listed as not assessed") {
   EvidenceRun mounted = run_of(2), dated = run_of(3);
   mounted.shows = {Source::kRemounting, Source::kReferenceAge};
   dated.shows = {Source::kTime, Source::kReferenceAge};
@@ -293,7 +291,7 @@ TEST_CASE(
   CHECK(judge(evidence, limits_of(DecisionRule::kReportOnly)).not_assessed.empty());
 }
 
-TEST_CASE("a judged figure is in a store and in JSON what it was, and a word of another program is refused") {
+TEST_CASE("judged value: is read back from store and JSON unchanged, and unknown enumeration text is refused") {
   JudgedFigure own = stored_row(2, 1.5, Verdict::kConditionalPass, "abc");
   own.criterion = Criterion::kMpe;
   own.scope = Scope::span(4, 40, 0.95);

@@ -38,8 +38,7 @@ Dataset repeats_a_step_apart() {
 
 }  // namespace
 
-TEST_CASE(
-    "U of judged figures by hand: the reference where it counts, the repeats where it cancels, none for a count") {
+TEST_CASE("U of judged values: includes the reference in errors, the repeats in differences, and is 0 for a count") {
   // Three repeats, each with one full sweep up and down.
   const Dataset data = repeats_a_step_apart();
   const Evaluation evaluation = evaluate(data, straight_fit());
@@ -81,8 +80,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE(
-    "the reference's input, hysteresis, zero and temperature are in U of an error, its hysteresis in a distance") {
+TEST_CASE("U of judged values: input, zero and temperature of the reference enter errors, hysteresis distances too") {
   const Dataset data = repeats_a_step_apart();
   const Evaluation evaluation = evaluate(data, straight_fit());
   const auto combined = [&](const ReferenceUncertainty& reference, Criterion criterion) {
@@ -102,7 +100,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("U of an error is not known where the run goes beyond the certificate, a distance keeps its own") {
+TEST_CASE("U of judged values: an error beyond the certificate has none, a distance keeps its own") {
   const Dataset data = repeats_a_step_apart();
   ReferenceUncertainty reference = certified(0.02);
   reference.beyond = Untraced{.above = true};
@@ -114,7 +112,7 @@ TEST_CASE("U of an error is not known where the run goes beyond the certificate,
   CHECK(figure_in(all, Criterion::kDistanceOfMean).u.expanded > 0.0);
 }
 
-TEST_CASE("a drift that has outgrown what was stated never lowers U, though few repeats make k large") {
+TEST_CASE("U of judged values: a drift beyond its stated limit never lowers it, even with few repeats") {
   // Three repeats as above: u^2 1/294 psi^2 with four degrees of freedom. With the drift's share taken as knowledge k
   // would fall while u grows.
   const Dataset data = repeats_a_step_apart();
@@ -135,7 +133,7 @@ TEST_CASE("a drift that has outgrown what was stated never lowers U, though few 
   }
 }
 
-TEST_CASE("without a certificate U of an error is not known, that of a difference is") {
+TEST_CASE("U of judged values: without a certificate an error has none, a difference has one") {
   const Dataset data = repeats_a_step_apart();
   ReferenceUncertainty none;
   none.certificate_missing = "no certificate";
@@ -170,7 +168,7 @@ FigureUncertainty level_up(const std::vector<Figure>& all, double psi) {
 
 }  // namespace
 
-TEST_CASE("scatter of a level that not every sweep passes: that of the levels they have in common, pooled") {
+TEST_CASE("U of judged values: a level that not every sweep reaches uses the scatter of the common levels") {
   // At 40 psi upward the taxels are 2 and 4 psi apart: standard deviations of sqrt 2 and 2 sqrt 2, a variance of 1
   // between them; none at 0 and 60 psi. Pooled over three levels 1/3; in common 1/9; dof 1 / (1/9 + (4/9) / 2) = 3.
   const Dataset data =
@@ -183,7 +181,7 @@ TEST_CASE("scatter of a level that not every sweep passes: that of the levels th
   CHECK(forty.dof == 1.0);
 }
 
-TEST_CASE("scatter of one sweep judged is that of the models' run, whole, without two sweeps there nothing is known") {
+TEST_CASE("U of judged values: one sweep uses the scatter of the models' run, and needs two sweeps there") {
   const Dataset one = dataset_of({{"a", {apart_by(kWhole, {0, 0, 3, 0, 0, 0, 0})}}});
   const Dataset two =
       dataset_of({{"a", {apart_by(kWhole, {0, 0, 2, 0, 0, 0, 0}), apart_by(kWhole, {0, 0, 4, 0, 0, 0, 0})}}});
@@ -200,7 +198,7 @@ TEST_CASE("scatter of one sweep judged is that of the models' run, whole, withou
   CHECK(std::isnan(figure_in(nothing, Criterion::kDistanceOfMean).u.combined));
 }
 
-TEST_CASE("of taxels that err alike the first is the worst one") {
+TEST_CASE("worst taxel: is the first of those with equal errors") {
   // Both read 10 psi too much at 40 psi upward: 2.5 and 5 V.
   const Evaluation e =
       evaluate(dataset_of({{"a",

@@ -29,7 +29,7 @@ Uncertainty readings() {
 
 }  // namespace
 
-TEST_CASE("mpe: conforms when |error| + U of the share of taxels lies inside, with words to either side of the limit") {
+TEST_CASE("mpe: a reading conforms if error and U of the share of taxels are within the limit, by each rule") {
   using namespace straight_array;
   const Uncertainty known = readings();
   const auto judged_at = [&](double mpe_psi, DecisionRule rule, const Uncertainty* of_readings) {
@@ -102,7 +102,7 @@ void check_shares(double psi, const std::vector<double>& value_psi, const std::v
 
 }  // namespace
 
-TEST_CASE("mpe: U at its own level, beyond them the nearest, between two linear, the larger of both branches") {
+TEST_CASE("mpe: U is linear between levels, constant beyond them, and the larger of both branches counts") {
   // Mean errors on the way down: 1 and 3 psi at 40 psi, 6 and 1 at 20 psi; U was counted with them in it.
   check_shares(20, {1, 6}, {7 - 1, 11 - 6});
   check_shares(40, {1, 3}, {13 - 1, 17 - 3});
@@ -114,7 +114,7 @@ TEST_CASE("mpe: U at its own level, beyond them the nearest, between two linear,
                dataset_of({{"loop", {repeat_of(steps, {{0, 30, 60, 32, 0}, {0, 30, 60, 31, 0}})}}}));
 }
 
-TEST_CASE("mpe: the worst of the kinds that are valid and rest on the judged run, with their known errors") {
+TEST_CASE("mpe: the worst valid kind of history that is based on the judged run counts, with its known error") {
   const Dataset data = straight_array::known_loop();  // run 2
   const auto with = [&](ConditionUncertainty other) {
     Uncertainty known = unequal();
@@ -144,7 +144,7 @@ TEST_CASE("mpe: the worst of the kinds that are valid and rest on the judged run
   CHECK(figure_at(20, 20, 0.95, narrow, data).expanded_psi == Approx(0.0).margin(1e-12));
 }
 
-TEST_CASE("mpe: errors are means of the frames at a level and branch, not of their absolutes") {
+TEST_CASE("mpe: errors are means of the signed frame errors per level and branch") {
   using namespace straight_array;
   // At 30 psi upward +4 and -2 of the first taxel: 1 in the mean; +1 and +2 of the second.
   const std::vector<Sample> steps{{0, 0}, {30, 30}, {60, 60}};
@@ -155,7 +155,7 @@ TEST_CASE("mpe: errors are means of the frames at a level and branch, not of the
   CHECK(figure_at(30, 30, 0.95, unequal(), data).levels == 1);
 }
 
-TEST_CASE("mpe: a taxel without U at a level has none, and a share that needs it has none either") {
+TEST_CASE("mpe: a taxel without U at a level has none, and neither has a share that needs it") {
   Uncertainty known = unequal();
   known.conditions[0].expanded_psi[3 * 2 + 1] = kNan;  // 20 psi down of the second
   const Dataset data = straight_array::known_loop();
@@ -167,7 +167,7 @@ TEST_CASE("mpe: a taxel without U at a level has none, and a share that needs it
   CHECK(std::isnan(figure_at(0, 60, 0.95, known, data).expanded_psi));
 }
 
-TEST_CASE("mpe: levels of a span are counted by branch, with both ends and 0.01 psi beyond, as people type them") {
+TEST_CASE("mpe: levels of a span are counted per branch, with both ends and 0.01 psi beyond") {
   const Dataset data = straight_array::known_loop();
   const auto levels = [&](double low, double high) { return figure_at(low, high, 0.95, unequal(), data).levels; };
   CHECK(levels(0, 60) == 7);
@@ -182,7 +182,7 @@ TEST_CASE("mpe: levels of a span are counted by branch, with both ends and 0.01 
   CHECK(figure_at(20.009, 20.009, 0.95, unequal(), data).value_psi == Approx(6.0));
 }
 
-TEST_CASE("mpe: the smallest share is that of one taxel, and without budgets there is no U") {
+TEST_CASE("mpe: the smallest share is one taxel, and without uncertainty budgets there is no U") {
   CHECK(figure_at(20, 20, 0.0, unequal(), straight_array::known_loop()).value_psi == Approx(1.0));
   CHECK(figure_at(20, 20, 1.0, unequal(), straight_array::known_loop()).value_psi == Approx(6.0));
   CHECK(scope_of({2.5, 2.5, 1.0, 0.995}) == Scope::span(2.5, 2.5, 0.995));
@@ -195,7 +195,7 @@ TEST_CASE("mpe: the smallest share is that of one taxel, and without budgets the
   CHECK(std::isnan(without[0].expanded_psi));
 }
 
-TEST_CASE("mpe: U of a judged figure states half of itself as combined, k = 2, or why it is not known") {
+TEST_CASE("mpe: a judged value states U with half of it as combined and k = 2, or why U is unknown") {
   const Scope first = Scope::span(0, 40, 0.95), second = Scope::span(0, 60, 0.95);
   const MpeFigure figures[] = {{first, 3.0, 1.5, 2, "full sweeps", ""}, {second, 4.0, kNan, 0, "", "none valid"}};
   const std::vector<Figure> all = judged_mpe(figures);

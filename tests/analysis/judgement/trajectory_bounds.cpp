@@ -36,7 +36,7 @@ TEST_CASE("trajectory: eight turning points make a random path, seven do not") {
   CHECK(judged({0, 50, 20, 60, 30, 70, 40, 80, 5}).trajectory == Trajectory::kOther);
 }
 
-TEST_CASE("trajectory: a third of the turning points within 1 % of an end are too many for a random path") {
+TEST_CASE("trajectory: no random path if a third of the turning points lie within 1 % of an end") {
   // Nine turning points from 0 to 100 psi: those at 99, 1 and 100 psi lie at an end.
   CHECK(judged({0, 99, 40, 60, 1, 50, 30, 100, 20, 70, 10}).trajectory == Trajectory::kOther);
   CHECK(judged({0, 98.9, 40, 60, 1, 50, 30, 100, 20, 70, 10}).trajectory == Trajectory::kRandomReversals);
@@ -54,7 +54,7 @@ TEST_CASE("trajectory: a branch is inner when it is shorter than 98 % of the ran
   CHECK(judged({0, 50, 100, 50, 0, 100, 50, 40, 30}).inner_share == Approx(3.0 / 8.0));
 }
 
-TEST_CASE("trajectory: a run's range is that of all its sequences, its turning points those of the longest") {
+TEST_CASE("trajectory: the range is that of all sequences, the turning points are those of the longest") {
   const JudgedTrajectory found = judged_trajectory(run_at({{0, 40, 0, 40, 0}, {20, 80, 20}}), run_at({{0, 40, 0}}));
   CHECK(found.reversals == 3);
   CHECK(found.inner_share == 1.0);
@@ -63,8 +63,7 @@ TEST_CASE("trajectory: a run's range is that of all its sequences, its turning p
   CHECK(judged({50}).reversals == 0);
 }
 
-TEST_CASE(
-    "trajectory: set-points are the fitted ones when each lies within a millionth of a psi, and no step is missing") {
+TEST_CASE("trajectory: set-points equal the fitted ones within 1e-6 psi each, with no step missing") {
   CHECK(judged({0, 50.0000009, 0}).trajectory == Trajectory::kAsFitted);
   CHECK(judged({0, 50.0000011, 0}).trajectory == Trajectory::kOther);
   CHECK(judged({0, 50}).trajectory == Trajectory::kOther);
@@ -75,7 +74,7 @@ TEST_CASE(
   CHECK(judged_trajectory(run_at({{0, 30, 0}, {0, 50, 0}}), run_at({{0, 50, 0}})).trajectory == Trajectory::kOther);
 }
 
-TEST_CASE("trajectory: dwells differ when they are more than a fifth of the fitted one apart") {
+TEST_CASE("trajectory: dwells differ if they are more than 20 % of the fitted dwell apart") {
   const auto differ = [](double dwell_s) {
     JudgedTrajectory out;
     set_dwell(out, dwell_s, 5.0);
@@ -90,7 +89,7 @@ TEST_CASE("trajectory: dwells differ when they are more than a fifth of the fitt
   CHECK_FALSE(differ(kNan));
 }
 
-TEST_CASE("trajectory: a dwell is the median of the times that frames state, and none is told where none do") {
+TEST_CASE("trajectory: the dwell is the median of the stated times, and unknown if none is stated") {
   Dataset own = run_at({{0, 50, 0}}), fitted = own;
   const JudgedTrajectory none = judged_trajectory(own, fitted);
   CHECK(std::isnan(none.dwell_s));

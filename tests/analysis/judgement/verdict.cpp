@@ -8,7 +8,7 @@
 
 using namespace tactbench::analysis;
 
-TEST_CASE("each verdict has one word, and stores keep all but report only") {
+TEST_CASE("Verdict: each has its own name, and stores keep all except report only") {
   const std::vector<std::string> ladder = {"report only",      "pass",         "conditional pass",
                                            "conditional fail", "inconclusive", "fail"};
   std::vector<std::string> words;
@@ -27,7 +27,7 @@ TEST_CASE("each verdict has one word, and stores keep all but report only") {
   CHECK_FALSE((states_conformity(std::nullopt) || passes(std::nullopt)));
 }
 
-TEST_CASE("decision rules at the limit and U to either side of it") {
+TEST_CASE("decision rules: give the expected verdict at the limit and U to either side of it") {
   // Limit 2, U 0.25: both are exact in binary.
   const auto above = [](double value) { return std::nextafter(value, 9.0); };
   constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
@@ -63,7 +63,7 @@ TEST_CASE("decision rules at the limit and U to either side of it") {
   CHECK(verdict_of(kDefault, 1.0, kNotKnown, 0.1) == Verdict::kInconclusive);
 }
 
-TEST_CASE("decision rules by their names, and the probabilities that they state") {
+TEST_CASE("decision rules: convert to and from names, and their text states the probabilities") {
   for (const char* name : {"default", "simple", "guarded", "four-way", "report-only"}) {
     const auto rule = decision_rule_from(name);
     REQUIRE(rule);

@@ -46,7 +46,7 @@ ElamModel far_line(double alpha_d, double beta_d, double beta_a) {
 
 }  // namespace
 
-TEST_CASE("direct and inverse undo each other along 1000 random histories with interrupted branches") {
+TEST_CASE("ELAM: direct and inverse cancel along 1000 random histories with interrupted branches") {
   Random random(11);
   for (int history = 0; history < 1000; ++history) {
     const ElamModel model = model_of(any_loop(random, history % 5 == 0), any_parameters(random, 0.02));
@@ -75,7 +75,7 @@ TEST_CASE("direct and inverse undo each other along 1000 random histories with i
   }
 }
 
-TEST_CASE("branches are monotone and meet both ends, whatever the split") {
+TEST_CASE("ELAM: branches are monotone and meet both ends, for any split") {
   Random random(12);
   for (int i = 0; i < 300; ++i) {
     ElamParameters p = any_parameters(random, 0.0);
@@ -106,7 +106,7 @@ TEST_CASE("branches are monotone and meet both ends, whatever the split") {
   }
 }
 
-TEST_CASE("the split point is where Eqs (14), (15), (21), (22) put it, and on the curve") {
+TEST_CASE("ELAM: the split point follows Eqs (14), (15), (21) and (22), and lies on the curve") {
   const ElamModel model = model_of(paper_loop(), kPrinted);
   const ElamCurve down(model, false, 40.0, 3.2);
   CHECK(down.split_x() == Approx(0.7957 * 40.0));
@@ -124,7 +124,7 @@ TEST_CASE("the split point is where Eqs (14), (15), (21), (22) put it, and on th
   CHECK(down.output(10.0) == Approx(model.descending(10.0) * down.split_y() / psd));
 }
 
-TEST_CASE("[A6] formulas on external branches by default, the patterns themselves with exact_outer") {
+TEST_CASE("ELAM: external branches follow the formulas by default, and the patterns with exact_outer") {
   const Loop loop = paper_loop();
   ElamParameters off = kPrinted;
   off.beta_d = 0.9;
@@ -149,7 +149,7 @@ TEST_CASE("[A6] formulas on external branches by default, the patterns themselve
   CHECK(e.output(e.input(3.2)) == Approx(3.2));
 }
 
-TEST_CASE("[A12] saturated patterns are linear between the two points") {
+TEST_CASE("ELAM: saturated patterns are linear between the two points of a piece") {
   Loop loop;
   for (int i = 0; i <= 6; ++i) {
     loop.x.push_back(10.0 * i);
@@ -169,7 +169,7 @@ TEST_CASE("[A12] saturated patterns are linear between the two points") {
   CHECK(low.input(1.2) == Approx(15.0));
 }
 
-TEST_CASE("turning points outside the range are brought in, others refused") {
+TEST_CASE("ELAM: turning points outside the range are moved into it, and non-finite ones are refused") {
   const ElamModel model = model_of(paper_loop(), kPrinted);
   CHECK(ElamCurve(model, true, -3.0, -0.2).output(-1.0) == 0.0);
   CHECK(ElamCurve(model, true, 10.0, 9.0).output(20.0) == 3.49);
@@ -181,7 +181,7 @@ TEST_CASE("turning points outside the range are brought in, others refused") {
   }
 }
 
-TEST_CASE("ELAM: a split so near to a rise's end or begin that the pattern has no input between them") {
+TEST_CASE("ELAM: the inverse is right for a split within rounding of a rise's start or end") {
   // From the lowest input: split at 1e6 + 0.5 and at all but a billionth of the rise.
   const ElamModel late = far_line(0.5, 0.5, 1.0 - 1e-12);
   CHECK(ElamCurve(late, true, 1e6, 0.0).split_x() == 1e6 + 0.5);
@@ -192,7 +192,7 @@ TEST_CASE("ELAM: a split so near to a rise's end or begin that the pattern has n
   CHECK(ElamCurve(early, true, 1e6, 0.0).input(0.5) == Approx(1e6 + 0.75).epsilon(1e-15));
 }
 
-TEST_CASE("curves meet their split points exactly") {
+TEST_CASE("ELAM: curves pass exactly through their split points") {
   Random random(23);
   for (int trial = 0; trial < 300; ++trial) {
     const ElamModel model = model_of(any_loop(random, false), any_parameters(random, 0.02));
@@ -228,7 +228,7 @@ void check_curve(const ElamPiecedCurve& curve, const std::vector<std::pair<doubl
 
 }  // namespace
 
-TEST_CASE("ELAM by hand: descending, pieces evenly in x rise by their weights, within their side") {
+TEST_CASE("ELAM pieces: descending pieces, even in x, rise in proportion to their weights on each side") {
   const ElamModel model = straight_elam();
   // Below the split at (40, 2.5) two pieces of 15 psi and 0.75 V; the second has twice the weight: 0.5 and 1 V.
   const ElamPieces low{{std::log(2.0)}, {}, {}, {std::log(3.0)}};
@@ -242,7 +242,7 @@ TEST_CASE("ELAM by hand: descending, pieces evenly in x rise by their weights, w
               {{50, 3}, {40, 2.5}, {30, 2}, {20, 1.0 + 1.0 / 3.0}, {15, 1.0 + 1.0 / 6.0}});
 }
 
-TEST_CASE("ELAM by hand: ascending, pieces evenly in y are as long as their weights, within their side") {
+TEST_CASE("ELAM pieces: ascending pieces, even in y, are as long as their weights on each side") {
   const ElamModel model = straight_elam();
   // Above the split at (40, 2.5) two pieces of 15 psi; of weights 1 and 3 they are 7.5 and 22.5 psi long.
   const ElamPieces high{{std::log(2.0)}, {}, {}, {std::log(3.0)}};
@@ -257,7 +257,7 @@ TEST_CASE("ELAM by hand: ascending, pieces evenly in y are as long as their weig
   CHECK(ElamPieces{{0, 0}, {0}, {}, {}}.splits() == 4);
 }
 
-TEST_CASE("ELAM by hand: a branch that begins at exactly a hundredth of the range from its end is external") {
+TEST_CASE("ELAM pieces: a branch starting exactly 1 % of the range from its end is external") {
   // One volt a psi over 64 psi; the lower pieces differ in size.
   const auto from = [](double low) {
     const std::vector<double> x{low, low + 64.0}, y{0.0, 64.0};
@@ -273,8 +273,7 @@ TEST_CASE("ELAM by hand: a branch that begins at exactly a hundredth of the rang
   CHECK(ElamPiecedCurve(rises, low, true, near + 1e-9, near).output(16.0) < 15.5);
 }
 
-TEST_CASE(
-    "ELAM by hand: with memory a branch closes its loop, its ordinates scaled, and goes on along the one before") {
+TEST_CASE("ELAM memory: a branch closes its loop with scaled outputs, then continues the previous branch") {
   const ElamHysteresis model(straight_elam(), true);
   const auto state = model.state();
   state->go(50.0);
@@ -337,7 +336,7 @@ ElamPieces any_pieces(std::mt19937& random, int splits, double most) {
 
 }  // namespace
 
-TEST_CASE("ELAM with pieces that are not resized is the paper's, with one split bit for bit") {
+TEST_CASE("ELAM pieces: equal weights give the paper's model, with one split bit for bit") {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> any(0.0, 60.0);
   for (int trial = 0; trial < 200; ++trial) {
@@ -355,7 +354,7 @@ TEST_CASE("ELAM with pieces that are not resized is the paper's, with one split 
   }
 }
 
-TEST_CASE("ELAM with any pieces never falls, meets its ends and is inverted, with memory and without") {
+TEST_CASE("ELAM pieces: outputs never fall, meet both ends and can be inverted, with and without memory") {
   std::mt19937 random(5);
   for (int trial = 0; trial < 300; ++trial) {
     const ElamModel elam = any_model(random);
@@ -379,7 +378,7 @@ TEST_CASE("ELAM with any pieces never falls, meets its ends and is inverted, wit
   }
 }
 
-TEST_CASE("ELAM with more splits fits what one cannot and never worse") {
+TEST_CASE("ELAM splits: more splits fit data that one split cannot, and never fit worse") {
   std::mt19937 random(7);
   for (int trial = 0; trial < 4; ++trial) {
     const ElamHysteresis plant(model_of(paper_loop(), kPrinted), false, any_pieces(random, 3, 0.7));
@@ -410,7 +409,7 @@ TEST_CASE("ELAM with more splits fits what one cannot and never worse") {
   }
 }
 
-TEST_CASE("an impossible number of splits and pieces that do not join are refused") {
+TEST_CASE("ELAM splits: an invalid number of splits and inconsistent pieces are refused") {
   const FitData data = paper_both();
   IdentifyOptions options;
   for (options.splits = 0; options.splits < 10; options.splits += 9)

@@ -50,7 +50,7 @@ History history_through(const std::vector<double>& levels, const ElamHysteresis&
 
 }  // namespace
 
-TEST_CASE("in paper mode ELAM goes along the paper's curves bit for bit") {
+TEST_CASE("ELAM: in paper mode outputs equal the paper's curves bit for bit") {
   Random random(8);
   for (int trial = 0; trial < 100; ++trial) {
     const ElamHysteresis model(model_drawn(random));
@@ -70,7 +70,7 @@ TEST_CASE("in paper mode ELAM goes along the paper's curves bit for bit") {
   }
 }
 
-TEST_CASE("with memory an inner loop closes and does not affect later outputs") {
+TEST_CASE("ELAM memory: an inner loop closes and does not affect later outputs") {
   const ElamModel paper = model_of(paper_loop(), kPrinted);
   const ElamHysteresis with(paper, true), without(paper);
   // 20 to 40 psi cycled inside a rise to 50.
@@ -105,7 +105,7 @@ TEST_CASE("with memory an inner loop closes and does not affect later outputs") 
   }
 }
 
-TEST_CASE("a measured turning point is where the next branch starts") {
+TEST_CASE("ELAM: a measured turning point is where the next branch starts") {
   const ElamModel paper = model_of(paper_loop(), kPrinted);
   const ElamHysteresis model(paper);
   const auto state = model.state();
@@ -123,7 +123,7 @@ TEST_CASE("a measured turning point is where the next branch starts") {
   CHECK(same_bits(state->output_at(30.0), ElamCurve(paper, true, 0.0, paper.y0()).output(30.0)));
 }
 
-TEST_CASE("a wrong ELAM document is refused and the member named") {
+TEST_CASE("ELAM JSON: an invalid document is refused with the member named") {
   const ElamHysteresis model(model_of(paper_loop(), kPrinted));
   const auto refused = [&](const std::string& path, const nlohmann::ordered_json& value, const std::string& word) {
     nlohmann::ordered_json json = model_json(model);
@@ -145,7 +145,7 @@ TEST_CASE("a wrong ELAM document is refused and the member named") {
   refused("/ascending/30", 9.0, "ends");
 }
 
-TEST_CASE("a joint free-run fit has no larger free-run error than the separate fit") {
+TEST_CASE("ELAM: a joint free-run fit has a smaller free-run error than the separate fit") {
   // A plant that no ELAM is: with the memory that the fit is not told of, and other splits up and down.
   const ElamHysteresis truth(model_of(paper_loop(), {0.7, 0.95, -0.004, 0.5, 0.4}, true), true);
   std::mt19937 engine(4);

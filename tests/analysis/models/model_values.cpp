@@ -31,7 +31,7 @@ PreisachModel small_preisach(double low = 0.0, double y_low = 0.0) { return {low
 
 }  // namespace
 
-TEST_CASE("Preisach by hand: Everett's function over three cells, corners, sides and halves") {
+TEST_CASE("Preisach: Everett's function over three cells matches hand-computed values") {
   const PreisachModel model = small_preisach();
   const std::vector<std::vector<double>> answers = {
       // high, low, rise: wholly in the first interval, over both, wholly in the second.
@@ -45,7 +45,7 @@ TEST_CASE("Preisach by hand: Everett's function over three cells, corners, sides
   CHECK(model.intervals() == 2);
 }
 
-TEST_CASE("Preisach by hand: up, down, an inner loop that closes, and an extreme that is wiped out") {
+TEST_CASE("Preisach: an inner loop closes, and a larger extreme wipes it out") {
   check_way(small_preisach(), {{15, 0.5}, {30, 1}, {45, 2}, {60, 3}, {45, 2.5}, {30, 2}, {15, 1}, {0, 0}, {30, 1}});
   // Down to 30 from 60: 2. Up to 45: 2.5, down again: 2, as before; on to 15: 1.
   check_way(small_preisach(), {{60, 3}, {30, 2}, {45, 2.5}, {30, 2}, {15, 1}, {30, 1.5}, {60, 3}, {30, 2}});
@@ -54,7 +54,7 @@ TEST_CASE("Preisach by hand: up, down, an inner loop that closes, and an extreme
   check_way(small_preisach(-20.0, 5.0), {{10, 6}, {40, 8}, {10, 7}, {-20, 5}});
 }
 
-TEST_CASE("the monotone curve by hand: knots, between them, and beyond its ends") {
+TEST_CASE("monotone model: meets its knots, interpolates between them, and is constant beyond its ends") {
   const std::vector<double> x{0, 10, 30, 60}, y{0.0, 1.0, 3.0, 9.0};
   const MonotoneModel model(PatternCurve(x, y, 0.0, 9.0));
   check_way(model, {{0, 0}, {5, 0.5}, {10, 1}, {20, 2}, {30, 3}, {45, 6}, {60, 9}, {20, 2}});
@@ -68,7 +68,7 @@ TEST_CASE("the monotone curve by hand: knots, between them, and beyond its ends"
     CHECK(curve.slope(at) == Approx(slope));
 }
 
-TEST_CASE("POLY by hand: straight branches from turn to turn, to the converging points") {
+TEST_CASE("POLY: branches run from one turning point to the next and converge at the ends") {
   // Up and down straight: 0 to 60 is 0 to 3, whatever the branch.
   PolyParameters p;
   p.a[5] = p.b[5] = 0.05;
@@ -92,7 +92,7 @@ TEST_CASE("POLY by hand: straight branches from turn to turn, to the converging 
   CHECK(measured->input_at(1.5) == Approx(15.0));
 }
 
-TEST_CASE("GPI by hand: envelopes of one size, thresholds that widen the loop") {
+TEST_CASE("GPI: outputs of equal envelopes match hand-computed values, and thresholds widen the loop") {
   // With a1 = b1 = ln 2 / 10 the envelopes come half way nearer to 1 each 10: 1 - 2^(-x / 10), left and right alike.
   // The thresholds are 0 and four times 10, which no output reaches: the first operator is the envelope itself.
   const double halving = std::log(2.0) / 10.0;
@@ -124,7 +124,7 @@ TEST_CASE("GPI by hand: envelopes of one size, thresholds that widen the loop") 
   CHECK(loop.state()->output_at(5.0) == Approx(up(1.0 - std::sqrt(0.5))));
 }
 
-TEST_CASE("the divider by hand: output and linear output, up to its end and beyond") {
+TEST_CASE("divider: converts output to linear output and back, up to its end and beyond") {
   // c = 1/4 a volt: u = v / (1 - v / 4), so that 2 V are 4 and 3 V 12, on a zero of half a volt.
   const Divider divider{0.5, 0.25};
   for (const auto& [output, linear] : {std::pair{0.5, 0.0}, {2.5, 4.0}, {3.5, 12.0}, {-0.5, -0.8}}) {

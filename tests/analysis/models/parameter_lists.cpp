@@ -35,7 +35,7 @@ PatternCurve bent_line(double middle) {
 
 }  // namespace
 
-TEST_CASE("models list their parameters with units and bounds") {
+TEST_CASE("models: list their parameters with units and bounds") {
   const ElamModel elam{bent_line(1.0), bent_line(2.0), {0.1, 0.2, 0.015, 0.3, 0.4}, {}};
   CHECK(listed(ElamHysteresis(elam, false)) ==
         "alpha_d 0.1 1 [0, 1]\nbeta_d 0.2 1 [0, 1]\nalpha_a1 0.015 1/x [-0.02, 0.02]\nalpha_a0 0.3 1 [0, 1]\n"
@@ -67,7 +67,7 @@ TEST_CASE("models list their parameters with units and bounds") {
   CHECK(listed(MonotoneModel(bent_line(1.0))) == "y0 0 y [-inf, inf]\ny1 1 y [-inf, inf]\ny2 3 y [-inf, inf]\n");
 }
 
-TEST_CASE("models: operations a sample, ELAM's with each further piece one more") {
+TEST_CASE("models: state their operations per sample, which increase with ELAM's pieces") {
   const ElamModel elam{bent_line(1.0), bent_line(2.0), {}, {}};
   CHECK(ElamHysteresis(elam, false).operations_per_sample() == 9);
   CHECK(ElamHysteresis(elam, false, {{0.1}, {}, {}, {0.1}}).operations_per_sample() == 13);
@@ -81,7 +81,7 @@ TEST_CASE("models: operations a sample, ELAM's with each further piece one more"
   CHECK(LinearisedModel({}, film).operations_per_sample() == 18);
 }
 
-TEST_CASE("a parameter lies at its bound within a thousand-millionth of the distance between both, or of 1") {
+TEST_CASE("model parameter: is at its bound within 1e-9 of the distance between both bounds, or of 1 if open") {
   const auto at = [](double value, double low, double high) {
     return ModelParameter{"p", value, "1", low, high}.at_bound();
   };

@@ -17,7 +17,7 @@ void check_strictly_rising(const PatternCurve& curve) {
 
 }  // namespace
 
-TEST_CASE("a rising curve is interpolated linearly and kept bit for bit") {
+TEST_CASE("PatternCurve: a rising curve is kept bit for bit and interpolated linearly") {
   const Values x{0, 2, 4, 10}, y{0.1, 0.3, 0.9, 1.7};
   const PatternCurve curve(x, y, 0.1, 1.7);
   CHECK(Values(curve.y().begin(), curve.y().end()) == y);
@@ -32,7 +32,7 @@ TEST_CASE("a rising curve is interpolated linearly and kept bit for bit") {
   CHECK(curve.slope(99.0) == Approx(0.8 / 6.0));
 }
 
-TEST_CASE("outputs that fall are pooled to their mean, between ends that are pinned") {
+TEST_CASE("PatternCurve: falling outputs are replaced by their mean, between fixed ends") {
   for (const auto& [y, low, high, pooled] :
        {std::tuple{Values{0, 3, 1, 2, 5}, 0.0, 5.0, Values{0, 2, 2, 2, 5}},
         // 4 | 5 3 -> 4 | 4 4; then 2.5 pulls all three down: mean of 4, 5, 3, 2.5.
@@ -52,7 +52,7 @@ TEST_CASE("outputs that fall are pooled to their mean, between ends that are pin
   }
 }
 
-TEST_CASE("a saturated curve keeps the minimum slope and can be inverted") {
+TEST_CASE("PatternCurve: a saturated curve keeps the minimum slope and can be inverted") {
   const PatternCurve curve(Values{0, 20, 40, 60}, Values{0, 3.5, 3.5, 3.5}, 0, 3.5);
   check_strictly_rising(curve);
   CHECK((curve.y()[3] - curve.y()[2]) / 20.0 == Approx(1e-9 * 3.5 / 60.0).epsilon(1e-3));
@@ -60,31 +60,31 @@ TEST_CASE("a saturated curve keeps the minimum slope and can be inverted") {
   CHECK(curve.inverse(middle) == Approx(50.0).margin(1e-3));
 }
 
-TEST_CASE("a curve that is already monotone is not changed") {
+TEST_CASE("PatternCurve: a curve that is already monotone is not changed") {
   const PatternCurve once(Values{0, 1, 2, 3, 4, 5}, Values{0, 3, 1, 2, 5, 4.9}, 0, 5);
   const PatternCurve twice(once.x(), once.y(), once.y().front(), once.y().back());
   CHECK(Values(once.y().begin(), once.y().end()) == Values(twice.y().begin(), twice.y().end()));
 }
 
-TEST_CASE("a step of half of the minimum slope is kept, of less it is raised to the whole") {
+TEST_CASE("PatternCurve: a step of half the minimum slope is kept, a smaller one is raised to the minimum") {
   // Over 2 and 2: the minimum is 1e-9.
   CHECK(PatternCurve(Values{0, 1, 2}, Values{0, 0.5 * 1e-9, 2}, 0, 2).y()[1] == 0.5 * 1e-9);
   CHECK(PatternCurve(Values{0, 1, 2}, Values{0, 0.49 * 1e-9, 2}, 0, 2).y()[1] == Approx(1e-9));
 }
 
-TEST_CASE("knots that a minimum slope cannot keep apart are refused, at the first step and at the last") {
+TEST_CASE("PatternCurve: knots too close for the minimum slope are refused, at the first and the last step") {
   CHECK_THROWS_AS(PatternCurve(Values{0, 1e-12, 2}, Values{1, 0.5, 3}, 1, 3), std::invalid_argument);
   CHECK_THROWS_AS(PatternCurve(Values{0, 2 - 1e-12, 2}, Values{1, 3.5, 3}, 1, 3), std::invalid_argument);
 }
 
-TEST_CASE("grids need not be uniform") {
+TEST_CASE("PatternCurve: grids need not be uniform") {
   const Values x{0, 0.1, 0.2, 50, 59, 60}, y{0, 1, 2, 3, 4, 5};
   const PatternCurve curve(x, y, 0, 5);
   for (std::size_t i = 0; i < x.size(); ++i) CHECK(curve(x[i]) == Approx(y[i]));
   for (double v = 0.05; v < 5.0; v += 0.1) CHECK(curve(curve.inverse(v)) == Approx(v).epsilon(1e-12));
 }
 
-TEST_CASE("invalid curves are refused") {
+TEST_CASE("PatternCurve: invalid curves are refused") {
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
   CHECK_THROWS_AS(PatternCurve(Values{0}, Values{0}, 0, 1), std::invalid_argument);
   CHECK_THROWS_AS(PatternCurve(Values{0, 1}, Values{0}, 0, 1), std::invalid_argument);

@@ -100,7 +100,7 @@ std::vector<std::unique_ptr<HysteresisModel>> with_elam() {
 
 }  // namespace
 
-TEST_CASE("models: outputs do not fall when the input rises, whatever the state") {
+TEST_CASE("models: outputs do not fall when the input rises, in any state") {
   std::mt19937 random(1);
   for (const auto& model : with_elam()) {
     INFO(model->name());
@@ -123,7 +123,7 @@ TEST_CASE("models: outputs do not fall when the input rises, whatever the state"
   }
 }
 
-TEST_CASE("models: the output does not depend on the number of samples between two turns") {
+TEST_CASE("models: the output does not depend on the number of samples between two turning points") {
   std::mt19937 random(2);
   for (const auto& model : with_elam()) {
     INFO(model->name());
@@ -146,7 +146,7 @@ TEST_CASE("models: the output does not depend on the number of samples between t
   }
 }
 
-TEST_CASE("models: direct of inverse is the output on 1000 random histories of each model") {
+TEST_CASE("models: direct of inverse returns the output on 1000 random histories per model") {
   auto models = with_elam();
   for (auto& model : wavering_models()) models.push_back(std::move(model));
   for (const auto& model : models) {
@@ -157,7 +157,7 @@ TEST_CASE("models: direct of inverse is the output on 1000 random histories of e
   }
 }
 
-TEST_CASE("models: inverse of direct is the input where the slope is observable, 1000 random histories of each model") {
+TEST_CASE("models: inverse of direct returns the input where the slope is observable, on random histories") {
   for (const auto& model : rising_models()) {
     InverseOfDirect result;
     for (unsigned seed = 0; seed < kHistories; ++seed) inverse_of_direct(*model, seed, result);
@@ -167,7 +167,7 @@ TEST_CASE("models: inverse of direct is the input where the slope is observable,
   }
 }
 
-TEST_CASE("models: a stored model is the same bit for bit") {
+TEST_CASE("models: a stored model is read back bit for bit") {
   auto models = with_elam();
   for (auto& model : wavering_models()) models.push_back(std::move(model));
   std::mt19937 random(7);
@@ -187,7 +187,7 @@ TEST_CASE("models: a stored model is the same bit for bit") {
   }
 }
 
-TEST_CASE("models: an incomplete stored model is refused, naming the member") {
+TEST_CASE("models: an incomplete stored model is refused with the member named") {
   for (const auto& model : rising_models()) {
     const nlohmann::ordered_json good = model_json(*model);
     for (const auto& [name, value] : good.items()) {
@@ -204,7 +204,7 @@ TEST_CASE("models: an incomplete stored model is refused, naming the member") {
   CHECK_THROWS_AS(model_from_json(nlohmann::ordered_json::array()), std::invalid_argument);
 }
 
-TEST_CASE("models: an input that is not finite is refused and changes nothing") {
+TEST_CASE("models: a non-finite input is refused and changes nothing") {
   for (const auto& model : rising_models()) {
     const auto state = model->state();
     const double x = 0.4 * model->x_low() + 0.6 * model->x_high();
@@ -227,7 +227,7 @@ TEST_CASE("models: the play operators follow Eqs (3) and (4)") {
   CHECK(one_sided_play(0.3, 0.2, 0.4) == 0.3);  // falls at once
 }
 
-TEST_CASE("models: GPI and MPI are the sums of Eqs (2) and (5)") {
+TEST_CASE("models: GPI and MPI equal the sums of Eqs (2) and (5)") {
   const GpiModel gpi(kGpiTable2, 0.0, 60.0, 0.0);
   const MpiModel mpi(kRisingMpi, 0.0, 60.0, 0.0);
   double h[5] = {}, o[10] = {};
@@ -252,7 +252,7 @@ TEST_CASE("models: GPI and MPI are the sums of Eqs (2) and (5)") {
   CHECK(same);
 }
 
-TEST_CASE("POLY: an equal input is no turn, and a polynomial times a constant plus a constant is the same model") {
+TEST_CASE("POLY: an equal input is no turning point, and scaling or shifting its polynomial changes nothing") {
   const PolyModel poly = rising_poly();
   const auto state = poly.state();
   state->go(15.0);
@@ -268,7 +268,7 @@ TEST_CASE("POLY: an equal input is no turn, and a polynomial times a constant pl
   for (std::size_t i = 0; i < y.size(); ++i) CHECK(y[i] == Approx(w[i]).margin(1e-12));
 }
 
-TEST_CASE("models: Preisach is the sum of its cells, each a play operator") {
+TEST_CASE("models: Preisach equals the sum of its cells, each a play operator") {
   const PreisachModel model = random_preisach(5, 6, 0.0);
   const auto weights = model_json(model)["weights"].get<std::vector<double>>();
   std::vector<double> on(weights.size(), 0.0);
@@ -294,7 +294,7 @@ TEST_CASE("models: Preisach is the sum of its cells, each a play operator") {
   CHECK(worst < 1e-12);
 }
 
-TEST_CASE("models: the inverse goes to the nearest input of a flat stretch and to what can be reached") {
+TEST_CASE("models: the inverse returns the nearest input of a flat section, and stays within the reachable range") {
   const auto stair = [](double x) { return x < 1.0 ? x : x < 2.0 ? 1.0 : x - 1.0; };
   const double up[] = {0.0, 3.0}, down[] = {3.0, 0.0};
   CHECK(first_crossing(stair, up, 1.0) == Approx(1.0).margin(1e-15));
@@ -316,7 +316,7 @@ TEST_CASE("models: the inverse goes to the nearest input of a flat stretch and t
   }
 }
 
-TEST_CASE("models: parameters that make no model are refused") {
+TEST_CASE("models: invalid parameters are refused") {
   GpiParameters bad = kGpiTable3;
   bad.alpha = -1.0;
   CHECK_THROWS_AS(GpiModel(bad, 0, 60, 0), std::invalid_argument);

@@ -29,7 +29,7 @@ double up_by_hand(double a1, double a2, double a3, double u) {
 
 }  // namespace
 
-TEST_CASE("MPI by hand: each threshold begins a piece, going up and coming down, from rest and from between") {
+TEST_CASE("MPI: each threshold starts a monotone piece, rising and falling, from rest and in between") {
   const MpiModel model = even_mpi(1.0, 0.0, 0.0);
   const MpiModel::Operators rest{};
   check_alike(model.monotone_pieces(rest, 0.0, 1.0), {0, .1, .2, .3, .4, .5, .6, .7, .8, .9, 1}, 1e-12);
@@ -43,7 +43,7 @@ TEST_CASE("MPI by hand: each threshold begins a piece, going up and coming down,
   check_alike(model.monotone_pieces(between, 0.45, 0.0), {.45, .4, .3, .2, .1, 0}, 1e-12);
 }
 
-TEST_CASE("MPI by hand: where the cubic falls as fast as the operators rise the output turns, a piece ends") {
+TEST_CASE("MPI: a monotone piece ends where the cubic falls as fast as the operators rise") {
   const MpiModel::Operators rest{}, top = MpiModel::moved(rest, 1.0);
   // Between 0.4 and 0.5 the operators' slope is 5, with a1 = 1 it is 6: as much as 3 a u^2 at u = 0.45 when a = 2 /
   // 0.45^2. Nowhere else: sqrt((k + 2) / 3a) lies in no other (k / 10, (k + 1) / 10).
@@ -62,7 +62,7 @@ TEST_CASE("MPI by hand: where the cubic falls as fast as the operators rise the 
               1e-12);
 }
 
-TEST_CASE("MPI by hand: the inverse stops at the first input that gives the output, before a fall and after it") {
+TEST_CASE("MPI: the inverse is the first input that gives the output, before and after a fall") {
   const double a = 2.0 / (0.42 * 0.48);
   const MpiModel model = even_mpi(1.0, -1.35 * a, a);
   // A fine walk over the formula: the first place at which the output has come to y.
@@ -83,7 +83,7 @@ TEST_CASE("MPI by hand: the inverse stops at the first input that gives the outp
   CHECK(model.state()->input_at(-1.0) == 0.0);
 }
 
-TEST_CASE("MPI by hand: densities, a range that does not begin at 0, and an offset") {
+TEST_CASE("MPI: densities and outputs of a range with offsets match hand-computed values") {
   // e^(-tau (i - 1)^2) / 10 at i = 0, 1, 2, 3 with tau = ln 2: a half, 1, a half, a sixteenth of a tenth.
   const MpiModel::Operators densities = MpiModel::densities(std::log(2.0));
   CHECK(densities[0] == Approx(0.05));
@@ -126,7 +126,7 @@ PolyModel waving_poly(bool up) {
 
 }  // namespace
 
-TEST_CASE("POLY by hand: a polynomial that wavers turns where its derivative is 0, rising and falling") {
+TEST_CASE("POLY: a non-monotone polynomial has extremes where its derivative is 0, rising and falling") {
   for (const bool up : {true, false}) {
     const PolyModel model = waving_poly(up);
     const std::vector<double> turns = model.extremes(up);
@@ -137,7 +137,7 @@ TEST_CASE("POLY by hand: a polynomial that wavers turns where its derivative is 
   }
 }
 
-TEST_CASE("POLY by hand: the inverse of a wavering rise is the first input that gives the output") {
+TEST_CASE("POLY: the inverse of a non-monotone rise is the first input that gives the output") {
   const PolyModel model = waving_poly(true);
   const auto state = model.state();
   CHECK(state->output_at(25.0) == Approx(5.0));
@@ -162,7 +162,7 @@ TEST_CASE("POLY by hand: the inverse of a wavering rise is the first input that 
   CHECK(state->input_at(4.999) < 40.0);
 }
 
-TEST_CASE("POLY by hand: the inverse of a wavering fall is the first input that gives the output") {
+TEST_CASE("POLY: the inverse of a non-monotone fall is the first input that gives the output") {
   const PolyModel model = waving_poly(false);
   const auto state = model.state();
   state->go(70.0);
@@ -178,7 +178,7 @@ TEST_CASE("POLY by hand: the inverse of a wavering fall is the first input that 
   CHECK(turned->input_at(1.0 + 4.0 / 3.0) == Approx(10.0 + 40.0 * wave_at(75.0)));
 }
 
-TEST_CASE("POLY by hand: a turn measured within a hundredth of the ends is an external branch's") {
+TEST_CASE("POLY: a turning point measured within 1 % of an end starts an external branch") {
   PolyParameters p;
   p.a[5] = p.b[5] = 1.0 / 60.0;
   const PolyModel straight(p, 10.0, 70.0, 1.0, 5.0);
@@ -202,7 +202,7 @@ TEST_CASE("POLY by hand: a turn measured within a hundredth of the ends is an ex
   CHECK(at_end->output_at(12.0) == Approx(1.0 + 2.0 / 15.0));
 }
 
-TEST_CASE("POLY: parameters are taken that are finite, at ends in order") {
+TEST_CASE("POLY: parameters must be finite, and the ends in order") {
   PolyParameters p;
   p.a[5] = p.b[5] = 1.0;
   CHECK_NOTHROW(PolyModel(p, 0.0, 1.0, 0.0, 1.0));
@@ -217,7 +217,7 @@ TEST_CASE("POLY: parameters are taken that are finite, at ends in order") {
   CHECK_THROWS_WITH(PolyModel(p, 0.0, 1.0, 0.0, 1.0), Catch::Contains("\"b\""));
 }
 
-TEST_CASE("ELAM by hand: a turn measured within a hundredth of the ends is an external branch's") {
+TEST_CASE("ELAM: a turning point measured within 1 % of an end starts an external branch") {
   const std::vector<double> x{10.0, 40.0, 70.0}, y{1.0, 3.0, 5.0};
   const ElamHysteresis straight({PatternCurve(x, y, 1.0, 5.0), PatternCurve(x, y, 1.0, 5.0), {}, {}});
   for (const auto& [at, outer] :

@@ -13,7 +13,7 @@
 
 using namespace tactbench::analysis;
 
-TEST_CASE("numbers for people: two digits of U, its decimal place for the value, no sign for zero, units at the end") {
+TEST_CASE("report values: are rounded to two digits of U, have no negative zero and end with the unit") {
   const auto text = [](const doc::Quantity& quantity, PressureUnit unit = {}) { return doc::text_of(quantity, unit); };
   CHECK(text(doc::number(0.125, 2)) == "0.12");  // half to even: 0.125 is exact
   CHECK(text(doc::number(-1.5, 1)) == "\u22121.5");
@@ -44,7 +44,7 @@ TEST_CASE("numbers for people: two digits of U, its decimal place for the value,
   }
 }
 
-TEST_CASE("a document in plain text keeps to its width, and cuts what does not fit") {
+TEST_CASE("text document: keeps to its width, and cuts off what does not fit") {
   doc::Document document;
   document.add(doc::Heading{2, "A heading", "h"});
   document.add(doc::Paragraph{
@@ -65,7 +65,7 @@ TEST_CASE("a document in plain text keeps to its width, and cuts what does not f
   CHECK(html.find("<td colspan=\"2\">") != std::string::npos);  // a short row's last cell spans the rest
 }
 
-TEST_CASE("a table in plain text is a line a row: a column that may be is cut first, and the last is left out") {
+TEST_CASE("text table: has one line per row, cuts marked columns first and drops the last column if needed") {
   doc::Table table{.columns = {{.title = "who", .cut = true}, {"value", true}, {"verdict"}}};
   table.rows.push_back({{std::string(60, 'a'), "1234.5", Verdict::kConditionalPass}});
   table.rows.push_back({{"测试", "6.7", Verdict::kFail}});
@@ -91,7 +91,7 @@ TEST_CASE("a table in plain text is a line a row: a column that may be is cut fi
   CHECK(lines(pairs, 40).size() == 2);
 }
 
-TEST_CASE("charts and maps without data, with one point, with gaps and beyond their axes can be drawn") {
+TEST_CASE("report charts: are drawn without data, with one point, with gaps and beyond their axes") {
   Chart chart{.title = "t<", .x = {"x"}, .y = {"y"}};
   CHECK(chart_svg(chart).value.starts_with("<svg"));
   chart.curves = {{"one", {1.0}, {2.0}}, {"b<", {0, 1, 2, 3}, {0, 1, std::nan(""), 3}, kBlue}};

@@ -58,7 +58,7 @@ struct Gathered {
 
 }  // namespace
 
-TEST_CASE("gathered by hand: further runs of another origin or sensor are refused") {
+TEST_CASE("gathered run: further runs of another origin or sensor are refused") {
   Gathered gathered;
   db::RunRecord record = example_run();
   const std::int64_t own = store_pressure_run(gathered.store, record),
@@ -76,7 +76,7 @@ TEST_CASE("gathered by hand: further runs of another origin or sensor are refuse
   CHECK(gathered.refusal(own, {real}) == "TB-ANALYSIS-ORIGIN");
 }
 
-TEST_CASE("gathered by hand: run, sensor, approvals, frames of both kinds, and the behaviour where nothing presses") {
+TEST_CASE("gathered run: has run, sensor, approvals and all frames, and raw behaviour if nothing presses") {
   Gathered gathered;
   const std::int64_t run = store_pressure_run(gathered.store, example_run());
   gathered.store.add_report({run, "1-a", "h", "K. Lee", kUtc, "", ""});
@@ -108,7 +108,7 @@ TEST_CASE("gathered by hand: run, sensor, approvals, frames of both kinds, and t
   CHECK(gathered.of(again).frame_count == 5);
 }
 
-TEST_CASE("gathered by hand: swapped lines are told from two seatings of as many taxels as the run has") {
+TEST_CASE("gathered run: swapped lines need an earlier seating that did not fail, of the run's number of taxels") {
   const auto assessed = [](const std::vector<double>& earlier, const std::vector<double>& own, const char* verdict) {
     Gathered gathered;
     (void)store_pressure_run(gathered.store, example_run(), earlier, verdict);
@@ -129,7 +129,7 @@ TEST_CASE("gathered by hand: swapped lines are told from two seatings of as many
   CHECK(input.history.earlier_seating_run == 1);
 }
 
-TEST_CASE("gathered by hand: taxels that count are those with a model, and without models those that are sound") {
+TEST_CASE("counted taxels: are those with a model, or without models those that no finding excludes") {
   Health health;
   health.rows = 2;
   health.columns = 2;
@@ -174,7 +174,7 @@ std::string analysis_error(Action action) {
 
 }  // namespace
 
-TEST_CASE("a run is read on first use, and the result does not change") {
+TEST_CASE("Runs: a run is read on first use and does not change afterwards") {
   NewStore store;
   const Begun begun = begin_pressed(store);
   analysis::Runs runs(store);
@@ -202,7 +202,7 @@ TEST_CASE("a run is read on first use, and the result does not change") {
   CHECK(analysis_error([&] { later.dataset(begun.run); }) == "TB-ANALYSIS-EMPTY");
 }
 
-TEST_CASE("a run without a dataset throws the reason each time, and still has its row and history") {
+TEST_CASE("Runs: a run without a dataset throws its reason each time, and still has its record and history") {
   NewStore store;
   db::RunRecord record = example_run();
   record.devices.pop_back();  // the scanner, whose calibration scales the counts
@@ -249,7 +249,7 @@ RunHistory seating_check(const char* detail, std::vector<double> data) {
 
 }  // namespace
 
-TEST_CASE("a run's events by hand: which are told, as what, and when") {
+TEST_CASE("run events: those to be reported are listed with kind, time and text") {
   for (const char* kind : {"attempt", "branch-broken", "warning", "fault", "prompt", "word"}) {
     INFO(kind);
     CHECK(told_as(kind, "x") == kind);
@@ -269,7 +269,7 @@ TEST_CASE("a run's events by hand: which are told, as what, and when") {
   CHECK((history.loaded && !history.presses));
 }
 
-TEST_CASE("a run's surroundings by hand: lowest, highest and number of readings of each quantity") {
+TEST_CASE("run environment: lowest, highest and number of readings are given per quantity") {
   const RunHistory history = history_of_events({{1, "environment", "temperature_c", "23.0"},
                                                 {2, "environment", "supply_bar", "6.5"},
                                                 {3, "environment", "temperature_c", "22.5"},
@@ -285,7 +285,7 @@ TEST_CASE("a run's surroundings by hand: lowest, highest and number of readings 
   CHECK(history.events.empty());
 }
 
-TEST_CASE("a run's branches by hand: void ones with sequence, repeat, branch and attempt, those of force press") {
+TEST_CASE("run branches: void ones are listed with repeat, branch and attempt, those with forces mark a press run") {
   StoredRun run;
   run.record.sequences = {{0, "up", "", "", 1, 1}, {1, "down", "", "", 1, 1}};
   db::BranchRecord good, broken, lost;
@@ -325,7 +325,7 @@ TEST_CASE("a run's branches by hand: void ones with sequence, repeat, branch and
   CHECK(load_history(run).presses);
 }
 
-TEST_CASE("a run's seating by hand: loaded less unloaded in volts, of the newest check, none of another shape") {
+TEST_CASE("run seating: is loaded minus unloaded in volts, of the newest valid check") {
   CHECK(seating_check(R"({"volts_per_count":0.5})", {1, 2, 4, 8}).seating_v == std::vector<double>{1.5, 3.0});
   for (const char* other : {"", "[]", "{}", R"({"volts_per_count":"0.5"})"})
     CHECK(seating_check(other, {1, 2, 4, 8}).seating_v.empty());

@@ -15,7 +15,7 @@
 using namespace tactbench;
 using namespace tactbench::analysis;
 
-TEST_CASE("the report of one input is always the same bytes, well-formed, inert and titled throughout") {
+TEST_CASE("report: one input always gives the same bytes, well-formed, inert and with titles") {
   for (const ReportInput& input : {example::example_input(), example::full_input()}) {
     const Report first = render_report(input), second = render_report(input);
     CHECK(first.html == second.html);
@@ -29,7 +29,7 @@ TEST_CASE("the report of one input is always the same bytes, well-formed, inert 
   }
 }
 
-TEST_CASE("banner and running head say simulated exactly when the run is simulated") {
+TEST_CASE("report: banner and page header say simulated exactly if a run is simulated") {
   ReportInput input = example::example_input();
   const std::string simulated = render_report(input).html;
   CHECK(count(simulated, "class=\"banner\"") == 1);
@@ -45,7 +45,7 @@ TEST_CASE("banner and running head say simulated exactly when the run is simulat
   CHECK(contains(render_report(input).html, "class=\"banner\""));
 }
 
-TEST_CASE("a run without models and an empty input have well-formed reports") {
+TEST_CASE("report: a run without models and an empty input give well-formed reports") {
   ReportInput input = example::example_input(), empty;
   input.fit = {};
   input.evaluation = {};
@@ -60,7 +60,7 @@ TEST_CASE("a run without models and an empty input have well-formed reports") {
   }
 }
 
-TEST_CASE("markup in any text field stays text") {
+TEST_CASE("report: markup in any text field is escaped") {
   const std::string hostile =
       GENERATE(as<std::string>{}, "</script><img src=x onerror=\"alert(1)\">", "'\" onmouseover='alert(1)' x=\"",
                "]]><!-- --><![CDATA[ & &amp; &#x3c;script&#x3e;",
@@ -129,7 +129,7 @@ TEST_CASE("markup in any text field stays text") {
   CHECK_FALSE(contains(report.html, "\xe2\x80\xae"));
 }
 
-TEST_CASE("annexes are printed when asked for, and the data stand beside the page") {
+TEST_CASE("report: annexes are printed on request, and data per taxel are in the JSON only") {
   ReportInput input = example::full_input();
   const Report six = render_report(input);
   CHECK(six.html.size() < 400'000);
@@ -144,7 +144,7 @@ TEST_CASE("annexes are printed when asked for, and the data stand beside the pag
   }
 }
 
-TEST_CASE("a calibration needs uncertainties, a certificate a number, real data and a traceable pressure besides") {
+TEST_CASE("report title: a calibration needs U, a certificate also accreditation, real data and traceability") {
   ReportInput input = example::full_input();
   const auto document = [&] { return report_json(input)["document"]; };
   input.laboratory.accreditation = "D-K-00000-01";
@@ -172,8 +172,7 @@ TEST_CASE("a calibration needs uncertainties, a certificate a number, real data 
   CHECK(document() == other);
 }
 
-TEST_CASE(
-    "one reference has one certificate and one due date in every part of the data, and what says FILL-IN has none") {
+TEST_CASE("report: a reference has one certificate and due date in all parts, FILL-IN counts as none") {
   ReportInput input = example::full_input();  // the run says C-2024-17, the laboratory file D-K 17, C-2024-18
   input.uncertainty->reference = reference_uncertainty(input.run, input.laboratory.instruments);
   const nlohmann::json data = report_json(input);
@@ -188,7 +187,7 @@ TEST_CASE(
   CHECK_FALSE(contains(render_report(input).html, "FILL-IN"));
 }
 
-TEST_CASE("a calibration counts until the date of the laboratory, or so many months after the measurement") {
+TEST_CASE("report validity: ends at the laboratory's date, or the stated months after the measurement") {
   ReportInput input = example::full_input();  // measured on 2024-05-06
   CHECK(valid_until(input.laboratory, input.run.started_utc).empty());
   input.laboratory.recalibrate_after_months = 12;
@@ -201,7 +200,7 @@ TEST_CASE("a calibration counts until the date of the laboratory, or so many mon
   CHECK(contains(render_report(input).html, "2026-01-01"));
 }
 
-TEST_CASE("a draft becomes a signed report of the same number, and a changed one names what it replaces and why") {
+TEST_CASE("report: a signed draft keeps its number, and a changed report names what it replaces and why") {
   ReportInput input = example::example_input();
   const Report draft = render_report(input);
   CHECK_FALSE(contains(draft.html, signed_title_mark(draft.number) + "</title>"));
@@ -222,7 +221,7 @@ TEST_CASE("a draft becomes a signed report of the same number, and a changed one
   CHECK(report_json(input)["reason"] == "as signed");
 }
 
-TEST_CASE("values that are not numbers are null in the JSON, and none is printed as such") {
+TEST_CASE("report: non-finite values are null in the JSON and are not printed") {
   const double no_number = std::numeric_limits<double>::quiet_NaN();
   ReportInput input = example::example_input();
   Evaluation& e = input.evaluation;
@@ -249,7 +248,7 @@ TEST_CASE("values that are not numbers are null in the JSON, and none is printed
 using namespace tactbench;
 using namespace tactbench::analysis;
 
-TEST_CASE("each result is content of a report: when one changes, so does the number") {
+TEST_CASE("report number: changes when any result changes") {
   const ReportInput input = example::full_input();
   std::set<std::string> contents = {render_report(input).content_sha256};
   const std::function<void(ReportInput&)> changes[] = {
@@ -303,7 +302,7 @@ TEST_CASE("each result is content of a report: when one changes, so does the num
   }
 }
 
-TEST_CASE("names of runs, times, hosts, signatures, annexes and the page's unit are not content") {
+TEST_CASE("report number: does not depend on run numbers, times, hosts, signatures, annexes or the pressure unit") {
   const auto named = [](std::int64_t first, const char* utc) {
     ReportInput input = example::full_input();
     for (std::size_t i = 0; i < input.held_out.size(); ++i)

@@ -44,7 +44,7 @@ struct LongRunHere {
 }  // namespace
 
 // Ctrl-C pauses first: control_realtime.cpp.
-TEST_CASE("SIGTERM vents, closes the row and keeps the frames") {
+TEST_CASE("run: SIGTERM vents, closes the row in the store and keeps the frames") {
   const LongRunHere of;
   const Finished run = of.signalled(SIGTERM);
   check_refusal(run, 143, "TB-RUN-STOPPED");
@@ -80,7 +80,7 @@ TEST_CASE("demo: Ctrl-C ends it during or after the runs and leaves no partial f
   CHECK(first["specimen"] == (in_run ? "harsh" : "paper"));
 }
 
-TEST_CASE("a run whose process was killed is found and marked interrupted by the next start") {
+TEST_CASE("run: the next start marks a run with a killed process as interrupted") {
   const LongRunHere of;
   CHECK(of.signalled(SIGKILL).code == -SIGKILL);
   const json dead = of.shown();

@@ -33,7 +33,7 @@ std::vector<std::string> parts_of(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("numbers beyond their range are refused") {
+TEST_CASE("command line: rejects numbers out of range") {
   const TemporaryFolder folder;
   // Those of fit and live: fit.cpp.
   for (const char* line : {"live --bench simulated.toml --interval 1e9", "live --bench simulated.toml --frames -1",
@@ -45,7 +45,7 @@ TEST_CASE("numbers beyond their range are refused") {
   }
 }
 
-TEST_CASE("words that no verb takes are refused, with the state of the rig where a verb may have touched it") {
+TEST_CASE("command line: rejects unknown verbs and options, with the rig state if a verb may have touched the rig") {
   const TemporaryFolder folder;
   for (const std::vector<std::string>& words :
        std::vector<std::vector<std::string>>{{"rn"},
@@ -100,7 +100,7 @@ void check_error(const Finished& finished, int code, const std::string& id, bool
 
 }  // namespace
 
-TEST_CASE("from init to a report by hand") {
+TEST_CASE("end to end: init, run, fit, judge and report work as separate commands") {
   const TemporaryFolder folder;
   begin_bench(folder, small_loop_text(10, 2));
   CHECK_THAT(well(call(folder, small_run())).out, Catch::Contains("vented, verified"));
@@ -120,7 +120,7 @@ TEST_CASE("from init to a report by hand") {
   CHECK(json::parse(call(folder, {"sensors", "show", "S-1", "--json"}).out)["runs"] == json::array({1, 2}));
 }
 
-TEST_CASE("plan is the real compiler: 211, 451, 3310") {
+TEST_CASE("plan: descending and ascending have 3310 frames, descending with one repeat has 211") {
   const TemporaryFolder folder;
   const Finished plan = call(folder, {"plan", "descending", "ascending", "--json"});
   REQUIRE(plan.code == 0);
@@ -129,7 +129,7 @@ TEST_CASE("plan is the real compiler: 211, 451, 3310") {
   check_error(call(folder, {"plan", "descending", "--set", "limits.command_psi=59"}), 2, "TB-RECIPE-LIMIT");
 }
 
-TEST_CASE("usage and configuration errors end with 2 and touch nothing") {
+TEST_CASE("command line: usage and configuration errors end with exit code 2 and change nothing") {
   const TemporaryFolder folder;
   begin_bench(folder);
   check_error(call(folder, {"reprot", "1"}), 2, "TB-USAGE");
@@ -154,7 +154,7 @@ TEST_CASE("usage and configuration errors end with 2 and touch nothing") {
   CHECK(json::parse(call(folder, {"runs", "list", "--json"}).out)["runs"].empty());
 }
 
-TEST_CASE("device faults end with 3, unproved safety with 7, and the frames stay") {
+TEST_CASE("run: device faults end with exit code 3, an unproved safe state with 7, and the frames remain stored") {
   const TemporaryFolder folder;
   begin_bench(folder, small_loop_text(10, 2));
   const Finished scanner = call(folder, small_run({"--set", "simulation.wire_faults.scanner_silent_after_scans=12",
@@ -173,7 +173,7 @@ TEST_CASE("device faults end with 3, unproved safety with 7, and the frames stay
   check_error(call(folder, {"fit", "1"}), 6, "TB-ANALYSIS-EMPTY");
 }
 
-TEST_CASE("a store of another build's schema, a foreign file and a missing store are refused with 5") {
+TEST_CASE("store: another schema, a foreign file and a missing store are rejected with exit code 5") {
   const TemporaryFolder folder;
   begin_bench(folder);
   db::sqlite::Connection(folder.path("runs.db"), db::sqlite::Access::kReadWrite).execute("PRAGMA user_version = 9999");
@@ -184,7 +184,7 @@ TEST_CASE("a store of another build's schema, a foreign file and a missing store
   check_error(call(folder, {"runs", "list", "--db", "none.db"}), 5, "TB-STORE-OPEN");
 }
 
-TEST_CASE("demo: the paper's characterization, and models that hold on runs they never saw") {
+TEST_CASE("demo: measures the sequences of the paper, and its models are scored on held-out runs") {
   const TemporaryFolder folder;
   CHECK(call(folder, {"demo", "--specimen", "harch"}).code == 2);
   const json result = json::parse(well(call(folder, {"demo", "--json", "-q"})).out);
@@ -264,7 +264,8 @@ class Terminal {
 
 }  // namespace
 
-TEST_CASE("escape sequences in arguments and stored texts are printed visibly, not sent to the terminal") {
+TEST_CASE(
+    "terminal output: escape sequences in arguments and stored text are printed escaped, not sent to the terminal") {
   Terminal terminal;
   REQUIRE(terminal.run({"init"}).code == 0);
   write_file(terminal.folder.path("small.toml"),
@@ -306,7 +307,7 @@ TEST_CASE("escape sequences in arguments and stored texts are printed visibly, n
   (void)terminal.run({"trend"});
 }
 
-TEST_CASE("escape sequences in refused input are printed visibly in the error") {
+TEST_CASE("terminal output: escape sequences in rejected input are printed escaped in the error") {
   Terminal terminal;
   const std::string& evil = kEvil;
   CHECK(terminal.run({"plan", evil}).code == 2);
@@ -398,7 +399,7 @@ RunsRead frames_read_by(const TemporaryFolder& folder, std::vector<std::string> 
 
 }  // namespace
 
-TEST_CASE("a verb reads the frames of each run once") {
+TEST_CASE("frame reading: a verb reads the frames of each run only once") {
   const TemporaryFolder folder;
   init_small_array(folder);
   REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);

@@ -51,7 +51,7 @@ json without(json document, const std::vector<std::string>& keys) {
 
 }  // namespace
 
-TEST_CASE("show, list, export, run, tag and report use the same keys and values for a run") {
+TEST_CASE("JSON vocabulary: show, list, export, run, tag and report use the same keys and values for a run") {
   const TemporaryFolder folder;
   measure_twice(folder);
   json tagged = answer_of(folder, {"runs", "tag", "1", "night"});
@@ -86,7 +86,7 @@ TEST_CASE("show, list, export, run, tag and report use the same keys and values 
   CHECK_THAT(refused.err, Catch::Contains("[TB-REPORT-SIGNED]") && Catch::Contains("1-0123abcd"));
 }
 
-TEST_CASE("fit and report have the same keys and values for figures and verdicts") {
+TEST_CASE("JSON vocabulary: fit and report use the same keys and values for evaluations and verdicts") {
   const TemporaryFolder folder;
   measure_twice(folder);
   well(call(folder, {"fit", "1"}));

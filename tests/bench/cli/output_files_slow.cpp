@@ -61,7 +61,7 @@ const std::vector<Words>& writing_verbs() {
 
 }  // namespace
 
-TEST_CASE("no verb overwrites a store, whatever its options") {
+TEST_CASE("output files: no verb overwrites a store, whatever its options") {
   const TemporaryFolder folder;
   prepare_files(folder);
   const std::string before = read_file(folder.path("runs.db"));
@@ -80,7 +80,7 @@ TEST_CASE("no verb overwrites a store, whatever its options") {
   CHECK(read_file(folder.path("runs.db")) == before);
 }
 
-TEST_CASE("a verb overwrites its own earlier output, and another file only on request") {
+TEST_CASE("output files: a verb overwrites its own earlier output, and another file only on request") {
   const TemporaryFolder folder;
   prepare_files(folder);
   const std::string target = folder.path("target");
@@ -121,7 +121,7 @@ struct SetVariable {
 
 }  // namespace
 
-TEST_CASE("with init --operator nothing is typed twice: run takes bench, recipe, operator and store of the file") {
+TEST_CASE("profile: after init --operator, run takes bench, recipe, operator and store from the profile") {
   const TemporaryFolder folder;
   REQUIRE(call(folder, {"init", "--operator", "A. \"Q\" Person"}).code == 0);
   REQUIRE(call(folder, {"sensors", "add", "S-1"}).code == 0);
@@ -133,7 +133,7 @@ TEST_CASE("with init --operator nothing is typed twice: run takes bench, recipe,
   CHECK(call(folder, {"init", "--operator", " "}).code == 2);
 }
 
-TEST_CASE("the environment's store precedes the file's, and a typed one both") {
+TEST_CASE("profile: the store of the environment outranks that of the file, --db outranks both") {
   const TemporaryFolder folder;
   write_file(folder.path("tactbench.toml"), "db = \"file.db\"\n");
   const auto made = [&](const char* name) { return std::filesystem::exists(folder.path(name)); };
@@ -149,7 +149,7 @@ TEST_CASE("the environment's store precedes the file's, and a typed one both") {
   CHECK(!made("runs.db"));
 }
 
-TEST_CASE("config says where each value of the profile comes from") {
+TEST_CASE("config: --origin shows where each value of the profile comes from") {
   const TemporaryFolder folder;
   write_file(folder.path("tactbench.toml"), "operator = \"me\"\nbench = \"no-such.toml\"\n");
   const SetVariable bench("TACTBENCH_BENCH", "simulated.toml");
@@ -163,7 +163,7 @@ TEST_CASE("config says where each value of the profile comes from") {
   CHECK(list.at(0) == json{{"key", "profile.bench"}, {"value", "\"simulated.toml\""}, {"origin", "TACTBENCH_BENCH"}});
 }
 
-TEST_CASE("a wrong profile is an error with its line, but keeps nobody from help, nor from stopping a run") {
+TEST_CASE("profile: an invalid file is an error with its line, but help and stopping a run still work") {
   const TemporaryFolder folder;
   write_file(folder.path("tactbench.toml"), "bench = \"simulated.toml\"\noperater = \"me\"\n");
   const Finished list = call(folder, {"runs", "list"});
@@ -175,7 +175,7 @@ TEST_CASE("a wrong profile is an error with its line, but keeps nobody from help
     CHECK_THAT(call(folder, {command}).err, Catch::Contains("[TB-RUN-NOT-LIVE]"));
 }
 
-TEST_CASE("judge takes the profile's limits and says so, fit none") {
+TEST_CASE("profile: judge uses its limits and reports the file, fit uses no limits") {
   const TemporaryFolder folder;
   begin_bench(folder, small_loop_text(10, 2));
   write_file(folder.path("hard.toml"), limits_text("simple", 0.000001));
@@ -199,7 +199,7 @@ bool shows_psi(const std::string& text) { return std::regex_search(text, std::re
 
 }  // namespace
 
-TEST_CASE("plan, recipes and errors in kPa and bar, and JSON as it is") {
+TEST_CASE("units: plan, recipes and errors are in kPa or bar, JSON is unchanged") {
   const TemporaryFolder folder;
   const std::vector<std::string> plan = {"plan", "production", "--steps", "--all"};
   const std::string kpa = call(folder, joined_words(plan, {"--units", "kpa"})).out;
@@ -213,7 +213,7 @@ TEST_CASE("plan, recipes and errors in kPa and bar, and JSON as it is") {
   CHECK_THAT(wrong.err, Catch::Contains("--units"));
 }
 
-TEST_CASE("units of the profile, a run, its verdicts and its report") {
+TEST_CASE("units: the unit of the profile is used for a run, its verdicts and its report") {
   const TemporaryFolder folder;
   REQUIRE(call(folder, {"init", "--operator", "tester"}).code == 0);
   write_file(folder.path("tactbench.toml"), read_file(folder.path("tactbench.toml")) + "units = \"kPa\"\n");
@@ -245,7 +245,7 @@ TEST_CASE("units of the profile, a run, its verdicts and its report") {
   CHECK(call(folder, {"plan", "production"}).code == 2);
 }
 
-TEST_CASE("devices test and resume print kPa, and numbers that are those in psi") {
+TEST_CASE("units: devices test and resume print kPa, with values equal to those in psi") {
   const TemporaryFolder folder;
   REQUIRE(call(folder, {"init", "--operator", "tester"}).code == 0);
   REQUIRE(call(folder, {"sensors", "add", "S-1"}).code == 0);

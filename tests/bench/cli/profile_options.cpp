@@ -48,7 +48,7 @@ constexpr const char* kProfile = "bench = \"file.toml\"\nrecipe = \"descending, 
 
 }  // namespace
 
-TEST_CASE("profile options: the command line before the environment before the file") {
+TEST_CASE("profile options: the command line outranks the environment, which outranks the file") {
   {
     ProgramOfTwoVerbs program(kProfile);
     program.parse({"run"});
@@ -67,7 +67,7 @@ TEST_CASE("profile options: the command line before the environment before the f
   CHECK(program.bench_file == "typed.toml");
 }
 
-TEST_CASE("profile options: help shows what is given, without passwords") {
+TEST_CASE("profile options: help shows the given values without passwords") {
   ProgramOfTwoVerbs program("bench = \"host=db password=SECRET user=u\"\n");
   program.parse({"run", "x"});
   CHECK(program.bench_file == "host=db password=SECRET user=u");
@@ -75,7 +75,7 @@ TEST_CASE("profile options: help shows what is given, without passwords") {
   CHECK_THAT(help, Catch::Contains("host=db") && !Catch::Contains("SECRET"));
 }
 
-TEST_CASE("profile options: what no source gives is required") {
+TEST_CASE("profile options: a value that no source gives is required") {
   ProgramOfTwoVerbs program("operator = \"me\"\n");
   CHECK_THROWS_AS(program.parse({"watch"}), CLI::RequiredError);
   ProgramOfTwoVerbs with_bench("bench = \"file.toml\"\n");
@@ -85,7 +85,7 @@ TEST_CASE("profile options: what no source gives is required") {
   CHECK_THROWS_AS(without_recipe.parse({"run"}), CLI::RequiredError);
 }
 
-TEST_CASE("profile options: --help bears a broken file") {
+TEST_CASE("profile options: --help works with a broken profile file") {
   ProgramOfTwoVerbs program(kProfile);
   CHECK_THROWS_AS(program.parse({"watch", "--help"}), CLI::CallForHelp);
   ProgramOfTwoVerbs broken("bnech = \"x\"\n");

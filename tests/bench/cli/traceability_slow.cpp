@@ -30,7 +30,7 @@ double expanded_mean_error(const json& report) {
 }  // namespace
 
 TEST_CASE(
-    "devices check, plan and run warn about overdue instruments, the verdict is inconclusive, stored and verified") {
+    "traceability: overdue instruments give warnings, and a verdict that is stored as inconclusive and verified") {
   const TemporaryFolder folder;
   prepare_traced_run(folder);
   const std::vector<std::string> overdue = {"--set", "reference.due=2020-01-31"};
@@ -62,8 +62,7 @@ TEST_CASE(
   CHECK(expanded_mean_error(report_json(folder, {"3"}, 0)) < expanded_mean_error(report));
 }
 
-TEST_CASE(
-    "a laboratory file that contradicts the run changes no certificate, is named, and its earlier due date counts") {
+TEST_CASE("traceability: a laboratory file does not replace the stored certificate, its earlier due date counts") {
   const TemporaryFolder folder;
   prepare_traced_run(folder);
   for (int i = 0; i < 2; ++i) run_recipe(folder, "small.toml");
@@ -96,7 +95,7 @@ TEST_CASE(
   CHECK_THAT(odd.err, Catch::Contains("lab.toml:4"));
 }
 
-TEST_CASE("the report of a ring is a test report that states the traceability of its forces") {
+TEST_CASE("traceability: the report of a ring press is a test report, and states the traceability of its forces") {
   const TemporaryFolder folder;
   prepare_traced_run(folder);
   run_recipe(folder, "small.toml");
@@ -131,7 +130,7 @@ TEST_CASE("the report of a ring is a test report that states the traceability of
   CHECK((*sensor)["calibration"]["range_n"][2] == 35.0);
 }
 
-TEST_CASE("verify refuses a stored pass on an overdue reference") {
+TEST_CASE("traceability: verify rejects a stored pass that rests on an overdue reference") {
   const TemporaryFolder folder;
   prepare_traced_run(folder);
   for (const char* seed : {"1", "2"})
@@ -148,7 +147,7 @@ TEST_CASE("verify refuses a stored pass on an overdue reference") {
   (void)report_json(folder, {"1"}, 6);  // no pass is printed
 }
 
-TEST_CASE("pressures beyond the certificate: warned of by plan and run, no pass, and no U in the report") {
+TEST_CASE("traceability: pressures beyond the certificate give warnings, no pass, and no U in the report") {
   const TemporaryFolder folder;
   prepare_traced_run(folder);
   const std::vector<std::vector<std::string>> ranges = {
@@ -182,7 +181,7 @@ TEST_CASE("pressures beyond the certificate: warned of by plan and run, no pass,
              !Catch::Contains("warning"));
 }
 
-TEST_CASE("hardware: FILL-IN in the bench file keeps every device closed") {
+TEST_CASE("traceability: FILL-IN in the bench file of a hardware bench keeps every device closed") {
   const TemporaryFolder folder;
   REQUIRE(call(folder, {"init", "--rig"}).code == 0);
   REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);

@@ -19,7 +19,7 @@ using namespace tactbench;
 using namespace tactbench::bench;
 using analysis::Verdict;
 
-TEST_CASE("each verdict has its exit code, and what is worse never ends better") {
+TEST_CASE("verdict text: each verdict has its exit code, and a worse verdict never has a better code") {
   CHECK(exit_code_of(std::nullopt) == ExitCode::kPass);
   CHECK(exit_code_of(Verdict::kReportOnly) == ExitCode::kPass);
   CHECK(exit_code_of(Verdict::kPass) == ExitCode::kPass);
@@ -59,7 +59,7 @@ std::size_t times(const std::string& text, const std::string& part) {
 
 }  // namespace
 
-TEST_CASE("the verdict stands first, as the exit code says it, with the figure that decides") {
+TEST_CASE("verdict text: the verdict comes first, agrees with the exit code, and is followed by the deciding value") {
   for (const Verdict verdict :
        {Verdict::kPass, Verdict::kConditionalPass, Verdict::kConditionalFail, Verdict::kInconclusive, Verdict::kFail}) {
     INFO(to_string(verdict));
@@ -80,7 +80,7 @@ TEST_CASE("the verdict stands first, as the exit code says it, with the figure t
   CHECK(large_verdict(own) == "INCONCLUSIVE");
 }
 
-TEST_CASE("a pass of means alone says so, and what passes is listed on request alone") {
+TEST_CASE("verdict text: a pass based on means only is marked, and passed values are listed only on request") {
   std::vector<analysis::JudgedFigure> figures;
   for (const double value : {0.5, 1.5, 2.5, 1.0}) figures.push_back(mean_error(2, value, 3.0, Verdict::kPass));
   CHECK(times(headline(judgement_of(figures), "hardware", kPsi), "means") == 1);
@@ -121,7 +121,7 @@ TEST_CASE("a pass by readings names the kinds of history that no judged run tell
   CHECK(named(judgement_of({of_kinds(2, Verdict::kPass, {})})) == 0);  // a stored one
 }
 
-TEST_CASE("a suite can expect every verdict that a store can hold, and no other") {
+TEST_CASE("suite: a scenario can expect every verdict that a store can hold, and no other") {
   const auto suite = [](const std::string& word) {
     return parse_suite(
         "schema = 1\nname = \"s\"\n[[scenario]]\nname = \"a\"\nabout = \"b\"\nheld_out = []\n"
@@ -134,12 +134,12 @@ TEST_CASE("a suite can expect every verdict that a store can hold, and no other"
   CHECK_THROWS_AS(suite("report only"), sequences::FileError);
 }
 
-TEST_CASE("an empty name of the operator is refused") {
+TEST_CASE("operator: an empty name is rejected") {
   for (const char* nobody : {"", " ", " \t\r\n"}) CHECK_THROWS_AS(check_operator(nobody), Error);
   CHECK_NOTHROW(check_operator(" A. Operator"));
 }
 
-TEST_CASE("judgement as JSON: all of it, and an empty word for none") {
+TEST_CASE("verdict text: the judgement as JSON has all members, and empty text if there is no verdict") {
   using analysis::by_hand::judged_figure;
   const auto row = [](std::int64_t run, Verdict verdict) {
     return judged_figure(run, analysis::Criterion::kUnfitTaxels, 1.0, 1.0, verdict, {}, 1);

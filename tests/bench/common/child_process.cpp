@@ -55,7 +55,7 @@ constexpr auto kAtOnce = std::chrono::steady_clock::time_point::min();
 
 }  // namespace
 
-TEST_CASE("child program: exit code and arguments are passed, both streams go to the descriptor") {
+TEST_CASE("child program: arguments and exit code are passed, both output streams go to the descriptor") {
   const ChildOutput output;
   ChildProgram child = shell_child("cat; echo out; echo err >&2; exit 5", output.write_end);
   CHECK(output.text() == "out\nerr\n");  // cat found an empty input
@@ -67,7 +67,7 @@ TEST_CASE("child program: exit code and arguments are passed, both streams go to
   CHECK(child.ended_by(kAtOnce) == status);
 }
 
-TEST_CASE("child program: its environment is ours plus its own variables, each once") {
+TEST_CASE("child program: inherits the environment plus its own variables, each only once") {
   ::setenv("TACTBENCH_CHILD_TEST", "ours", 1);
   ::setenv("TACTBENCH_CHILD_OTHER", "kept", 1);
   const std::vector<std::string> environment = environment_with({"TACTBENCH_CHILD_TEST=its own"});
@@ -83,7 +83,7 @@ TEST_CASE("child program: its environment is ours plus its own variables, each o
   ::unsetenv("TACTBENCH_CHILD_OTHER");
 }
 
-TEST_CASE("child program: a failed start reports the reason, and the descriptor is closed") {
+TEST_CASE("child program: a failed start reports the reason and closes the descriptor") {
   const ChildOutput output;
   ChildStart start;
   start.words = {"/no/such/program"};
@@ -98,7 +98,8 @@ TEST_CASE("child program: a failed start reports the reason, and the descriptor 
   CHECK((::fcntl(output.write_end, F_GETFD) == -1 && errno == EBADF));
 }
 
-TEST_CASE("child program: it has a group of its own, and signals that we ignore or block are as by default") {
+TEST_CASE(
+    "child program: has its own process group, and default handling of signals that the parent ignores or blocks") {
   const auto before = ::signal(SIGPIPE, SIG_IGN);
   sigset_t pipe_alone, old;
   ::sigemptyset(&pipe_alone);
@@ -116,7 +117,7 @@ TEST_CASE("child program: it has a group of its own, and signals that we ignore 
   CHECK((WIFSIGNALED(status) && WTERMSIG(status) == SIGPIPE));
 }
 
-TEST_CASE("child program: it ends on request, or is killed with all its processes") {
+TEST_CASE("child program: terminates on request, or is killed with its process group") {
   const ChildOutput told, killed;
   ChildProgram child = shell_child("echo ready; exec sleep 1000", told.write_end);
   REQUIRE(told.text('\n') == "ready\n");
@@ -132,7 +133,7 @@ TEST_CASE("child program: it ends on request, or is killed with all its processe
   CHECK(WTERMSIG(parent.wait()) == SIGKILL);
 }
 
-TEST_CASE("child program: a program still running at its owner's end is killed, a moved one is not") {
+TEST_CASE("child program: is killed when its owner object is destroyed, unless it was moved") {
   const ChildOutput output;
   {
     ChildProgram first = shell_child("sleep 1000 & echo ready; wait", output.write_end);
@@ -146,7 +147,7 @@ TEST_CASE("child program: a program still running at its owner's end is killed, 
   CHECK(output.text().empty());
 }
 
-TEST_CASE("child program: an end that another took note of counts as 127") {
+TEST_CASE("child program: if its exit status was collected elsewhere, it counts as 127") {
   for (const bool waits : {true, false}) {
     ChildProgram child = shell_child("exit 3");
     REQUIRE(::waitpid(child.process(), nullptr, 0) == child.process());
@@ -161,7 +162,7 @@ TEST_CASE("child program: an end that another took note of counts as 127") {
   CHECK(second.process() > 0);
 }
 
-TEST_CASE("child program: one that is let go goes on without its object") {
+TEST_CASE("child program: after release it continues without its object") {
   pid_t process = -1;
   {
     ChildProgram child = shell_child("exec sleep 1000");
@@ -179,7 +180,7 @@ TEST_CASE("child program: one that is let go goes on without its object") {
   CHECK((WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL));
 }
 
-TEST_CASE("child program: one that ends with its starter is asked to end when that is gone") {
+TEST_CASE("child program: on request it is asked to terminate when its starter ends") {
   const ChildOutput output;
   const pid_t starter = ::fork();
   if (starter == 0) {

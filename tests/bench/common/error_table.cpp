@@ -67,7 +67,7 @@ ErrorParts parts_when(const Thrown& thrown, const std::string& where) {
 
 }  // namespace
 
-TEST_CASE("error table: a row for each id that the sources name, and no others") {
+TEST_CASE("error table: has a row for each id in the sources, and no others") {
   std::set<std::string> in_sources, in_table;
   for (const char* room : {"devices", "db", "sequences", "analysis", "bench"}) {
     for (const auto& entry : fs::recursive_directory_iterator(tests::source_path(room))) {
@@ -100,7 +100,7 @@ TEST_CASE("error table: documents name no other ids") {
   }
 }
 
-TEST_CASE("error table: each row has a known exit code, a cause and a remedy, as clauses") {
+TEST_CASE("error table: each row has a known exit code, and a cause and a remedy without final full stop") {
   for (const bench::ErrorRow& row : bench::kErrorTable) {
     CAPTURE(row.id);
     const int code = static_cast<int>(row.exit_code);
@@ -112,7 +112,7 @@ TEST_CASE("error table: each row has a known exit code, a cause and a remedy, as
   }
 }
 
-TEST_CASE("error table: the exit code follows from the id, in whatever room it was thrown") {
+TEST_CASE("error table: the exit code follows from the id, whatever module throws the error") {
   CHECK(code_when(devices::Fault("TB-MODBUS-TIMEOUT", "d", "m", "r")) == ExitCode::kDevice);
   CHECK(code_when(devices::Fault("TB-CHAMBER-TRIP", "d", "m", "r")) == ExitCode::kStopped);
   CHECK(code_when(sequences::FileError("TB-FILE-KEY", "m", "w", "r")) == ExitCode::kUsage);
@@ -128,12 +128,12 @@ TEST_CASE("error table: the exit code follows from the id, in whatever room it w
   CHECK(bench::Error("TB-RUN-STOPPED", "m", "w").by_signal(0).code() == ExitCode::kStopped);
 }
 
-TEST_CASE("error table: the remedy is the table's where the place that throws has none") {
+TEST_CASE("error table: its remedy is used if the error has none") {
   CHECK(bench::Error("TB-STORE-LOCK", "m", "w").remedy() == bench::error_row("TB-STORE-LOCK")->remedy);
   CHECK(bench::Error("TB-STORE-LOCK", "m", "w", "own").remedy() == "own");
 }
 
-TEST_CASE("an error that was asked for is none, unless the rig is not safe") {
+TEST_CASE("error: a requested stop does not count as an error, unless the rig is not safe") {
   const Error stopped("TB-RUN-STOPPED", "stopped by bob", "", "resume");
   CHECK_FALSE(stopped.asked_for());
   const Error asked = stopped.by_word();
@@ -145,7 +145,7 @@ TEST_CASE("an error that was asked for is none, unless the rig is not safe") {
   CHECK(unsafe.code() == ExitCode::kUnsafe);
 }
 
-TEST_CASE("an error as JSON has id, exit code, cause and remedy, and says where the rig stands") {
+TEST_CASE("error: the JSON document has id, exit code, cause, remedy and rig state") {
   const auto json = nlohmann::json::parse(error_json(Error("TB-STORE-FULL", "full", "s.db", "make room", "vented")));
   CHECK(json == nlohmann::json{{"schema", "tactbench.error"},
                                {"version", 1},
@@ -158,7 +158,7 @@ TEST_CASE("an error as JSON has id, exit code, cause and remedy, and says where 
                                {"rig_state", "vented"}});
 }
 
-TEST_CASE("the errors of each room keep their words, and get a place where they have none") {
+TEST_CASE("error: errors of every module keep their text, and get a place if they have none") {
   const devices::Fault fault("TB-CHAMBER-TRIP", "valve", "stuck", "tap it");
   CHECK(parts_when(fault, "") == ErrorParts{"TB-CHAMBER-TRIP", "stuck", "valve", "tap it"});
   CHECK(parts_when(fault, "run 3") == ErrorParts{"TB-CHAMBER-TRIP", "stuck", "run 3, valve", "tap it"});
@@ -181,7 +181,7 @@ TEST_CASE("the errors of each room keep their words, and get a place where they 
   CHECK(parts_when(Error("TB-USAGE", "m", "w", "r"), "run 3") == ErrorParts{"TB-USAGE", "m", "w", "r"});
 }
 
-TEST_CASE("overrides: keys of recipes apart from those of the bench, and pressures in another unit") {
+TEST_CASE("overrides: recipe keys are separated from bench keys, and pressures are converted from other units") {
   const bench::SplitOverrides split = bench::split_overrides(
       {"recipe.step=2", "recipe.=x", "bench.id=a=b", "x_psi=2 bar", "x_psi.y=2bar", "k=", "recipex=1"});
   const auto told = [](const std::vector<sequences::Override>& list) {
@@ -212,7 +212,7 @@ TEST_CASE("overrides: keys of recipes apart from those of the bench, and pressur
   }
 }
 
-TEST_CASE("the time now and days ago, and seconds between times of the first second on") {
+TEST_CASE("time: utc_now and utc_days_ago are in UTC, seconds_between is 0 for invalid times") {
   const auto seconds_of = [](const std::string& text) {
     REQUIRE(text.size() == 20);
     return bench::seconds_between("1970-01-01T00:00:00Z", text);

@@ -43,7 +43,7 @@ std::string error_of(const std::string& path, const std::string& text, bool repl
 
 }  // namespace
 
-TEST_CASE("a file is replaced by its own kind, by another kind on request, and a store never") {
+TEST_CASE("output: a file is replaced by its own kind, by another kind on request, and a store never") {
   const TemporaryFolder folder;
   const std::string path = folder.path("out/m.json"), notes = folder.path("notes.txt");
   CHECK(error_of(path, kModel).empty());
@@ -77,7 +77,7 @@ TEST_CASE("a file is replaced by its own kind, by another kind on request, and a
   CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), std::filesystem::directory_iterator()) == 5);
 }
 
-TEST_CASE("a link is kept, and its target is replaced") {
+TEST_CASE("output: a link is kept and its target is replaced") {
   const TemporaryFolder folder;
   write_file(folder.path("real.json"), kModel);
   std::filesystem::create_symlink("real.json", folder.path("link.json"));
@@ -87,7 +87,7 @@ TEST_CASE("a link is kept, and its target is replaced") {
   CHECK(read_file(folder.path("real.json")) == second);
 }
 
-TEST_CASE("devices and pipes are written into") {
+TEST_CASE("output: devices and pipes are written to, not replaced") {
   const TemporaryFolder folder;
   CHECK(error_of("/dev/null", kModel).empty());
   CHECK(std::filesystem::is_character_file("/dev/null"));
@@ -104,7 +104,7 @@ TEST_CASE("devices and pipes are written into") {
   CHECK(std::filesystem::is_fifo(pipe));
 }
 
-TEST_CASE("a signed report is never overwritten by any kind of file") {
+TEST_CASE("output: a signed report is never overwritten by any kind of file") {
   const TemporaryFolder folder;
   REQUIRE(mkfifo(folder.path("pipe").c_str(), 0600) == 0);
   CHECK(error_of(folder.path("pipe-lock"), kModel).empty());  // a pipe is no store, and is not waited for
@@ -122,7 +122,7 @@ TEST_CASE("a signed report is never overwritten by any kind of file") {
   CHECK(read_file(html) == page);
 }
 
-TEST_CASE("output: a store and what belongs to one are refused by name, whatever stands beside what is none") {
+TEST_CASE("output: a store and its companion files are rejected by name, names next to a non-store are accepted") {
   const TemporaryFolder folder;
   const std::string store = folder.path("runs.db");
   (void)db::RunStore::open(store);
@@ -139,7 +139,7 @@ TEST_CASE("output: a store and what belongs to one are refused by name, whatever
   CHECK(error_of(folder.path("log"), kTable, true) == "TB-FILE-STORE");
 }
 
-TEST_CASE("output: a file that cannot be written") {
+TEST_CASE("output: a file that cannot be written is an error") {
   const TemporaryFolder folder;
   const std::string here = folder.path("here"), file = folder.path("f");
   std::filesystem::create_directory(here);
@@ -154,7 +154,7 @@ TEST_CASE("output: a file that cannot be written") {
   CHECK(error_of("/proc/self/fd/", kTable) == "TB-FILE-WRITE");
 }
 
-TEST_CASE("output: new files have the mode that the process gives, replaced ones theirs") {
+TEST_CASE("output: new files get the mode by the umask, replaced files keep their mode") {
   const TemporaryFolder folder;
   const mode_t before = umask(0);
   write_output(folder.path("a"), kTable, false);
@@ -165,7 +165,7 @@ TEST_CASE("output: new files have the mode that the process gives, replaced ones
   CHECK(mode_of(folder.path("a")) == 0751);
 }
 
-TEST_CASE("output: the names of standard output and error, and a store behind one of them") {
+TEST_CASE("output: names of standard output and error are written to, a store behind a descriptor is rejected") {
   std::string err;
   const std::string out = printed_by([&] {
     Captured captured(stderr);
@@ -185,7 +185,7 @@ TEST_CASE("output: the names of standard output and error, and a store behind on
   close(file);
 }
 
-TEST_CASE("signed reports: a number counts where an approval of the same document names it") {
+TEST_CASE("signed reports: a number counts if an approval in the same document names it") {
   const auto number_in = [](const std::string& approvals, const std::string& more = R"("number":"7-1",)") {
     return signed_number_in("{" + more + R"("identification":)" + approvals + "}");
   };
@@ -213,7 +213,7 @@ using namespace tactbench;
 using namespace tactbench::bench;
 using namespace tactbench::tests;
 
-TEST_CASE("a file's kind: each beginning in the table is of its own, and none without its last byte") {
+TEST_CASE("file kind: each signature in the table is a kind of its own, and none without its last byte") {
   const std::string other = kind_of_file("my notes\n");
   const std::vector<std::vector<std::string>> kinds = {
       {std::string("SQLite format 3\0", 16)},
@@ -243,7 +243,7 @@ TEST_CASE("a file's kind: each beginning in the table is of its own, and none wi
   }
 }
 
-TEST_CASE("a file's kind: documents by their schema after blanks of all kinds, tables by their first line") {
+TEST_CASE("file kind: a JSON document is recognised by its schema after white space, a table by its first line") {
   const std::string other = kind_of_file("my notes\n");
   const std::string document = kind_of_file("{\"schema\":\"tactbench.x\",\"version\":1}");
   CHECK_THAT(document, Catch::Contains("tactbench.x "));
@@ -259,7 +259,7 @@ TEST_CASE("a file's kind: documents by their schema after blanks of all kinds, t
     CHECK(kind_of_file(none) == other);
 }
 
-TEST_CASE("names of open files are written into where they stand, whatever was there") {
+TEST_CASE("output: a descriptor name is written to at its current position, whatever the file contains") {
   const TemporaryFolder folder;
   for (const char* form : {"/dev/fd/", "/proc/self/fd/"}) {
     INFO(form);
@@ -281,7 +281,7 @@ TEST_CASE("names of open files are written into where they stand, whatever was t
   }
 }
 
-TEST_CASE("text of any length is written, and how many bytes it has is told") {
+TEST_CASE("output: text of any length is written, and the number of bytes is returned") {
   const TemporaryFolder folder;
   for (const std::size_t size : {0U, 1U, 65'535U, 65'536U, 65'537U, 200'000U}) {
     std::string text(size, 'x');
@@ -300,7 +300,7 @@ TEST_CASE("text of any length is written, and how many bytes it has is told") {
   }
 }
 
-TEST_CASE("a whole file is written with its folders, or not at all") {
+TEST_CASE("output: a whole file is written with its folders, or not at all") {
   const TemporaryFolder folder;
   write_whole(folder.path("a/b/c"), "one");
   write_whole(folder.path("a/b/c"), "two");

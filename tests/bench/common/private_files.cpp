@@ -58,7 +58,7 @@ bool opens(const std::string& path, int flags) {
 
 }  // namespace
 
-TEST_CASE("private files: a bench's id becomes a unique file name within its folder") {
+TEST_CASE("private files: a bench id becomes a unique file name within its folder") {
   CHECK(file_name("rig-1_left.b") == "rig-1_left.b");
   std::set<std::string> names;
   std::vector<std::string> ids = {std::string(48, 'x'), std::string(49, 'x'), std::string(2000, '/'),
@@ -80,7 +80,7 @@ TEST_CASE("private files: a bench's id becomes a unique file name within its fol
   CHECK(std::filesystem::path(trip).parent_path() == state_folder());
 }
 
-TEST_CASE("private files: no link, second name, pipe or other user's file is opened, nor cut short") {
+TEST_CASE("private files: links, pipes and files of other users are not opened, and not truncated") {
   const TemporaryFolder folder;
   const std::string precious = folder.path("precious"), path = folder.path("log");
   const int flags = O_WRONLY | O_CREAT | O_TRUNC;
@@ -108,7 +108,7 @@ TEST_CASE("private files: no link, second name, pipe or other user's file is ope
   CHECK(read_file(path) == "new");
 }
 
-TEST_CASE("private files: without a home folder trips are kept in a folder that no other user made") {
+TEST_CASE("private files: without a home folder, trips are stored in a folder that no other user made") {
   const TemporaryFolder folder;
   const Variable home("HOME", std::nullopt), state("XDG_STATE_HOME", std::nullopt), temporary("TMPDIR", folder.path());
   const std::string base = folder.path("tactbench-state-" + std::to_string(geteuid()));
@@ -131,7 +131,7 @@ TEST_CASE("private files: without a home folder trips are kept in a folder that 
   CHECK(read_file(folder.path("precious")) == "kept");
 }
 
-TEST_CASE("private files: the machine's trips are kept only in root's folder for a group") {
+TEST_CASE("private files: trips of the machine are stored only in a group folder of root") {
   const TemporaryFolder folder;
   const Variable state("XDG_STATE_HOME", std::nullopt), home("HOME", folder.path());
   const std::string machine = folder.path("machine");
@@ -175,7 +175,7 @@ TEST_CASE("private files: the machine's trips are kept only in root's folder for
   CHECK(as_member(60003, 60004, [&] { return refused_as([&] { (void)state_folder(machine); }) == "TB-STATE-DENIED"; }));
 }
 
-TEST_CASE("private files: a new scratch folder removes those of killed processes, and nothing else") {
+TEST_CASE("private files: a new scratch folder removes the folders of killed processes, and nothing else") {
   const TemporaryFolder folder;
   const Variable temporary("TMPDIR", folder.path());
   int ends[2];
@@ -233,14 +233,14 @@ TEST_CASE("private files: a scratch folder has an unpredictable name, is closed 
   CHECK(std::filesystem::is_empty(folder.path()));
 }
 
-TEST_CASE("private file names: which characters stay, and what takes the place of others") {
+TEST_CASE("private file names: which characters are kept, and how others are replaced") {
   for (const std::string& stays : {std::string("azAZ09.-_"), std::string(48, 'x')}) CHECK(file_name(stays) == stays);
   CHECK(file_name("a b") == "a_b~c8687a08aa5d6ed20443");  // the text's SHA-256
   CHECK_THAT(file_name("@`[{/:a"), Catch::StartsWith("______a~"));
   CHECK_THAT(file_name("0123456789012345678901234 "), Catch::StartsWith("012345678901234567890123~"));
 }
 
-TEST_CASE("private folders: each right of others is taken away, or refused") {
+TEST_CASE("private folders: access rights of others are removed, or the folder is rejected") {
   const TemporaryFolder folder;
   const std::string path = folder.path("own");
   make_private_folder(path);
@@ -278,7 +278,8 @@ TEST_CASE("private folders: each right of others is taken away, or refused") {
   CHECK(folder_refusal([&] { make_private_folder(path); }) == path);
 }
 
-TEST_CASE("own files: where others' files are taken, which mode new ones get, and that nothing is cut short unasked") {
+TEST_CASE(
+    "own files: which files of other users are trusted, which mode new files get, no truncation unless requested") {
   const TemporaryFolder folder;
   const std::string path = folder.path("file");
   const int make = O_WRONLY | O_CREAT;

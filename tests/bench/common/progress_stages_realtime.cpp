@@ -69,7 +69,7 @@ void write_loops(const TemporaryFolder& folder) {
 
 }  // namespace
 
-TEST_CASE("progress of an import: its stages and their share, while the table and the store wait") {
+TEST_CASE("progress of an import: shows its stages and their share while it waits for table and store") {
   const TemporaryFolder folder;
   db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   TableThroughPipe table(folder.path("t.csv"));
@@ -87,7 +87,7 @@ TEST_CASE("progress of an import: its stages and their share, while the table an
   CHECK(db::RunStore::open_read_only(folder.path("runs.db")).runs().size() == 1);
 }
 
-TEST_CASE("progress of a night: one line on a terminal counts its scenarios, in place of a line each") {
+TEST_CASE("progress of a night: a single line on a terminal counts the scenarios") {
   const TemporaryFolder folder;
   write_file(folder.path("s.toml"),
              "schema = 1\nname = \"small\"\n[[scenario]]\nname = \"misspelt\"\nabout = \"a\"\nrecipes = [\"no-such\"]\n"

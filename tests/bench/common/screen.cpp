@@ -70,7 +70,7 @@ std::string said_on_error(const Print& print) {
 
 }  // namespace
 
-TEST_CASE("screen: the size of a terminal, and 80 x 24 where a terminal tells none") {
+TEST_CASE("screen: size of the terminal, or 80 x 24 if the terminal reports none") {
   const auto size_with = [](unsigned short columns, unsigned short rows) {
     const SizedTerminal terminal(columns, rows);
     const ScreenSize size = screen_size(terminal.program);
@@ -83,7 +83,7 @@ TEST_CASE("screen: the size of a terminal, and 80 x 24 where a terminal tells no
   CHECK(size_with(132, 0) == Size(80, 24));
 }
 
-TEST_CASE("screen: a block's spans, each in its colour, up to the last column but one") {
+TEST_CASE("screen: the spans of a block keep their colour, up to the last column but one") {
   const std::string end = "\x1b[K\n\x1b[J";
   CHECK(painted({{{"a", 0}, {"c"}}}, 80, 0) == "\x1b[48;5;0ma\x1b[0mc" + end);
   CHECK_THAT(painted({{}, {{"a"}}}, 80, 2), Catch::StartsWith("\x1b[2F"));
@@ -100,7 +100,7 @@ TEST_CASE("screen: a block's spans, each in its colour, up to the last column bu
   CHECK(line({{{"\x1b[31m"}}}, 80) == "\\x1b[31m");
 }
 
-TEST_CASE("screen: a block is painted over in place, and anew when the screen has another size") {
+TEST_CASE("screen: a block is repainted in place, and on a cleared screen if the screen size has changed") {
   ScreenBlock block;
   const std::vector<PaintedLine> two = {{{"a"}}, {{"b"}}}, one = {{{"c"}}};
   const auto shown = [&](const std::vector<PaintedLine>& lines, std::size_t columns, std::size_t rows) {
@@ -114,7 +114,7 @@ TEST_CASE("screen: a block is painted over in place, and anew when the screen ha
   CHECK(shown(one, 81, 25) == anew + c);
 }
 
-TEST_CASE("the line that is written over: as wide as the terminal but one, at most 200 columns") {
+TEST_CASE("status line: is one column narrower than the terminal, at most 200 columns") {
   const std::string text(300, 'x');
   const auto line = [&](unsigned short columns) {
     const SizedTerminal terminal(columns, 24);
@@ -128,7 +128,7 @@ TEST_CASE("the line that is written over: as wide as the terminal but one, at mo
   for (const auto& [columns, shown] : widths) CHECK(line(columns) == cut(shown));
 }
 
-TEST_CASE("the line that is written over: what is printed takes it away, a line end alone leaves it") {
+TEST_CASE("status line: printed text erases it, a line end alone keeps it") {
   const std::string away = "\r\x1b[K";
   CHECK(said_on_error([] { tty::erase_line(); }).empty());
   CHECK(said_on_error([] {
@@ -151,7 +151,7 @@ TEST_CASE("the line that is written over: what is printed takes it away, a line 
   CHECK(out == "\n");
 }
 
-TEST_CASE("standard output that cannot be written is an error, standard error that cannot is none") {
+TEST_CASE("printing: an unwritable standard output is an error, an unwritable standard error is not") {
   std::fflush(nullptr);
   const pid_t child = fork();
   if (child == 0) {
@@ -185,7 +185,7 @@ bool harmless(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("control characters are escaped, ordinary text stays unchanged") {
+TEST_CASE("printable text: control characters are escaped, ordinary text is unchanged") {
   CHECK(for_people("\x1b[31mred\x1b[0m") == "\\x1b[31mred\\x1b[0m");
   CHECK(for_people("title\x1b]0;t\x07\r\b\x7f") == "title\\x1b]0;t\\x07\\x0d\\x08\\u007f");
   CHECK(for_people(std::string("a\0b", 3)) == "a\\x00b");
@@ -198,7 +198,7 @@ TEST_CASE("control characters are escaped, ordinary text stays unchanged") {
     CHECK(for_people(good) == good);
 }
 
-TEST_CASE("a text for one line has no line breaks and is cut to its number of columns") {
+TEST_CASE("printable text: one line has no line breaks and is cut to its number of columns") {
   CHECK(one_line("a\nb\tc") == "a\\x0ab\\x09c");
   CHECK(one_line("abcdef", 6) == "abcdef");
   CHECK(one_line("abcdefg", 6) == "abcde\u2026");
@@ -214,7 +214,7 @@ TEST_CASE("a text for one line has no line breaks and is cut to its number of co
   CHECK(one_line(marks, 50).ends_with("\u2026"));
 }
 
-TEST_CASE("an error's text has no control characters and a bounded length") {
+TEST_CASE("printable text: an error has no control characters and a bounded length") {
   const std::string evil = "x\x1b]0;t\x07\r\u009b\u202e\xff\ny";
   const std::string text = error_text(Error("TB-USAGE", evil, evil, evil, evil));
   CHECK(harmless(text));
@@ -223,7 +223,7 @@ TEST_CASE("an error's text has no control characters and a bounded length") {
   CHECK(longest.size() < 3000);
 }
 
-TEST_CASE("which characters are hidden, and which take no column or two: the ends of Unicode's blocks") {
+TEST_CASE("printable text: hidden characters and column widths are right at the limits of the Unicode blocks") {
   const auto utf8 = [](std::uint32_t c) {
     std::string text;
     if (c < 0x80) return std::string(1, static_cast<char>(c));
@@ -250,7 +250,7 @@ TEST_CASE("which characters are hidden, and which take no column or two: the end
   CHECK(one_line("\U00010330\U00010331", 2) == "\U00010330\U00010331");  // four bytes each, one column
 }
 
-TEST_CASE("a time on a clock, to the nearest second") {
+TEST_CASE("clock text: a time is rounded to the nearest second") {
   CHECK(clock_text(0.49) == "0:00:00");
   CHECK(clock_text(59.5) == "0:01:00");
   CHECK(clock_text(3661.0) == "1:01:01");
@@ -262,7 +262,7 @@ TEST_CASE("a time on a clock, to the nearest second") {
 using namespace tactbench;
 using namespace tactbench::bench;
 
-TEST_CASE("where nothing counts a stage, its part follows from its share and the pace before it") {
+TEST_CASE("progress: a stage without a count is estimated from its share and the pace so far") {
   const std::vector<WorkStage> stages = {{"models", 4.0}, {"uncertainty", 2.0, false}};
   CHECK(guessed_part(stages, 1, 8.0, 1.0) == Approx(0.25));  // it should take 4 s
   CHECK(guessed_part(stages, 1, 8.0, 3.0) == Approx(0.75));
@@ -270,7 +270,7 @@ TEST_CASE("where nothing counts a stage, its part follows from its share and the
   CHECK(guessed_part(stages, 0, 0.0, 300.0) == 0.0);           // nothing came before
 }
 
-TEST_CASE("work counts its pieces, and work within it is part of a piece") {
+TEST_CASE("progress: work counts its items, nested work does not count") {
   const std::size_t before = analysis::work_now().works;
   {
     analysis::Work outer(10);
@@ -291,12 +291,12 @@ TEST_CASE("work counts its pieces, and work within it is part of a piece") {
   CHECK(analysis::work_now().works == before + 2);
 }
 
-TEST_CASE("where no verb computes a stage begins, and progress pauses, without effect") {
+TEST_CASE("progress: without a running verb, starting a stage and pausing have no effect") {
   CHECK_NOTHROW(begin_stage("reading"));
   CHECK_NOTHROW(pause_progress());
 }
 
-TEST_CASE("without a terminal there is no progress line and no thread that watches") {
+TEST_CASE("progress: without a terminal there is no progress line") {
   LongWork work("fit", false, {{"reading", 1.0}});  // a test has no terminal
   CHECK_FALSE(work.shows());
   work.begin("reading");
@@ -308,7 +308,7 @@ TEST_CASE("without a terminal there is no progress line and no thread that watch
 using namespace tactbench::bench;
 using namespace tactbench::tests;
 
-TEST_CASE("file text: every byte of it, nothing of a missing file, and an error where reading fails") {
+TEST_CASE("file text: all bytes are read, a missing file is empty, and a read failure is an error") {
   const TemporaryFolder folder;
   std::string bytes;
   for (int i = 0; i < 40000; ++i) bytes += static_cast<char>(i * i);

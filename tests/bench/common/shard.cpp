@@ -10,7 +10,7 @@ using tactbench::bench::Error;
 using tactbench::bench::Shard;
 using tactbench::bench::shard_from;
 
-TEST_CASE("the parts of a work hold each item once, and are of nearly one size") {
+TEST_CASE("shard: the parts cover each item once, and differ in size by at most one") {
   for (const int of : {1, 2, 3, 7, 8}) {
     int held = 0, least = 1080, most = 0;
     for (int number = 1; number <= of; ++number) {
@@ -28,7 +28,7 @@ TEST_CASE("the parts of a work hold each item once, and are of nearly one size")
   }
 }
 
-TEST_CASE("a part is typed as K/N, and anything else is an error that says so") {
+TEST_CASE("shard: a part is given as K/N, anything else is rejected") {
   const Shard shard = shard_from("3/8");
   CHECK((shard.number == 3 && shard.of == 8 && shard.text() == "3/8" && !shard.is_whole()));
   CHECK(shard_from("1/1").is_whole());

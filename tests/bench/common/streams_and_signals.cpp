@@ -71,7 +71,7 @@ bool leads_to_null(int descriptor) {
 
 }  // namespace
 
-TEST_CASE("standard streams: those that are closed are opened, the others are left as they are") {
+TEST_CASE("standard streams: closed ones are opened on the null device, the others are unchanged") {
   for (int closed = 0; closed < 8; ++closed) {
     const OpenPipe kept;
     CHECK(done_apart([&] {
@@ -90,7 +90,7 @@ TEST_CASE("standard streams: those that are closed are opened, the others are le
   }
 }
 
-TEST_CASE("standard streams: into a file all is written, at once on standard error, when it is flushed on output") {
+TEST_CASE("standard streams: a file gets all text, at once from standard error, on flush from standard output") {
   const TemporaryFolder folder;
   const auto written = [&](int descriptor, bool flush) {
     const int code = done_apart([&] {
@@ -110,7 +110,7 @@ TEST_CASE("standard streams: into a file all is written, at once on standard err
   CHECK(written(STDERR_FILENO, false) == "one\ntwo\n");
 }
 
-TEST_CASE("standard streams: output that nobody takes is lost without a signal or an error") {
+TEST_CASE("standard streams: output without a reader is lost without a signal or an error") {
   for (const bool on_output : {true, false}) {
     OpenPipe pipe;
     pipe.shut(0);
@@ -128,7 +128,7 @@ TEST_CASE("standard streams: output that nobody takes is lost without a signal o
   }
 }
 
-TEST_CASE("standard streams: a file that may grow no more keeps what fitted") {
+TEST_CASE("standard streams: a file at its size limit keeps what fitted") {
   const TemporaryFolder folder;
   CHECK(done_apart([&] {
           const int file = open(folder.path("f").c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
@@ -143,7 +143,7 @@ TEST_CASE("standard streams: a file that may grow no more keeps what fitted") {
   CHECK(read_file(folder.path("f")) == "0123456789");
 }
 
-TEST_CASE("standard streams: a write that signals cut into pieces arrives whole") {
+TEST_CASE("standard streams: a write interrupted by signals arrives whole") {
   OpenPipe pipe;
   std::string text(400'000, 'x');
   for (std::size_t i = 0; i < text.size(); i += 100) text[i] = static_cast<char>('a' + i / 100 % 26);
@@ -173,7 +173,7 @@ TEST_CASE("standard streams: a write that signals cut into pieces arrives whole"
   CHECK(got == text);
 }
 
-TEST_CASE("standard streams: a stopped reader of standard error is waited for once, of standard output for ever") {
+TEST_CASE("standard streams: a blocked reader of standard error is waited for only once") {
   OpenPipe pipe;
   REQUIRE(fcntl(pipe.ends[1], F_SETPIPE_SZ, 4096) >= 4096);
   const std::string page(4096, 'x');
@@ -191,9 +191,7 @@ TEST_CASE("standard streams: a stopped reader of standard error is waited for on
   CHECK(read(pipe.ends[0], bytes.data(), bytes.size()) == 4096);
 }
 
-TEST_CASE(
-    "signals: each that asks for the end is kept, the first of all and the first but Ctrl-C, and its handler "
-    "restored") {
+TEST_CASE("signals: the first signal and the first other than Ctrl-C are recorded, and the old handlers are restored") {
   std::vector<int> numbers = {SIGINT,  SIGTERM, SIGHUP,    SIGQUIT, SIGUSR1, SIGUSR2,  SIGPWR,
                               SIGXCPU, SIGALRM, SIGVTALRM, SIGPROF, SIGIO,   SIGSTKFLT};
   for (int number = SIGRTMIN; number <= SIGRTMAX; ++number) numbers.push_back(number);
@@ -220,7 +218,7 @@ TEST_CASE(
         }) == 0);
 }
 
-TEST_CASE("signals: what the process uses or ignores itself is left alone where nobody asks for the end by it") {
+TEST_CASE("signals: signals that the process ignores or handles are left alone, except SIGQUIT") {
   static int alarms = 0;
   const auto still_ignored = [](int number) {
     std::signal(number, SIG_IGN);
@@ -250,7 +248,7 @@ TEST_CASE("signals: what the process uses or ignores itself is left alone where 
         }) == 0);
 }
 
-TEST_CASE("signals: after a run that has failed or was stopped none takes its exit code away") {
+TEST_CASE("signals: after a failed or stopped run a late signal does not change the exit code") {
   CHECK(done_apart([] {
           {
             const StopRequest around;  // as of the demonstration
@@ -272,7 +270,7 @@ TEST_CASE("signals: after a run that has failed or was stopped none takes its ex
         }) == 1000 + SIGTERM);
 }
 
-TEST_CASE("signals: each by a name of its own") {
+TEST_CASE("signals: each one has its own name") {
   CHECK(signal_text(SIGINT) == "Ctrl-C");
   CHECK_THAT(signal_text(SIGUSR2), Catch::Contains("12"));
   std::set<std::string> words;

@@ -44,7 +44,7 @@ BenchConfig bench_with(const std::string& typed) {
 
 }  // namespace
 
-TEST_CASE("the shipped bench, sensor and limits files read without complaint") {
+TEST_CASE("config: the shipped bench, sensor and limits files are read without errors") {
   const BenchConfig config = read_bench(kBench, {});
   CHECK(config.origin == devices::Origin::kSimulated);
   CHECK(config.limits.command_psi == 60.0);
@@ -59,7 +59,7 @@ TEST_CASE("the shipped bench, sensor and limits files read without complaint") {
   CHECK(limits.sha256 == db::sha256_hex(limits.toml));
 }
 
-TEST_CASE("limits are read strictly, and the decision rule by name") {
+TEST_CASE("limits: unknown keys are rejected, the decision rule is read by name") {
   const std::string whole =
       "schema = 1\nname = \"l\"\nmean_compensation_error_psi = 1\nworst_taxel_error_psi = 3\n"
       "distance_of_mean_percent_fs = 1.5\nunfit_taxels = 0\n";
@@ -75,7 +75,7 @@ TEST_CASE("limits are read strictly, and the decision rule by name") {
   }
 }
 
-TEST_CASE("bad bench values are refused with place and remedy") {
+TEST_CASE("config: invalid bench values are rejected with place and remedy") {
   refused({"limits.command_psi", "\"60 mbar\""});
   refused({"reference.channel", "0"});
   refused({"bench.id", "\" \""});
@@ -98,8 +98,7 @@ TEST_CASE("bad bench values are refused with place and remedy") {
   refused({"environment.sensor", "[{quantity = 'humidity', address = 1}]"});
 }
 
-TEST_CASE(
-    "a regulator that 0 V does not vent needs something named that relieves the chamber, and a voltage for 0 psi") {
+TEST_CASE("config: if 0 V does not vent the regulator, a relief device must be named, and 0 psi needs a voltage") {
   const auto reads = [](const std::vector<sequences::Override>& changes) { return read_bench(kBench, changes); };
   const std::vector<sequences::Override> vacuum = {{"regulator.span_bar", "[-1, 9]"}};
   std::vector<sequences::Override> named = vacuum;
@@ -125,7 +124,7 @@ TEST_CASE(
     CHECK(zero_volt_vents(reads({{"regulator.span_bar", ordinary}})));
 }
 
-TEST_CASE("dates are refused unless they are dates, each at its key") {
+TEST_CASE("config: invalid dates are rejected, and the error names the key") {
   for (const char* table : {"reference", "force", "stage"}) {
     for (const char* key : {"due", "calibrated"}) {
       const std::string dotted = fmt::format("{}.{}", table, key);
@@ -144,7 +143,7 @@ TEST_CASE("dates are refused unless they are dates, each at its key") {
   CHECK_THROWS_AS(read_bench(kBench, {{"force.calibrated", "2026-01-31"}, {"force.due", "2026-01-31"}}), FileError);
 }
 
-TEST_CASE("force sensor and stage take certificate, dates and U, and config knows them") {
+TEST_CASE("config: force sensor and stage accept certificate, dates and U, and list them as settings") {
   const BenchConfig config = read_bench(kBench, {{"force.certificate", "F-1"},
                                                  {"force.expanded_uncertainty_n", "0.1"},
                                                  {"stage.certificate", "Z-1"},
@@ -165,7 +164,7 @@ TEST_CASE("force sensor and stage take certificate, dates and U, and config know
         }).id == "TB-FILE-KEY");
 }
 
-TEST_CASE("a bench that drives hardware is refused until it is filled in, a simulated one is only named") {
+TEST_CASE("config: placeholders in the bench file of a hardware bench are rejected, of a simulated bench only listed") {
   const BenchConfig rig = read_bench(find_config("paper-rig.example.toml"), {});
   const std::vector<std::string> places = placeholders_of(rig);
   CHECK(places.size() >= 8);
@@ -189,7 +188,7 @@ TEST_CASE("a bench that drives hardware is refused until it is filled in, a simu
   CHECK(placeholders_of(simulated) == std::vector<std::string>{"reference.certificate (--set)"});
 }
 
-TEST_CASE("an irregular, overlong or unreadable file is refused wherever a document is read") {
+TEST_CASE("config: irregular, too large or unreadable files are rejected by every document reader") {
   const auto accepted = [](const std::string& path) {
     const tests::Refusal refusal = tests::file_refusal([&] { (void)sequences::TomlDocument::from_file(path); });
     if (refusal.id != "accepted") CHECK((refusal.id == "TB-FILE-MISSING" && refusal.where == path));
@@ -206,7 +205,7 @@ TEST_CASE("an irregular, overlong or unreadable file is refused wherever a docum
   CHECK(accepted(folder.path("fits.toml")));
 }
 
-TEST_CASE("a NUL in a value does not truncate the message") {
+TEST_CASE("config: a NUL in a value does not truncate the error message") {
   try {
     (void)sequences::TomlDocument::from_text("a = \"x\\u0000y\"\n", "t").root().word("a", {"z"});
     FAIL("accepted");
@@ -215,13 +214,13 @@ TEST_CASE("a NUL in a value does not truncate the message") {
   }
 }
 
-TEST_CASE("a complaint about an overridden value names --set") {
+TEST_CASE("config: an error in an overridden value names --set") {
   const tests::Refusal refusal = tests::file_refusal([] { (void)read_bench(kBench, {{"limits.comand_psi", "3"}}); });
   CHECK_THAT(refusal.where, Catch::Contains("--set limits.comand_psi"));
   CHECK_THAT(refusal.remedy, Catch::Contains("command_psi"));
 }
 
-TEST_CASE("dead-man setting blind = warn is accepted only for a module with its own watchdog") {
+TEST_CASE("config: dead-man setting blind = warn is accepted only for a module with its own watchdog") {
   CHECK(read_bench(kBench, {}).dead_man.blind_ends);
   CHECK_FALSE(read_bench(kBench, {{"dead_man.blind", "\"warn\""}}).dead_man.blind_ends);
   refused({"dead_man.blind", "\"perhaps\""});
@@ -232,13 +231,13 @@ TEST_CASE("dead-man setting blind = warn is accepted only for a module with its 
   CHECK_THROWS_AS(parse_bench(text, "bench.toml", {module, {"dead_man.blind", "\"warn\""}}), FileError);
 }
 
-TEST_CASE("seeds of the command line take precedence over those of the file") {
+TEST_CASE("config: seeds of the command line outrank those of the file") {
   const BenchConfig config = read_bench(kBench, {}, {42, 43});
   CHECK(config.simulation->plant.seed == 42);
   CHECK(config.simulation->plant.specimen.sensor_seed == 43);
 }
 
-TEST_CASE("the example of the paper's rig reads without complaint, and names hardware only") {
+TEST_CASE("config: the example file of the paper rig is read without errors, and configures hardware only") {
   const BenchConfig config = read_bench(find_config("paper-rig.example.toml"), {});
   CHECK(config.origin == devices::Origin::kHardware);
   CHECK_FALSE(config.in_process);
@@ -251,7 +250,7 @@ TEST_CASE("the example of the paper's rig reads without complaint, and names har
   CHECK(config.force->net.port == 49152);
 }
 
-TEST_CASE("a pressure typed in another unit is refused with both what it is and what was typed") {
+TEST_CASE("config: a rejected pressure in another unit is reported in psi and as typed") {
   try {
     (void)bench_with("limits.trip_psi=9bar");
     FAIL("accepted");
@@ -292,7 +291,7 @@ void check_refused_where_accepted(const std::string& text, const std::vector<Cha
 
 }  // namespace
 
-TEST_CASE("a bench file's tables are refused where they contradict each other") {
+TEST_CASE("config: contradictions between tables of a bench file are rejected") {
   const Changes both{{"module.profile", "moxa-iologik-e1241"}, {"input_module.profile", "moxa-iologik-e1240"}};
   std::vector<Changes> refused = {{{"bench.rate", "2"}},
                                   {{"module.watchdog_ms", "500"}, {"regulator.feed_interval_ms", "301"}},
@@ -327,7 +326,7 @@ TEST_CASE("a bench file's tables are refused where they contradict each other") 
        {{"stage.usb_serial", "A1"}}});
 }
 
-TEST_CASE("a reference without a transducer, with a gauge, and with a correction") {
+TEST_CASE("config: the reference can be the regulator feedback, a gauge, or a transducer with a correction") {
   const std::string text = bench_text("simulated");
   std::string dependent = text;
   dependent.erase(dependent.find("model = \"m\""));
@@ -374,7 +373,7 @@ using tests::Changes;
 using tests::hardware_bench;
 using tests::simulated_bench;
 
-TEST_CASE("a bench file's defaults: limits, dead-man, settling, module, regulator, reference") {
+TEST_CASE("config defaults: limits, dead-man, settling, module, regulator, reference") {
   const BenchConfig config = simulated_bench();
   std::map<std::string, std::string> taken;
   for (const sequences::Setting& setting : config.settings)
@@ -398,7 +397,7 @@ TEST_CASE("a bench file's defaults: limits, dead-man, settling, module, regulato
   CHECK(config.reference.span.high.value() == 100.0);
 }
 
-TEST_CASE("a bench file's defaults: the simulated plant") {
+TEST_CASE("config defaults: simulated plant") {
   const BenchConfig config = simulated_bench();
   CHECK(config.simulation->plant.chamber.span_psi == Approx(130.534).epsilon(1e-5));
   const BenchConfig faulty =
@@ -413,7 +412,7 @@ TEST_CASE("a bench file's defaults: the simulated plant") {
   CHECK(faults[1].at_psi == 0.0);
 }
 
-TEST_CASE("a bench file's words for the simulated sensor: turns, edges, objects, defects") {
+TEST_CASE("config values: orientation, edges, objects and defects of the simulated sensor") {
   const auto specimen = [](const Changes& changes) { return simulated_bench(changes).simulation->plant.specimen; };
   CHECK(specimen({{"simulation.mount_turn", "turned-90"}}).mount_turn == MountTurn::kBy90);
   CHECK(specimen({{"simulation.edge_outside", "first-column"}}).edge_outside == MountEdge::kFirstColumn);
@@ -437,7 +436,7 @@ TEST_CASE("a bench file's words for the simulated sensor: turns, edges, objects,
   CHECK(swapped.defects[0].other_column == 3);
 }
 
-TEST_CASE("milliseconds, bar and counts of a bench file become what the devices take") {
+TEST_CASE("config values: milliseconds, bar and counts are converted to the units of the devices") {
   const BenchConfig config = simulated_bench({{"dead_man.timeout_ms", "200"},
                                               {"dead_man.progress_ms", "750"},
                                               {"module.response_timeout_ms", "250"},
@@ -475,7 +474,7 @@ TEST_CASE("milliseconds, bar and counts of a bench file become what the devices 
   CHECK(card.daqmx_scanner.timeout == 500ms);
 }
 
-TEST_CASE("kinds of instruments and terminals are taken by their words") {
+TEST_CASE("config values: kinds of instruments and terminals are read by name") {
   CHECK(simulated_bench({{"scanner.kind", "frame-source"}}).scanner_kind == ScannerKind::kFrameSource);
   CHECK(simulated_bench().scanner_kind == ScannerKind::kHid);
   const auto terminal = [](const char* word) {

@@ -23,7 +23,7 @@ std::string error_of(const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("module profiles: the EK9000's addresses") {
+TEST_CASE("module profiles: the addresses of the EK9000") {
   const auto profile = read_module_profile("beckhoff-ek9000");
   CHECK(profile.tcp);
   CHECK_FALSE(profile.rtu);
@@ -35,7 +35,7 @@ TEST_CASE("module profiles: the EK9000's addresses") {
   CHECK(profile.fail_safe.layers.size() == 2);
 }
 
-TEST_CASE("module profiles: each shipped one can be read, and holds outputs or inputs") {
+TEST_CASE("module profiles: each shipped one is read, and has outputs or inputs") {
   const auto names = bench::shipped_profiles();
   CHECK(names.size() >= 7);
   for (const std::string& name : names) {
@@ -46,7 +46,7 @@ TEST_CASE("module profiles: each shipped one can be read, and holds outputs or i
   }
 }
 
-TEST_CASE("module profiles: the manuals' numbers of ADAM, Moxa and Waveshare") {
+TEST_CASE("module profiles: ADAM, Moxa and Waveshare have the addresses of the manuals") {
   const auto adam = read_module_profile("advantech-adam-6024");
   CHECK(adam.outputs.address == 40011 - 40001);
   CHECK(adam.inputs.address + adam.inputs.status_offset == 40021 - 40001);
@@ -60,7 +60,7 @@ TEST_CASE("module profiles: the manuals' numbers of ADAM, Moxa and Waveshare") {
   CHECK(waveshare.fail_safe.layers.empty());
 }
 
-TEST_CASE("module profiles: an unknown name, a wrong function and an unknown key are reported with a remedy") {
+TEST_CASE("module profiles: an unknown name, an invalid function and an unknown key are reported") {
   CHECK_THAT(error_of("beckhof-ek9000"), Catch::Contains("TB-MODULE-PROFILE"));
   const tests::TemporaryFolder folder;
   const auto write = [&](const std::string& text) {
@@ -75,7 +75,7 @@ TEST_CASE("module profiles: an unknown name, a wrong function and an unknown key
   CHECK(error_of(write("[inputs]\nchannels = 1\n")) == "none");
 }
 
-TEST_CASE("module profiles: defaults, and what one may not say") {
+TEST_CASE("module profiles: defaults, and values that are rejected") {
   const tests::TemporaryFolder folder;
   const std::string path = folder.path("mine.toml");
   const auto told = [&](const std::string& text) {

@@ -33,7 +33,7 @@ void check_refused(const std::string& text, const std::string& id, const std::st
 
 }  // namespace
 
-TEST_CASE("operator's profile: each key with its line, a recipe alone or several") {
+TEST_CASE("operator profile: each value has its line, recipe holds one name or several") {
   const OperatorProfile profile =
       profile_of("bench = \"rig.toml\"\n\noperator = \"A. Person\"\nrecipe = \"descending, ascending\"\n");
   REQUIRE(profile.size() == 3);
@@ -45,7 +45,7 @@ TEST_CASE("operator's profile: each key with its line, a recipe alone or several
   CHECK(profile_of("recipe = \"ring\"\n").at(ProfileKey::kRecipe).values == std::vector<std::string>{"ring"});
 }
 
-TEST_CASE("operator's profile: the environment precedes the file, key by key, and a blank variable does not count") {
+TEST_CASE("operator profile: the environment outranks the file for each key, a blank variable is ignored") {
   const Variable bench("TACTBENCH_BENCH", "other.toml"), db("TACTBENCH_DB", " ");
   const OperatorProfile profile = profile_of("bench = \"rig.toml\"\ndb = \"mine.db\"\nlimits = \"l.toml\"\n");
   CHECK(profile.at(ProfileKey::kBench).values == std::vector<std::string>{"other.toml"});
@@ -55,7 +55,7 @@ TEST_CASE("operator's profile: the environment precedes the file, key by key, an
   CHECK(profile.at(ProfileKey::kLimits).values == std::vector<std::string>{"l.toml"});
 }
 
-TEST_CASE("operator's profile: an unknown key names its line, a blank or wrong value is refused") {
+TEST_CASE("operator profile: an unknown key is reported with its line, a blank or invalid value is rejected") {
   check_refused("bench = \"a\"\noperater = \"me\"\n", "TB-FILE-KEY", "tactbench.toml:2");
   check_refused("[run]\nbench = \"a\"\n", "TB-FILE-KEY", "tactbench.toml:1");
   check_refused("operator = \" \"\n", "TB-FILE-VALUE", "tactbench.toml:1");

@@ -41,7 +41,7 @@ void check_ranges(const Changes& before, const std::string& table, const std::ve
 
 }  // namespace
 
-TEST_CASE("a bench file's ranges: limits, dead-man, settling") {
+TEST_CASE("config ranges: limits, dead-man, settling") {
   REQUIRE(tests::bench_accepts(kSimulated, {}));
   check_ranges({}, "limits.",
                {{"command_psi", "1 to 100"},
@@ -70,7 +70,7 @@ TEST_CASE("a bench file's ranges: limits, dead-man, settling") {
   check_ranges({{"bench.simulator", "external"}}, "bench.", {{"rate", "0.1 to 100"}});
 }
 
-TEST_CASE("a bench file's ranges: modules, regulator, reference") {
+TEST_CASE("config ranges: modules, regulator, reference") {
   check_ranges({}, "module.",
                {{"watchdog_ms", "500 to 60000"},
                 {"outputs", "1 to 64"},
@@ -92,7 +92,7 @@ TEST_CASE("a bench file's ranges: modules, regulator, reference") {
                 {"resolution_psi", "0 to 10"}});
 }
 
-TEST_CASE("a bench file's ranges: stage and force") {
+TEST_CASE("config ranges: stage and force") {
   check_ranges({}, "stage.",
                {{"reply_timeout_ms", "20 to 10000"},
                 {"poll_interval_ms", "20 to 1000"},
@@ -125,7 +125,7 @@ std::string id_with(const std::string& text, const Changes& changes) { return re
 
 }  // namespace
 
-TEST_CASE("strict tables: each table of a bench file refuses a key that it does not know") {
+TEST_CASE("strict tables: each table of a bench file rejects an unknown key") {
   const std::string simulated = bench_text("simulated"), hardware = bench_text("hardware");
   const auto strict = [](const std::string& text, Changes changes, const std::string& table) {
     INFO(table);
@@ -179,7 +179,7 @@ TEST_CASE("strict tables: each table of a bench file refuses a key that it does 
   }
 }
 
-TEST_CASE("strict tables: channels are counted where a module has them, a watchdog's time where it can be set") {
+TEST_CASE("strict tables: channel counts need the channels in the module, a watchdog time needs a settable watchdog") {
   const std::string text = bench_text("simulated");
   const Changes pair{{"module.profile", "moxa-iologik-e1241"},
                      {"input_module.profile", "moxa-iologik-e1240"},
@@ -215,7 +215,7 @@ TEST_CASE("strict tables: channels are counted where a module has them, a watchd
   }
 }
 
-TEST_CASE("strict tables: module profiles and corrections in files of their own") {
+TEST_CASE("strict tables: module profile and correction files reject unknown keys and other schemas") {
   const TemporaryFolder folder;
   const std::string path = folder.path("p.toml");
   const auto said = [&](const std::string& text) {
@@ -248,7 +248,7 @@ TEST_CASE("strict tables: module profiles and corrections in files of their own"
     CHECK(file_refusal([&] { (void)corrected_by(head_line + correction); }).id != "accepted");
 }
 
-TEST_CASE("strict tables: sensor types, limits, laboratory and profile") {
+TEST_CASE("strict tables: sensor type, limits, laboratory and profile files reject unknown keys") {
   const std::string sensor = "name = \"s\"\nrows = 2\ncolumns = 3\nfull_scale = \"highest mean output of the run\"\n";
   const std::string limits =
       "name = \"l\"\nmean_compensation_error_psi = 1\nworst_taxel_error_psi = 3\ndistance_of_mean_percent_fs = 1.5\n"
@@ -283,7 +283,7 @@ TEST_CASE("strict tables: sensor types, limits, laboratory and profile") {
         }).id == "TB-FILE-KEY");
 }
 
-TEST_CASE("strict tables: a profile that is a folder or has no name of a shipped one") {
+TEST_CASE("strict tables: a module profile that is a folder or has no shipped name is rejected") {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder.path("x.toml"));
   for (const std::string& name : {folder.path("x.toml"), std::string("zzzzzzzzzzzzzzzz"), std::string("generik")})
@@ -317,7 +317,7 @@ const std::string kThermometer = "quantity = 'temperature_c', unit = 9, address 
 
 }  // namespace
 
-TEST_CASE("stated: dates in their order, and what a certificate covers with what it asks for") {
+TEST_CASE("stated values: the due date is not before the calibration, certificate_covers needs its further values") {
   const std::string text = bench_text("hardware");
   const auto accepted = [&](const Changes& changes) { return bench_accepts(text, changes); };
   CHECK_FALSE(accepted({{"reference.calibrated", "2026-01-31"}, {"reference.due", "2026-01-30"}}));
@@ -347,7 +347,7 @@ TEST_CASE("stated: dates in their order, and what a certificate covers with what
   CHECK(hardware_bench(gauge).reference_stated.covers == "chain");
 }
 
-TEST_CASE("stated: a real bench's tables that do not say what their certificate covers, all of them") {
+TEST_CASE("stated values: a hardware bench must state what each certificate covers, all missing ones are reported") {
   const std::string thermometer = "[{" + kThermometer + ", certificate = 'T-1'}]";
   CHECK(covers_refusal(hardware_bench({{"reference.expanded_uncertainty_psi", "0.05"},
                                        {"force.kind", "net"},
@@ -374,7 +374,7 @@ TEST_CASE("stated: a real bench's tables that do not say what their certificate 
   CHECK(covers_refusal(open) == "TB-BENCH-FILL-IN");
 }
 
-TEST_CASE("stated: what the simulated instruments' errors are drawn within") {
+TEST_CASE("stated values: the error limits of simulated instruments come from the stated values") {
   const BenchConfig config = simulated_bench({
       {"simulation.instrument_seed", "7"},
       {"reference.span_v", "[1, 5]"},
@@ -429,7 +429,8 @@ TEST_CASE("stated: what the simulated instruments' errors are drawn within") {
   CHECK(numbers(of_one_volt.reference)[2] == 10.0);
 }
 
-TEST_CASE("the reference's chain becomes rows, and a run of before the word is read and says what it lacks") {
+TEST_CASE(
+    "stated values: the reference chain becomes limits, a run stored without them is read with the parts missing") {
   const BenchConfig config = hardware_bench({{"reference.certificate_covers", "transducer"},
                                              {"reference.expanded_uncertainty_psi", "0.05"},
                                              {"reference.input_limit_v", "0.03"},

@@ -35,7 +35,7 @@ bool file_is_taken(const Work& work) {
 
 }  // namespace
 
-TEST_CASE("sensor types: numbers, defaults, ranges and overrides") {
+TEST_CASE("sensor types: values, defaults, ranges and overrides") {
   const bench::SensorType given =
       bench::parse_sensor_type(kSensorHead +
                                    "rows = 2\ncolumns = 3\npitch_mm = 1.5\ntaxel_area_mm2 = 2\norientation_deg = 90\n"
@@ -65,7 +65,7 @@ TEST_CASE("sensor types: numbers, defaults, ranges and overrides") {
   CHECK(bench::read_sensor_type(bench::find_config("sensor.toml"), {{"rows", "8"}, {"name", "mine"}}).name == "mine");
 }
 
-TEST_CASE("limits: percents become shares, and an [[mpe]] is of a level or of a span") {
+TEST_CASE("limits: percentages become fractions, an mpe table is for a level or a span") {
   const analysis::Limits limits =
       bench::parse_limits(kLimitsHead + kFourLimits +
                               "rule = \"guarded\"\n[[mismatch]]\npressure_psi = 10\nstd_percent_fs = 5\n"
@@ -93,7 +93,7 @@ TEST_CASE("limits: percents become shares, and an [[mpe]] is of a level or of a 
   CHECK(mpe_taken("pressure_psi = 20\nmpe_psi = 1e-6\n"));
 }
 
-TEST_CASE("limits in kPa, bar and psi are the same numbers, bit for bit those of a recipe") {
+TEST_CASE("limits: kPa, bar and psi give the same values, bit for bit those of a recipe") {
   const double level = sequences::psi_per_unit("kPa") * 100.0;
   for (const char* typed : {"\"100 kPa\"", "\"100kPa\"", "\"1 bar\"", "14.503773773020922"}) {
     CAPTURE(typed);
@@ -116,7 +116,7 @@ TEST_CASE("limits in kPa, bar and psi are the same numbers, bit for bit those of
   }
 }
 
-TEST_CASE("laboratory: each field is its own") {
+TEST_CASE("laboratory: each field has its own key") {
   const std::vector<std::string> keys = {
       "laboratory", "address",   "place", "accreditation", "customer",       "customer_address",
       "order",      "condition", "cable", "mounting",      "medium",         "environment",
@@ -144,7 +144,7 @@ TEST_CASE("laboratory: each field is its own") {
           "TB-FILE-VALUE");
 }
 
-TEST_CASE("operator's profile: keys, variables, names between commas, units") {
+TEST_CASE("operator profile: keys, environment variables, comma-separated names, units") {
   const std::vector<std::pair<ProfileKey, std::string>> words = {
       {ProfileKey::kBench, "bench"},   {ProfileKey::kDb, "db"},       {ProfileKey::kOperator, "operator"},
       {ProfileKey::kRecipe, "recipe"}, {ProfileKey::kUnits, "units"}, {ProfileKey::kLimits, "limits"},
@@ -181,7 +181,7 @@ TEST_CASE("operator's profile: keys, variables, names between commas, units") {
   CHECK_FALSE(file_is_taken([&] { (void)bench::read_operator_profile(folder.path("own")); }));
 }
 
-TEST_CASE("shipped files: where they are searched, and a name that none has") {
+TEST_CASE("shipped files: the search path, and an unknown name") {
   const TemporaryFolder folder;
   for (const char* name : {"sequences", "bench/config"}) std::filesystem::create_directories(folder.path(name));
   for (const char* name :

@@ -35,7 +35,7 @@ std::string said(const RunStore& store, std::int64_t run) { return bench::said_s
 
 }  // namespace
 
-TEST_CASE("fleet facts: the same run has the same hash in each store, and each change of what is said another") {
+TEST_CASE("fleet facts: the same run has the same hash in each store, and every change of its facts changes the hash") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("a.db")), other = RunStore::open(folder.path("b.db"));
   store_judged(store);
@@ -65,7 +65,7 @@ TEST_CASE("fleet facts: the same run has the same hash in each store, and each c
   changes([&] { store.void_run(1, "gauge closed", "me", "2026-01-03T00:00:00Z"); });
 }
 
-TEST_CASE("fleet facts: JSON that names the runs it rests on") {
+TEST_CASE("fleet facts: the JSON document names the runs that it rests on") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("a.db"));
   store_judged(store);
@@ -78,7 +78,7 @@ TEST_CASE("fleet facts: JSON that names the runs it rests on") {
   CHECK(facts.at("verdicts").at(0).at("fit") == 1);
 }
 
-TEST_CASE("fleet facts: runs that come back one by one keep their verdicts' models, under the numbers that they get") {
+TEST_CASE("fleet facts: runs that are fetched one by one keep the models of their verdicts, under new numbers") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("a.db"));
   store_judged(store);

@@ -81,7 +81,7 @@ const std::string kAnswers = "if word == 'feed': say('fed')\nif word == 'goodbye
 
 }  // namespace
 
-TEST_CASE("dead-man process: it is told the bench, fed, told the run, and ends at a goodbye") {
+TEST_CASE("dead-man process: gets the bench, feeding and the run number, and ends on goodbye") {
   const ScriptedDeadMan script(kAnswers);
   {
     bench::DeadManProcess process(script.config);
@@ -101,7 +101,7 @@ TEST_CASE("dead-man process: it is told the bench, fed, told the run, and ends a
                                           "run 17", "goodbye"});
 }
 
-TEST_CASE("dead-man process: what keeps it from starting is said in its own words") {
+TEST_CASE("dead-man process: a failed start is reported with the text from the process") {
   CHECK_THAT(start_failure("say('no module there')\n"),
              Catch::StartsWith("TB-DEADMAN-START ") && Catch::EndsWith("no module there"));
   CHECK_THAT(start_failure("sys.exit()\n"), Catch::StartsWith("TB-DEADMAN-START "));
@@ -112,7 +112,7 @@ TEST_CASE("dead-man process: what keeps it from starting is said in its own word
   CHECK(fault->remedy() == "reset it");
 }
 
-TEST_CASE("dead-man process: it is fired by command, by its own word, and lost when it ends") {
+TEST_CASE("dead-man process: fires on command or by itself, and is lost when it ends") {
   {
     const ScriptedDeadMan script(kAnswers);
     bench::DeadManProcess process(script.config);
@@ -140,7 +140,7 @@ TEST_CASE("dead-man process: it is fired by command, by its own word, and lost w
   }
 }
 
-TEST_CASE("dead-man process: blind and seeing again are news, one that answers nothing is silent and is killed") {
+TEST_CASE("dead-man process: blind and seeing again are reported, one without answers is silent and is killed") {
   const ScriptedDeadMan script(
       "if word == 'run 1': say('blind: no answer')\nif word == 'run 2': say('sees')\n"
       "if word == 'run 3': time.sleep(1000)\n" +
@@ -170,7 +170,7 @@ TEST_CASE("dead-man process: blind and seeing again are news, one that answers n
   CHECK(process.wait_ended(std::chrono::seconds(20)));
 }
 
-TEST_CASE("dead-man process: the stage's line comes from it, or its reason why there is none") {
+TEST_CASE("dead-man process: hands over the line of the stage, or the reason why there is none") {
   const ScriptedDeadMan script(
       "if word == 'line':\n    count = globals().get('count', 0) + 1\n"
       "    hand('/dev/ptmx') if count == 1 else say('no line: it is unplugged')\n" +

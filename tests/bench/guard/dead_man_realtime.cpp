@@ -105,7 +105,7 @@ json record_of(const BenchConfig& config) {
 
 }  // namespace
 
-TEST_CASE("dead-man: a sequencer killed or stopped at 60 psi leaves a vented chamber") {
+TEST_CASE("dead-man: after the sequencer is killed or stopped at 60 psi the chamber is vented") {
   const int signal = GENERATE(SIGKILL, SIGSTOP);
   HostedRig rig;
   const BenchConfig config = rig.client();
@@ -142,7 +142,7 @@ TEST_CASE("dead-man: a sequencer killed or stopped at 60 psi leaves a vented cha
   CHECK_THAT(again.err, Catch::Contains("TB-BENCH-TRIPPED"));
 }
 
-TEST_CASE("dead-man: a sequencer killed or stopped while it presses with 30 N leaves a stage that is backed off") {
+TEST_CASE("dead-man: after the sequencer is killed or stopped while pressing with 30 N the stage is backed off") {
   const int signal = GENERATE(SIGKILL, SIGSTOP);
   HostedRig hosted(elastic());
   const BenchConfig config = hosted.client();
@@ -158,7 +158,7 @@ TEST_CASE("dead-man: a sequencer killed or stopped while it presses with 30 N le
   CHECK(TripFile(config.id).read().has_value() == (signal == SIGSTOP));
 }
 
-TEST_CASE("dead-man: a stage that presses is halted and backed off when the feeding ends") {
+TEST_CASE("dead-man: a pressing stage is halted and backed off when feeding ends") {
   HostedRig hosted(elastic());
   Rig rig(hosted.client());
   press(rig);
@@ -178,7 +178,7 @@ TEST_CASE("dead-man: a stage that presses is halted and backed off when the feed
   CHECK(TripFile(rig.config().id).read());
 }
 
-TEST_CASE("dead-man: on the command to fire it vents at once, and no command passes afterwards") {
+TEST_CASE("dead-man: vents at once when commanded to fire, and no later command passes") {
   HostedRig hosted;
   Rig rig(hosted.client());
   rig.open();
@@ -193,7 +193,7 @@ TEST_CASE("dead-man: on the command to fire it vents at once, and no command pas
   CHECK(devices::fault_id_of([&] { (void)rig.source().command(devices::Psi(0.0)); }) == "TB-DEADMAN-FIRED");
 }
 
-TEST_CASE("dead-man: a rig that says goodbye is left alone, one that disconnects without is made safe") {
+TEST_CASE("dead-man: a rig that says goodbye is left alone, a rig that disconnects without it is made safe") {
   const bool goodbye = GENERATE(true, false);
   HostedRig hosted;
   const BenchConfig config = hosted.client();
@@ -249,7 +249,7 @@ TEST_CASE("dead-man: vents a serial pressure controller whose line a killed or s
   CHECK(hosted.psi() < 1.0);
 }
 
-TEST_CASE("dead-man: a module that does not answer is named before the dead-man is started") {
+TEST_CASE("dead-man: a module that does not respond is reported before the dead-man is started") {
   HostedRig hosted;
   BenchConfig config = hosted.client();
   config.module.endpoint.port = 1;

@@ -16,7 +16,7 @@ std::string lost_id(const DeadManReports& reports) { return reports.lost() ? rep
 
 }  // namespace
 
-TEST_CASE("dead-man's answers: an answer overdue beyond its time makes it silent permanently") {
+TEST_CASE("dead-man reports: an answer later than the timeout makes it silent permanently") {
   DeadManReports reports(kTimeout, true);
   reports.judge(seconds(9.0));  // nothing was asked
   reports.asked(seconds(10.0));
@@ -41,7 +41,7 @@ TEST_CASE("dead-man's answers: an answer overdue beyond its time makes it silent
   CHECK_FALSE(reports.fired());
 }
 
-TEST_CASE("dead-man's answers: blind is reported once, and ends the run at the second reading if so configured") {
+TEST_CASE("dead-man reports: blind is reported once, and ends the run at the second report if configured") {
   const bool ends = GENERATE(true, false);
   DeadManReports reports(kTimeout, ends);
   reports.heard("sees");
@@ -75,7 +75,7 @@ TEST_CASE("dead-man's answers: blind is reported once, and ends the run at the s
   CHECK_FALSE(reports.fired());
 }
 
-TEST_CASE("dead-man's answers: one that ends by itself is lost, one that ends after firing is not") {
+TEST_CASE("dead-man reports: one that ends by itself is lost, one that ends after firing is not") {
   DeadManReports gone(kTimeout, true), fired(kTimeout, true);
   gone.ended();
   CHECK(lost_id(gone) == "TB-DEADMAN-ENDED");

@@ -203,7 +203,7 @@ TEST_CASE("dead-man watched: one that no longer reaches the module is reported, 
   CHECK(rig.events("dead-man", "TB-DEADMAN-BLIND") == 1);
 }
 
-TEST_CASE("dead-man watched: where the bench file warns only, a blind one is reported and the run continues") {
+TEST_CASE("dead-man watched: with blind = warn a blind one is reported and the run continues") {
   Watched rig;
   ModuleProxy proxy(rig.module_port);
   rig.start_long({"--set", fmt::format("module.port={}", proxy.port()), "--set", "dead_man.blind=\"warn\""});
@@ -217,7 +217,7 @@ TEST_CASE("dead-man watched: where the bench file warns only, a blind one is rep
   CHECK(rig.stop() == 4);
 }
 
-TEST_CASE("dead-man watched: where only it still reaches the module, what it did and proved is stored with the run") {
+TEST_CASE("dead-man watched: if only it still reaches the module, its action and its proof are stored with the run") {
   Watched rig;
   ModuleProxy proxy(rig.module_port);
   rig.start_long({"--set", fmt::format("module.port={}", proxy.port())});
@@ -249,7 +249,8 @@ TEST_CASE("dead-man watched: calibrate-reference ends when it is lost while the 
   CHECK_FALSE(bench::TripFile(rig.bench_id).read());
 }
 
-TEST_CASE("dead-man watched: calibrate-reference reports at once one that cannot reach the module, and that it can") {
+TEST_CASE(
+    "dead-man watched: calibrate-reference reports at once that it lost the module, and that it reaches it again") {
   AtTheGauge rig;
   ModuleProxy proxy(rig.module_port);
   rig.start_calibration(fmt::format("--set module.port={} --set dead_man.blind=warn", proxy.port()));

@@ -82,7 +82,7 @@ struct GuardedBench {
 
 }  // namespace
 
-TEST_CASE("guard: the command limit holds at, below and above, and a number it has to be") {
+TEST_CASE("guard: accepts pressures from 0 to the command limit, and rejects values that are not finite") {
   const auto [psi, id] = GENERATE(table<double, std::string>({{60.0, ""},
                                                               {below(60.0), ""},
                                                               {above(60.0), "TB-CHAMBER-LIMIT"},
@@ -95,7 +95,7 @@ TEST_CASE("guard: the command limit holds at, below and above, and a number it h
   if (!id.empty()) CHECK_THAT(bench.lines.at(0), Catch::StartsWith("-pressure"));
 }
 
-TEST_CASE("guard: the pressure may rise only with fresh readings of the witnesses, and may always fall") {
+TEST_CASE("guard: the pressure may rise only with fresh feedback and reference, and may always fall") {
   GuardedBench bench;
   CHECK(bench.pressure(30.0) == "");
   bench.wait(1.0);
@@ -113,7 +113,7 @@ TEST_CASE("guard: the pressure may rise only with fresh readings of the witnesse
   CHECK(id_of([&] { unread.check_pressure(Psi(1.0)); }) == "TB-CHAMBER-STALE");
 }
 
-TEST_CASE("guard: silent until armed") {
+TEST_CASE("guard: rejects every command and does not trip before it is armed") {
   const devices::TurnedClock clock;
   Guard guard(GuardedBench::limits_with(100.0), clock);
   CHECK(id_of([&] { guard.check_pressure(Psi(0.0)); }) == "TB-GUARD-NOT-ARMED");
@@ -125,7 +125,7 @@ TEST_CASE("guard: silent until armed") {
   CHECK_FALSE(guard.tripped());
 }
 
-TEST_CASE("guard: measured pressure beyond the limit trips, and the trip latches until a person resets it") {
+TEST_CASE("guard: measured pressure above the limit trips, and the trip latches until an operator resets it") {
   const auto [psi, trips] = GENERATE(table<double, bool>(
       {{66.0, false}, {below(66.0), false}, {above(66.0), true}, {66.25, true}, {kNan, true}, {-1.0, false}}));
   const bool by_reference = GENERATE(false, true);
@@ -164,7 +164,7 @@ TEST_CASE("guard: measured pressure beyond the limit trips, and the trip latches
   CHECK_THAT(bench.lines.back(), Catch::Contains("+pressure"));
 }
 
-TEST_CASE("guard: force beyond its axis' limit trips") {
+TEST_CASE("guard: force above the limit of its axis trips") {
   const std::size_t axis = GENERATE(0, 1, 2);
   const double sign = GENERATE(1.0, -1.0);
   const double limit = axis == 2 ? 35.0 : 5.0;
@@ -180,7 +180,7 @@ TEST_CASE("guard: force beyond its axis' limit trips") {
   CHECK(felt(kNan) == "TB-FORCE-TRIP");
 }
 
-TEST_CASE("guard: position and speed have limits of their own") {
+TEST_CASE("guard: each axis has limits of position and speed") {
   GuardedBench bench;
   bench.feel(0.0, 0.0, 0.0);
   for (const Axis axis : {Axis::kX, Axis::kY, Axis::kZ}) {
@@ -196,7 +196,7 @@ TEST_CASE("guard: position and speed have limits of their own") {
   }
 }
 
-TEST_CASE("guard: x and y move only while z is homed, at rest and clear, and no force is measured") {
+TEST_CASE("guard: x and y move only if z is homed, at rest and clear, and no force is measured") {
   GuardedBench bench;
   CHECK(bench.clear(25.0) == "");
   CHECK(bench.clear(above(25.0)) == "TB-STAGE-ENVELOPE");
@@ -218,7 +218,7 @@ TEST_CASE("guard: x and y move only while z is homed, at rest and clear, and no 
   CHECK(bench.clear(1.0) == "TB-STAGE-ENVELOPE");
 }
 
-TEST_CASE("guard: z goes where it may touch only under a fresh force reading and with x and y at rest") {
+TEST_CASE("guard: z moves into possible contact only with a fresh force reading, and with x and y at rest") {
   GuardedBench bench;
   CHECK(bench.move(Axis::kZ, 25.0) == "");
   CHECK(bench.move(Axis::kZ, above(25.0)) == "TB-FORCE-STALE");  // never read
@@ -236,7 +236,7 @@ TEST_CASE("guard: z goes where it may touch only under a fresh force reading and
   CHECK(bench.move(Axis::kZ, 30.0) == "");
 }
 
-TEST_CASE("dead-man: fires when fed later than its time, and stays so") {
+TEST_CASE("dead-man: fires if fed later than its timeout, and stays fired") {
   DeadMan dead_man(seconds(0.4));
   CHECK_FALSE(dead_man.late(seconds(100.0)));  // never fed: not yet begun
   dead_man.feed(seconds(100.0));
@@ -270,7 +270,7 @@ TEST_CASE("guard: after a dead-man has fired no command passes, even after a res
   CHECK(bench.pressure(9.0) == "TB-DEADMAN-FIRED");
 }
 
-TEST_CASE("guard: logs refusals and stage commands, and set-points as they change by a level") {
+TEST_CASE("guard: logs refusals, stage commands, and set-points when they change by a level") {
   GuardedBench bench;
   for (const double psi : {0.5, 1.0, 1.5, 2.0, 0.0}) CHECK(bench.pressure(psi) == "");
   CHECK(bench.pressure(61.0) == "TB-CHAMBER-LIMIT");
@@ -282,7 +282,7 @@ TEST_CASE("guard: logs refusals and stage commands, and set-points as they chang
   CHECK_THAT(bench.lines.back(), Catch::Contains("3 mm") && Catch::Contains("1 mm/s"));
 }
 
-TEST_CASE("guard: a refusal names what was asked for and the numbers that refuse it, and goes to the log as it is") {
+TEST_CASE("guard: a refusal states the requested value and the limits, and is logged") {
   GuardedBench bench(2.5);
   bench.feel(0.0, 0.0, 0.0);
   const auto refused = [&](const std::string& id, const std::string& device, const std::vector<std::string>& numbers,
@@ -330,8 +330,7 @@ TEST_CASE("guard: a refusal names what was asked for and the numbers that refuse
   refused("TB-GUARD-TRIPPED", "stage x", {"TB-FORCE-TRIP", "-5.50 N"}, move(Axis::kX, 5.0, 1.0, 10.0));
 }
 
-TEST_CASE(
-    "guard limits: a reading ages with the clock, no slower than in real time, axes and force are those of the bench") {
+TEST_CASE("guard limits: the age limit scales with the clock rate but not below real time, axes come from the bench") {
   BenchConfig config;
   config.limits.stale_s = 0.8;
   config.limits.command_psi = 55.0;
@@ -358,7 +357,7 @@ TEST_CASE(
   CHECK(limits.axes[0].high_mm == 58.0);
 }
 
-TEST_CASE("guard: what is left of a step grows with time and never beyond the step, a billionth too much passes") {
+TEST_CASE("guard: the allowed pressure step recovers with time up to its maximum, with a tolerance of 1e-9") {
   CHECK(GuardedBench(2.5).pressure(2.5 * (1.0 + 0.9e-9)) == "");
   CHECK(GuardedBench(2.5).pressure(2.5 * (1.0 + 1.1e-9)) == "TB-CHAMBER-RATE");
   GuardedBench bench(2.5);

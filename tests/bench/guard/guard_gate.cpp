@@ -112,7 +112,7 @@ struct Gate {
 
 }  // namespace
 
-TEST_CASE("guard's gate: arming asks first, arms the driver, and the set-point stands at 0 with its step free") {
+TEST_CASE("guard gate: arming runs its check first, then arms the driver, with the set-point at 0") {
   Gate gate;
   CHECK_FALSE(gate.guard.armed());
   gate.source.arm();
@@ -125,7 +125,7 @@ TEST_CASE("guard's gate: arming asks first, arms the driver, and the set-point s
   CHECK(gate.calls.empty());
 }
 
-TEST_CASE("guard's gate: a command reaches the driver once, the set-point follows, a refused one is not sent") {
+TEST_CASE("guard gate: a command reaches the driver once and sets the set-point, a refused one is not sent") {
   Gate gate;
   gate.ready();
   CHECK(gate.source.command(Psi(20.0)) == 77);
@@ -144,7 +144,7 @@ TEST_CASE("guard's gate: a command reaches the driver once, the set-point follow
   CHECK(gate.lines.size() == before);
 }
 
-TEST_CASE("guard's gate: a vent that is not read back keeps the set-point and reports that each time") {
+TEST_CASE("guard gate: a vent that is not confirmed keeps the set-point, and is reported each time") {
   Gate gate;
   auto driver = std::make_unique<NotingSource>(gate.calls);
   driver->vents = false;
@@ -161,7 +161,7 @@ TEST_CASE("guard's gate: a vent that is not read back keeps the set-point and re
   CHECK(gate.lines.size() == before + 1);
 }
 
-TEST_CASE("guard's gate: a dead-man that fires between check and write is noticed after it, and the chamber vented") {
+TEST_CASE("guard gate: a dead-man that fires between check and write is detected after it, and the chamber is vented") {
   for (const bool rewriting : {false, true}) {
     Gate gate;
     gate.ready();
@@ -185,7 +185,7 @@ TEST_CASE("guard's gate: a dead-man that fires between check and write is notice
   }
 }
 
-TEST_CASE("guard's gate: a trip vents, halts a stage that was armed, is stored with its run, and the first one stays") {
+TEST_CASE("guard gate: a trip vents, halts an armed stage and is stored with its run, only the first one counts") {
   Gate gate;
   gate.ready();
   gate.guard.trip("TB-A", "first");
@@ -214,9 +214,7 @@ TEST_CASE("guard's gate: a trip vents, halts a stage that was armed, is stored w
   CHECK(gate.stage.halts == 2);
 }
 
-TEST_CASE(
-    "guard's gate: a dead-man that is lost trips once with its own cause, without a load since, and z may still be "
-    "taken away") {
+TEST_CASE("guard gate: a lost dead-man trips once with its own cause, and z may still retract") {
   Gate gate;
   gate.ready();
   gate.gate.arm();
@@ -243,7 +241,7 @@ TEST_CASE(
   CHECK_FALSE(gate.guard.tripped());
 }
 
-TEST_CASE("guard's gate: a halt waits for a dead-man on the line at most 15 s, and leaves the stage to it") {
+TEST_CASE("guard gate: a halt waits at most 15 s for a dead-man that uses the line, and leaves the stage to it") {
   Gate gate;
   CHECK(gate.gate.halt());
   CountingWatcher watcher;
@@ -260,7 +258,7 @@ TEST_CASE("guard's gate: a halt waits for a dead-man on the line at most 15 s, a
   CHECK_FALSE(gate.gate.halt());
 }
 
-TEST_CASE("guard's gate: each way to move the stage is checked by where it ends and how fast it goes") {
+TEST_CASE("guard gate: each kind of stage move is checked by its end position and its speed") {
   Gate gate;
   gate.gate.arm();
   gate.stage.put(Axis::kZ, 10.0);
@@ -294,7 +292,7 @@ TEST_CASE("guard's gate: each way to move the stage is checked by where it ends 
   CHECK(fault_id_of([&] { gate.gate.home(Axis::kX); }) == "none");
 }
 
-TEST_CASE("guard's gate: force is judged from the first tare on, an overload of the sensor is the guard's trip") {
+TEST_CASE("guard gate: force is checked from the first tare on, an overload of the sensor is a trip") {
   Gate gate;
   gate.gate.arm();
   auto inner = std::make_unique<IdealForce>(gate.clock, gate.stage, [](double) { return 40.0; });
@@ -316,7 +314,7 @@ TEST_CASE("guard's gate: force is judged from the first tare on, an overload of 
   }
 }
 
-TEST_CASE("feeding clock: feeds before, between and after slices, and not beyond the time asked for") {
+TEST_CASE("feeding clock: feeds before, between and after slices, and not beyond the requested time") {
   devices::TurnedClock inner;
   std::vector<devices::Nanoseconds> fed;
   FeedingClock clock(inner, milliseconds(100), [&] { fed.push_back(inner.now()); });

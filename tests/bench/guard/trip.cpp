@@ -37,7 +37,7 @@ std::string refusal(const BenchConfig& config) {
 
 }  // namespace
 
-TEST_CASE("trip: it is stored, refuses commands, keeps its first cause, and ends only by a logged reset") {
+TEST_CASE("trip: is stored, blocks commands, keeps its first cause, and ends only by a logged reset") {
   const TemporaryFolder folder;
   const Variable state("XDG_STATE_HOME", folder.path());
   BenchConfig config;
@@ -72,21 +72,21 @@ TEST_CASE("trip: it is stored, refuses commands, keeps its first cause, and ends
   CHECK(std::distance(begin(files), end(files)) == 1);  // no partial one
 }
 
-TEST_CASE("trip: a bench whose id cannot be a file name has a file, too") {
+TEST_CASE("trip: a bench whose id cannot be a file name gets a trip file, too") {
   const TripFile file("bench 1/left");
   REQUIRE(file.store({"TB-X", "said", 12, {}}));
   REQUIRE(TripFile("bench 1/left").read());
   file.reset(*file.read(), "P");
 }
 
-TEST_CASE("trip: a file that cannot be read is a trip") {
+TEST_CASE("trip: a trip file that cannot be read counts as a trip") {
   const TripFile file("b");
   write_file(file.path(), GENERATE("", "{", "[1]", "null"));
   REQUIRE(file.read());
   CHECK(file.read()->id == "TB-TRIP-UNREADABLE");
 }
 
-TEST_CASE("trip: what a file lacks is unknown, one that cannot be made is named, one that is there is replaced") {
+TEST_CASE("trip: missing fields are unknown, a file that cannot be written is an error, an existing file is replaced") {
   const TemporaryFolder folder;
   const TripFile file("lacking");
   write_file(file.path(), R"({"id":"TB-Z"})");
@@ -100,7 +100,7 @@ TEST_CASE("trip: what a file lacks is unknown, one that cannot be made is named,
   CHECK(read_file(folder.path("text")) == "two");
 }
 
-TEST_CASE("state folder: that of XDG_STATE_HOME, else one in the home folder") {
+TEST_CASE("state folder: is in XDG_STATE_HOME, or else in the home folder") {
   const TemporaryFolder folder;
   {
     const Variable given("XDG_STATE_HOME", folder.path("given"));
@@ -130,7 +130,7 @@ PressureWitness seen(const TrueRange& range, const std::vector<double>& readings
 
 }  // namespace
 
-TEST_CASE("witness: what can be true follows from span, live zero, safe_psi and uncertainty") {
+TEST_CASE("witness: the possible range follows from span, live zero, safe_psi and uncertainty") {
   struct Row {
     tests::Changes reference;
     double low_psi, high_psi;
@@ -165,7 +165,7 @@ TEST_CASE("witness: what can be true follows from span, live zero, safe_psi and 
   CHECK(std::isinf(gauge.high_psi));
 }
 
-TEST_CASE("witness: an impossible reading is doubted at once, and told by how long it lasts") {
+TEST_CASE("witness: an impossible reading is doubted at once, and its duration is measured") {
   const TrueRange range{-1.0, 100.0};
   CHECK(seen(range, {0.0}).doubt().empty());
   CHECK_FALSE(seen(range, {}).ever_possible());
@@ -180,7 +180,7 @@ TEST_CASE("witness: an impossible reading is doubted at once, and told by how lo
   }
 }
 
-TEST_CASE("witness: one that stays the same while the other moves by more than 5 psi stands still") {
+TEST_CASE("witness: one that stays constant while the other moves by more than 5 psi is doubted") {
   const auto still = [](const std::vector<std::pair<double, double>>& readings, bool second) {
     PressureWitness first({}), other({-1.0, 100.0});
     double time_s = 0.0;
@@ -204,8 +204,7 @@ TEST_CASE("witness: one that stays the same while the other moves by more than 5
   CHECK_FALSE(still({{0, 40}, {0, -50}, {0, -50}}, false));         // what cannot be true shows nothing
 }
 
-TEST_CASE(
-    "witness: the guard lets no pressure rise by a reading that cannot be true, and ends a run by one that lasts") {
+TEST_CASE("witness: an impossible reading prevents a pressure rise, and ends the run if it persists") {
   devices::TurnedClock clock;
   GuardLimits limits = guard_limits(tests::simulated_bench({}));
   Guard guard(limits, clock);

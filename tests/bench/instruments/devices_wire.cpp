@@ -61,7 +61,7 @@ std::string told_of_host(const std::string& host) {
 
 }  // namespace
 
-TEST_CASE("devices check: every instrument of the simulated rig is ok, named and near zero, and nothing was armed") {
+TEST_CASE("devices check: each instrument of the simulated rig is ok, identified and near zero, and nothing is armed") {
   bench::Rig rig(small_request({{"reference.due", "\"2026-05-31\""}}).bench);
   const auto checks = bench::check_devices(rig, "2026-06-01");
   CHECK(checks.size() == 6);
@@ -102,7 +102,7 @@ TEST_CASE("devices check: a silent device is absent, another serial or model is 
   CHECK_THAT(of(others, "force sensor").found, Catch::Contains("SIMFT2"));
 }
 
-TEST_CASE("devices check: a chamber that is not at zero and an overdue stage are told with their numbers") {
+TEST_CASE("devices check: a chamber away from zero and an overdue stage are reported with their values") {
   const auto checks = check({{"reference.correction.reading_psi", "[0, 60]"},
                              {"reference.correction.correction_psi", "[0.5, 3.0]"},
                              {"reference.correction.expanded_uncertainty_psi", "[0.02, 0.05]"},
@@ -125,7 +125,7 @@ TEST_CASE("devices check: a chamber that is not at zero and an overdue stage are
 }
 
 TEST_CASE(
-    "devices check: instruments that refuse or are silent are told by their fault, the others are still checked") {
+    "devices check: instruments that refuse or are silent are reported with their fault, the others are checked") {
   const auto checks = check({{"scanner.frame_timeout_ms", "200"}},
                             {{bench::FaultKind::kScannerSilent, {}},
                              {bench::FaultKind::kModuleException, {}},
@@ -140,7 +140,7 @@ TEST_CASE(
   CHECK(of(checks, "force sensor").state == State::kOk);
 }
 
-TEST_CASE("live: as many looks as asked, each with all instruments, in the reader's unit") {
+TEST_CASE("live: prints the requested number of readings, each with all instruments, in the selected unit") {
   const auto watched = [](bool terminal, analysis::PressureUnit unit) {
     bench::WatchOptions options;
     options.interval_s = 0.01;
@@ -170,7 +170,7 @@ TEST_CASE("live: as many looks as asked, each with all instruments, in the reade
   CHECK(count(screens, "\n") >= count(lines, "\n") + 2 * 16);  // and a picture of 16 rows
 }
 
-TEST_CASE("a run through the frame source gives the frames of the run through HID reports") {
+TEST_CASE("frame source: a run through it gives the same frames as a run through HID reports") {
   const TemporaryFolder folder;
   db::RunStore hid = db::RunStore::open(folder.path("hid.db"), db::Durability::kNormal);
   db::RunStore tcp = db::RunStore::open(folder.path("tcp.db"), db::Durability::kNormal);
@@ -183,7 +183,7 @@ TEST_CASE("a run through the frame source gives the frames of the run through HI
   for (std::size_t i = 0; i < first.size(); ++i) CHECK(first[i].counts == second[i].counts);
 }
 
-TEST_CASE("the indenter's force follows the stage: free above the surface, stiffness times depth below") {
+TEST_CASE("simulated contact: force is zero above the surface, and stiffness times depth below it") {
   bench::Rig rig(small_request({{"simulation.contact.surface_z_mm", "20"},
                                 {"simulation.contact.stiffness_n_per_mm", "10"},
                                 {"simulation.contact.stiffening_n_per_mm2", "0"},
@@ -203,7 +203,7 @@ TEST_CASE("the indenter's force follows the stage: free above the surface, stiff
   CHECK(stage.halt());
 }
 
-TEST_CASE("calibrating a reference: corrections by level, residuals, and U from gauge, hysteresis and resolution") {
+TEST_CASE("reference calibration: corrections by level, residuals, and U from gauge, hysteresis and resolution") {
   const std::vector<bench::GaugePoint> points = {{0.0, true, 0.0, 0.1},     {30.0, true, 30.0, 30.2},
                                                  {60.0, true, 60.0, 60.5},  {60.0, false, 60.0, 60.5},
                                                  {30.0, false, 30.0, 30.4}, {0.0, false, 0.0, 0.1}};
@@ -229,7 +229,7 @@ TEST_CASE("calibrating a reference: corrections by level, residuals, and U from 
   }
 }
 
-TEST_CASE("a reference's correction as a file: its readings up and down, and the numbers that a bench file takes") {
+TEST_CASE("reference calibration: the file has the readings in both directions, and the values for the bench file") {
   const std::vector<bench::GaugePoint> points = {
       {0.0, true, 0.1, 0.2}, {30.0, true, 30.0, 30.3}, {30.0, false, 30.2, 30.4}, {0.0, false, 0.0, 0.2}};
   const bench::ReferenceCalibration calibration = bench::calibrate_reference(points, 0.06, 0.1);
@@ -245,7 +245,7 @@ TEST_CASE("a reference's correction as a file: its readings up and down, and the
   CHECK_THAT(readings, Catch::StartsWith("# head\n") && Catch::Contains("30.2000"));
 }
 
-TEST_CASE("calibration words: what is stated is told, overdue from the day after") {
+TEST_CASE("calibration text: the stated values are printed, overdue from the day after the due date") {
   const auto words = [](const std::string& json, const std::string& day) {
     return bench::calibration_words(analysis::calibration_of({"force sensor", "M", "1", "", "hardware", json}), day,
                                     analysis::PressureUnit::kPsi);
@@ -261,7 +261,7 @@ TEST_CASE("calibration words: what is stated is told, overdue from the day after
   CHECK_THAT(words(R"({"due":"soon"})", "2026-06-02"), Catch::Contains("soon"));
 }
 
-TEST_CASE("scan of hosts: a module that answers, refuses, or is not there is told so") {
+TEST_CASE("devices scan: a host that answers, refuses or is not there is reported as such") {
   bench::Rig rig(small_request().bench);
   const std::string host = fmt::format("127.0.0.1:{}", rig.config().module.endpoint.port);
   const std::string answers = told_of_host(host);
@@ -273,7 +273,7 @@ TEST_CASE("scan of hosts: a module that answers, refuses, or is not there is tol
     CHECK_THAT(told_of_host(none), Catch::Contains("refused"));
 }
 
-TEST_CASE("scan of hosts: an address that is none is refused before anything is asked") {
+TEST_CASE("devices scan: an invalid address is rejected before any host is contacted") {
   for (const char* address : {"host:0", "host:-1", "host:65536", ":502", "", "host:abc"}) {
     INFO(address);
     const auto refused = refusal_by([&] { (void)bench::scan_devices({address}); });

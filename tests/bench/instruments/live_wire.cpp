@@ -67,7 +67,7 @@ LastFrame last_frame_of(const std::string& table, int frame) {
 
 }  // namespace
 
-TEST_CASE("live: the verb sums up its last frame as the table has it") {
+TEST_CASE("live: its summary of the last frame agrees with the written table") {
   const TemporaryFolder folder;
   const std::int64_t run =
       fitted_run(folder.path("runs.db"), {{"simulation.defect", "[{kind=\"dead\",row=2,column=5}]"}});
@@ -135,7 +135,7 @@ TEST_CASE("live: Ctrl-C ends it cleanly") {
   CHECK(stopped.code == 0);
 }
 
-TEST_CASE("live: frames of an unloaded array are near zero, its latency is measured, lost frames are counted") {
+TEST_CASE("live: an unloaded array reads near zero, latency is measured, lost frames are counted") {
   const TemporaryFolder folder;
   const std::int64_t run = fitted_run(folder.path("runs.db"));
   const db::RunStore store = db::RunStore::open_read_only(folder.path("runs.db"));
@@ -195,8 +195,7 @@ TEST_CASE("live: frames of an unloaded array are near zero, its latency is measu
   }
 }
 
-TEST_CASE(
-    "live: a damaged scan is a lost frame between sound ones, and a temperature counts with its thermometer's U") {
+TEST_CASE("live: a damaged scan is counted as a lost frame, and temperature includes the U of its thermometer") {
   const TemporaryFolder folder;
   const std::int64_t run = fitted_run(folder.path("runs.db"));
   const db::RunStore store = db::RunStore::open_read_only(folder.path("runs.db"));

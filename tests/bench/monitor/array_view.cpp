@@ -44,7 +44,7 @@ struct Example {
 
 }  // namespace
 
-TEST_CASE("array view: none before the first frame, then the seating check, then the last frame") {
+TEST_CASE("array view: is empty before the first frame, then shows the seating check, then the last frame") {
   Example example;
   CHECK_FALSE(example.view());
   example.check_seating();
@@ -64,7 +64,7 @@ TEST_CASE("array view: none before the first frame, then the seating check, then
   CHECK(frame->dead == std::vector<int>{5});
 }
 
-TEST_CASE("array view: at low pressure, without a seating check and under an indenter no taxel is called dead") {
+TEST_CASE("array view: dead taxels are unknown at low pressure, without a seating check, and under an indenter") {
   Example example;
   const std::vector<std::uint16_t> counts = {10, 20, 30, 40, 50, 6, 12, 22, 32, 42, 52, 6};
   example.take_frame(8.0, counts);
@@ -78,7 +78,7 @@ TEST_CASE("array view: at low pressure, without a seating check and under an ind
   CHECK_FALSE(example.view()->dead_are_known);
 }
 
-TEST_CASE("array view: a scanner without a scale gives none") {
+TEST_CASE("array view: is empty for a scanner without a scale") {
   const TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("runs.db"));
   db::RunRecord run = example_run();
@@ -108,7 +108,7 @@ ArrayView equal_taxels(int rows, int columns) {
 
 }  // namespace
 
-TEST_CASE("array picture: no scale ends below a tenth of the converter's range, or at nothing") {
+TEST_CASE("array picture: the scale ends at a tenth of the converter range or higher, and never at zero") {
   ArrayView view = equal_taxels(1, 1);
   view.volts = {0.5};
   CHECK(scale_top_v(view) == 0.5);
@@ -120,7 +120,8 @@ TEST_CASE("array picture: no scale ends below a tenth of the converter's range, 
   CHECK(scale_top_v(view) == 1e-9);
 }
 
-TEST_CASE("array picture: a frame's means, its saturated taxels, and from which pressure dead ones are judged") {
+TEST_CASE(
+    "array picture: mean outputs of a frame, saturated taxels, and the pressure above which taxels count as dead") {
   const ArrayBasis basis{0.001, {0.1, 0.1, 0.1, 0.1, 0.1, 0.1}};
   db::SeenFrame frame;
   frame.position = 19;
@@ -145,7 +146,7 @@ TEST_CASE("array picture: a frame's means, its saturated taxels, and from which 
   CHECK(view_of_frame(basis, frame).dead_are_known);
 }
 
-TEST_CASE("array picture: a seating check of another shape, or without one, is none") {
+TEST_CASE("array picture: a seating check of another shape, or without values, is ignored") {
   const TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("runs.db"));
   const Begun begun = begin_example(store);
@@ -192,7 +193,7 @@ TEST_CASE("array picture: ten shades from 0 V to the highest output") {
     CHECK(shade_of(volts, 2.0) == static_cast<std::size_t>(shade));
 }
 
-TEST_CASE("array picture: it never gets more than a window holds") {
+TEST_CASE("array picture: never has more rows than the window") {
   for (const std::size_t columns : {5U, 17U, 20U, 35U, 40U, 80U, 200U})
     for (const std::size_t rows : {2U, 3U, 8U, 9U, 17U, 60U}) {
       INFO(columns << " x " << rows);
@@ -203,7 +204,7 @@ TEST_CASE("array picture: it never gets more than a window holds") {
   CHECK(heat_map(ArrayView{}, Shades::kCharacters, 80, 20).empty());
 }
 
-TEST_CASE("array picture: NO_COLOR and a terminal of few colours get characters") {
+TEST_CASE("array picture: uses characters with NO_COLOR or on a terminal with few colours") {
   const Variable colour("NO_COLOR", ""), depth("COLORTERM", "");
   {
     const Variable terminal("TERM", "xterm-256color");
@@ -217,7 +218,7 @@ TEST_CASE("array picture: NO_COLOR and a terminal of few colours get characters"
   CHECK(shades_of_terminal() == Shades::kColours);
 }
 
-TEST_CASE("watch: what is painted holds nothing that moves the cursor but its own") {
+TEST_CASE("watch: cursor control characters in the content are not sent to the terminal") {
   const std::string text = painted({{{"\x1b[2Jcursor\n"}}}, 80, 0);
   CHECK(text.find("\x1b[2J") == std::string::npos);
   CHECK(painted({{{"a"}}}, 80, 3).starts_with("\x1b[3F"));

@@ -40,7 +40,7 @@ struct StoredExample {
 
 }  // namespace
 
-TEST_CASE("view: a store that cannot be read leaves what the run itself says") {
+TEST_CASE("run view: if the store cannot be read, the data of the live run remain") {
   LiveRun live = example_live();
   live.status.store = "/nowhere/runs.db";
   const RunView view = view_of(live);
@@ -50,7 +50,7 @@ TEST_CASE("view: a store that cannot be read leaves what the run itself says") {
   CHECK_FALSE(json.contains("events"));
 }
 
-TEST_CASE("view: as JSON, the same facts in the words of other verbs") {
+TEST_CASE("run view: the JSON document uses the same keys as other verbs") {
   const StoredExample example;
   const nlohmann::ordered_json json = view_json(view_of(example.live()));
   CHECK(json["run"] == 1);
@@ -71,7 +71,7 @@ TEST_CASE("view: as JSON, the same facts in the words of other verbs") {
   CHECK(json["events"][2]["time_s"].get<double>() == Approx(3725.0));
 }
 
-TEST_CASE("view: a run without a process, how it ended, and what to type next") {
+TEST_CASE("run view: a run without a process shows how it ended, and the next command") {
   StoredExample example;
   StoredRun run = stored_run(example.store, example.begun.run);
   CHECK(next_command(run, "runs.db") == "tactbench resume 1");
@@ -85,7 +85,7 @@ TEST_CASE("view: a run without a process, how it ended, and what to type next") 
   CHECK_THROWS_AS(stored_run(example.store, 9), db::StoreError);
 }
 
-TEST_CASE("view: the exit code that a stored run stands for") {
+TEST_CASE("run view: the exit code that corresponds to a stored run") {
   db::RunRecord run;
   const auto code = [&](db::Outcome outcome, const char* reason, db::SafeState safe = db::SafeState::kVerified) {
     run.outcome = outcome;

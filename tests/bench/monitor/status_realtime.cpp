@@ -59,7 +59,7 @@ bool begins(const json& run, const char* phase) { return run["phase"].get<std::s
 
 }  // namespace
 
-TEST_CASE("status: what a run does is told while it conditions, measures and asks, and how it ended") {
+TEST_CASE("status: reports conditioning, measuring and a question of a live run, and how the run ended") {
   const StatusRig rig;
   const Finished before = rig.run({"status"});
   CHECK(before.code == 0);
@@ -106,7 +106,7 @@ TEST_CASE("status: what a run does is told while it conditions, measures and ask
   CHECK(rig.run({"status", "9"}).code == 2);
 }
 
-TEST_CASE("watch: in a terminal the array is painted in place, Ctrl-C ends the watching, a stop ends both") {
+TEST_CASE("watch: the array is repainted in place, Ctrl-C ends only the watch, a stop ends run and watch") {
   const StatusRig rig;
   const auto run = rig.start_run_of({"long.toml"});
   REQUIRE(rig.live_when([](const json& one) { return one["frames"] > 0; }).is_object());
@@ -129,7 +129,7 @@ TEST_CASE("watch: in a terminal the array is painted in place, Ctrl-C ends the w
   CHECK(rig.run({"status", "--watch", "1"}).code == 4);
 }
 
-TEST_CASE("status: a stopped process is named, a killed one has left its run, and watch ends with it") {
+TEST_CASE("status: a stopped process is named, a killed one leaves its run, and watch ends with it") {
   EndlessRun run("watched");
   REQUIRE(run.lives());
   const std::string folder = run.folder.path();

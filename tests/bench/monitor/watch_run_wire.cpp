@@ -87,7 +87,7 @@ struct WatchedStore {
 
 }  // namespace
 
-TEST_CASE("watch a run: each phase is told, what is no answer of it is not, and the end") {
+TEST_CASE("watch: prints each phase and the end of the run, and ignores answers of other runs") {
   WatchedStore watched;
   watched.live.status.phase = "warming up";
   bench::WatchRunOptions options;

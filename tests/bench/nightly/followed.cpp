@@ -49,7 +49,7 @@ FollowedFigure only_figure(const db::RunStore& store) {
 
 }  // namespace
 
-TEST_CASE("a night is reported only if it lies outside the spread of the seeds") {
+TEST_CASE("trend: a night is reported only if it lies outside the spread over seeds") {
   const TemporaryFolder folder;
   db::RunStore store = with_baseline(folder);
   CHECK_FALSE(only_figure(store).outside);  // accepted runs do not judge themselves
@@ -65,7 +65,7 @@ TEST_CASE("a night is reported only if it lies outside the spread of the seeds")
     CHECK(lines.front().find(part) != std::string::npos);
 }
 
-TEST_CASE("of the figures judged together the rate of false reports decides, and constants do not count") {
+TEST_CASE("trend: shifts are judged by the false discovery rate of all values together, constants do not count") {
   // Baselines of mean 0 and deviation 1 (eight values, sum of squares 7). After six runs at 3 the EWMA is 3 (1 - 0.8^6)
   // = 2.2136, its variance 0.1035 + 0.0681: Student's t is 5.34, p in one run 0.0011, in sixty 0.014.
   const auto shifted = [&](int further, double step, int nights) {
@@ -93,7 +93,7 @@ TEST_CASE("of the figures judged together the rate of false reports decides, and
   CHECK(shifted(9, 8.0, 6));
 }
 
-TEST_CASE("simulated nights that repeat seeds are held by their content, not by the chart") {
+TEST_CASE("trend: simulated nights with repeated seeds are compared by content, not by the EWMA chart") {
   const TemporaryFolder folder;
   db::RunStore store = with_baseline(folder);
   for (int night = 0; night < 20; ++night) add_night(store, 0.33, "simulated", 77);
@@ -108,7 +108,7 @@ TEST_CASE("simulated nights that repeat seeds are held by their content, not by 
   CHECK(charted.figures.front().chart.ewma->later == 2);  // the first with seed 77, and this one
 }
 
-TEST_CASE("runs on instruments have no seeds, and only runs after the baseline are charted") {
+TEST_CASE("trend: runs on instruments have no seeds, and only runs after the baseline enter the EWMA chart") {
   const TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("runs.db"));
   db::BaselineRecord baseline{0, kSubject, "as delivered", "K. Lee", "2026-01-01T00:00:00Z", {}};
@@ -122,7 +122,7 @@ TEST_CASE("runs on instruments have no seeds, and only runs after the baseline a
   CHECK(followed.figures.front().chart.ewma->later == 3);
 }
 
-TEST_CASE("a baseline's runs that repeat one another count once") {
+TEST_CASE("trend: repeated runs in a baseline count once") {
   const TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("runs.db"));
   db::BaselineRecord baseline{0, kSubject, "as delivered", "K. Lee", "2026-01-01T00:00:00Z", {}};
@@ -147,7 +147,7 @@ TEST_CASE("a baseline's runs that repeat one another count once") {
   CHECK_FALSE((judges_little.empty() || judges_little == judges_nothing));
 }
 
-TEST_CASE("a slow change that stays inside the wide band is reported within two weeks") {
+TEST_CASE("trend: a slow change within the wide band is reported within two weeks") {
   const TemporaryFolder folder;
   db::RunStore store = with_baseline(folder);
   int reported_on = 0;
@@ -162,7 +162,7 @@ TEST_CASE("a slow change that stays inside the wide band is reported within two 
              Catch::Contains("mean_error_psi") && Catch::Contains("8 runs") && Catch::Contains("+0.003"));
 }
 
-TEST_CASE("nights with different seeds seldom show a shift") {
+TEST_CASE("trend: 120 nights with different seeds and no change give no alarm") {
   const TemporaryFolder folder;
   db::RunStore store = with_baseline(folder);
   std::mt19937 random(3);
@@ -176,7 +176,7 @@ TEST_CASE("nights with different seeds seldom show a shift") {
   CHECK(alarms == 0);
 }
 
-TEST_CASE("runs of another origin do not come into a trend, nor do void ones") {
+TEST_CASE("trend: void runs and runs of another origin are left out") {
   const TemporaryFolder folder;
   db::RunStore store = with_baseline(folder);
   add_night(store, 9.0, "hardware");
@@ -187,7 +187,7 @@ TEST_CASE("runs of another origin do not come into a trend, nor do void ones") {
   CHECK(only_figure(store).values.front() == 9.0);
 }
 
-TEST_CASE("a figure of the baseline that the newest run lacks is reported") {
+TEST_CASE("trend: a value in the baseline that the newest run lacks is reported") {
   const TemporaryFolder folder;
   db::RunStore store = with_baseline(folder);
   const std::int64_t run = add_night(store, 0.31);
@@ -200,7 +200,7 @@ TEST_CASE("a figure of the baseline that the newest run lacks is reported") {
   CHECK(outside_lines(follow_alone(store, kSubject)).empty());
 }
 
-TEST_CASE("a sparkline is drawn on its figure's scale: three bands, or from 0") {
+TEST_CASE("sparkline: its scale spans three bands, or starts at 0") {
   CHECK(sparkline({0.0, 0.99, 1.01, 8.0, -0.1, 8.1}, {0.0, 8.0}, 9) == "▁▁▂█↓↑");
   CHECK(sparkline({1.0, std::nan(""), std::numeric_limits<double>::infinity()}, {0.0, 1.0}, 2) == "··");
   CHECK(sparkline({}, {}, 5).empty());
@@ -219,7 +219,7 @@ TEST_CASE("a sparkline is drawn on its figure's scale: three bands, or from 0") 
   CHECK(scale_of(figure).high > scale_of(figure).low);
 }
 
-TEST_CASE("a figure's name and unit for people") {
+TEST_CASE("statistic names: name and unit of a key as printed") {
   for (const auto& [key, name, unit] : {std::tuple("mean_error_psi", "mean error", "psi"),
                                         {"hysteresis_max_percent_fs", "hysteresis max", "% FS"},
                                         {"elam_alpha_a1_per_psi", "elam alpha a1", "1/psi"},
@@ -232,7 +232,7 @@ TEST_CASE("a figure's name and unit for people") {
   }
 }
 
-TEST_CASE("a sensor unlike four others of the same recipes is an outlier, of other recipes none") {
+TEST_CASE("trend: a sensor that differs from four others with the same recipes is an outlier") {
   std::vector<Followed> sensors(6);
   const double noise[] = {1.1, 1.2, 1.3, 1.15, 31.9, 500.0};
   for (std::size_t i = 0; i < sensors.size(); ++i) {
@@ -245,7 +245,7 @@ TEST_CASE("a sensor unlike four others of the same recipes is an outlier, of oth
   for (std::size_t i = 0; i < sensors.size(); ++i) CHECK(sensors[i].figures[0].outlier == (i == 4));
 }
 
-TEST_CASE("the night's page is well-formed for any names, and lists red scenarios first") {
+TEST_CASE("nightly page: is well-formed for any names, and lists failed scenarios first") {
   const TemporaryFolder folder;
   db::RunStore store = with_baseline(folder);
   add_night(store, 0.45);

@@ -26,7 +26,7 @@ Followed one_figure(const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("figures in the reader's unit: values, band, average and slope of pressures, and their names") {
+TEST_CASE("trend units: values, band, average, slope and name of a pressure are converted") {
   const FollowedFigure kpa = in_unit(one_figure("mean_error_psi"), PressureUnit::kKilopascal).figures[0];
   CHECK(kpa.name == "mean_error_kpa");
   CHECK(kpa.values[1] == Approx(2.0 * kKpaOfPsi));
@@ -42,7 +42,7 @@ TEST_CASE("figures in the reader's unit: values, band, average and slope of pres
   CHECK(in_unit(logarithmic, PressureUnit::kKilopascal).figures[0].chart.band->deviation == 0.25);
 }
 
-TEST_CASE("figures in the reader's unit: a rate of pressure and a share of one, and no other name") {
+TEST_CASE("trend units: pressure rates and reciprocals of pressure are converted, other names are not") {
   const FollowedFigure rate = in_unit(one_figure("hold_drift_psi_per_min"), PressureUnit::kBar).figures[0];
   CHECK(rate.name == "hold_drift_bar_per_min");
   CHECK(rate.values[0] == Approx(0.01 * kKpaOfPsi));

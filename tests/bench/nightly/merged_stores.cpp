@@ -73,7 +73,7 @@ void write_parts(const MergedByHand& made) {
 
 }  // namespace
 
-TEST_CASE("merged by hand: parts of a night are that night, in the order of its suite, and are taken once") {
+TEST_CASE("merge: parts of a night give the whole night in the order of the suite, only once") {
   MergedByHand made;
   write_parts(made);
   const MergedStores merged = made.merge({"b", "a"});
@@ -107,7 +107,7 @@ TEST_CASE("merged by hand: parts of a night are that night, in the order of its 
   CHECK(made.store.nights().size() == 1);
 }
 
-TEST_CASE("merged by hand: whole nights of several stores come in the order of their beginnings") {
+TEST_CASE("merge: whole nights of several stores are ordered by start time") {
   MergedByHand made;
   {
     PartStore late = made.part("late"), early = made.part("early");
@@ -126,7 +126,7 @@ TEST_CASE("merged by hand: whole nights of several stores come in the order of t
   }
 }
 
-TEST_CASE("merged by hand: a night of which parts are missing or there twice is refused, and nothing is taken") {
+TEST_CASE("merge: a night with missing or duplicate parts is rejected, and nothing is copied") {
   MergedByHand made;
   write_parts(made);
   made.check_refused({"a"}, "TB-MERGE-SHARD", {"parts", ": 2", made.path("a")});
@@ -144,7 +144,7 @@ TEST_CASE("merged by hand: a night of which parts are missing or there twice is 
   CHECK(made.store.nights().empty());
 }
 
-TEST_CASE("merged by hand: a store into itself, or named twice, by whatever path") {
+TEST_CASE("merge: a store merged into itself or named twice is rejected, whatever the path") {
   MergedByHand made;
   write_parts(made);
   made.check_refused({"a", "main"}, "TB-USAGE", {made.path("main")});
@@ -154,7 +154,7 @@ TEST_CASE("merged by hand: a store into itself, or named twice, by whatever path
   made.check_refused({"none"}, "TB-STORE-OPEN", {});
 }
 
-TEST_CASE("merged by hand: results that another hand has changed are refused by store and night") {
+TEST_CASE("merge: altered results are rejected with store and night") {
   MergedByHand made;
   const auto damaged = [&](const std::string& name, const std::string& label, const std::string& stored) {
     PartStore part = made.part(name);
@@ -171,7 +171,7 @@ TEST_CASE("merged by hand: results that another hand has changed are refused by 
              Catch::StartsWith("TB-STORE-SQL ") && Catch::Contains(made.path("y")) && Catch::Contains("four"));
 }
 
-TEST_CASE("merged by hand: runs that are no night's come first, and one UUID has one content") {
+TEST_CASE("merge: runs outside nights come first, and two contents under one UUID are rejected") {
   MergedByHand made;
   write_parts(made);
   std::string uuid;
@@ -191,7 +191,7 @@ TEST_CASE("merged by hand: runs that are no night's come first, and one UUID has
   made.check_refused({"other"}, "TB-STORE-CONFLICT", {"run 1", made.path("other"), made.path("main"), uuid});
 }
 
-TEST_CASE("merged by hand: baselines come with the numbers that their runs have here, each acceptance once") {
+TEST_CASE("merge: baselines get the new run numbers, and each acceptance is stored once") {
   MergedByHand made;
   {
     PartStore a = made.part("a"), b = made.part("b");

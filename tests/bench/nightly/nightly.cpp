@@ -71,7 +71,7 @@ ScenarioResult came_out(const std::string& outcome = "completed", const std::str
 
 }  // namespace
 
-TEST_CASE("the shipped suite has at least thirty scenarios, all readable, and every shipped recipe") {
+TEST_CASE("suite: the shipped one has at least thirty scenarios, all readable, and covers every shipped recipe") {
   const Suite suite = read_suite(tactbench::tests::source_path("sequences/nightly.toml"));
   CHECK(suite.scenarios.size() >= 30);
   std::set<std::string> carried_out;
@@ -88,7 +88,7 @@ TEST_CASE("the shipped suite has at least thirty scenarios, all readable, and ev
   }
 }
 
-TEST_CASE("a faulty suite file: the error names the place, the key or the value") {
+TEST_CASE("suite: an error in the file names the place, the key or the value") {
   struct Row {
     std::string text, part;
   };
@@ -124,7 +124,7 @@ TEST_CASE("a faulty suite file: the error names the place, the key or the value"
     CHECK(refusal(with(kOne, sound)) == "accepted");
 }
 
-TEST_CASE("JUnit XML is well-formed for any scenario text, and names scenarios that did not run") {
+TEST_CASE("JUnit XML: is well-formed for any scenario text, and lists scenarios that did not run") {
   Suite suite = parse_suite(with(kOne,
                                  "[[scenario]]\nname = \"two\"\nabout = \"<&>\"\n[[scenario]]\nname = "
                                  "\"three\"\nabout = \"never reached\"\n"),
@@ -157,7 +157,7 @@ TEST_CASE("JUnit XML is well-formed for any scenario text, and names scenarios t
     CHECK(metrics.find(line) != std::string::npos);
 }
 
-TEST_CASE("a suite's numbers have bounds, its names are plain, and a scenario has these defaults") {
+TEST_CASE("suite: numbers have limits, names are restricted, and a scenario has these defaults") {
   CHECK(refusal(with(kOne, "seed = -1\n")) != "accepted");
   CHECK(refusal(with(kOne, "seed = 0\nsensor_seed = 0\n")) == "accepted");
   CHECK(refusal(with(kOne, "seed = 9007199254740992\nsensor_seed = 9007199254740992\n")) == "accepted");
@@ -185,7 +185,7 @@ TEST_CASE("a suite's numbers have bounds, its names are plain, and a scenario ha
   CHECK(two.void_held_out);
 }
 
-TEST_CASE("suite keys: every one of a scenario as it is written") {
+TEST_CASE("suite: every key of a scenario is read") {
   const Suite suite = parse_suite(
       std::string(kOne) +
           "bench = \"b.toml\"\nrecipes = [\"r\", \"q\"]\nset = [\"a=1\", \"b=2\"]\nheld_out = [\"c=3\"]\nlimits = "
@@ -216,7 +216,7 @@ TEST_CASE("suite keys: every one of a scenario as it is written") {
   CHECK(own.scenarios[0].limits == "nightly-limits.toml");
 }
 
-TEST_CASE("differences: each part of a scenario's end, each list of taxels, and figures at their edges") {
+TEST_CASE("scenario result: differences in outcome, taxels and values at their limits are reported") {
   Scenario scenario;
   scenario.error = "TB-X";
   ScenarioResult result;
@@ -252,7 +252,7 @@ TEST_CASE("differences: each part of a scenario's end, each list of taxels, and 
   check_parts(lines(), {{"mis", "pass"}, {"mismatch", "fail", "pass"}});
 }
 
-TEST_CASE("a scenario's result as JSON: every member there and back, numbers that are none among them") {
+TEST_CASE("scenario result: JSON is written and read with every member, NaN included") {
   ScenarioResult result;
   result.name = "n";
   result.about = "a";
@@ -355,7 +355,7 @@ class ScriptedNight {
 
 }  // namespace
 
-TEST_CASE("night by script: each scenario in a process of its own by these words, reported in the suite's order") {
+TEST_CASE("night process: each scenario runs in its own process, results are in the order of the suite") {
   ScriptedNight night({"good-a", "bad", "struck"});
   const std::vector<ScenarioResult> results = night.carry_out();
   REQUIRE(results.size() == 3);
@@ -386,7 +386,7 @@ TEST_CASE("night by script: each scenario in a process of its own by these words
   CHECK_THAT(read_file(night.kept("bad.log")), Catch::EndsWith("\nit says this\nand this\n"));
 }
 
-TEST_CASE("night by script: as many at a time as jobs, and none after a red one on request") {
+TEST_CASE("night process: runs as many scenarios at a time as jobs, and none after a failed one on request") {
   ScriptedNight alone({"good-a", "good-b"});
   alone.options.jobs = 1;
   CHECK(alone.carry_out().size() == 2);
@@ -406,7 +406,7 @@ TEST_CASE("night by script: as many at a time as jobs, and none after a red one 
   CHECK(none.carry_out().empty());
 }
 
-TEST_CASE("night by script: one that does not end in its time is killed with all it started, and is red") {
+TEST_CASE("night process: a scenario over its time limit is killed with its children, and fails") {
   ScriptedNight night({"endless", "good-a"});
   night.options.limit_s = 1.4;
   const std::vector<ScenarioResult> results = night.carry_out();
@@ -418,7 +418,7 @@ TEST_CASE("night by script: one that does not end in its time is killed with all
   CHECK(process_ends(night.lines_of("sleeper").at(0)));
 }
 
-TEST_CASE("night by script: a signal ends all scenarios, and the night tells after how many") {
+TEST_CASE("night process: a signal ends all scenarios, and the error states how many had finished") {
   const StopRequest signals;
   ScriptedNight night({"bad", "endless"});
   night.options.signals = &signals;
@@ -432,7 +432,7 @@ TEST_CASE("night by script: a signal ends all scenarios, and the night tells aft
   CHECK_THAT(ended->what(), Catch::Contains("1 of 2"));
 }
 
-TEST_CASE("night by script: a program that cannot be started, and a file that cannot be written, end the night") {
+TEST_CASE("night process: a program that cannot be started or an unwritable file ends the night") {
   ScriptedNight night({"good-a"});
   night.options.program = night.folder.path("none");
   CHECK(night.refusal() == "70 TB-NIGHTLY-SPAWN " + night.folder.path("none"));
@@ -441,7 +441,7 @@ TEST_CASE("night by script: a program that cannot be started, and a file that ca
   CHECK(folder.refusal() == "2 TB-FILE-WRITE " + folder.kept("good-a.log"));
 }
 
-TEST_CASE("night by script: stores and talk of an earlier night are replaced, and files of others are not") {
+TEST_CASE("night process: stores and logs of an earlier night are replaced, other files are not") {
   ScriptedNight night({"good-a"});
   CHECK(night.carry_out().size() == 1);
   {

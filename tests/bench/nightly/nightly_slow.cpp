@@ -35,7 +35,7 @@ nlohmann::json night_json(const Finished& finished) { return nlohmann::json::par
 
 }  // namespace
 
-TEST_CASE("a night: green is reported, red states the reason, a broken scenario does not end the others") {
+TEST_CASE("night: reports passed scenarios, gives the reason for a failed one, and continues after a broken one") {
   const TemporaryFolder folder;
   write_file(folder.path("small.toml"), kSuite);
   const Finished night = call(folder, {"nightly", "./small.toml", "--json", "--junit", "night.xml", "--metrics",
@@ -52,7 +52,7 @@ TEST_CASE("a night: green is reported, red states the reason, a broken scenario 
   CHECK(std::filesystem::exists(folder.path("kept/whole.db")));
 }
 
-TEST_CASE("nights are kept in one store, compared with a baseline, and changes are named") {
+TEST_CASE("night: nights are kept in one store, compared with a baseline, and changes are named") {
   const TemporaryFolder folder;
   const std::string head =
       "schema = 1\nname = \"kept\"\n[[scenario]]\nname = \"short\"\nabout = \"one repeat\"\nset = "
@@ -155,7 +155,7 @@ std::string facts_of(const std::string& path) {
 
 }  // namespace
 
-TEST_CASE("a night in three parts, merged, is the night in one: runs, figures, models, baseline") {
+TEST_CASE("merge: a night in three parts gives the same runs, values, models and baseline as the whole night") {
   const TemporaryFolder folder;
   write_file(folder.path("parts.toml"), kParts);
   const auto night = [&](std::vector<std::string> more) {
@@ -201,7 +201,7 @@ TEST_CASE("a night in three parts, merged, is the night in one: runs, figures, m
   CHECK(db::RunStore::open_read_only(folder.path("three.db")).nights().size() == 2);
 }
 
-TEST_CASE("stores of several benches are merged: runs once each, and fits that were made since") {
+TEST_CASE("merge: stores of several benches give each run once, and the fits made since") {
   const TemporaryFolder folder;
   REQUIRE(call(folder, {"init"}).code == 0);
   for (const char* db : {"a.db", "b.db"}) {

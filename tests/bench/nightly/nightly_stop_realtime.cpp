@@ -55,7 +55,7 @@ struct EndlessNight {
 
 }  // namespace
 
-TEST_CASE("night: Ctrl-C once and a request to terminate end it, its scenarios and its folders") {
+TEST_CASE("night: Ctrl-C or SIGTERM ends it, its scenarios and its temporary folders") {
   const auto [signal, code] = GENERATE(table<int, int>({{SIGINT, 130}, {SIGTERM, 143}}));
   const EndlessNight night;
   REQUIRE(night.under_way());
@@ -66,7 +66,7 @@ TEST_CASE("night: Ctrl-C once and a request to terminate end it, its scenarios a
   CHECK_THAT(read_file(night.folder.path("log")), Catch::Contains("TB-NIGHTLY-STOPPED"));
 }
 
-TEST_CASE("night: when the night is killed, its scenarios end") {
+TEST_CASE("night: when its process is killed, its scenarios end") {
   const EndlessNight night;
   REQUIRE(night.under_way());
   night.night->signal(SIGKILL);

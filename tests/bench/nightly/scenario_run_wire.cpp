@@ -40,7 +40,8 @@ class CarriedScenario {
 
 }  // namespace
 
-TEST_CASE("carried scenario: a run without a fit has its rig's figures, and its store is a scenario's") {
+TEST_CASE(
+    "nightly scenario: without a fit its result has the values of the rig, and its store is marked as a scenario") {
   CarriedScenario made;
   made.scenario.fits = false;
   made.scenario.figures = {{"frames", {11.0, 11.0}}, {"none", {0.0, 1.0}}};
@@ -72,7 +73,7 @@ TEST_CASE("carried scenario: a run without a fit has its rig's figures, and its 
   CHECK(store.fits(1).empty());
 }
 
-TEST_CASE("carried scenario: held-out runs are judged with seeds of their own, the first of them void on request") {
+TEST_CASE("nightly scenario: held-out runs have seeds of their own and are judged, the first one is void on request") {
   CarriedScenario made;
   made.scenario.held_out = {{"recipe.dwell_s=1"}, {}};
   made.scenario.void_held_out = true;
@@ -97,7 +98,7 @@ TEST_CASE("carried scenario: held-out runs are judged with seeds of their own, t
   CHECK(store.verdicts(3).size() == 8);
 }
 
-TEST_CASE("carried scenario: one judged on its own run, with a dead taxel that nobody expects") {
+TEST_CASE("nightly scenario: judged on its own run, an unexpected dead taxel is an error") {
   CarriedScenario made;
   made.scenario.own_run = true;
   made.scenario.set = {"simulation.defect=[{kind=\"dead\",row=3,column=4}]"};
@@ -111,7 +112,7 @@ TEST_CASE("carried scenario: one judged on its own run, with a dead taxel that n
   CHECK(db::RunStore::open_read_only(made.path).verdicts(1).empty());
 }
 
-TEST_CASE("carried scenario: an analysis that cannot be made is told, and after a run that failed none is tried") {
+TEST_CASE("nightly scenario: a failed analysis is reported, and after a failed run no analysis is tried") {
   CarriedScenario made;
   made.scenario.set = {"recipe.turning_points=[0, 20]"};
   const ScenarioResult result = made.carry_out();

@@ -53,7 +53,7 @@ TEST_CASE("a night's choice: all, one alone, two in the suite's order, one seed 
   CHECK((none->id() == "TB-NIGHTLY-SCENARIO" && none->code() == ExitCode::kUsage && none->where() == "three.toml"));
 }
 
-TEST_CASE("a night's choice as JSON, there and back") {
+TEST_CASE("scenario selection: JSON is written and read back, invalid JSON is rejected") {
   CHECK(to_json(Selection{}) == "{\"only\":[],\"seed\":null,\"seeds\":1}");
   CHECK(to_json(Selection{{"x", "y"}, 12, 3}) == "{\"only\":[\"x\",\"y\"],\"seed\":12,\"seeds\":3}");
   const Selection none = selection_from_json("{\"only\":[],\"seed\":null,\"seeds\":1}");
@@ -64,7 +64,7 @@ TEST_CASE("a night's choice as JSON, there and back") {
     CHECK_THROWS(selection_from_json(wrong));
 }
 
-TEST_CASE("parts of a night take its scenarios in turn, in their order") {
+TEST_CASE("shard: parts of a night take the scenarios in turn, in suite order") {
   const Suite whole = selected(suite_of_three(), {.only = {}, .seed = std::nullopt, .seeds = 2});
   CHECK(labels(part_of(whole, {1, 2})) == "a-seed-5=5 b-seed-1=1 c-seed-9=9");
   CHECK(labels(part_of(whole, {2, 2})) == "a-seed-6=6 b-seed-2=2 c-seed-10=10");
@@ -72,7 +72,7 @@ TEST_CASE("parts of a night take its scenarios in turn, in their order") {
   CHECK(part_of(whole, {3, 4}).name == "s");
 }
 
-TEST_CASE("a scenario on a bench that is not simulated is refused before anything is touched") {
+TEST_CASE("nightly scenario: a bench that is not simulated is rejected before anything is changed") {
   const TemporaryFolder folder;
   Scenario scenario = suite_of_three().scenarios[0];
   scenario.bench = folder.path("rig.toml");
@@ -83,7 +83,7 @@ TEST_CASE("a scenario on a bench that is not simulated is refused before anythin
   CHECK_THAT(refused->where(), Catch::EndsWith(scenario.bench));
 }
 
-TEST_CASE("the store of a scenario has the night's specimen and its runs alone, without tags and notes") {
+TEST_CASE("scenario store: holds only the sensor and the runs of the suite, without tags") {
   const TemporaryFolder folder;
   const std::string path = folder.path("n.db");
   CHECK_FALSE(is_scenario_store(path));
@@ -193,7 +193,7 @@ using TextLines = std::vector<std::string>;
 
 }  // namespace
 
-TEST_CASE("a night's runs are taken once, with its tag, its figures and its results") {
+TEST_CASE("kept nights: the runs of a night are stored once, with tag, values and results") {
   KeptNights nights;
   std::vector<ScenarioResult> results{
       nights.made("one", {{}}, {{"a", 2.0}}),
@@ -229,7 +229,7 @@ TEST_CASE("a night's runs are taken once, with its tag, its figures and its resu
   CHECK(nights.store().nights().size() == 2);
 }
 
-TEST_CASE("fixed seeds: the first night, one that repeats its frames with other figures, one of other frames") {
+TEST_CASE("fixed seeds: compares a night with the last one: none, same frames with other values, other frames") {
   KeptNights nights;
   const std::map<std::string, double> figures = {{"a", 2.0}, {"b", 5.0}, {"c", 1.0}, {"d", 0.0}};
   const ScenarioResult first = night_of_one(nights, {{}}, figures, "2026-01-02T00:00:00Z");
@@ -255,7 +255,7 @@ TEST_CASE("fixed seeds: the first night, one that repeats its frames with other 
   CHECK(is_first(night_of_one(nights, {{.seed = 2}}, {{"a", 9.0}}, "2026-01-06T00:00:00Z")));
 }
 
-TEST_CASE("fixed seeds: held-out runs count as well, one by one, and runs of another purpose are none of them") {
+TEST_CASE("fixed seeds: held-out runs are compared one by one, runs of another purpose are ignored") {
   KeptNights nights;
   const std::vector<NightRun> two{{}, {.seed = 1'000'001, .counts = 9}};
   (void)night_of_one(nights, two, {{"a", 2.0}}, "2026-01-02T00:00:00Z");
@@ -268,7 +268,7 @@ TEST_CASE("fixed seeds: held-out runs count as well, one by one, and runs of ano
   CHECK(changed_since(night_of_one(nights, two, {{"a", 2.0}}, "2026-01-06T00:00:00Z"), 7));
 }
 
-TEST_CASE("a night of several seeds shows each scenario once, with the newest seed's figures") {
+TEST_CASE("kept nights: a night of several seeds lists each scenario once, with the values of the newest seed") {
   KeptNights nights;
   const Suite suite = suite_of_seeds(2);
   std::vector<ScenarioResult> results{nights.made("one-seed-1", {{}}, {{"a", 2.0}}),
@@ -342,7 +342,7 @@ class TwoStores {
 
 }  // namespace
 
-TEST_CASE("taken fits: those that are not here yet, with their verdicts by each limits file") {
+TEST_CASE("merged fits: fits missing here are copied, with their verdicts for each limits file") {
   TwoStores made;
   CHECK(made.take() == 0);
   const std::int64_t first = made.there.store.add_fit(fit_of_run(1));
@@ -360,7 +360,7 @@ TEST_CASE("taken fits: those that are not here yet, with their verdicts by each 
   CHECK(made.here.store.fits(1).empty());
 }
 
-TEST_CASE("taken fits: one is another when any of its texts is") {
+TEST_CASE("merged fits: two fits differ if any of their texts differs") {
   TwoStores made;
   (void)made.here.store.add_fit(fit_of_run(2));
   (void)made.there.store.add_fit(fit_of_run(1));
@@ -376,7 +376,7 @@ TEST_CASE("taken fits: one is another when any of its texts is") {
   }
 }
 
-TEST_CASE("taken fits: figures of subjects that have none here") {
+TEST_CASE("merged fits: values are copied for subjects that have none here") {
   TwoStores made;
   made.here.store.replace_figures(2, "rig/a", {{"a_psi", 1.0}});
   made.there.store.replace_figures(1, "rig/a", {{"a_psi", 2.0}});
@@ -386,7 +386,7 @@ TEST_CASE("taken fits: figures of subjects that have none here") {
   CHECK(made.here.store.figures_of(2, "rig/b").at("b_psi") == 3.0);
 }
 
-TEST_CASE("taken fits: nothing of a run whose fits are not what was stored") {
+TEST_CASE("merged fits: if a fit of a run was altered, nothing of that run is copied") {
   TwoStores made;
   (void)made.there.store.add_fit(fit_of_run(1));
   db::sqlite::Connection(made.there.store.path(), db::sqlite::Access::kReadWrite)

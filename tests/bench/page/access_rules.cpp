@@ -57,7 +57,7 @@ std::string fields_text(const HttpResponse& response) {
 
 }  // namespace
 
-TEST_CASE("page refusals: hosts, origins and sites, whatever is needed") {
+TEST_CASE("page access: another host, origin or site is refused, whatever right is needed") {
   for (const PageNeeds needs : {PageNeeds::kNothing, PageNeeds::kRead, PageNeeds::kCommand}) {
     CHECK(page_refused(needs, "GET", {{"host", "c:1"}}) == 421);
     CHECK(page_refused(needs, "GET", {{"origin", "http://b:2"}}) == kOtherSite);
@@ -77,7 +77,7 @@ TEST_CASE("page refusals: hosts, origins and sites, whatever is needed") {
   }
 }
 
-TEST_CASE("page hosts: as browsers write them, in lower case and without the scheme's own port") {
+TEST_CASE("page hosts: are compared in lower case, without the default port of the scheme") {
   using Hosts = std::vector<std::string>;
   CHECK(hosts_of({"127.0.0.1", "Bench.Upper"}, 8765, "https") == Hosts{"127.0.0.1:8765", "bench.upper:8765"});
   CHECK(hosts_of({"Rig"}, 443, "https") == Hosts{"rig:443", "rig"});
@@ -88,7 +88,7 @@ TEST_CASE("page hosts: as browsers write them, in lower case and without the sch
                      {{"authorization", "Bearer read"}, {"host", "B:2"}, {"origin", "https://B:2"}}) == kMay);
 }
 
-TEST_CASE("page refusals: the way of asking before the token, and which token opens what") {
+TEST_CASE("page access: the request method is checked before the token, and each token opens only its own requests") {
   CHECK(page_refused(PageNeeds::kNothing, "GET", {}) == kMay);
   CHECK(page_refused(PageNeeds::kNothing, "POST", {}) == 405);
   CHECK(page_refused(PageNeeds::kRead, "POST", {}) == 405);
@@ -109,7 +109,7 @@ TEST_CASE("page refusals: the way of asking before the token, and which token op
   CHECK(command({{"authorization", "Bearer read"}}) == 401);
 }
 
-TEST_CASE("page access: tokens are of 128 bits and never the same, and an empty one opens nothing") {
+TEST_CASE("page access: tokens have 128 bits and are unique, and an empty token opens nothing") {
   std::set<std::string> seen;
   for (int i = 0; i < 200; ++i) seen.insert(new_token());
   CHECK(seen.size() == 200);
@@ -126,7 +126,7 @@ TEST_CASE("page access: tokens are of 128 bits and never the same, and an empty 
   CHECK_FALSE(refusal(request, PageNeeds::kRead, access));
 }
 
-TEST_CASE("page responses: each of the page's own files, its type and its text") {
+TEST_CASE("page responses: each file of the page has its media type and its text") {
   for (const char* name : {"page.html", "page.css", "page.js", "link.js", "draw.js", "now.js", "panels.js", "seen.js",
                            "store.js", "icon.svg"}) {
     INFO(name);
@@ -152,7 +152,7 @@ TEST_CASE("page responses: each of the page's own files, its type and its text")
   }
 }
 
-TEST_CASE("page responses: each place that needs a right, and documents whose names are the secret") {
+TEST_CASE("page responses: which paths need a right, documents need only their secret name") {
   for (const char* read : {"/events", "/loop", "/runs", "/sensors", "/make/report", "/make/compare", "/make/sensor",
                            "/make/nights", "/make/night"}) {
     INFO(read);
@@ -163,7 +163,7 @@ TEST_CASE("page responses: each place that needs a right, and documents whose na
   CHECK(needs_of("/document/12ab") == PageNeeds::kNothing);
 }
 
-TEST_CASE("page responses: a document is kept in a sandbox, without scripts") {
+TEST_CASE("page responses: a document is sandboxed, without scripts") {
   const HttpResponse document = document_response("<p>a</p>");
   CHECK(document.status == 200);
   CHECK(document.type == "text/html; charset=utf-8");
@@ -172,7 +172,7 @@ TEST_CASE("page responses: a document is kept in a sandbox, without scripts") {
              Catch::Contains("default-src 'none'") && Catch::Contains("sandbox") && !Catch::Contains("script-src"));
 }
 
-TEST_CASE("page responses: JSON and events") {
+TEST_CASE("page responses: format of JSON answers and events") {
   const HttpResponse json = json_response(418, {{"b", 1}, {"a", "x"}});
   CHECK(json.status == 418);
   CHECK(json.type == "application/json");
@@ -180,7 +180,7 @@ TEST_CASE("page responses: JSON and events") {
   CHECK(*event_text("news", {{"n", 3}}) == "event: news\ndata: {\"n\":3}\n\n");
 }
 
-TEST_CASE("page responses: numbers of a query are whole ones and nothing else") {
+TEST_CASE("page responses: query numbers are whole numbers, anything else gives the default") {
   HttpRequest request;
   request.query = {{"a", "12"}, {"b", "-3"}, {"c", "12x"}, {"d", ""}, {"e", "9223372036854775808"}, {"f", " 1"}};
   CHECK(number_in(request, "a", 5) == 12);
@@ -189,7 +189,7 @@ TEST_CASE("page responses: numbers of a query are whole ones and nothing else") 
   CHECK(number_in(request, "g") == 0);
 }
 
-TEST_CASE("page targets: escapes of both cases at all places, broken ones as they are") {
+TEST_CASE("page targets: percent escapes are decoded in upper and lower case, invalid ones are kept") {
   CHECK(url_decoded("%41%4a%4Ab%7e") == "AJJb~");
   CHECK(url_decoded("%00") == std::string(1, '\0'));
   CHECK(url_decoded("%09%90%aF%Fa%fF") == "\x09\x90\xaf\xfa\xff");
@@ -201,7 +201,7 @@ TEST_CASE("page targets: escapes of both cases at all places, broken ones as the
   CHECK(lower_case("Host-X9_\xC4") == "host-x9_\xC4");
 }
 
-TEST_CASE("page targets: a query's pairs, with and without values, the last one of a name") {
+TEST_CASE("page targets: query pairs with and without values, the last one of equal names counts") {
   const auto query_of = [](const std::string& target) {
     HttpRequest request;
     read_target(target, request);

@@ -128,7 +128,7 @@ int last_number(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("http answers: heads and bodies to the byte, and what was asked with all its parts") {
+TEST_CASE("http: status, headers and body are exact, and all parts of a request are parsed") {
   const AnsweringServer server;
   CHECK(server.ask("GET /a?b=1&c=%20 HTTP/1.1\r\nHost: H\r\nConnection: close\r\nX-Two: one\r\nx-two: two\r\n\r\n") ==
         whole_answer("200 OK", false, "GET /a b=1 c= ; connection: close; host: H; x-two: one, two;  from 127.0.0.1"));
@@ -142,7 +142,7 @@ TEST_CASE("http answers: heads and bodies to the byte, and what was asked with a
   CHECK(body_of(server.ask("GET /long HTTP/1.1\r\nConnection: close\r\n\r\n")) == std::string(100'000, 'x'));
 }
 
-TEST_CASE("http answers: a request byte by byte is one request, and a next one may come with its end") {
+TEST_CASE("http: a request sent byte by byte is one request, and may be followed by the next") {
   const AnsweringServer server;
   RawClient client(server.port());
   for (const char byte : std::string("GET /x HTTP/1.1\r\n\r")) {
@@ -154,7 +154,7 @@ TEST_CASE("http answers: a request byte by byte is one request, and a next one m
                              whole_answer("200 OK", false, "GET /y; connection: close;  from 127.0.0.1"));
 }
 
-TEST_CASE("http answers: what is too long or no request is refused") {
+TEST_CASE("http: too long and malformed requests are refused") {
   const AnsweringServer server(small_limits());
   CHECK_THAT(server.ask(head_of(90)), Catch::StartsWith("HTTP/1.1 200 OK\r\n"));
   CHECK(status_of(server.ask(head_of(400))) == 431);
@@ -169,7 +169,7 @@ TEST_CASE("http answers: what is too long or no request is refused") {
   CHECK(status_of(server.ask("GET / HTTP/1.1\r\nno field\r\n\r\nGET / HTTP/1.1\r\n\r\n")) == 400);
 }
 
-TEST_CASE("http answers: one that is refused can send on for a while, and its answer is not lost") {
+TEST_CASE("http: a refused client may send on for a while, and still gets its answer") {
   const AnsweringServer server;
   RawClient client(server.port());
   REQUIRE(client.send("POST / HTTP/1.1\r\nContent-Length: 1000000\r\n\r\n"));
@@ -187,7 +187,7 @@ TEST_CASE("http answers: one that is refused can send on for a while, and its an
   CHECK(refused);
 }
 
-TEST_CASE("http answers: a connection without a whole request is closed in its time, counted anew from each answer") {
+TEST_CASE("http: a connection without a complete request is closed after a timeout that restarts at each answer") {
   HttpOptions options;
   options.longest_request = milliseconds(700);
   const AnsweringServer server(options);
@@ -199,7 +199,7 @@ TEST_CASE("http answers: a connection without a whole request is closed in its t
   CHECK(idle.read() == whole_answer("200 OK", true, "GET /;  from 127.0.0.1"));
 }
 
-TEST_CASE("http answers: strangers take no place from those who have shown a key, however many come") {
+TEST_CASE("http: unauthenticated clients never displace authenticated ones, however many connect") {
   HttpOptions options;
   options.most_connections = 4;
   const AnsweringServer server(options);
@@ -219,8 +219,7 @@ TEST_CASE("http answers: strangers take no place from those who have shown a key
   CHECK(is_served(operates, "2"));
 }
 
-TEST_CASE(
-    "http answers: where all have a rank that keeps its place, one more is closed, and a place that is left is free") {
+TEST_CASE("http: if all connections are privileged, a further one is closed, and a freed place is reused") {
   HttpOptions options;
   options.most_connections = 2;
   const AnsweringServer server(options);
@@ -242,7 +241,7 @@ TEST_CASE(
   }));
 }
 
-TEST_CASE("http answers: a stream has no length, begins with its body, and goes on with events of each kind") {
+TEST_CASE("http: a stream has no content length, starts with its body, and continues with events") {
   HttpServer* publishes = nullptr;
   std::atomic<int> due{0};
   AnsweringServer server({}, [&](HttpServer& own) {
@@ -277,7 +276,7 @@ TEST_CASE("http answers: a stream has no length, begins with its body, and goes 
   CHECK(viewer.closed(20'000));
 }
 
-TEST_CASE("http answers: viewers beyond the most are told how many look, and one that has gone is forgotten") {
+TEST_CASE("http: viewers above the limit are refused with the number of viewers, and a closed one is removed") {
   HttpOptions options;
   options.most_viewers = 1;
   AnsweringServer server(options);
@@ -293,7 +292,7 @@ TEST_CASE("http answers: viewers beyond the most are told how many look, and one
   CHECK(comes_true([&] { return server.viewers == 0; }));
 }
 
-TEST_CASE("http answers: a viewer that takes nothing for too long is dropped, one that is told nothing is not") {
+TEST_CASE("http: a viewer that reads nothing for too long is dropped, an idle one without events is not") {
   HttpOptions options;
   options.longest_write = milliseconds(300);
   std::atomic<bool> flood{false};
@@ -311,7 +310,7 @@ TEST_CASE("http answers: a viewer that takes nothing for too long is dropped, on
   CHECK(comes_true([&] { return server.viewers == 0; }));
 }
 
-TEST_CASE("page stream: a stopped viewer's news are replaced by newer ones, others get all") {
+TEST_CASE("page stream: events for a stopped viewer are replaced by newer ones, others get all") {
   Flood flood;
   const std::string get = "GET / HTTP/1.1\r\nHost: x\r\n\r\n";
   RawClient stopped(flood.server.port()), reader(flood.server.port());

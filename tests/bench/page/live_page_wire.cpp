@@ -70,7 +70,7 @@ class LivePage : public WordsPage {
 
 }  // namespace
 
-TEST_CASE("live page: the run of its bench and store is shown with its readings, its state, and its end") {
+TEST_CASE("live page: shows the run of its bench and store with readings, state and end") {
   LivePage page;
   AnsweringRun run("page-words", 1, page.options.db);
   run.status.phase = "unloading";
@@ -102,7 +102,7 @@ TEST_CASE("live page: the run of its bench and store is shown with its readings,
   CHECK(page.ended_state()["silent_s"] == 0.0);
 }
 
-TEST_CASE("live page: each command goes to the run that the person saw, and its answer comes back") {
+TEST_CASE("live page: each command goes only to the run that the operator saw, and its answer is returned") {
   LivePage page;
   AnsweringRun run("page-words", 1, page.options.db);
   (void)page.live_state();
@@ -127,7 +127,7 @@ TEST_CASE("live page: each command goes to the run that the person saw, and its 
   CHECK(page.command({{"word", "answer"}, {"run", 1}, {"question", 3}, {"text", "x"}})["taken"] == false);
 }
 
-TEST_CASE("live page: a bench of another store is let go for one of this store") {
+TEST_CASE("live page: leaves a bench with another store for one with this store") {
   LivePage page("");  // any bench
   AnsweringRun foreign("page-a", 7, page.folder.path("other.db"));
   AnsweringRun own("page-b", 1, page.options.db);

@@ -50,7 +50,7 @@ struct ScriptedDocuments {
 
 }  // namespace
 
-TEST_CASE("documents: made by the words asked for, with the store and a file, and kept under a name of their own") {
+TEST_CASE("page documents: are made by the requested command with store and file, each with its own secret name") {
   ScriptedDocuments made;
   CHECK_FALSE(made.documents.busy());
   made.make({"report", "5"});
@@ -73,7 +73,7 @@ TEST_CASE("documents: made by the words asked for, with the store and a file, an
     CHECK_FALSE(made.documents.text(none));
 }
 
-TEST_CASE("documents: two at a time, six wait, and a ninth is refused") {
+TEST_CASE("page documents: two are made at a time, six wait, and a ninth is refused") {
   ScriptedDocuments made;
   for (int i = 0; i < 8; ++i) made.make({"wait"});
   CHECK(made.ready.empty());
@@ -93,7 +93,7 @@ TEST_CASE("documents: two at a time, six wait, and a ninth is refused") {
   for (std::size_t i = 1; i < 9; ++i) CHECK(made.ready[i].error.empty());
 }
 
-TEST_CASE("documents: one that writes nothing is told with what it said, without control characters and cut") {
+TEST_CASE("page documents: if none is written, the output of the program is reported, escaped and truncated") {
   ScriptedDocuments silent("exit 0\n"), speaks("printf 'error: \\033[2J no run 5\\n' >&2; exit 2\n"),
       long_talk("printf '%05000d' 7; exit 1\n");
   silent.make({"x"});
@@ -113,7 +113,7 @@ TEST_CASE("documents: one that writes nothing is told with what it said, without
   CHECK_FALSE(missing.ready[0].error.empty());
 }
 
-TEST_CASE("documents: a file is kept as it is, the newest twelve, and none that is too large") {
+TEST_CASE("page documents: the newest twelve files are kept unchanged, a too large file is refused") {
   ScriptedDocuments made;
   const std::string file = made.folder.path("night.html");
   std::vector<std::string> ids;

@@ -70,7 +70,7 @@ class FramesByHand {
 
 }  // namespace
 
-TEST_CASE("page frames: no picture before the first frame, then that of the seating check, then each newest frame") {
+TEST_CASE("page frames: shows nothing before the first frame, then the seating check, then each newest frame") {
   FramesByHand made;
   bench::RunFrames shown(made.store, made.store.run(made.number));
   CHECK_FALSE(shown.advance());
@@ -97,7 +97,7 @@ TEST_CASE("page frames: no picture before the first frame, then that of the seat
   CHECK(voided.picture()["void"] == true);
 }
 
-TEST_CASE("page frames: a frame under an object has its force and place, and words that its flags say") {
+TEST_CASE("page frames: a frame under an object has its force and position, and text for its flags") {
   FramesByHand made;
   db::FrameRecord frame = made.frame_of(0.0, {100, 200}, 1, 2);
   frame.flags = "tilted late";
@@ -127,7 +127,7 @@ TEST_CASE("page frames: a frame under an object has its force and place, and wor
   CHECK(made.loop(0, 0)["x"] == nlohmann::json({12.5}));
 }
 
-TEST_CASE("page frames: at the highest load that counts, when asked for") {
+TEST_CASE("page frames: shows the valid frame with the highest load on request") {
   FramesByHand made;
   for (const double psi : {0.0, 40.0, 10.0}) made.add(psi, {static_cast<std::uint16_t>(10.0 * psi)}, 1, 1);
   bench::RunFrames shown(made.store, made.store.run(made.number));
@@ -137,7 +137,7 @@ TEST_CASE("page frames: at the highest load that counts, when asked for") {
   CHECK((newest["position"] == 3 && newest["peak"] == false));
 }
 
-TEST_CASE("page frames: at most two hundred frames a call") {
+TEST_CASE("page frames: reads at most two hundred frames per call") {
   FramesByHand made(450);
   for (int i = 0; i < 450; ++i) made.add(0.1 * i, {static_cast<std::uint16_t>(i)}, 1, 1);
   bench::RunFrames shown(made.store, made.store.run(made.number));
@@ -150,8 +150,7 @@ TEST_CASE("page frames: at most two hundred frames a call") {
   CHECK(shown.position() == 450);
 }
 
-TEST_CASE(
-    "page loops: means and single taxels, from a place on, in thousandths of a psi and hundredths of a millivolt") {
+TEST_CASE("page loops: mean or single taxel from a position on, rounded to 0.001 psi and 0.01 mV") {
   FramesByHand made;
   made.add(1.2346, {100, 201}, 1, 2);
   made.add(2.0004, {300, 401, 302, 403}, 1, 2);
@@ -176,7 +175,7 @@ TEST_CASE(
   is(-1, 0, {}, {});
 }
 
-TEST_CASE("page loops: of a run without a scale there are none") {
+TEST_CASE("page loops: are empty for a run without a scale") {
   FramesByHand made;
   db::RunRecord run = made.store.run(made.number);
   run.uuid = db::new_uuid();
@@ -186,7 +185,7 @@ TEST_CASE("page loops: of a run without a scale there are none") {
   CHECK((none["last"] == 7 && none["x"].empty() && none["y"].empty()));
 }
 
-TEST_CASE("page loops: the newest four thousand points") {
+TEST_CASE("page loops: have at most the newest four thousand points") {
   FramesByHand made(4002);
   for (int i = 0; i < 4002; ++i) made.add(0.01 * i, {static_cast<std::uint16_t>(i)}, 1, 1);
   const nlohmann::json told = made.loop(0, 0);

@@ -69,7 +69,7 @@ class ModelledPage : public FilmStore {
 
 }  // namespace
 
-TEST_CASE("page models: of the newest earlier run of the sensor and its origin that counts and has some that stream") {
+TEST_CASE("page models: come from the newest earlier valid run of the same sensor and origin with streaming models") {
   ModelledPage made;
   FilmRun other = two_taxels(), hardware = two_taxels();
   other.sensor = "S-2";
@@ -98,7 +98,7 @@ TEST_CASE("page models: of the newest earlier run of the sensor and its origin t
   CHECK(made.words(7) == "elam of run 2");
 }
 
-TEST_CASE("page models: pressures of the newest frame, a spike left out, and models sought once") {
+TEST_CASE("page models: give pressures of the newest frame, leave out a spike, and are looked up once") {
   ModelledPage made;
   (void)made.add_fitted(two_taxels());
   const std::int64_t run = made.begin();
@@ -130,7 +130,7 @@ TEST_CASE("page models: pressures of the newest frame, a spike left out, and mod
   CHECK_FALSE(without.picture().contains("psi"));
 }
 
-TEST_CASE("page models: what creeps is told the time between two frames, where that is one") {
+TEST_CASE("page models: a model with creep gets the time between two frames, if there is one") {
   ModelledPage made;
   FilmRun run = two_taxels();
   (void)made.add(run);

@@ -71,7 +71,7 @@ std::string get_events(const Link& link) {
 
 }  // namespace
 
-TEST_CASE("page beside a run: stopped and killed in mid-run, the run's content is as without it") {
+TEST_CASE("page next to a run: stopping or killing the page during a run does not change the content of the run") {
   Folder here;
   (void)call(here.folder, {"sensors", "add", "S-1", "--type", "sensor.toml", "--db", "alone.db"});
   REQUIRE(here.start(here.run_words("alone.db", "1000"), "alone")->wait() == 0);
@@ -94,7 +94,7 @@ TEST_CASE("page beside a run: stopped and killed in mid-run, the run's content i
   }
 }
 
-TEST_CASE("page beside a run: started by the run it shows it, and ends when the run has ended and nobody looked") {
+TEST_CASE("page next to a run: started by the run it shows the run, and ends after it when nobody is viewing") {
   Folder here;
   std::vector<std::string> words = here.run_words("runs.db", "20");
   words.emplace_back("--page");

@@ -40,7 +40,7 @@ void store_page_run(const std::string& path) {
 
 }  // namespace
 
-TEST_CASE("page words: a viewer gets who it is, the state and the picture at once, and the state each second") {
+TEST_CASE("page server: a viewer gets its rights, the state and the picture at once, and the state each second") {
   WordsPage page([](bench::PageOptions& options) { store_page_run(options.db); });
   REQUIRE(comes_true([&] {  // it has looked into the store
     RawClient looks(page.server->port());
@@ -71,7 +71,7 @@ TEST_CASE("page words: a viewer gets who it is, the state and the picture at onc
   CHECK(hello.find("event: picture") == std::string::npos);
 }
 
-TEST_CASE("page words: places that tell of the store, and none without one") {
+TEST_CASE("page server: paths that read the store answer 503 without a store") {
   WordsPage page;
   for (const char* path : {"/runs", "/sensors", "/loop?run=1", "/make/report?run=1"})
     CHECK(page.data_of(path, 503).contains("error"));
@@ -88,7 +88,7 @@ TEST_CASE("page words: places that tell of the store, and none without one") {
   CHECK_THAT(page.data_of("/loop?run=9", 500)["error"].get<std::string>(), Catch::Contains("9"));
 }
 
-TEST_CASE("page words: documents that cannot be asked for, and a night's page that is kept") {
+TEST_CASE("page server: documents that cannot be made are errors, a nightly page is kept") {
   WordsPage page([](bench::PageOptions& options) { store_page_run(options.db); });
   for (const char* none : {"/make/sensor", "/make/sensor?serial=S-9", "/make/night"})
     CHECK(page.data_of(none, 404).contains("error"));
@@ -112,7 +112,7 @@ TEST_CASE("page words: documents that cannot be asked for, and a night's page th
                            Catch::Contains("sandbox allow-popups"));
 }
 
-TEST_CASE("page words: links with their tokens, of all addresses and of names of one's own") {
+TEST_CASE("page server: links contain the tokens, and its own names are accepted as hosts") {
   WordsPage page([](bench::PageOptions& options) { options.names = {"rig"}; });
   const bench::PageAccess& access = page.server->access();
   const std::string place = fmt::format("http://127.0.0.1:{}/#{}", page.server->port(), access.read_token);
@@ -142,7 +142,7 @@ TEST_CASE("page words: links with their tokens, of all addresses and of names of
   CHECK(asks(everywhere, "192.0.2.200") == 421);  // of documents, no machine's
 }
 
-TEST_CASE("page words: it ends when its owner says so, or beside a process that has ended while nobody looks") {
+TEST_CASE("page server: ends on request, or after the process next to it has ended and nobody is viewing") {
   bench::PageOptions options;
   bench::PageServer server(options);
   int asked = 0;
@@ -166,7 +166,7 @@ TEST_CASE("page words: it ends when its owner says so, or beside a process that 
   CHECK(asked == 3);
 }
 
-TEST_CASE("page words: a command without a live run is not taken, and noted with who asked") {
+TEST_CASE("page server: a command without a live run is refused, and logged with the sender") {
   Captured noted(stderr);
   WordsPage page([](bench::PageOptions& options) { store_page_run(options.db); });
   const json answer = page.command({{"word", "pause"}, {"run", 1}});

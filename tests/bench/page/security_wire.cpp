@@ -39,7 +39,7 @@ constexpr const char* kPause = R"({"word":"pause","run":1})";
 
 }  // namespace
 
-TEST_CASE("page: who may read: the link's token, in a header, from this server's own name and page") {
+TEST_CASE("page: reading needs the token of the link in a header, and a request from its own name and page") {
   const GuardedPage page;
   for (const std::string& token : {page.reads(), page.commands()})
     CHECK(status_of(page.ask("GET /runs", token, "Sec-Fetch-Site: same-origin\r\n")) == 200);
@@ -73,7 +73,7 @@ TEST_CASE("page: who may read: the link's token, in a header, from this server's
   }
 }
 
-TEST_CASE("page: who may command: the operator's token, by the page's own kind of request") {
+TEST_CASE("page: commanding needs the token of the operator, and a same-origin JSON request of the page") {
   const GuardedPage page;
   const auto commanded = [&](const std::string& token, const std::string& fields, const std::string& body) {
     return status_of(page.ask("POST /command", token, fields, body));
@@ -93,7 +93,7 @@ TEST_CASE("page: who may command: the operator's token, by the page's own kind o
   CHECK(status_of(without.ask("POST /command", "", std::string("Authorization: Bearer \r\n") + kJson, kPause)) == 401);
 }
 
-TEST_CASE("page: a body that never comes and requests that drip hold nothing up") {
+TEST_CASE("page: a missing body and slowly sent requests do not block other requests") {
   const GuardedPage page;
   RawClient announced(page.server->port());
   REQUIRE(announced.send(page.head("POST /command", "", "Content-Length: 1000000\r\n")));
@@ -111,7 +111,7 @@ TEST_CASE("page: a body that never comes and requests that drip hold nothing up"
   CHECK_FALSE(kept);
 }
 
-TEST_CASE("page: every answer carries the fields that keep it to itself, and the page loads from nowhere else") {
+TEST_CASE("page: every answer has the security headers, and the page loads nothing from other sites") {
   const GuardedPage page;
   for (const char* path : {"/", "/page.js", "/nothing", "/runs"}) {
     INFO(path);

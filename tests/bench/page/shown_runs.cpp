@@ -82,7 +82,7 @@ LiveRun loaded_run() {
 
 }  // namespace
 
-TEST_CASE("shown run: of an empty store nothing, with each member, and of a missing one why") {
+TEST_CASE("shown run: an empty store gives a state with all members, a missing store states the reason") {
   const ShownStore made;
   const nlohmann::json empty = made.shown();
   CHECK((empty["live"] == false && empty["silent_s"] == 1.5 && empty["store"] == made.path));
@@ -102,7 +102,7 @@ TEST_CASE("shown run: of an empty store nothing, with each member, and of a miss
   CHECK(why.empty());
 }
 
-TEST_CASE("shown run: the last one, or the last of a bench, with what to type next and its safe state") {
+TEST_CASE("shown run: the last run of the store or bench, with the next command and its safe state") {
   ShownStore made;
   (void)made.add();
   (void)made.add({.bench_id = "bench-b", .outcome = db::Outcome::kFailed});
@@ -121,7 +121,7 @@ TEST_CASE("shown run: the last one, or the last of a bench, with what to type ne
   CHECK_FALSE(made.shown("bench-c").contains("view"));
 }
 
-TEST_CASE("shown run: before it the sensor's last completed run of its origin that counts") {
+TEST_CASE("shown run: the run before it is the last completed valid run of the same sensor and origin") {
   ShownStore made;
   (void)made.add();                                    // 1
   (void)made.add();                                    // 2
@@ -135,7 +135,7 @@ TEST_CASE("shown run: before it the sensor's last completed run of its origin th
   CHECK(made.shown("bench-b")["before"] == 2);
 }
 
-TEST_CASE("shown run: its newest dozen of events that tell how it goes, newest first, and what to do about them") {
+TEST_CASE("shown run: lists the twelve newest events about progress, newest first, with remedies") {
   ShownStore made;
   const std::int64_t run = made.add({.outcome = db::Outcome::kIncomplete});
   const auto tell = [&](const char* kind, const char* id, const std::string& detail) {
@@ -157,7 +157,7 @@ TEST_CASE("shown run: its newest dozen of events that tell how it goes, newest f
   CHECK(made.shown()["safe"]["state"] == "proved");  // its event is older than the dozen
 }
 
-TEST_CASE("shown run: a live run has its own words beside what the store holds, while it is that run") {
+TEST_CASE("shown run: the status of a live run is combined with its stored data") {
   ShownStore made;
   (void)made.add();
   const std::int64_t run = made.add({.outcome = db::Outcome::kIncomplete, .frames = 2});
@@ -195,7 +195,7 @@ TEST_CASE("shown run: a live run has its own words beside what the store holds, 
   CHECK(other["origin"] == "simulated");
 }
 
-TEST_CASE("shown run: a live run's new frames are shown at once, its end is read as it is stored") {
+TEST_CASE("shown run: new frames of a live run appear at once, its end appears when it is stored") {
   ShownStore made;
   const std::int64_t run = made.add({.outcome = db::Outcome::kIncomplete});
   RunOnShow show(made.path, "");
@@ -223,7 +223,7 @@ TEST_CASE("shown run: a live run's new frames are shown at once, its end is read
   CHECK(show.picture()["position"] == 3);
 }
 
-TEST_CASE("shown run: a store that was replaced is opened anew") {
+TEST_CASE("shown run: a replaced store is opened again") {
   ShownStore made, other;
   (void)made.add();
   RunOnShow show(made.path, "");
@@ -242,7 +242,7 @@ TEST_CASE("shown run: a store that was replaced is opened anew") {
   CHECK(show.store()->runs().size() == 2);
 }
 
-TEST_CASE("page lists: runs newest first with verdict and report, sensors with their calibration, nights") {
+TEST_CASE("page lists: runs newest first with verdict and report, sensors with calibration, nights") {
   ShownStore made;
   CHECK(runs_list(made.store)["runs"].empty());
   CHECK(kept_nights(made.store) == 0);
@@ -302,7 +302,7 @@ TEST_CASE("page lists: runs newest first with verdict and report, sensors with t
   CHECK(kept_nights(made.store) == 1);
 }
 
-TEST_CASE("page lists: five hundred runs at most, the newest, and the number of those left out") {
+TEST_CASE("page lists: at most the newest five hundred runs, and the number of those left out") {
   ShownStore made;
   for (int i = 0; i < 502; ++i) (void)made.add({.frames = 0});
   const nlohmann::ordered_json some = runs_list(made.store);
@@ -312,7 +312,7 @@ TEST_CASE("page lists: five hundred runs at most, the newest, and the number of 
   CHECK(some["runs"][499]["run"] == 3);
 }
 
-TEST_CASE("page: a live run's readings, with force and target where it presses") {
+TEST_CASE("page: the readings of a live run, with force and target if it presses") {
   LiveRun live = loaded_run();
   live.status.phase = "moving";
   live.status.step = 3;
@@ -334,7 +334,7 @@ TEST_CASE("page: a live run's readings, with force and target where it presses")
     CHECK_FALSE(readings_json(live).contains(none));
 }
 
-TEST_CASE("page: the safe state of a live run loaded, resting and proved") {
+TEST_CASE("page: safe state of a live run: loaded, paused or proved") {
   LiveRun live = loaded_run();
   const db::EventRecord proved{1, "safe", "verified", "two witnesses"};
   CHECK(safe_words(&live, nullptr, proved).state == "loaded");
@@ -350,7 +350,7 @@ TEST_CASE("page: the safe state of a live run loaded, resting and proved") {
   CHECK(safe_words(&live, nullptr, proved).state == "loaded");
 }
 
-TEST_CASE("page: the safe state of a run that has ended, by its last event or its reason") {
+TEST_CASE("page: the safe state of an ended run follows from its last event or its reason") {
   CHECK(safe_words(nullptr, nullptr, std::nullopt).state == "none");
   StoredRun stored;
   stored.record.reason = "all steps done";

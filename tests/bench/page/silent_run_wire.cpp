@@ -71,7 +71,7 @@ bool is_live(const WordsPage& page) {
 
 }  // namespace
 
-TEST_CASE("silent run: sixteen commands wait, one more is refused but a panic, and each is told what became of it") {
+TEST_CASE("silent run: sixteen commands wait, a further one is refused except panic, and each gets its result") {
   SocketRun run("page-words");
   WordsPage page;
   CHECK(run.accept() == "follow");
@@ -97,7 +97,7 @@ TEST_CASE("silent run: sixteen commands wait, one more is refused but a panic, a
   CHECK_THAT(run.accept(), Catch::StartsWith("stop\n"));
 }
 
-TEST_CASE("silent run: one that denies or is of another store is not followed, and what is no answer is passed over") {
+TEST_CASE("silent run: a run that denies access or uses another store is not followed, invalid answers are ignored") {
   SocketRun run("page-words");
   WordsPage page;
   CHECK(run.accept() == "follow");

@@ -35,7 +35,7 @@ Error refusal_to_listen(const HttpOptions& options) {
 
 }  // namespace
 
-TEST_CASE("page: an address that is none, or another machine's, or a taken port is refused") {
+TEST_CASE("page: an invalid address, an address of another machine and a port in use are rejected") {
   HttpOptions options;
   options.address = "not-an-address";
   options.port = 8123;
@@ -52,7 +52,7 @@ TEST_CASE("page: an address that is none, or another machine's, or a taken port 
   CHECK(refusal_to_listen(free).id() == "TB-PAGE-ADDRESS");
 }
 
-TEST_CASE("page: a certificate or a key that does not serve is refused by its file") {
+TEST_CASE("page: an unusable certificate or key is rejected, and the error names the file") {
   const TemporaryFolder folder;
   const auto write = [&](const char* name, const std::string& text) {
     write_file(folder.path(name), text);

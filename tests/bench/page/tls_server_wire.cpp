@@ -68,7 +68,7 @@ std::string asked_over_tls(std::uint16_t port, const std::string& request, int v
 
 }  // namespace
 
-TEST_CASE("page over TLS: requests and answers of any length, by TLS 1.2 and 1.3, and nothing without it") {
+TEST_CASE("page over TLS: answers of any length by TLS 1.2 and 1.3, and no answer without TLS") {
   const TemporaryFolder folder;
   const MadeCertificate made(folder, "a");
   HttpOptions options;

@@ -84,7 +84,7 @@ db::RunRecord run_of_bench(const std::string& toml) {
 
 }  // namespace
 
-TEST_CASE("budget runs: more than a day apart is another day, before or after, in whole days") {
+TEST_CASE("budget runs: runs more than a day apart, before or after, count as another day") {
   BudgetStore made;
   FilmRun hardware;
   hardware.origin = "hardware";
@@ -109,7 +109,7 @@ TEST_CASE("budget runs: more than a day apart is another day, before or after, i
   CHECK_FALSE(made.change(mounted).any());
 }
 
-TEST_CASE("budget runs: what the simulated sensor's configuration tells of age, specimen and each part of its mount") {
+TEST_CASE("budget runs: age, specimen and mount are compared by the configuration of the simulated sensor") {
   BudgetStore made;
   (void)made.add({});
   CHECK_FALSE(made.change({}).any());
@@ -139,7 +139,7 @@ TEST_CASE("budget runs: what the simulated sensor's configuration tells of age, 
   }
 }
 
-TEST_CASE("budget runs: another temperature by two kelvin, of readings or of the simulated sensor") {
+TEST_CASE("budget runs: two kelvin count as another temperature, as measured or of the simulated sensor") {
   BudgetStore made;
   FilmRun measured;
   measured.temperatures_c = {22.0, 24.0};
@@ -174,7 +174,7 @@ TEST_CASE("budget runs: another temperature by two kelvin, of readings or of the
   CHECK_FALSE(bench::temperature_differs(unread, warm, runs.dataset(1), runs.dataset(1)));
 }
 
-TEST_CASE("budget runs: a thermometer resolves one count of its register, and no less than what is stored") {
+TEST_CASE("budget runs: the resolution of a thermometer is one register count, and at least that of the stored value") {
   const auto step = [](const std::string& sensors) {
     return bench::thermometer_step_c(run_of_bench(bench_text("simulated") + sensors));
   };
@@ -193,7 +193,7 @@ TEST_CASE("budget runs: a thermometer resolves one count of its register, and no
              sensor("temperature_c", "raw_span = [0, 1000]\nspan_c = [0, 20]\n")) == Approx(0.05));
 }
 
-TEST_CASE("budget runs: a held-out run is evidence for the one state that sets it apart, whatever its dwell") {
+TEST_CASE("budget runs: a held-out run is evidence for the only condition that differs, whatever its dwell") {
   BudgetStore made;
   (void)made.add({});                                              // 1
   (void)made.add({});                                              // 2
@@ -211,7 +211,7 @@ TEST_CASE("budget runs: a held-out run is evidence for the one state that sets i
   CHECK(made.history({1, 2, 3, 4, 5, 6, 7, 8, 9, 10}) == "same 2 6 later 3 9 warm 5 mounted 4 paced");
 }
 
-TEST_CASE("budget runs: studies of mounts, and runs without a role as candidates for the effect of dwell, each once") {
+TEST_CASE("budget runs: mount studies, and runs without a role as candidates for the dwell effect, each once") {
   BudgetStore made;
   for (int i = 0; i < 4; ++i) (void)made.add({});
   (void)made.add(film_at("2026-03-11T00:00:00Z"));
@@ -222,7 +222,7 @@ TEST_CASE("budget runs: studies of mounts, and runs without a role as candidates
   CHECK(made.history({}, {}, {"2"}) == "same later warm mounted paced 2");
 }
 
-TEST_CASE("budget runs: what studies found goes in, with the roots of two mounts") {
+TEST_CASE("budget runs: study results enter the budget, mounting shares are multiplied by the root of two") {
   BudgetStore made;
   (void)made.add({});
   const analysis::UncertaintyInputs none = made.inputs({});
@@ -251,7 +251,7 @@ TEST_CASE("budget runs: what studies found goes in, with the roots of two mounts
   CHECK(found.mounting_own->dof == 45.0);
 }
 
-TEST_CASE("budget runs: a warmer run of another state keeps the effect of temperature open, and says why") {
+TEST_CASE("budget runs: a warmer run in another state leaves temperature not assessed, and gives the reason") {
   BudgetStore made;
   FilmRun own, warm;
   own.temperatures_c = {23.0};
@@ -316,7 +316,7 @@ class NotedRuns : public FilmStore {
 
 }  // namespace
 
-TEST_CASE("noted conditions: a judged run that is like that of the models leaves five sources open") {
+TEST_CASE("noted conditions: a judged run equal to that of the models leaves five uncertainty sources open") {
   NotedRuns made;
   (void)made.add();
   const std::int64_t same = made.add();
@@ -324,7 +324,7 @@ TEST_CASE("noted conditions: a judged run that is like that of the models leaves
   CHECK(made.missing(same) == kAllOpen);
 }
 
-TEST_CASE("noted conditions: each source by a judged run that shows it") {
+TEST_CASE("noted conditions: each uncertainty source is closed by a judged run that varies it") {
   NotedRuns made;
   (void)made.add();
   const std::int64_t same = made.add(), mounted = made.add_set({{"simulation.mount_seed", "1"}});
@@ -344,7 +344,7 @@ TEST_CASE("noted conditions: each source by a judged run that shows it") {
   CHECK(made.missing(same) == "history; re-mounting; temperature; time; ");
 }
 
-TEST_CASE("noted conditions: hardware, and a bench that cannot be read or is not simulated, tell of no mount and age") {
+TEST_CASE("noted conditions: hardware, unreadable and not simulated benches give no information on mount and age") {
   NotedRuns made;
   FilmRun hardware;
   hardware.origin = "hardware";
@@ -367,7 +367,7 @@ TEST_CASE("noted conditions: hardware, and a bench that cannot be read or is not
 }
 
 TEST_CASE(
-    "noted conditions: dwell as it was set, the mean of the repeats', and of a changed recipe as the frames say") {
+    "noted conditions: dwell is the recipe setting, the mean over repeats, or from the frames if it cannot be read") {
   NotedRuns made;
   (void)made.add();
   const auto dwells = [&](std::int64_t run) {

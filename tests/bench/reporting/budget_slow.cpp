@@ -158,7 +158,7 @@ Coverage coverage_of(const db::RunStore& store, std::int64_t run, const std::vec
 
 }  // namespace
 
-TEST_CASE("creep's uncertainty is what the error moves by in a hold of ten minutes, and U covers nine tenths of it") {
+TEST_CASE("creep uncertainty: agrees with the error change in a ten-minute hold, and U covers 90 % of the readings") {
   const db::RunStore store = db::RunStore::open_read_only(budget_runs().path("runs.db"));
   const Coverage own = coverage_of(store, 2, {2});
   CAPTURE(own.within_u, own.within_u_without, own.beyond_half_width, own.end_of_half_width, own.rms_of_u);
@@ -181,7 +181,7 @@ TEST_CASE("creep's uncertainty is what the error moves by in a hold of ten minut
   CHECK(both.rms_of_u < 1.25);
 }
 
-TEST_CASE("a branch that was held has its own creep") {
+TEST_CASE("creep uncertainty: branches with a hold are assessed by their own creep") {
   const TemporaryFolder& folder = budget_runs();
   const json one = reading_of(folder, {"report", "1", "2"}), both = reading_of(folder, {"report", "1", "2", "7"});
   REQUIRE(both["creep"]["levels"].size() == 5);
@@ -207,7 +207,7 @@ TEST_CASE("a branch that was held has its own creep") {
   }
 }
 
-TEST_CASE("a report finds the film's temperature coefficient and its creep") {
+TEST_CASE("report: finds the temperature coefficient and the creep of the film") {
   const TemporaryFolder& folder = budget_runs();
   const json alone = reading_of(folder, {"report", "1"});
   CHECK(alone["not_assessed"].contains("creep under load"));
@@ -259,7 +259,7 @@ TEST_CASE("a report finds the film's temperature coefficient and its creep") {
 using namespace tactbench;
 using namespace tactbench::bench;
 
-TEST_CASE("errors of a study: quantiles, coverage and width are those of the samples") {
+TEST_CASE("compensation study: quantiles, coverage and width are those of the samples") {
   StudiedErrors errors;
   for (int i = 1; i <= 100; ++i) {
     analysis::Compensated now;
@@ -275,7 +275,8 @@ TEST_CASE("errors of a study: quantiles, coverage and width are those of the sam
   CHECK(errors.flat() == Approx(0.1));
 }
 
-TEST_CASE("a route names what is fitted, runs for lag and creep, and settings of the first run") {
+TEST_CASE(
+    "compensation study: a route names the fitted recipes, runs for lag and creep, and settings of the first run") {
   const Route route = route_of("mine=a+b.toml:rate:creep-levels,recipe.repeats=2,recipe.dwell_s=1");
   CHECK(route.name == "mine");
   REQUIRE(route.runs.size() == 3);
@@ -286,7 +287,7 @@ TEST_CASE("a route names what is fitted, runs for lag and creep, and settings of
   CHECK_THROWS_AS(route_of("production"), std::invalid_argument);
 }
 
-TEST_CASE("histories keep to the pressures that their names promise, and begin at rest unless they say otherwise") {
+TEST_CASE("compensation study: histories stay within their pressures, and start at rest unless the start is unknown") {
   const std::vector<std::size_t> taxels = {0, 100};
   const PlantOptions plant = simulated_request({{}, {}}, {SpecimenKind::kHarsh, 7}, 1).bench.simulation->plant;
   for (const HistoryKind& kind : history_kinds()) {
@@ -306,7 +307,7 @@ TEST_CASE("histories keep to the pressures that their names promise, and begin a
   }
 }
 
-TEST_CASE("a small study has errors of every kind, the way that calibrate goes first, and nothing twice") {
+TEST_CASE("compensation study: a small study has errors of every kind, the default route first, and no duplicates") {
   const tests::TemporaryFolder folder;
   CompensationOptions options;
   options.seed = "1";
@@ -385,7 +386,7 @@ void add_spikes(const analysis::SensorModel& model, const analysis::ModelTaxel& 
 
 }  // namespace
 
-TEST_CASE("streams of every model along every kind of history: clean samples are not flagged, spikes stay alone") {
+TEST_CASE("streams: for every model and history, clean samples are not flagged, and a spike affects only itself") {
   const tests::TemporaryFolder folder;
   const std::vector<std::size_t> taxels = {3, 119};
   for (const SpecimenKind specimen : {SpecimenKind::kPaper, SpecimenKind::kHarsh, SpecimenKind::kFoam}) {

@@ -38,7 +38,7 @@ bool leaves_open(const json& judgement, const std::string& source) {
 
 }  // namespace
 
-TEST_CASE("U of an error in one mount is no U of the sensor mounted anew or a month later, and the pass says so") {
+TEST_CASE("conditions: U of one mount does not cover a re-mount or a month later, and the pass states that") {
   // The audit: 0.067 psi in the same mount, and the same sensor 0.690 psi re-mounted, 1.076 psi after a month.
   const TemporaryFolder folder;
   REQUIRE(call(folder, {"init"}).code == 0);
@@ -138,7 +138,7 @@ struct FromStore {
 
 }  // namespace
 
-TEST_CASE("decision rules end with their exit codes, warn, are stored and verified") {
+TEST_CASE("decision rules: give their exit codes and warnings, and are stored and verified") {
   const TemporaryFolder folder;
   carry_out_run(folder);
   const FromStore stored(folder);
@@ -182,7 +182,7 @@ TEST_CASE("decision rules end with their exit codes, warn, are stored and verifi
   CHECK_THAT(wrong.err, Catch::Contains("[TB-FILE-VALUE]") && Catch::Contains("near.toml:3"));
 }
 
-TEST_CASE("the report's uncertainty is the one recomputed from the store") {
+TEST_CASE("report: its uncertainty equals the one recomputed from the store") {
   const TemporaryFolder folder;
   carry_out_run(folder);
   // 8 psi is no level of this run.
@@ -253,7 +253,7 @@ double share_held(const KnownRun& run, const SensorModel& fit, const ConditionUn
 
 }  // namespace
 
-TEST_CASE("reference chain: an error of the voltage input is within U by its row, and not without it") {
+TEST_CASE("reference chain: a voltage input error is within U only if its limit is stated") {
   const TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   double with = 0.0, without = 0.0;
@@ -363,7 +363,7 @@ double rms_of(const std::vector<double>& values) {
 
 }  // namespace
 
-TEST_CASE("a tilted chamber's map is found by turning the sensor, and a level chamber has none") {
+TEST_CASE("chamber uniformity: turning the sensor reveals the tilt of a chamber, and none in a level chamber") {
   const analysis::ReportInput tilted_input = turned_runs(kTilt), level_input = turned_runs(0.0);
   const analysis::Uniformity &tilted = tilted_input.more.studies.uniformity,
                              &level = level_input.more.studies.uniformity;

@@ -39,12 +39,11 @@ void check_coverage(bench::SpecimenKind specimen, std::uint64_t seed, int stated
 
 }  // namespace
 
-TEST_CASE(
-    "U holds 92 to 98.5 % of the readings of the paper's specimen of each kind of history that it is stated for") {
+TEST_CASE("U covers 92 to 98.5 % of readings of the paper specimen, for each kind of history that it is stated for") {
   check_coverage(bench::SpecimenKind::kPaper, 4100, 5);
 }
 
-TEST_CASE("U holds 92 to 98.5 % of the readings of the harsh specimen of each kind of history that it is stated for") {
+TEST_CASE("U covers 92 to 98.5 % of readings of the harsh specimen, for each kind of history that it is stated for") {
   check_coverage(bench::SpecimenKind::kHarsh, 4200, 4);
 }
 
@@ -87,7 +86,7 @@ Held held_of(const analysis::SensorModel& model, const bench::KnownRun& run) {
 
 }  // namespace
 
-TEST_CASE("twice the uncertainty of ELAM's frames holds 90 to 98 % of random reversals, noise alone few") {
+TEST_CASE("ELAM frames: 2 u covers 90 to 98 % of random reversals, noise alone covers few") {
   const TemporaryFolder folder;
   Held with, alone;
   for (const unsigned sensor_seed : {91U, 92U}) {

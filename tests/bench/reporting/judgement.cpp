@@ -26,8 +26,7 @@ std::string counted_runs(const analysis::Evidence& evidence) {
 
 }  // namespace
 
-TEST_CASE(
-    "evidence: each run but the models' own counts, the own figures are gathered only where there are no others") {
+TEST_CASE("evidence: held-out runs count, the run of the models itself only if there is no other") {
   const JudgedStore made(3);
   const auto own = film_evaluation(1, 0.25), second = film_evaluation(2, 0.5), third = film_evaluation(3, 2.0);
   CHECK(made.evidence({}).runs.empty());
@@ -43,7 +42,7 @@ TEST_CASE(
   CHECK(counted_runs(made.evidence({own, third, second}, false, {}, with_creep)) == "1 own; 3 yes +; 2 own; ");
 }
 
-TEST_CASE("evidence: without a certificate U of an error is not known, that of a difference is") {
+TEST_CASE("evidence: without a certificate U of an error is unknown, U of a difference is known") {
   const JudgedStore made(2);
   const std::vector<analysis::Figure> figures = made.evidence({film_evaluation(2, 0.5)}).runs[0].figures;
   REQUIRE(figures.size() > 4);
@@ -53,7 +52,7 @@ TEST_CASE("evidence: without a certificate U of an error is not known, that of a
   CHECK(figures[3].u.expanded == 0.0);
 }
 
-TEST_CASE("evidence: a void run is known with its reason, and gathered on request") {
+TEST_CASE("evidence: a void run is listed with its reason, and counted only on request") {
   JudgedStore made(3);
   made.declare_void(3);
   const std::vector<bench::NamedEvaluation> all = {film_evaluation(1, 0.25), film_evaluation(3, 2.0),
@@ -69,7 +68,7 @@ TEST_CASE("evidence: a void run is known with its reason, and gathered on reques
   CHECK(counted_runs(made.evidence(all, true)) == "1 own; 3 asked +; 2 yes +; ");
 }
 
-TEST_CASE("evidence: the reference is that of the run's day, with what a laboratory's file says of it") {
+TEST_CASE("evidence: the reference data are those on the day of the run, updated by a laboratory file") {
   JudgedStore made(1);
   FilmRun dated;
   dated.calibration = R"({"calibrated":"2019-01-01","due":"2020-01-01"})";
@@ -94,7 +93,8 @@ TEST_CASE("evidence: the reference is that of the run's day, with what a laborat
 using namespace tactbench;
 using namespace tactbench::tests;
 
-TEST_CASE("stored judgement: rows of all fits with the same models, the newest limits, and what no longer counts") {
+TEST_CASE(
+    "stored judgement: has verdicts of all fits with the same models and the newest limits, marks lost evidence") {
   JudgedStore made(5);
   const analysis::SensorModel models = film_line_model(), others = film_line_model(0.03125);
   CHECK(made.kept(models) == "||");
@@ -126,7 +126,7 @@ TEST_CASE("stored judgement: rows of all fits with the same models, the newest l
   CHECK_THAT(made.kept(kept), Catch::StartsWith("1 mean_compensation_error 0.125 of 1: inconclusive; ||"));
 }
 
-TEST_CASE("judged and stored: rows of each run with the fit, none by a file that only reports, worse ones of before") {
+TEST_CASE("judge: verdicts of each run are stored with the fit, none by report-only limits, earlier worse ones count") {
   JudgedStore made(3);
   analysis::SensorModel models = film_line_model();
   models.fit = made.keep(models);
@@ -171,7 +171,7 @@ TEST_CASE("judged and stored: rows of each run with the fit, none by a file that
   CHECK(film_mean_words(judge("b.toml").figures) == film_mean_words(later.figures));
 }
 
-TEST_CASE("judged for a report: by the file named, else by the limits last used, else not at all") {
+TEST_CASE("report judgement: by the named limits file, or by the last used limits, or none") {
   JudgedStore made(2);
   analysis::Runs runs(made.store);
   write_file(made.path("b.toml"), film_limits_text(0.125, "simple", "b"));
@@ -188,7 +188,7 @@ TEST_CASE("judged for a report: by the file named, else by the limits last used,
   CHECK(judged(made.path("b.toml")) == "2 mean_compensation_error 0.5 of 0.125: fail; ");
 }
 
-TEST_CASE("evaluations are named: the fit's own, titles as typed, and numbers of the others") {
+TEST_CASE("evaluations: the run of the fit comes first, others are titled as typed or by run number") {
   JudgedStore made(3);
   analysis::Runs runs(made.store);
   const auto named = bench::evaluate_runs(runs, film_line_model(), {3, 2}, {"warmer"});
@@ -253,7 +253,7 @@ class StandingByHand : public tests::FilmStore {
 
 }  // namespace
 
-TEST_CASE("standing verdicts: those on a run, and those on other runs by its models") {
+TEST_CASE("valid verdicts: those on a run, and those on other runs by its models") {
   StandingByHand made;
   made.add_runs(4);
   const std::int64_t fit = made.add_fit(1), other = made.add_fit(4);
@@ -272,8 +272,7 @@ TEST_CASE("standing verdicts: those on a run, and those on other runs by its mod
   CHECK(made.decided(4) == "pass");
 }
 
-TEST_CASE(
-    "standing verdicts: figures on the models' own run are inconclusive, and count only without independent ones") {
+TEST_CASE("valid verdicts: on the run of the models they are inconclusive, and count only without independent ones") {
   StandingByHand made;
   made.add_runs(3);
   const std::int64_t fit = made.add_fit(1);
@@ -291,7 +290,7 @@ TEST_CASE(
   CHECK(made.standing(1) == "1 on 3: fail; 2 on 1: pass; ");
 }
 
-TEST_CASE("standing verdicts: none on a void run, nor by a void run's models") {
+TEST_CASE("valid verdicts: none on a void run, and none by models of a void run") {
   StandingByHand made;
   made.add_runs(4);
   const std::int64_t fit = made.add_fit(1), other = made.add_fit(4);
@@ -311,7 +310,7 @@ TEST_CASE("standing verdicts: none on a void run, nor by a void run's models") {
   CHECK(made.judgement(2) == "| | not judged");
 }
 
-TEST_CASE("standing verdicts: of several limits the newest decide, and a fail by any") {
+TEST_CASE("valid verdicts: with several limits the newest decide, but a fail by any counts") {
   StandingByHand made;
   made.add_runs(2);
   const std::int64_t fit = made.add_fit(1);
@@ -327,7 +326,7 @@ TEST_CASE("standing verdicts: of several limits the newest decide, and a fail by
   CHECK(made.judgement(2) == "2 on 1: pass; | 2 on 1: inconclusive; 2 on 1: conditional pass; 2 on 1: fail; | ");
 }
 
-TEST_CASE("standing verdicts: of two fits with one run the newest one's rows are the judgement") {
+TEST_CASE("valid verdicts: of two fits with the same run the newest gives the judgement") {
   StandingByHand made;
   made.add_runs(2);
   const std::int64_t first = made.add_fit(1, "gpi"), second = made.add_fit(1);
@@ -336,7 +335,7 @@ TEST_CASE("standing verdicts: of two fits with one run the newest one's rows are
   CHECK(made.judgement(2) == "2 on 1: pass; 2 on 1: pass; | 2 on 1: fail; | ");
 }
 
-TEST_CASE("standing verdicts: a pass rests on means alone where no requirement is on single readings") {
+TEST_CASE("valid verdicts: a pass rests on means only if no requirement is for single readings") {
   StandingByHand made;
   made.add_runs(2);
   const std::int64_t fit = made.add_fit(1);

@@ -21,7 +21,7 @@ std::string shipped_text(const std::string& recipe) { return tests::read_file(fi
 
 }  // namespace
 
-TEST_CASE("method: what was set goes in, by the recipe and by its overrides") {
+TEST_CASE("method text: states the settings of the recipe and its overrides") {
   const std::string toml = shipped_text("descending");
   REQUIRE(method_words(run_of(toml)).size() == 1);
   const std::string set = method_words(run_of(toml, R"([{"key":"recipe.dwell_s","value":"2.5"},)"

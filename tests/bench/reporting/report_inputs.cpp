@@ -28,7 +28,7 @@ bench::Judged judged_by(analysis::Runs& runs, const analysis::SensorModel& model
 
 }  // namespace
 
-TEST_CASE("report input: the run, its evaluation, held-out runs with their titles, and verdicts as they stand") {
+TEST_CASE("report input: has the run, its evaluation, held-out runs with titles, and valid verdicts") {
   JudgedStore made(4);
   analysis::Runs runs(made.store);
   const analysis::SensorModel models = film_line_model();
@@ -58,7 +58,7 @@ TEST_CASE("report input: the run, its evaluation, held-out runs with their title
   CHECK(bare.evaluation.levels.empty());
 }
 
-TEST_CASE("report input: a laboratory is as given, and of its dates verdicts are withheld") {
+TEST_CASE("report input: the laboratory is included, and its due dates withhold verdicts") {
   JudgedStore made(2);
   analysis::Runs runs(made.store);
   const analysis::SensorModel models = film_line_model();
@@ -80,7 +80,7 @@ TEST_CASE("report input: a laboratory is as given, and of its dates verdicts are
   CHECK(input.evaluation.levels.empty());
 }
 
-TEST_CASE("charted of a sensor: figures of the models that stand for a run, under its recipes") {
+TEST_CASE("sensor trend: values come from the models in use for a run, grouped by its recipes") {
   FilmStore made;
   FilmRun two;
   two.levels = kFilmInnerLoop;

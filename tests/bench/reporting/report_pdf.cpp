@@ -84,7 +84,7 @@ TEST_CASE("PDF by weasyprint: of the page alone, dated as the report") {
   CHECK_FALSE(std::filesystem::exists(folder));
 }
 
-TEST_CASE("PDF dates: each one of the two fields, at most two characters behind its name, and with all its digits") {
+TEST_CASE("PDF dates: only complete dates close behind the two date keys are replaced") {
   PdfByScript made;
   made.add("weasyprint");
   const std::string old = "(D:19700101000000", now = "(D:20260301123456";
@@ -98,7 +98,7 @@ TEST_CASE("PDF dates: each one of the two fields, at most two characters behind 
   CHECK(made.dated("/OtherDate" + old + " none") == "/OtherDate" + old + " none");
 }
 
-TEST_CASE("PDF dates: the document's date in seconds and digits, and one that says nothing where it is cut off") {
+TEST_CASE("PDF dates: the date of the document is used, an incomplete one gives a fixed date") {
   PdfByScript made;
   made.add("weasyprint");
   const std::string old = "/ModDate(D:19700101000000)";
@@ -118,7 +118,7 @@ TEST_CASE("PDF dates: the document's date in seconds and digits, and one that sa
   CHECK(both("1999-12-31 about noon") == "946598400 19991231000000");
 }
 
-TEST_CASE("PDF by a browser: every word, with a profile and files of the page's own folder, which is gone afterwards") {
+TEST_CASE("PDF by a browser: options, private profile and temporary folder, which is removed afterwards") {
   PdfByScript made;
   made.add("chromium-browser", "folder=${last#file://}\ncp \"$folder\" \"$HERE/page\"\n");
   CHECK(write_pdf(made.request) == made.folder.path("bin/chromium-browser"));
@@ -141,7 +141,7 @@ TEST_CASE("PDF by a browser: every word, with a profile and files of the page's 
   CHECK_FALSE(std::filesystem::exists(folder));
 }
 
-TEST_CASE("PDF: a browser before weasyprint, of several the first name, one on request, and none that is not there") {
+TEST_CASE("PDF: prefers a browser to weasyprint, by order of names, or uses the requested program if present") {
   PdfByScript made;
   for (const char* name : {"weasyprint", "google-chrome-stable", "google-chrome", "chromium-browser"}) made.add(name);
   CHECK(made.made_by() == "chromium-browser");
@@ -161,7 +161,7 @@ TEST_CASE("PDF: a browser before weasyprint, of several the first name, one on r
   CHECK(made.made_by().empty());
 }
 
-TEST_CASE("PDF: a program that fails, is ended by a signal, writes nothing or no PDF is refused") {
+TEST_CASE("PDF: a program that fails, is killed, or writes no PDF is an error") {
   PdfByScript made;
   const std::string to_last = "#!/bin/sh\nfor last in \"$@\"; do :; done\nprintf '%s' ";
   for (const std::string& script : {to_last + "'%PDF-1.7' >\"$last\"\nexit 3\n", std::string("#!/bin/sh\nexit 0\n"),
@@ -174,7 +174,7 @@ TEST_CASE("PDF: a program that fails, is ended by a signal, writes nothing or no
   }
 }
 
-TEST_CASE("PDF: a file of another kind is written over on request alone") {
+TEST_CASE("PDF: a file of another kind is overwritten on request only") {
   PdfByScript made;
   made.add("weasyprint");
   write_file(made.request.path, "diary");
@@ -184,7 +184,7 @@ TEST_CASE("PDF: a file of another kind is written over on request alone") {
   CHECK(read_file(made.request.path) == "%PDF-");
 }
 
-TEST_CASE("PDF: what a program leaves running ends with it") {
+TEST_CASE("PDF: processes left running by the program are ended") {
   PdfByScript made;
   made.add("weasyprint", "sleep 600 &\nprintf %s $! >\"$HERE/left\"\n");
   (void)made.dated("x");

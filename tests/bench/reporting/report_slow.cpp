@@ -127,7 +127,7 @@ void check_left_out(const JudgedReport& judged, const analysis::Dataset& dataset
 
 }  // namespace
 
-TEST_CASE("a report of a defective sensor names the planted defects and no others, and leaves them out") {
+TEST_CASE("report: of a defective sensor it lists exactly the planted defects, and excludes those taxels") {
   const TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   const std::int64_t good = run_with(store, 1, [](auto&) {});
@@ -249,7 +249,7 @@ void check_contact(const json& report, const db::RunStore& store, std::int64_t r
 
 }  // namespace
 
-TEST_CASE("models, compensation, studies and objects of a report are what the store gives") {
+TEST_CASE("report: models, compensation, studies and objects equal those computed from the store") {
   const TemporaryFolder folder;
   REQUIRE(call(folder, {"init"}).code == 0);
   REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
@@ -292,7 +292,7 @@ TEST_CASE("models, compensation, studies and objects of a report are what the st
   CHECK(errors > 0.0);
 }
 
-TEST_CASE("earlier models as a document and as a stored fit find the same") {
+TEST_CASE("as found: earlier models give the same result as a file and as a stored fit") {
   const TemporaryFolder folder;
   REQUIRE(call(folder, {"init"}).code == 0);
   REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);

@@ -49,7 +49,7 @@ struct SensorOverTime : FilmStore {
 
 }  // namespace
 
-TEST_CASE("a sensor's drift: by the models before its newest run, since the first run that was off") {
+TEST_CASE("sensor state: drift is judged by the models before the newest run, since the first drifted run") {
   SensorOverTime made;
   CHECK(made.state().runs.empty());
   CHECK_FALSE(made.state().drift);
@@ -89,7 +89,7 @@ TEST_CASE("a sensor's drift: by the models before its newest run, since the firs
   CHECK(made.state().drift->run == 4);
 }
 
-TEST_CASE("a sensor's verdict is the newest that stands, and counts for as long as the laboratory says") {
+TEST_CASE("sensor state: the verdict is the newest valid one, and expires as the laboratory file states") {
   SensorOverTime made;
   made.measure("2026-03-01");
   made.measure("2026-03-02");
@@ -167,7 +167,7 @@ class AsFoundStore : public JudgedStore {
 
 }  // namespace
 
-TEST_CASE("as found: judged by the limits of the report with the earlier models, and in doubt where they fail") {
+TEST_CASE("as found: earlier models are judged by the limits of the report, and results are in doubt if they fail") {
   AsFoundStore made;
   const analysis::ReportInput passed = made.found(0.5);
   CHECK(film_row_words(passed.more.previous->judgement.figures) ==
@@ -208,7 +208,7 @@ TEST_CASE("as found where no models are named: the newest of the sensor's runs b
   CHECK(before(later) == "2");
 }
 
-TEST_CASE("as found: an overdue reference withholds, and then nothing is in doubt") {
+TEST_CASE("as found: with an overdue reference there is no verdict, and nothing is in doubt") {
   AsFoundStore made;
   FilmRun overdue;
   overdue.calibration = R"({"calibrated":"2019-01-01","due":"2020-01-01"})";
@@ -226,7 +226,7 @@ TEST_CASE("as found: an overdue reference withholds, and then nothing is in doub
   CHECK(input.more.previous->doubt.empty());
 }
 
-TEST_CASE("as found: since the last earlier run of that sensor with a passing verdict that stands") {
+TEST_CASE("as found: doubt starts at the last earlier run of the sensor with a valid passing verdict") {
   AsFoundStore made;
   CHECK(made.doubt() == "all");
   (void)made.add_judged("2026-01-15T12:00:00Z", "fail");
@@ -276,7 +276,7 @@ class NamedByHand : public tests::FilmStore {
 
 }  // namespace
 
-TEST_CASE("named runs: each once, none of the models' own, and void ones only where they may be taken") {
+TEST_CASE("named runs: duplicates and runs of the models are rejected, void runs are accepted only where allowed") {
   NamedByHand made;
   for (int i = 0; i < 3; ++i) made.add();
   CHECK(made.named({2, 1}, {.at = "--held-out", .models_of = 3}, false) == "2 1 ");
@@ -289,7 +289,7 @@ TEST_CASE("named runs: each once, none of the models' own, and void ones only wh
   CHECK_THAT(made.named({2, 3}, {.at = "runs"}, true), Catch::StartsWith("2 3 "));
 }
 
-TEST_CASE("source runs: known by their content, or by their number where it is not told") {
+TEST_CASE("source runs: are found by content hash, or by number if no hash is stored") {
   NamedByHand made;
   for (int i = 0; i < 3; ++i) made.add();
   const std::string second = made.store.run(2).content_sha256;
@@ -318,7 +318,7 @@ TEST_CASE("source runs: known by their content, or by their number where it is n
   CHECK(bench::source_runs(made.store, fit) == RunNumbers{1, 3});
 }
 
-TEST_CASE("signed reports: found in pages, data and by a title in a PDF, and never written over by another") {
+TEST_CASE("signed reports: are recognised in HTML, JSON and PDF, and never overwritten by another file") {
   NamedByHand made;
   const auto holds = [&](const std::string& text) {
     tests::write_file(made.path("r"), text);
@@ -353,7 +353,7 @@ TEST_CASE("signed reports: found in pages, data and by a title in a PDF, and nev
   CHECK(bench::report_path(made.store, "x.html") == made.path("reports/x.html"));
 }
 
-TEST_CASE("a report is not written over that of another store's run, nor over a signed one") {
+TEST_CASE("report path: does not overwrite the report of another store, nor a signed report") {
   NamedByHand made;
   const auto path = [&](const std::string& uuid, const char* ending) {
     const std::string dot = std::string(".") + ending;

@@ -109,7 +109,7 @@ using RunList = std::vector<std::int64_t>;
 
 }  // namespace
 
-TEST_CASE("study results: mounts and turns are held against the report's own run, which comes first") {
+TEST_CASE("study results: mounts and turns are compared with the run of the report, which is listed first") {
   StudiedRuns made;
   FilmRun mounted, turned;
   mounted.set = {{"simulation.mount_seed", "1"}};
@@ -138,7 +138,7 @@ TEST_CASE("study results: mounts and turns are held against the report's own run
   CHECK(both.studies.uniformity.runs == RunList{1, 3});
 }
 
-TEST_CASE("study results: runs at several rates or with holds are each assessed, sequence by sequence") {
+TEST_CASE("study results: runs at several rates or with holds are assessed for each sequence") {
   StudiedRuns made;
   FilmRun paced;
   paced.recipe =
@@ -158,7 +158,7 @@ TEST_CASE("study results: runs at several rates or with holds are each assessed,
   CHECK(made.results({"2"}, 2).studies.rate_hold.runs.size() == 1);
 }
 
-TEST_CASE("study results: a run of plain loops at another temperature is taken, by its thermometer") {
+TEST_CASE("study results: a plain loop run is accepted as a study if its measured temperature differs") {
   StudiedRuns made;
   FilmRun cool, warm;
   cool.temperatures_c = {23.0};
@@ -172,7 +172,7 @@ TEST_CASE("study results: a run of plain loops at another temperature is taken, 
   CHECK_THROWS_AS(made.results({"1"}), bench::Error);
 }
 
-TEST_CASE("study results: presses of the report's own run and of others, with object, sensor, mount and instrument") {
+TEST_CASE("study results: press runs are listed with object, sensor, mount and instrument") {
   StudiedRuns made;
   (void)made.add({});
   const std::int64_t ring = made.add_press({.area_mm2 = 5.5}), flat = made.add_press({.object = "flat", .places = 2});
@@ -190,7 +190,7 @@ TEST_CASE("study results: presses of the report's own run and of others, with ob
   CHECK(made.results({fmt::to_string(ring)}, silent).contacts.size() == 2);
 }
 
-TEST_CASE("study results: the latest registration given serves runs without one, and points show crosstalk") {
+TEST_CASE("study results: the last given registration applies to runs without one, point presses show crosstalk") {
   StudiedRuns made;
   (void)made.add({});
   const std::int64_t before = made.add_press({});
@@ -251,7 +251,7 @@ std::string role_refusal(const std::string& role, const db::RunRecord& own, cons
 
 }  // namespace
 
-TEST_CASE("study roles: a run without a role, or without a record of its own, is believed") {
+TEST_CASE("study roles: without a role, or without contrary records, the stated role is accepted") {
   const db::RunRecord own = placed_run(1);
   CHECK(role_refusal("", own, simulated_run(2, "90", "0"), StudyPurpose::kPresses).empty());
   for (const char* role : {"mount", "0", "90", "180", "270"}) CHECK(role_refusal(role, own, placed_run(2)).empty());
@@ -267,13 +267,13 @@ TEST_CASE("study roles: a run without a role, or without a record of its own, is
   CHECK(role_refusal("180", own, hardware).empty());
 }
 
-TEST_CASE("study roles: a run that presses or paces by its recipe is no run of mounts or turns") {
+TEST_CASE("study roles: a press run or a run at several rates is rejected as mount or turn") {
   const db::RunRecord own = placed_run(1);
   CHECK(role_refusal("mount", own, placed_run(6), StudyPurpose::kPresses) == "--studies 6:mount, 6");
   CHECK(role_refusal("90", own, placed_run(7), StudyPurpose::kPaces) == "--studies 7:90, 7");
 }
 
-TEST_CASE("study roles: turns are those against the report's own run, by tags and by the simulated sensor") {
+TEST_CASE("study roles: turns are relative to the run of the report, by tags or by the simulated sensor") {
   const db::RunRecord own = placed_run(1), turned = placed_run(1, {"turned=90"});
   CHECK(role_refusal("90", own, placed_run(2, {"turned=90"})).empty());
   CHECK(role_refusal("180", own, placed_run(2, {"turned=90"})) == "--studies 2:180, 2:90");
@@ -296,7 +296,7 @@ TEST_CASE("study roles: turns are those against the report's own run, by tags an
   CHECK(role_refusal("0", simulated_run(1, "90", "0"), simulated_run(3, "90", "0")).empty());
 }
 
-TEST_CASE("study roles: a mount is not turned, and is another one, by tags and by the simulated sensor") {
+TEST_CASE("study roles: a mount must be another mount and not turned, by tags or by the simulated sensor") {
   const db::RunRecord own = placed_run(1, {"mount=a"});
   CHECK(role_refusal("mount", own, placed_run(2, {"mount=b"})).empty());
   CHECK(role_refusal("mount", placed_run(1), placed_run(2, {"mount=a"})).empty());
@@ -378,7 +378,7 @@ class RunsOfStudies {
 
 }  // namespace
 
-TEST_CASE("studies as typed: runs, and the five roles") {
+TEST_CASE("study options: accept runs with one of five roles") {
   CHECK(taken_as({}).empty());
   CHECK(taken_as({"7", "8:mount", "9:0", "10:90", "11:180", "12:270"}) == "7() 8(mount) 9(0) 10(90) 11(180) 12(270) ");
   CHECK(taken_as({"7", "7:mount", "7:0"}) == "7() 7(mount) 7(0) ");  // one run in several roles
@@ -390,7 +390,7 @@ TEST_CASE("studies as typed: runs, and the five roles") {
   for (const char* word : {"7", "7:90"}) CHECK(taken_as({"1", word, "2", word}) == "2 TB-USAGE at --studies");
 }
 
-TEST_CASE("studies: without models of the report's own run there is nothing to hold them against") {
+TEST_CASE("studies: are rejected if the run of the report has no models to compare with") {
   RunsOfStudies runs;
   runs.add(kLoopWords);
   runs.add(kLoopWords);
@@ -402,7 +402,7 @@ TEST_CASE("studies: without models of the report's own run there is nothing to h
   CHECK(runs.refusal({}).empty());
 }
 
-TEST_CASE("studies: the report's own run is counted in any case, and is no study") {
+TEST_CASE("studies: the run of the report may be named only as turn 0, and is not a study otherwise") {
   RunsOfStudies runs;
   runs.add(kLoopWords);
   CHECK(runs.refusal({"1:0"}).empty());
@@ -410,7 +410,7 @@ TEST_CASE("studies: the report's own run is counted in any case, and is no study
     CHECK(runs.refusal({word}) == fmt::format("2 TB-REPORT-STUDY at --studies {}", word));
 }
 
-TEST_CASE("studies: a run of plain loops needs a role, and one that paces has none") {
+TEST_CASE("studies: a plain loop run needs a role, a run at several rates must not have one") {
   RunsOfStudies runs;
   runs.add(kLoopWords);
   const std::int64_t plain = runs.add(kLoopWords), without = runs.add("");

@@ -87,7 +87,7 @@ Words joined(Words a, const Words& b) {
 
 }  // namespace
 
-TEST_CASE("every held-out run is judged, the worst one decides, and it stays with the fit") {
+TEST_CASE("verdicts: every held-out run is judged, the worst decides, and it is stored with the fit") {
   const VerdictBench bench;
   bench.measure("S-1", "1");
   bench.measure("S-1", "2");
@@ -150,7 +150,7 @@ TEST_CASE("every held-out run is judged, the worst one decides, and it stays wit
   CHECK(again["path"].get<std::string>() != bare_path);
 }
 
-TEST_CASE("void runs, a run's own models and a run named twice are refused wherever runs are named") {
+TEST_CASE("verdicts: void runs, runs of the models and runs named twice are rejected by every verb") {
   const VerdictBench bench;
   bench.measure("S-1", "1");
   bench.measure("S-1", "2");

@@ -14,7 +14,7 @@
 using namespace tactbench;
 using namespace tactbench::tests;
 
-TEST_CASE("verified by hand: fits follow from their run, to the bit") {
+TEST_CASE("verify results: refitting a run reproduces its stored fits bit for bit") {
   VerifiedStore made;
   (void)made.add(film_inner_loops());
   (void)made.fitted(1);
@@ -30,7 +30,7 @@ TEST_CASE("verified by hand: fits follow from their run, to the bit") {
   for (const bench::VerifiedResult& result : made.results(1)) CHECK(result.compared.starts_with("1e-12") == modified);
 }
 
-TEST_CASE("verified by hand: a fit of one of two sequences is made again of that one") {
+TEST_CASE("verify results: a fit of one of two sequences is repeated with that sequence only") {
   VerifiedStore made;
   FilmRun two = film_inner_loops({"a", "b"});
   two.error_v = [](int, int repeat, double psi) { return repeat == 1 && psi == 30.0 ? 0.05 : 0.0; };
@@ -42,9 +42,7 @@ TEST_CASE("verified by hand: a fit of one of two sequences is made again of that
   CHECK(made.verified(1) == VerifiedLines{"1 of 1, elam, 3: holds", "2 of 1, elam, 3: holds"});
 }
 
-TEST_CASE(
-    "verified by hand: a fit of another build within a millionth of a millionth, and one that does not tell its "
-    "build") {
+TEST_CASE("verify results: a fit by another or an unknown build is compared within 1e-12") {
   VerifiedStore made;
   (void)made.add(film_inner_loops());
   const analysis::SensorModel models = analysis::fit_array(analysis::load_dataset(made.store, 1));
@@ -55,7 +53,7 @@ TEST_CASE(
   CHECK_THAT(made.results(1)[0].compared, Catch::Contains("commit 12") && Catch::Contains(bench::this_build()));
 }
 
-TEST_CASE("verified by hand: a fit whose numbers are others is named with the first of them") {
+TEST_CASE("verify results: a fit with other values differs, and the first difference is named") {
   VerifiedStore made;
   (void)made.add(film_inner_loops());
   for (const double noise : {0.0, 0.5}) {
@@ -68,7 +66,7 @@ TEST_CASE("verified by hand: a fit whose numbers are others is named with the fi
              Catch::StartsWith("fit 2") && Catch::Contains("taxel 0."));
 }
 
-TEST_CASE("verified by hand: a document that is damaged is a difference") {
+TEST_CASE("verify results: a damaged model document counts as a difference") {
   VerifiedStore made;
   (void)made.add(film_inner_loops());
   db::FitRecord damaged;
@@ -81,7 +79,7 @@ TEST_CASE("verified by hand: a document that is damaged is a difference") {
   CHECK_THAT(made.results(1)[0].difference, Catch::EndsWith("[TB-MODEL-STORED]"));
 }
 
-TEST_CASE("verified by hand: verdicts on a held-out run and on the models' own, by each limits file in turn") {
+TEST_CASE("verify results: verdicts on a held-out run and on the run of the models, by each limits file") {
   VerifiedStore made;
   for (int i = 0; i < 2; ++i) (void)made.add(film_inner_loops());
   const std::int64_t fit = made.fitted(1);
@@ -109,7 +107,7 @@ TEST_CASE("verified by hand: verdicts on a held-out run and on the models' own, 
              Catch::Contains("mean_compensation_error") && Catch::Contains("'inconclusive'"));
 }
 
-TEST_CASE("verified by hand: a limits file that is not what it was, and verdicts without a fit") {
+TEST_CASE("verify results: an altered limits file is a difference, verdicts without a fit are not recomputed") {
   VerifiedStore made;
   for (int i = 0; i < 2; ++i) (void)made.add(film_inner_loops());
   made.judge(made.fitted(1), {2});
@@ -121,7 +119,7 @@ TEST_CASE("verified by hand: a limits file that is not what it was, and verdicts
   CHECK(made.verified(1).at(1) == "0 of 0, verdicts, 4: left");
 }
 
-TEST_CASE("verified by hand: a reference that was overdue by a laboratory file, and by the date of its run") {
+TEST_CASE("verify results: an overdue reference is recognised from a laboratory file, or from the date of the run") {
   VerifiedStore made;
   (void)made.add(film_inner_loops());
   (void)made.add(film_inner_loops());
@@ -147,7 +145,7 @@ TEST_CASE("verified by hand: a reference that was overdue by a laboratory file, 
 using namespace tactbench;
 using namespace tactbench::tests;
 
-TEST_CASE("verified by hand: models of a run that has changed, or whose frames are gone, judge nothing again") {
+TEST_CASE("verify results: models of a changed run or a run without frames are not used to judge again") {
   VerifiedStore made;
   for (int i = 0; i < 3; ++i) (void)made.add(film_inner_loops());
   made.judge(made.fitted(1), {2, 3});
@@ -163,7 +161,7 @@ TEST_CASE("verified by hand: models of a run that has changed, or whose frames a
   CHECK(own.first_difference == own.content.difference);
 }
 
-TEST_CASE("verified by hand: without its frames a run's fits are not made again, and say since when") {
+TEST_CASE("verify results: fits of a run without frames are not repeated, and the date of pruning is stated") {
   VerifiedStore made;
   for (int i = 0; i < 2; ++i) (void)made.add(film_inner_loops());
   made.judge(made.fitted(1), {2});
@@ -174,7 +172,7 @@ TEST_CASE("verified by hand: without its frames a run's fits are not made again,
     CHECK_THAT(made.results(run)[0].compared, Catch::Contains("run 1,") && Catch::Contains("2026-04-01T00:00:00Z"));
 }
 
-TEST_CASE("verified by hand: a seal that is broken beside results that hold is the first difference") {
+TEST_CASE("verify results: a broken seal is reported as first difference if the results agree") {
   VerifiedStore made;
   (void)made.add(film_inner_loops());
   (void)made.fitted(1);
@@ -185,7 +183,7 @@ TEST_CASE("verified by hand: a seal that is broken beside results that hold is t
   CHECK(verified.first_difference == verified.beside[0]);
 }
 
-TEST_CASE("verified by hand: a dynamic model rests on the runs of its lag and creep, known by their content") {
+TEST_CASE("verify results: a dynamic model needs its runs of lag and creep, found by content hash") {
   VerifiedStore made;
   for (int i = 0; i < 3; ++i) (void)made.add(film_inner_loops());
   const analysis::SensorModel alone = [&] {
@@ -226,7 +224,7 @@ TEST_CASE("verified by hand: a dynamic model rests on the runs of its lag and cr
              Catch::Contains("run 2,") && Catch::EndsWith("[TB-ANALYSIS-FRAME]"));
 }
 
-TEST_CASE("verified by hand: a dynamic document without its sources, and models of an imported table") {
+TEST_CASE("verify results: a dynamic model without sources and models of an imported table are not recomputed") {
   VerifiedStore made;
   (void)made.add(film_inner_loops());
   analysis::FitOptions options;
@@ -269,8 +267,7 @@ struct WrittenStore : JudgedStore {
 
 }  // namespace
 
-TEST_CASE(
-    "written report: with all of its extras it has uncertainties, conditions of the budget, and what was before") {
+TEST_CASE("report input: with all extras it has uncertainties, conditions of the budget and as-found results") {
   WrittenStore made;
   FilmRun mounted;
   mounted.set = {{"simulation.mount_seed", "1"}};
@@ -298,7 +295,7 @@ TEST_CASE(
   CHECK_FALSE(other.uncertainty);
 }
 
-TEST_CASE("written report: beside the store under the run's number, or the report's where a signed one stands there") {
+TEST_CASE("report: the default path is named by the run, or by the report number if a signed report has that path") {
   WrittenStore made;
   const bench::Judged judgement = made.judged(film_limits(10.0));
   std::string number;

@@ -50,7 +50,7 @@ std::string head_of(const db::DeviceRecord& record) {
 
 }  // namespace
 
-TEST_CASE("device records: module and regulator with the scales of what they have") {
+TEST_CASE("device records: module and regulator are stored with the scales of their channels") {
   devices::ModuleProfile profile;
   profile.name = "p";
   profile.outputs.channels = 1;
@@ -76,7 +76,7 @@ TEST_CASE("device records: module and regulator with the scales of what they hav
         json{{"volts_low", 1.0}, {"volts_high", 9.0}, {"psi_low", 2.0}, {"psi_high", 80.0}});
 }
 
-TEST_CASE("device records: the reference by transducer or gauge, with its correction, limits and what is stated") {
+TEST_CASE("device records: the reference is stored with correction, limits and stated data, for transducer or gauge") {
   BenchConfig config;
   config.reference.span = {devices::Volts(0.0), devices::Volts(10.0), devices::Psi(0.0), devices::Psi(100.0)};
   const json span = {
@@ -107,7 +107,8 @@ TEST_CASE("device records: the reference by transducer or gauge, with its correc
   CHECK(kept(reference_record(kNamed, config)) == all);
 }
 
-TEST_CASE("device records: a thermometer with all that is stated of it, other surroundings with their scale alone") {
+TEST_CASE(
+    "device records: a thermometer is stored with all stated data, other environment sensors with their scale only") {
   BenchConfig config;
   config.origin = devices::Origin::kHardware;
   EnvironmentSensor sensor;
@@ -124,7 +125,7 @@ TEST_CASE("device records: a thermometer with all that is stated of it, other su
   CHECK(kept(environment_record(sensor, config)) == scale);
 }
 
-TEST_CASE("device records: scanner, force sensor and stage") {
+TEST_CASE("device records: scanner, force sensor and stage are stored with their settings") {
   BenchConfig config;
   CHECK(kept(scanner_record(kNamed, 0.5, config)) == json{{"volts_per_count", 0.5}});
   config.scanner_cable = "W-1";
@@ -146,7 +147,7 @@ TEST_CASE("device records: scanner, force sensor and stage") {
   CHECK(kept(stage_record(kNamed, 1, stage)) == with_stated({{"low_mm", 1.5}, {"high_mm", 20.5}}, "mm", false));
 }
 
-TEST_CASE("device records: the instruments that a bench file states, with those that press where they are used") {
+TEST_CASE("device records: instruments are those stated in the bench file, those for pressing only if used") {
   BenchConfig config;
   config.origin = devices::Origin::kSimulated;
   config.reference.model = "R";

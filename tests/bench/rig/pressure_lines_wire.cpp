@@ -48,7 +48,7 @@ bench::RunRequest rtu_request() {
 
 }  // namespace
 
-TEST_CASE("a run over Modbus RTU with outputs and inputs in two modules") {
+TEST_CASE("rig: a run works over Modbus RTU with outputs and inputs in two modules") {
   const FinishedRun run(rtu_request());
   const bench::RunResult& result = run.result;
   if (result.error) FAIL(result.error->what());
@@ -61,7 +61,7 @@ TEST_CASE("a run over Modbus RTU with outputs and inputs in two modules") {
   }
 }
 
-TEST_CASE("a digital gauge as reference, its certificate applied, and the environment stored with the run") {
+TEST_CASE("rig: a digital gauge serves as reference with its correction, and the environment is stored with the run") {
   const Overrides overrides = {{"reference.gauge.unit", "5"},
                                {"reference.gauge.address", "100"},
                                {"reference.gauge.type", "f32"},
@@ -88,7 +88,7 @@ TEST_CASE("a digital gauge as reference, its certificate applied, and the enviro
   CHECK_THAT(row.devices[2].calibration_json, Catch::Contains("correction_psi"));
 }
 
-TEST_CASE("an impossible pressure configuration is refused by the key that makes it so") {
+TEST_CASE("rig: an impossible pressure configuration is rejected, and the error names the key") {
   const std::vector<std::pair<Overrides, std::string>> rows = {
       {{{"module.profile", "moxa-iologik-e1241"}}, "watchdog"},
       {{{"module.profile", "moxa-iologik-e1240"}}, "profile"},  // no outputs

@@ -22,7 +22,7 @@ const std::string kLineOfSensors =
 
 }  // namespace
 
-TEST_CASE("rig: what was not opened, or is not there, is an error of the program") {
+TEST_CASE("rig: using a device that is not open or not present is a logic error") {
   bench::BenchConfig config = small_request().bench;
   {
     bench::Rig rig(config);
@@ -48,7 +48,7 @@ TEST_CASE("rig: what was not opened, or is not there, is an error of the program
   CHECK(without_stage.stage_gate() == nullptr);
 }
 
-TEST_CASE("rig: each exchange counts, whichever instrument it is with") {
+TEST_CASE("rig: every exchange is counted, for each instrument") {
   bench::Rig rig(small_request({{"environment.sensor", kLineOfSensors}}).bench);
   rig.open();
   (void)rig.open_force();
@@ -73,7 +73,7 @@ TEST_CASE("rig: each exchange counts, whichever instrument it is with") {
   CHECK(rig.environment(1).value == Approx(8.0));
 }
 
-TEST_CASE("rig: instruments that press are named, and closed again where they were not open") {
+TEST_CASE("rig: press instruments are recorded, and closed again if they were not open before") {
   bench::Rig rig(small_request().bench);
   const std::size_t before = rig.devices().size();
   rig.name_press_instruments();

@@ -9,7 +9,7 @@ using namespace tactbench;
 using namespace tactbench::tests;
 using bench::ExitCode;
 
-TEST_CASE("a run from recipe to store ends with a closed, verified row") {
+TEST_CASE("run: from recipe to store, ends with a closed row and a verified safe state") {
   bench::RunRequest request = small_request();
   request.bench.scanner_cable = "W-17";
   const FinishedRun run(request);
@@ -39,7 +39,7 @@ TEST_CASE("a run from recipe to store ends with a closed, verified row") {
   CHECK(run.branches.size() == 8);
 }
 
-TEST_CASE("the same seeds give the same canonical content, another noise seed another") {
+TEST_CASE("run: equal seeds give equal content, another noise or sensor seed gives different content") {
   QuickStore one, two;
   const std::string first = run_small(small_request({}, {5, 7}), one).content_sha256;
   CHECK(run_small(small_request({}, {5, 7}), two).content_sha256 == first);
@@ -47,7 +47,7 @@ TEST_CASE("the same seeds give the same canonical content, another noise seed an
   CHECK(run_small(small_request({}, {5, 8}), two).content_sha256 != first);
 }
 
-TEST_CASE("the same seeds give the same content where an instrument fails, though it had another address") {
+TEST_CASE("run: equal seeds give equal content after an instrument fault, although its address differs") {
   QuickStore one, two;
   const auto [key, count, name] = GENERATE(table<std::string, std::string, std::string>({
       {"scanner_silent_after_scans", "14", "packet socket SOCKET:"},
@@ -68,7 +68,7 @@ TEST_CASE("the same seeds give the same content where an instrument fails, thoug
   CHECK(first.content_sha256 == second.content_sha256);
 }
 
-TEST_CASE("a scanner that stops in mid-run ends the run, vented, frames kept, exit code 3") {
+TEST_CASE("run: a scanner that stops during a run ends it, vented, with frames kept and exit code 3") {
   const auto [key, id] = GENERATE(table<std::string, std::string>({
       {"scanner_silent_after_scans", "TB-SCANNER-TIMEOUT"},
       {"scanner_unplug_after_scans", "TB-SCANNER-LOST"},
@@ -86,7 +86,7 @@ TEST_CASE("a scanner that stops in mid-run ends the run, vented, frames kept, ex
   CHECK(!result.error->remedy().empty());
 }
 
-TEST_CASE("one bad frame is read again, and both the attempt and the flag are stored") {
+TEST_CASE("run: a bad frame is read again, and the attempt and the flag are stored") {
   const std::string key = GENERATE("scanner_corrupt_scan", "scanner_drop_report_scan");
   bench::RunRequest request =
       small_request({{"simulation.wire_faults." + key, "14"}, {"scanner.frame_timeout_ms", "300"}});
@@ -107,7 +107,7 @@ TEST_CASE("one bad frame is read again, and both the attempt and the flag are st
   CHECK(attempts == 1);
 }
 
-TEST_CASE("a Modbus server that falls silent, dies or never answers ends the run, and nothing proves it safe") {
+TEST_CASE("run: a Modbus server that is silent, dies or never answers ends it, with the safe state unverified") {
   const auto [key, requests] = GENERATE(table<std::string, std::string>({{"module_silent_after_requests", "150"},
                                                                          {"module_dead_after_requests", "150"},
                                                                          {"module_silent_after_requests", "0"}}));
@@ -124,7 +124,7 @@ TEST_CASE("a Modbus server that falls silent, dies or never answers ends the run
   CHECK(result.safe == db::SafeState::kUnverified);
 }
 
-TEST_CASE("pressure above the trip, or beside the feedback, aborts the run and vents") {
+TEST_CASE("run: pressure above the trip, or a reference that disagrees with the feedback, aborts it and vents") {
   struct Row {
     std::string id;
     std::vector<sequences::Override> overrides;
@@ -148,7 +148,7 @@ TEST_CASE("pressure above the trip, or beside the feedback, aborts the run and v
   if (row.id == "TB-CHAMBER-TRIP") CHECK(result.frames == 5);
 }
 
-TEST_CASE("a sensor registered with another scanner is refused before any pressure") {
+TEST_CASE("run: a sensor registered with another scanner is rejected before any pressure") {
   bench::RunRequest request = small_request();
   request.sensor.scanner_serial = "ANOTHER";
   const FinishedRun run(request);
@@ -157,7 +157,7 @@ TEST_CASE("a sensor registered with another scanner is refused before any pressu
   CHECK(run.result.frames == 0);
 }
 
-TEST_CASE("the film's memory can be carried from one run to the next") {
+TEST_CASE("run: the memory of the film can be passed from one run to the next") {
   const TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   bench::RunRequest request = small_request();
@@ -167,7 +167,7 @@ TEST_CASE("the film's memory can be carried from one run to the next") {
   CHECK(run_small(request, store).content_sha256 != virgin);  // the second time the film remembers
 }
 
-TEST_CASE("a run carries out the very steps that plan lists") {
+TEST_CASE("run: executes the same steps that plan lists") {
   const TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   bench::RunRequest request = small_request();
@@ -184,7 +184,7 @@ TEST_CASE("a run carries out the very steps that plan lists") {
   CHECK_THAT(listed, Catch::EndsWith(lines));
 }
 
-TEST_CASE("the trace stored with the frames holds every reading of the pressure, in order and without a gap") {
+TEST_CASE("run: the trace stored with frames holds every pressure reading, in order and without gaps") {
   const FinishedRun run(small_request({{"settling.trace_s", "0.1"}}));
   double last_s = 0.0;
   for (const db::FrameRecord& frame : run.frames) {

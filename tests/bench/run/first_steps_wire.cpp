@@ -28,7 +28,7 @@ struct Row {
 
 }  // namespace
 
-TEST_CASE("run: a repeat may begin at any level, and fall, rise or stay from there") {
+TEST_CASE("run: a repeat may begin at any level and fall, rise or stay") {
   const Row row = GENERATE(values<Row>({{"[20, 10, 20, 0]", {20, 10, 20, 10, 0}},
                                         {"[20, 10]", {20, 10}},
                                         {"[10, 20]", {10, 20}},
@@ -112,7 +112,7 @@ void check_goes_on(const Ended& ended) {
 
 }  // namespace
 
-TEST_CASE("run: with more dead taxels than its recipe allows it ends at the first peak") {
+TEST_CASE("run: with more dead taxels than the recipe allows it ends at the first peak") {
   check_ends_at_the_peak(run_with("most_dead_taxels = 0\n", kTwoDead), 2);
   check_ends_at_the_peak(run_with("most_dead_taxels = 1\n", kTwoDead), 2);
   check_goes_on(run_with("most_dead_taxels = 2\n", kTwoDead));
@@ -120,7 +120,7 @@ TEST_CASE("run: with more dead taxels than its recipe allows it ends at the firs
   check_goes_on(run_with("most_dead_taxels = -1\n", kTwoDead));
 }
 
-TEST_CASE("run: with a weaker array than its recipe asks for it ends at the first peak") {
+TEST_CASE("run: with an array response below the minimum of the recipe it ends at the first peak") {
   const Ended weak = run_with("least_response_v = 4.5\n", kSound);
   check_ends_at_the_peak(weak, 0);
   REQUIRE(weak.mean_v.size() == 4);
@@ -131,7 +131,7 @@ TEST_CASE("run: with a weaker array than its recipe asks for it ends at the firs
   check_ends_at_the_peak(run_with(fmt::format("least_response_v = {}\n", response + 0.03), kSound), 0);
 }
 
-TEST_CASE("run: the array is judged at the first peak alone, whatever becomes of it") {
+TEST_CASE("run: the array is judged at the first peak only, not later") {
   // At 60 psi a row that was read at 0 psi from then on is dead.
   bench::RunRequest request = small_request();
   request.recipes = {recipe_of(
@@ -194,7 +194,7 @@ bool about(double seconds, double expected) { return seconds >= expected && seco
 
 }  // namespace
 
-TEST_CASE("warm-up: it ends with the first quarter of a minute in which the array drifts little enough") {
+TEST_CASE("warm-up: ends after the first 15 s in which the array drifts less than the limit") {
   const WarmedUp found = warmed_up("[warm_up]\ndrift_percent_per_min = 100.0\nat_most_s = 600\n");
   const nlohmann::json detail = detail_of(found);
   CHECK(found.checks.front().verdict == "pass");
@@ -207,7 +207,8 @@ TEST_CASE("warm-up: it ends with the first quarter of a minute in which the arra
   CHECK(found.first_frame_ns < 45'000'000'000);
 }
 
-TEST_CASE("warm-up: an array that never calms down is waited for until the time is up, and the run goes on warned") {
+TEST_CASE(
+    "warm-up: an array that keeps drifting is waited for until the timeout, and the run continues with a warning") {
   // A mean of 256 counts stays the same to a millionth of a percent a minute in no two frames.
   const WarmedUp found = warmed_up("[warm_up]\ndrift_percent_per_min = 1e-6\nat_most_s = 50\n");
   const nlohmann::json detail = detail_of(found);
@@ -245,7 +246,7 @@ struct Refused {
 
 }  // namespace
 
-TEST_CASE("run: a file that holds no state of the film is not taken for one, and one that it wrote is") {
+TEST_CASE("run: a file that is not a film state is rejected, a file written by a run is accepted") {
   Refused run;
   run.request.specimen_state_file = run.folder.path("film");
   std::ofstream(run.request.specimen_state_file) << "name = \"film\"\n";
@@ -255,7 +256,7 @@ TEST_CASE("run: a file that holds no state of the film is not taken for one, and
   CHECK(run_small(run.request, run.store).outcome == db::Outcome::kCompleted);
 }
 
-TEST_CASE("run: what its bench lacks or does not allow is refused before a row exists") {
+TEST_CASE("run: a recipe that its bench cannot execute is rejected before a row exists") {
   const auto [what, id] = GENERATE(table<std::string, std::string>(
       {{"stage", "TB-RECIPE-DEVICES"}, {"force", "TB-RECIPE-DEVICES"}, {"command", "TB-RECIPE-LIMIT"}}));
   Refused run;
@@ -270,7 +271,7 @@ TEST_CASE("run: what its bench lacks or does not allow is refused before a row e
   CHECK(run.store.runs().empty());
 }
 
-TEST_CASE("run: forces beyond what the force sensor's calibration goes to are refused before the stage moves") {
+TEST_CASE("run: forces beyond the calibration range of the force sensor are rejected before the stage moves") {
   Refused run;
   run.request = small_request({{"force.overload_share", "0.5"}});
   run.request.recipes = {recipe_of(press_text(1))};

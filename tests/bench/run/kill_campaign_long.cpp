@@ -25,10 +25,10 @@ void hold(CampaignKind kind) {
 
 }  // namespace
 
-TEST_CASE("kill campaign: two hundred kills lose nothing, double nothing and change no result") {
+TEST_CASE("kill campaign: two hundred kills lose nothing, duplicate nothing and change no result") {
   hold({.races = true});
 }
 
-TEST_CASE("kill campaign: two hundred power cuts lose nothing, double nothing and change no result") {
+TEST_CASE("kill campaign: two hundred power cuts lose nothing, duplicate nothing and change no result") {
   hold({.power_cuts = true});
 }

@@ -8,7 +8,7 @@
 using namespace tactbench;
 using namespace tactbench::tests;
 
-TEST_CASE("kill campaign: twenty kills lose nothing, double nothing and change no result") {
+TEST_CASE("kill campaign: twenty kills lose nothing, duplicate nothing and change no result") {
   const CampaignFigures figures = KillCampaign({.kills = 20, .races = true}).carry_out();
   WARN(to_text(figures));
   CHECK(figures.kills == 20);
@@ -16,7 +16,7 @@ TEST_CASE("kill campaign: twenty kills lose nothing, double nothing and change n
   check_nothing_lost(figures);
 }
 
-TEST_CASE("kill campaign: ten power cuts lose nothing that was seen in the store") {
+TEST_CASE("kill campaign: ten power cuts lose nothing that was visible in the store") {
   const CampaignFigures figures = KillCampaign({.kills = 10, .power_cuts = true}).carry_out();
   WARN(to_text(figures));
   CHECK(figures.kills == 10);

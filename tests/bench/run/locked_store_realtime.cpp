@@ -70,7 +70,7 @@ struct HeldRun {
 
 }  // namespace
 
-TEST_CASE("locked store: for a short lock the pressure is held and the module fed, and nothing is done again") {
+TEST_CASE("locked store: during a short lock the pressure is held and the module fed, and nothing is repeated") {
   HeldRun held("2000");
   double lowest = 100.0;
   std::string name;
@@ -88,7 +88,7 @@ TEST_CASE("locked store: for a short lock the pressure is held and the module fe
   CHECK(is_told(store, "warning", name));
 }
 
-TEST_CASE("locked store: a lock that comes while the devices are named starves no dead-man") {
+TEST_CASE("locked store: a lock while the devices are stored does not starve the dead-man") {
   HostedRig rig(std::vector<sequences::Override>{{"dead_man.progress_ms", "2500"}});
   db::RunStore store = db::RunStore::open(rig.folder.path("runs.db"), db::Durability::kNormal);
   bench::RunRequest request = small_request();
@@ -105,7 +105,7 @@ TEST_CASE("locked store: a lock that comes while the devices are named starves n
   CHECK_FALSE(bench::TripFile(request.bench.id).read());
 }
 
-TEST_CASE("locked store: a longer lock is waited out vented, then the branch is done again and nothing is lost") {
+TEST_CASE("locked store: a longer lock is waited for vented, then the branch is repeated and nothing is lost") {
   HeldRun held("5000");
   std::string name;
   {
@@ -126,7 +126,7 @@ TEST_CASE("locked store: a longer lock is waited out vented, then the branch is 
   CHECK(is_told(store, "state", name));
 }
 
-TEST_CASE("locked store: on a bench in virtual time a short lock changes no frame, and one at the end no outcome") {
+TEST_CASE("locked store: in virtual time a short lock changes no frame, and a lock at the end changes no outcome") {
   using Measured = std::vector<std::tuple<std::int64_t, double, std::vector<std::uint16_t>>>;
   const auto measured = [](bool locked) {
     const TemporaryFolder folder;

@@ -8,7 +8,7 @@
 using namespace tactbench;
 using namespace tactbench::tests;
 
-TEST_CASE("a recipe's question is asked at the terminal, and Enter there answers it") {
+TEST_CASE("prompt: the question of a recipe is asked at the terminal, and Enter answers it") {
   const TemporaryFolder folder;
   write_file(folder.path("asked.toml"),
              "schema = 1\nname = \"asked\"\nunit = \"psi\"\nturning_points = [0, 8, 0]\nstep = 4\n[prompt]\nbefore = "

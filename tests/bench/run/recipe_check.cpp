@@ -65,7 +65,7 @@ std::string refusal(const Recipe& recipe, const BenchConfig& config) {
 
 }  // namespace
 
-TEST_CASE("recipe margins: the nearer limit counts, and a rounding error beyond it passes") {
+TEST_CASE("recipe margins: the nearer limit counts, and a rounding error beyond it is accepted") {
   const Margin margin{"x", "mm", 3.0, 8.0, 1.0, 10.0};
   CHECK(margin.margin() == 2.0);
   CHECK(Margin{"x", "mm", 3.0, 8.0, 1.5, 12.0}.margin() == 1.5);
@@ -77,7 +77,7 @@ TEST_CASE("recipe margins: the nearer limit counts, and a rounding error beyond 
   CHECK_FALSE(Margin{"x", "mm", 0.9, 8.0, 1.0, 10.0}.within());
 }
 
-TEST_CASE("recipe margins: of pressure, places and force, where the steps have them") {
+TEST_CASE("recipe margins: pressure, positions and force, if the steps have them") {
   BenchConfig config = with_spans();
   config.limits.command_psi = 55.0;
   config.limits.force_n = {4.0, 6.0, 30.0};
@@ -106,7 +106,7 @@ TEST_CASE("recipe margins: of pressure, places and force, where the steps have t
   CHECK(margins[2].lowest == 0.0);
 }
 
-TEST_CASE("recipe check: at the limit it passes, beyond it is refused with what is beyond") {
+TEST_CASE("recipe check: passes at the limit, and beyond it is rejected with the quantity") {
   const auto refused = [](const Recipe& recipe, const BenchConfig& config, const std::string& id,
                           const std::vector<std::string>& parts) {
     const std::string what = refusal(recipe, config);
@@ -164,7 +164,7 @@ TEST_CASE("recipe check: at the limit it passes, beyond it is refused with what 
   CHECK(refusal(waits, config) == "none");
 }
 
-TEST_CASE("recipe check: a speed that the guard would refuse is refused before anything is touched") {
+TEST_CASE("recipe check: a speed above the limit of the guard is rejected before anything moves") {
   BenchConfig config = with_spans();
   config.stage.emplace();
   config.force.emplace();
@@ -188,7 +188,8 @@ TEST_CASE("recipe check: a speed that the guard would refuse is refused before a
   }
 }
 
-TEST_CASE("recipe check: steps finer than the output or the band are warned of, with the figure") {
+TEST_CASE(
+    "recipe check: a step smaller than the output resolution or the settling band gives a warning with the value") {
   BenchConfig config;  // 12 bits of 10 V, 130 psi: 0.0317 psi a count
   config.module.profile.outputs.volts = {0.0, 4095.0, 0.0, 10.0};
   config.regulator.command_span = {devices::Volts(0.0), devices::Volts(10.0), devices::Psi(0.0), devices::Psi(130.0)};
@@ -221,7 +222,7 @@ TEST_CASE("recipe check: steps finer than the output or the band are warned of, 
   CHECK(bench::recipe_warnings({press}, config).empty());
 }
 
-TEST_CASE("recipe check: the devices that recipes need, each once, in the order of use") {
+TEST_CASE("recipe check: the devices needed by recipes are listed once, in the order of use") {
   Recipe levels, press;
   press.kind = RecipeKind::kPress;
   levels.suspend.push_back({"supply_bar", true, 6.0, 6.5});
@@ -235,7 +236,7 @@ TEST_CASE("recipe check: the devices that recipes need, each once, in the order 
   CHECK_FALSE(bench::needs_press({levels, levels}));
 }
 
-TEST_CASE("lacking levels: what no pair of sweeps passes, with the nearest that one does") {
+TEST_CASE("missing levels: levels that are not measured in both directions, with the nearest that are") {
   // Up over 2, 4, 6 to 8, down over 5 to 0: both pass 0 and 8, which turn.
   std::vector<Step> steps = {measure(0.0, 0.0, 8.0), measure(2.0, 0.0, 8.0), measure(4.0, 0.0, 8.0),
                              measure(8.0, 0.0, 8.0), measure(5.0, 8.0, 0.0), measure(0.0, 8.0, 0.0)};

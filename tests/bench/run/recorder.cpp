@@ -61,7 +61,8 @@ StepReadings readings_at(devices::Nanoseconds time) {
 
 }  // namespace
 
-TEST_CASE("recorder: a frame's row, each field, times with the run's offset, and the readings since the last frame") {
+TEST_CASE(
+    "recorder: a frame row has every field, times with the offset of the run, and readings since the last frame") {
   Records records;
   Recorder recorder(records.store, records.run, records.clock, milliseconds(100'000));
   recorder.open_branch(step_of(2, 4, 6.0));
@@ -103,7 +104,7 @@ TEST_CASE("recorder: a frame's row, each field, times with the run's offset, and
   CHECK(frames[1].trace.empty());
 }
 
-TEST_CASE("recorder: branches and their attempts, voids, repeats, and those of an earlier process") {
+TEST_CASE("recorder: branches with attempts, voids and repeats, including those of an earlier process") {
   Records records;
   {
     Recorder recorder(records.store, records.run, records.clock);
@@ -144,7 +145,7 @@ TEST_CASE("recorder: branches and their attempts, voids, repeats, and those of a
   CHECK_FALSE(records.store.branches(records.run)[4].is_void);
 }
 
-TEST_CASE("recorder: events, checks and states carry the run's time, a state that may not follow is refused") {
+TEST_CASE("recorder: events, checks and states have run times, a forbidden state change is rejected") {
   Records records;
   Recorder recorder(records.store, records.run, records.clock, milliseconds(5000));
   records.clock.wait_until(milliseconds(20));

@@ -90,7 +90,7 @@ std::string error_id_of(const Work& work) {
 
 }  // namespace
 
-TEST_CASE("resume: interrupted at and inside every branch, complete branches stay and the incomplete one is repeated") {
+TEST_CASE("resume: interrupted at or inside any branch, complete branches are kept, the incomplete one is repeated") {
   Interrupted bench;
   REQUIRE(bench.starts.size() == 8);
   std::vector<int> moments = {0, 1};  // conditioning
@@ -121,7 +121,7 @@ TEST_CASE("resume: interrupted at and inside every branch, complete branches sta
   }
 }
 
-TEST_CASE("resume: after a long rest the whole repeat is done again, after a short one the branch alone") {
+TEST_CASE("resume: after a long rest the whole repeat is measured again, after a short one only the branch") {
   Interrupted bench;
   const auto [rest, voids] = GENERATE(table<std::string, std::size_t>({{"2 hours", 3}, {"10 minutes", 1}}));
   const std::int64_t run = bench.run_until(bench.starts[6] + 1).run;  // branch 2 of the second repeat
@@ -138,7 +138,7 @@ TEST_CASE("resume: after a long rest the whole repeat is done again, after a sho
   }
 }
 
-TEST_CASE("resume: a run that died before it knew its devices learns them") {
+TEST_CASE("resume: a run that died before its devices were stored gets them stored") {
   Interrupted bench;
   bench::RunRequest request = small_request();
   request.on_begun = [](std::int64_t) { throw PowerCut(); };
@@ -150,7 +150,7 @@ TEST_CASE("resume: a run that died before it knew its devices learns them") {
   bench.check_final_set(1);
 }
 
-TEST_CASE("resume: a run interrupted repeatedly, even on its way back, still completes") {
+TEST_CASE("resume: a run interrupted repeatedly, even on its return path, is completed") {
   Interrupted bench;
   const std::int64_t run = bench.run_until(bench.starts[5] + 1).run;
   for (int at = 0; at < 9; ++at) {  // conditioning, turning points, first frames of the branch
@@ -160,7 +160,7 @@ TEST_CASE("resume: a run interrupted repeatedly, even on its way back, still com
   bench.check_final_set(run);
 }
 
-TEST_CASE("resume: refused for a completed run, other recipes, another compile and another scanner") {
+TEST_CASE("resume: is rejected for a completed run, other recipes, other steps or another scanner") {
   Interrupted bench;
   const std::int64_t completed = bench.run_until(-1).run;
   CHECK(error_id_of([&] { (void)bench.resume(completed); }) == "TB-RUN-COMPLETED");
@@ -187,7 +187,7 @@ TEST_CASE("resume: refused for a completed run, other recipes, another compile a
   bench.check_final_set(run);
 }
 
-TEST_CASE("resume: in the second sequence of a run, whose conditioning is done again, the first one stays") {
+TEST_CASE("resume: in the second sequence the first one is kept, conditioning is repeated") {
   Interrupted bench;
   const auto which = GENERATE(0U, 1U, 2U, 3U);
   const int moment = bench.steps + std::vector<int>{0, 1, bench.starts[0] + 1, bench.starts[3] + 1}.at(which);
@@ -211,7 +211,7 @@ TEST_CASE("resume: in the second sequence of a run, whose conditioning is done a
   CHECK(analysis::load_dataset(bench.store, run).sequences.size() == 2);
 }
 
-TEST_CASE("resume: kept frames and the place of the end count the whole run, not only the last process") {
+TEST_CASE("resume: kept frames and the end position count the whole run, not only the last process") {
   Interrupted bench;
   const std::int64_t run = bench.run_until(bench.starts[5] + 1).run;
   const std::int64_t before = bench.store.frame_count(run);
@@ -231,7 +231,7 @@ TEST_CASE("resume: kept frames and the place of the end count the whole run, not
   CHECK(whole.frames_kept == bench.store.frame_count(run));
 }
 
-TEST_CASE("resume: time estimates use a resumed run like an uninterrupted one") {
+TEST_CASE("time estimate: a resumed run is used like an uninterrupted one") {
   Interrupted bench;
   const auto learned = [&](int runs) {
     const std::vector<sequences::Recipe> recipes = {small_recipe()};

@@ -42,7 +42,7 @@ std::string kept_fault_id(const std::function<void()>& act) {
 
 }  // namespace
 
-TEST_CASE("run record: everything that a request says is stored") {
+TEST_CASE("run record: every member of the request is stored") {
   RunRequest request = small_request({{"simulation.seed", "7"}}, {11, 12});
   request.overrides.push_back({"recipe.note", "a \"b\""});
   request.recipes.push_back(recipe_of("unit = \"psi\"\nturning_points = [0, 4]\nstep = 4\nrepeats = 3\n"));
@@ -84,7 +84,7 @@ TEST_CASE("run record: everything that a request says is stored") {
   CHECK((record_of(request).seed == 0 && record_of(request).sensor_seed == 0));
 }
 
-TEST_CASE("run record: overrides are read back, anything else gives none") {
+TEST_CASE("run record: stored overrides are read back, invalid text gives none") {
   const auto read = stored_overrides(R"([{"key":"a.b","value":"1"},{"key":"c","value":""}])");
   REQUIRE(read);
   REQUIRE(read->size() == 2);
@@ -97,7 +97,7 @@ TEST_CASE("run record: overrides are read back, anything else gives none") {
   }
 }
 
-TEST_CASE("run record: a stored bench is read with its overrides, not with those of recipes") {
+TEST_CASE("run record: a stored bench is read with its overrides, without those of recipes") {
   RunRequest request = small_request({{"limits.trip_psi", "64"}});
   request.overrides.push_back({"recipe.dwell_s", "9"});
   db::RunRecord row = record_of(request);
@@ -114,7 +114,7 @@ TEST_CASE("run record: a stored bench is read with its overrides, not with those
   CHECK_FALSE(stored_bench(row));
 }
 
-TEST_CASE("run record: a sensor with another number of taxels than the scanner is refused") {
+TEST_CASE("run record: a sensor with another number of taxels than the scanner is rejected") {
   RunRequest request = small_request();
   CHECK_NOTHROW(check_geometry(request));
   const auto refused = [&](int rows, int columns) {
@@ -135,7 +135,7 @@ TEST_CASE("run record: a sensor with another number of taxels than the scanner i
   CHECK(refused(16, 16) == "none");
 }
 
-TEST_CASE("run record: devices are kept once, and a continued run must find each of them again") {
+TEST_CASE("run record: devices are stored once, and a continued run must find each of them again") {
   KeptRow row;
   db::RunRecord run = example_run();
   run.devices.clear();
@@ -158,7 +158,7 @@ TEST_CASE("run record: devices are kept once, and a continued run must find each
   CHECK(missing(begun[1]).empty());
 }
 
-TEST_CASE("run record: a device that answers nonsense is named") {
+TEST_CASE("run record: a device that reports an invalid name is rejected") {
   KeptRow row;
   db::RunRecord run = example_run();
   run.devices.clear();
@@ -170,7 +170,7 @@ TEST_CASE("run record: a device that answers nonsense is named") {
   CHECK(kept("a\xff") == "TB-DEVICE-NAME");
 }
 
-TEST_CASE("run record: a sensor has rested since the last sign of its newest earlier run") {
+TEST_CASE("run record: the rest of a sensor starts at the last sign of activity of its newest earlier run") {
   KeptRow row;
   db::SensorRecord other = example_sensor();
   other.serial = "S-2";

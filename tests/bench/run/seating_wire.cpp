@@ -42,7 +42,7 @@ bench::RunRequest with_dead_row(int row) {
 
 }  // namespace
 
-TEST_CASE("a run stores the sensor's seating before its first frame, and an identical run has the same content") {
+TEST_CASE("seating: the check is stored before the first frame, and an equal run has equal content") {
   QuickStore store;
   const bench::RunResult first = run_seated(store);
   REQUIRE(!first.error);
@@ -60,7 +60,7 @@ TEST_CASE("a run stores the sensor's seating before its first frame, and an iden
   CHECK(again.content_sha256 == first.content_sha256);
 }
 
-TEST_CASE("a sensor mounted again a month later on a warmer day is seated as before") {
+TEST_CASE("seating: a sensor mounted again a month later on a warmer day passes") {
   QuickStore store;
   REQUIRE(!run_seated(store).error);
   const bench::RunResult result = run_seated(store, {{"simulation.mount_seed", "1"},
@@ -73,7 +73,7 @@ TEST_CASE("a sensor mounted again a month later on a warmer day is seated as bef
   CHECK(seatings(store, result.run).front().verdict == "pass");
 }
 
-TEST_CASE("a turned sensor ends the second run, vented, and not the first") {
+TEST_CASE("seating: a turned sensor ends the second run, vented, but not the first") {
   QuickStore store;
   REQUIRE(!run_seated(store).error);
   const bench::RunResult result = run_seated(store, {{"simulation.mount_turn", "\"turned-90\""}});
@@ -92,7 +92,7 @@ TEST_CASE("a turned sensor ends the second run, vented, and not the first") {
   CHECK(!run_seated(store).error);
 }
 
-TEST_CASE("a dead row ends the very first run") {
+TEST_CASE("seating: a dead row ends the very first run") {
   QuickStore store;
   const bench::RunResult dead = run_small(with_dead_row(4), store);
   REQUIRE(dead.error);
@@ -100,7 +100,7 @@ TEST_CASE("a dead row ends the very first run") {
   CHECK_THAT(dead.error->what(), Catch::Contains("row 4"));
 }
 
-TEST_CASE("without the check a badly seated sensor runs, and the run records that it was not checked") {
+TEST_CASE("seating: without the check a badly seated sensor is measured, and the run records the missing check") {
   QuickStore store;
   bench::RunRequest request = with_dead_row(4);
   request.check_seating = false;
@@ -114,7 +114,7 @@ TEST_CASE("without the check a badly seated sensor runs, and the run records tha
   CHECK(said);
 }
 
-TEST_CASE("seating: a low recipe is not checked, and the peak of a medium one is the load of the check") {
+TEST_CASE("seating: a low recipe is not checked, the peak of a medium recipe is the load of the check") {
   QuickStore store;
   bench::RunRequest request = small_request();
   request.check_seating = true;
@@ -134,7 +134,7 @@ TEST_CASE("seating: a low recipe is not checked, and the peak of a medium one is
   CHECK(detail.at("pressure_psi").get<double>() == Approx(6.0).margin(0.3));
 }
 
-TEST_CASE("many dead taxels give one warning, later runs treat them as known") {
+TEST_CASE("seating: many dead taxels give one warning, later runs accept them without a warning") {
   QuickStore store;
   bench::RunRequest request = small_request();
   request.check_seating = true;

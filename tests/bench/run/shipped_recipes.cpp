@@ -28,7 +28,7 @@ BenchConfig simulated(const std::vector<sequences::Override>& overrides = {}) {
 
 }  // namespace
 
-TEST_CASE("every shipped recipe compiles and passes the limits of both shipped benches") {
+TEST_CASE("shipped recipes: all compile and are within the limits of both shipped benches") {
   const std::vector<std::string> names = shipped();
   const BenchConfig rig = read_bench(find_config("paper-rig.example.toml"), {});
   for (const std::string& name : names) {
@@ -54,7 +54,7 @@ TEST_CASE("every shipped recipe compiles and passes the limits of both shipped b
   }
 }
 
-TEST_CASE("every parameter of a shipped recipe can be set to both its ends") {
+TEST_CASE("shipped recipes: every parameter can be set to both ends of its range") {
   for (const std::string& name : shipped()) {
     const sequences::RecipeFile file = read_recipe_file(name);
     if (file.recipes.size() > 1) continue;

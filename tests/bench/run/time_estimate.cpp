@@ -34,7 +34,7 @@ Recipe long_recipe() {  // 65 frames, once, two steps of conditioning before the
 
 }  // namespace
 
-TEST_CASE("without history the model's time band is given and labelled as the model's") {
+TEST_CASE("time estimate: without earlier runs it is the time band of the model, and marked as such") {
   // Of each recipe 2 steps of conditioning and 18 frames: 20 x (2 s dwell + 0.65 s settling), and three times 0-8-0 psi
   // at 60 psi/s: 53.8 s.
   const std::vector<Recipe> recipes = {recipe_named("a"), recipe_named("b")};
@@ -51,7 +51,7 @@ TEST_CASE("without history the model's time band is given and labelled as the mo
   CHECK(estimate.remaining(39).p50_s == Approx(2.65 + 2.0 / 60.0));  // the last level
 }
 
-TEST_CASE("of a run that is resumed the complete branches are done") {
+TEST_CASE("time estimate: for a resumed run the complete branches count as done") {
   const auto steps = sequences::compile(long_recipe(), 0);  // two of conditioning, 33 frames up, 32 down
   const auto first_undone = [&](std::int64_t frames) { return steps_done(steps, frames); };
   CHECK(first_undone(32) == 2);
@@ -62,7 +62,7 @@ TEST_CASE("of a run that is resumed the complete branches are done") {
   CHECK(estimate.remaining(first_undone(33)).p50_s == Approx(32 * 2.65 + 64.0 / 60.0));
 }
 
-TEST_CASE("time already lost in a run is not added to the remaining time") {
+TEST_CASE("time estimate: time lost in a run is not added to the remaining time") {
   Bed bed;
   const std::vector<Recipe> recipes = {recipe_named("a")};
   Past past;
@@ -74,7 +74,7 @@ TEST_CASE("time already lost in a run is not added to the remaining time") {
   CHECK(estimate.remaining(9).p50_s == Approx(33.0));
 }
 
-TEST_CASE("other work is not learned from") {
+TEST_CASE("time estimate: runs of other work are not used") {
   Bed bed;
   const std::vector<Recipe> recipes = {recipe_named("a")};
   Past other;
@@ -93,7 +93,7 @@ TEST_CASE("other work is not learned from") {
   CHECK(bed.learned(recipes, {{"simulation.seed", "4"}, {"recipe.dwell_s", "9"}}).total().runs == 1);
 }
 
-TEST_CASE("a recipe is learned from wherever it stood in a run") {
+TEST_CASE("time estimate: a recipe is learned at any position in a run") {
   Bed bed;
   const std::vector<Recipe> both = {recipe_named("a"), recipe_named("b")};
   store_run(bed.store, both, {});
@@ -110,7 +110,7 @@ TEST_CASE("a recipe is learned from wherever it stood in a run") {
   CHECK(mixed.runs == 0);
 }
 
-TEST_CASE("waits in a stored run are not learned, neither for the total nor for the remaining time") {
+TEST_CASE("time estimate: waits in a stored run are not learned, neither for the total nor the remaining time") {
   const auto [prompt_s, paused_after, tolerance] =
       GENERATE(table<double, int, double>({{600.0, -1, 1e-6}, {0.0, 5, 1e-6}, {600.0, 13, 1e-6}, {0.0, 18, 1e-6}}));
   Bed bed;
@@ -127,7 +127,7 @@ TEST_CASE("waits in a stored run are not learned, neither for the total nor for 
   }
 }
 
-TEST_CASE("waiting between two sequences of a run counts in the time of neither") {
+TEST_CASE("time estimate: a wait between two sequences is added to neither") {
   Bed bed;
   const std::vector<Recipe> both = {recipe_named("a"), recipe_named("b")};
   Past past;
@@ -138,7 +138,7 @@ TEST_CASE("waiting between two sequences of a run counts in the time of neither"
   CHECK(estimate.total_of(1).p50_s == Approx(60.0 + 50.0));  // that it had to travel again is its own
 }
 
-TEST_CASE("time left: rises and falls at their own speeds, and bands of two recipes widen independently") {
+TEST_CASE("time left: uses rise and fall rates, and bands of two recipes widen independently") {
   const auto recipe = [](const std::string& text) {
     return sequences::parse_recipe(sequences::TomlDocument::from_text("schema = 1\nunit = \"psi\"\n" + text, "r.toml"));
   };
@@ -172,7 +172,7 @@ TEST_CASE("time left: rises and falls at their own speeds, and bands of two reci
   CHECK(last_s == 0.0);
 }
 
-TEST_CASE("time band: of less than ten runs by Student's t, about their median, with the spread of a further run") {
+TEST_CASE("time band: of less than ten runs by Student's t about their median, for one further run") {
   const Recipe recipe = recipe_named("a");
   Bed bed;
   // 0.9 quantiles of Student's distribution, one degree of freedom and more.
@@ -201,7 +201,7 @@ TEST_CASE("time band: of less than ten runs by Student's t, about their median, 
   }
 }
 
-TEST_CASE("time band: of ten runs their own quantiles, of more the newest ten, never narrower than half a percent") {
+TEST_CASE("time band: of ten runs by quantiles, of more by the newest ten, never narrower than 0.5 %") {
   const Recipe recipe = recipe_named("a");
   Bed bed;
   for (int i = 1; i <= 11; ++i) {
@@ -251,7 +251,7 @@ TEST_CASE("time band: two recipes vary independently, and the smaller number of 
   CHECK(estimate.remaining(40).runs == 2);
 }
 
-TEST_CASE("time left: 32 samples of each run, a straight line between two of them") {
+TEST_CASE("time left: 32 samples of each run, interpolated linearly") {
   const std::vector<Recipe> recipes = {long_recipe()};
   REQUIRE(sequences::compile(recipes).size() == 67);
   Past past;
@@ -296,7 +296,7 @@ TEST_CASE("time estimate: uses the newest two hundred runs of the bench") {
   CHECK(bed.learned({recipe}, {}, false).total().runs == 0);
 }
 
-TEST_CASE("time estimate: only runs of identical work are used: text, repeats, frames") {
+TEST_CASE("time estimate: only runs of identical work are used, by text, repeats and frames") {
   const Recipe recipe = recipe_named("a");
   Recipe thrice = recipe;
   thrice.repeats = 3;  // the text is the same
@@ -311,7 +311,7 @@ TEST_CASE("time estimate: only runs of identical work are used: text, repeats, f
   CHECK(bed.learned({recipe}).total_of(0).p50_s == Approx(53.8));
 }
 
-TEST_CASE("time model of a bench: rates in both directions, one feeding and one poll to settle, no time for people") {
+TEST_CASE("time model: rates in both directions, one feeding and one poll to settle, no time for operators") {
   BenchConfig bench;
   bench.limits.rate_psi_per_s = 13.0;
   bench.regulator.feed_interval = std::chrono::milliseconds(350);

@@ -49,8 +49,7 @@ std::string day_from_now(int days) {
 
 }  // namespace
 
-TEST_CASE(
-    "a run that presses keeps force sensor and stage with serial, calibration, range, certificate, due date and U") {
+TEST_CASE("traceability: a press run stores force sensor and stage with serial, range, certificate, due date and U") {
   const FinishedRun pressed(
       ring_request({{"force.certificate", "F-1"}, {"force.calibrated", "2025-01-31"}, {"force.due", "2199-01-31"}}));
   if (pressed.result.error) FAIL(pressed.result.error->what());
@@ -83,7 +82,7 @@ TEST_CASE(
   CHECK(warnings_of(pressed.store, 1).empty());
 }
 
-TEST_CASE("the force sensor that answers is the one that is kept: Digital F/T has another serial") {
+TEST_CASE("traceability: the stored force sensor is the one that answers, Digital F/T has another serial") {
   bench::RunRequest request = ring_request({{"force.kind", "digital"}});
   request.bench.force->digital.reply_timeout = std::chrono::seconds(5);  // a busy machine reads the port late
   const FinishedRun run(request);
@@ -92,7 +91,7 @@ TEST_CASE("the force sensor that answers is the one that is kept: Digital F/T ha
   CHECK(device_of(run.store.run(result.run), "force sensor").serial == "SIMFT2");
 }
 
-TEST_CASE("an instrument with an overlong serial number ends the run, and nothing of it is stored") {
+TEST_CASE("traceability: an instrument with a too long serial number ends the run and is not stored") {
   bench::RunRequest request = small_request({{"scanner.kind", "frame-source"}});
   request.bench.simulation->scanner_serial = std::string(db::kLongestName + 1, '7');
   const FinishedRun run(request);
@@ -105,7 +104,7 @@ TEST_CASE("an instrument with an overlong serial number ends the run, and nothin
   CHECK(run.store.run(result.run).devices.empty());
 }
 
-TEST_CASE("a run in the chamber does not keep instruments that it does not use") {
+TEST_CASE("traceability: a chamber run does not store instruments that it does not use") {
   const FinishedRun run(small_request({{"force.due", "\"2020-01-31\""}}));
   const bench::RunResult& result = run.result;
   REQUIRE_FALSE(result.error);
@@ -116,7 +115,7 @@ TEST_CASE("a run in the chamber does not keep instruments that it does not use")
   CHECK(warnings_of(run.store, result.run).empty());  // overdue, and not used
 }
 
-TEST_CASE("an instrument that is overdue when the run begins is an event of the run") {
+TEST_CASE("traceability: an instrument overdue at the start is an event of the run") {
   const FinishedRun run(ring_request({{"force.due", "\"2020-01-31\""}, {"reference.due", "\"2021-01-31\""}}));
   const bench::RunResult& result = run.result;
   if (result.error) FAIL(result.error->what());
@@ -126,7 +125,7 @@ TEST_CASE("an instrument that is overdue when the run begins is an event of the 
   CHECK_THAT(lines[1], Catch::Contains("SIM-FT-1") && Catch::Contains("2020-01-31"));
 }
 
-TEST_CASE("a bench that was never filled in runs simulated with a warning, and is refused on hardware with no row") {
+TEST_CASE("traceability: placeholders in the bench file give a warning if simulated, an error on hardware") {
   QuickStore store;
   bench::RunRequest request = small_request({{"reference.certificate", "FILL-IN"}});
   const bench::RunResult result = run_small(request, store);
@@ -139,7 +138,7 @@ TEST_CASE("a bench that was never filled in runs simulated with a warning, and i
   CHECK_THROWS_AS(bench::Rig(request.bench), bench::Error);
 }
 
-TEST_CASE("a resumed run that presses continues only with its original force sensor") {
+TEST_CASE("traceability: a resumed press run continues only with its original force sensor") {
   const FinishedRun run(ring_request());
   const bench::RunResult& result = run.result;
   if (result.error) FAIL(result.error->what());
@@ -161,7 +160,7 @@ TEST_CASE("a resumed run that presses continues only with its original force sen
   CHECK_NOTHROW(bench::check_same_devices(older, same.devices()));
 }
 
-TEST_CASE("calibration warnings: on the due date there is none, a day later there is") {
+TEST_CASE("calibration warnings: none on the due date, one a day later") {
   const auto warned_of = [](const std::string& due) {
     QuickStore store;
     bench::RunRequest request = small_request({{"reference.due", "\"" + due + "\""}});

@@ -119,7 +119,7 @@ struct WaitingRun {
 
 }  // namespace
 
-TEST_CASE("waiting run: two questions and a pause: what is asked, answered, told and written") {
+TEST_CASE("waiting run: two questions and a pause are asked, answered, reported and stored") {
   WaitingRun run;
   run.request.recipes = {
       recipe_of("unit = \"psi\"\nturning_points = [0, 8, 0]\nstep = 4\n[prompt]\nbefore = \"mount it\"\n"
@@ -176,7 +176,7 @@ TEST_CASE("waiting run: two questions and a pause: what is asked, answered, told
   CHECK((told[1].ends_with("mount it") && told[3].ends_with("turn it")));
 }
 
-TEST_CASE("waiting run: after a rest longer than its recipe allows the whole repeat is done again, no other") {
+TEST_CASE("waiting run: after a rest longer than the recipe allows only the current repeat is measured again") {
   WaitingRun run;
   run.request.recipes = {
       recipe_of("unit = \"psi\"\nturning_points = [0, 4, 0]\nstep = 4\nrepeats = 2\nrest_restart_s = 0.1\n")};
@@ -192,7 +192,7 @@ TEST_CASE("waiting run: after a rest longer than its recipe allows the whole rep
   CHECK(branches_of(run.store) == Texts{"0.0.0", "0.1.0", "1.0.0 void", "1.0.1", "1.1.0"});
 }
 
-TEST_CASE("waiting run: after a long rest also the branches that an earlier process has done are done again") {
+TEST_CASE("waiting run: after a long rest the branches of an earlier process are measured again, too") {
   WaitingRun run;
   run.request.recipes = {recipe_of("unit = \"psi\"\nturning_points = [0, 4, 0, 4]\nstep = 4\nrest_restart_s = 0.1\n")};
   run.request.on_step = [](const sequences::Step& step) {
@@ -214,7 +214,7 @@ TEST_CASE("waiting run: after a long rest also the branches that an earlier proc
   CHECK(branches_of(run.store) == Texts{"0.0.0 void", "0.1.0 void", "0.1.1 void", "0.0.1", "0.1.2", "0.2.0"});
 }
 
-TEST_CASE("waiting run: with --yes no question is asked, and that is written down") {
+TEST_CASE("waiting run: with --yes no question is asked, and that is recorded") {
   WaitingRun run;
   run.request.assume_yes = true;
   run.request.recipes = {
@@ -223,7 +223,7 @@ TEST_CASE("waiting run: with --yes no question is asked, and that is written dow
   CHECK(course_of(run.store) == Texts{"prepared -> running", "prompt", "running -> stopping", "safe"});
 }
 
-TEST_CASE("waiting run: what is told and shown while the supply is away, and that the run is done") {
+TEST_CASE("waiting run: status and progress while the supply is missing, and until the run has ended") {
   WaitingRun run;
   run.request =
       small_request({{"environment.sensor", "[{quantity = 'supply_bar', unit = 9, address = 20, type = 'f32'}]"}});

@@ -43,7 +43,7 @@ void check_settled(const FinishedRun& run, double dwell_s) {
 
 }  // namespace
 
-TEST_CASE("whole run: warmed up, seated, conditioned, suspended, broken and completed, in this order") {
+TEST_CASE("whole run: warm-up, seating, conditioning, suspension and a broken branch in this order, completed") {
   bench::RunRequest request = small_request({{"settling.trace_s", "0.1"}, kSupplySensor[0]});
   request.recipes = {recipe_of(
       "unit = \"psi\"\nturning_points = [0, 6, 2, 6]\nstep = 2\nrepeats = 1\n"
@@ -79,7 +79,7 @@ TEST_CASE("whole run: warmed up, seated, conditioned, suspended, broken and comp
   CHECK(levels == std::vector<double>{0, 2, 4, 6, 4, 2, 4, 6});
 }
 
-TEST_CASE("whole run: several frames a level lie apart as asked, and ramps without stops take their own time") {
+TEST_CASE("whole run: several frames per level have the set interval, and ramps without stops take their own time") {
   bench::RunRequest request = small_request();
   request.recipes = {
       recipe_of("unit = \"psi\"\nturning_points = [20, 10]\nstep = 10\nframes_per_level = 2\nframe_interval_s = 1.5\n"
@@ -107,7 +107,7 @@ TEST_CASE("whole run: several frames a level lie apart as asked, and ramps witho
   }
 }
 
-TEST_CASE("whole run: a fault that ends it has its id and code, its frames are kept, its attempts are told") {
+TEST_CASE("whole run: a fault that ends it has its id and exit code, frames are kept, attempts are recorded") {
   const auto ends = [](const std::string& id, ExitCode code, std::size_t frames, int redone, int voids,
                        const bench::RunRequest& request) {
     INFO(id);
@@ -151,8 +151,7 @@ TEST_CASE("whole run: a fault that ends it has its id and code, its frames are k
        two_branches({}, "", {fault(FaultKind::kReferenceOffset, 0.0, 1.25)}));
 }
 
-TEST_CASE(
-    "whole run: a reading that cannot be true lets no run begin, ends one that is under way, and proves nothing") {
+TEST_CASE("whole run: an impossible reading prevents the start, ends a run in progress, and proves nothing") {
   constexpr double kDead = -90.0;  // psi: a supply that is lost behind a live zero
   const auto dead = [](FaultKind kind, double at_s, double lasts_s = 1e6) {
     return planned_fault(kind, at_s, lasts_s, kDead);
@@ -182,13 +181,13 @@ TEST_CASE(
   CHECK_FALSE(FinishedRun(two_branches({}, "", {dead(kReference, 3.0, 0.5)})).result.error);
 }
 
-TEST_CASE("whole run: a step may take just as long as its recipe allows") {
+TEST_CASE("whole run: a step may take exactly as long as its recipe allows") {
   const FinishedRun run(two_branches({}, "dwell_s = 2.0\n[timeout]\nstep_s = 2.65\n"));
   CHECK(run.result.outcome == db::Outcome::kCompleted);
   CHECK(run.frames.size() == 4);
 }
 
-TEST_CASE("whole run: a damaged scan costs a branch where frames are not read again") {
+TEST_CASE("whole run: if frames are not read again, a damaged scan costs a branch") {
   const FinishedRun run(
       two_branches({{"simulation.wire_faults.scanner_corrupt_scan", "6"}, {"scanner.frame_timeout_ms", "1000"}},
                    "[retry]\nframe = 0\nbranch = 1\n"));
@@ -203,7 +202,7 @@ TEST_CASE("whole run: a damaged scan costs a branch where frames are not read ag
   check_settled(run, 2.0);
 }
 
-TEST_CASE("whole run: a broken branch is kept with a flag where its recipe says so") {
+TEST_CASE("whole run: a broken branch is kept with a flag if the recipe requires it") {
   const FinishedRun run(two_branches({{"settling.trace_s", "0.1"}}, "[guard]\nredo = 0\non_broken = \"flag\"\n",
                                      {planned_fault(FaultKind::kOvershoot, 3.0, 1e6, 1.5)}));
   REQUIRE_FALSE(run.result.error);
@@ -211,7 +210,7 @@ TEST_CASE("whole run: a broken branch is kept with a flag where its recipe says 
   CHECK(run.flags() == Strings{"", "", "broken", ""});
 }
 
-TEST_CASE("whole run: a row that is stuck and a feedback that leaves its band flag the frame that they meet") {
+TEST_CASE("whole run: a stuck row and a feedback that leaves its band each flag the frame concerned") {
   const FinishedRun run(two_branches(
       {}, "[dwell]\ntolerance_s = 0.0\n",
       {planned_fault(FaultKind::kRowStuck, 1.0, 6.0, 3.0), planned_fault(FaultKind::kFeedbackOffset, 4.0, 0.5, 0.4)}));
@@ -219,7 +218,7 @@ TEST_CASE("whole run: a row that is stuck and a feedback that leaves its band fl
   CHECK(run.flags() == Strings{"", "row-stuck left-band", "", ""});
 }
 
-TEST_CASE("whole run: a module that is busy for a moment costs no branch and is recorded, one that stays so does") {
+TEST_CASE("whole run: a module busy for a moment costs no branch and is recorded, one that stays busy costs one") {
   for (const double lasts_s : {0.1, 2.0}) {
     const FinishedRun run(
         two_branches({}, "[retry]\nbranch = 1\n", {planned_fault(FaultKind::kModuleBusy, 4.0, lasts_s, 0.0)}));
@@ -233,7 +232,7 @@ TEST_CASE("whole run: a module that is busy for a moment costs no branch and is 
   }
 }
 
-TEST_CASE("whole run: a wait shorter than the rest that its recipe allows costs its own branch alone") {
+TEST_CASE("whole run: a wait shorter than the rest that the recipe allows costs only its own branch") {
   const FinishedRun run(two_branches(kSupplySensor, "dwell_s = 4.0\nrest_restart_s = 15\n" + kSupplyRule,
                                      {planned_fault(FaultKind::kSupplyLost, 14.0, 5.0, 0.001)}));
   REQUIRE_FALSE(run.result.error);
@@ -242,7 +241,7 @@ TEST_CASE("whole run: a wait shorter than the rest that its recipe allows costs 
   CHECK((run.branches[1].ordinal == 1 && run.branches[2].ordinal == 1));
 }
 
-TEST_CASE("whole press run: frames whose force records scatter beyond the level's tolerance are flagged, no others") {
+TEST_CASE("whole press run: only frames with a force scatter beyond the tolerance of the level are flagged") {
   for (const char* noise_n : {"0.005", "0.08"}) {
     bench::RunRequest request = small_request({{"simulation.contact.force_noise_n", noise_n}});
     request.recipes = {recipe_of(press_text(1))};
@@ -256,7 +255,7 @@ TEST_CASE("whole press run: frames whose force records scatter beyond the level'
   }
 }
 
-TEST_CASE("whole press run: z is homed first, forces are reached and held, and z is proved to be off at the end") {
+TEST_CASE("whole press run: z is homed first, forces are reached and held, and z is proved clear at the end") {
   bench::RunRequest request = small_request();
   request.recipes = {recipe_of(press_text(1))};
   const FinishedRun run(request);
@@ -289,7 +288,7 @@ TEST_CASE("whole press run: z is homed first, forces are reached and held, and z
   CHECK(run.result.most_exchanges_a_step <= 60);
 }
 
-TEST_CASE("whole press run: a point held in three places registers where the taxels lie") {
+TEST_CASE("whole press run: a point pressed at three places registers the taxel positions") {
   bench::RunRequest request = small_request();
   request.recipes = {recipe_of(
       "kind = \"press\"\ndwell_s = 1.0\n[press]\nobject = \"point\"\npositions_mm = [[20, 24], [40, 28], [30, 40]]\n"
@@ -319,7 +318,7 @@ TEST_CASE("whole press run: a point held in three places registers where the tax
   CHECK(mount.at("other_flip_rms_mm").get<double>() > 5.0);
 }
 
-TEST_CASE("whole run: its store goes while it works: it ends vented, and all that was measured is saved whole") {
+TEST_CASE("whole run: if its store disappears it ends vented, and all measured data are saved completely") {
   namespace fs = std::filesystem;
   using Goes = std::function<void(const std::string& path, const std::string& elsewhere)>;
   const auto [how, goes] = GENERATE(table<std::string, Goes>({
@@ -367,7 +366,7 @@ TEST_CASE("whole run: its store goes while it works: it ends vented, and all tha
   if (how == "replaced by an older copy") CHECK(db::RunStore::open_read_only(path).runs().empty());
 }
 
-TEST_CASE("whole run: a lock file that is removed while it works is there again at once, with its lock") {
+TEST_CASE("whole run: a lock file removed during the run is created again at once, with its lock") {
   bench::RunRequest request = small_request();
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");

@@ -83,8 +83,7 @@ const std::vector<sequences::Override> kSlow = {{"dead_man.timeout_ms", "5000"}}
 
 }  // namespace
 
-TEST_CASE(
-    "dead-man server: ready, fed, a line handed over, and fired by command before z was homed: all of its record") {
+TEST_CASE("dead-man server: reports ready, is fed, hands over a line, fires on command, and records all of it") {
   HostedRig hosted(kSlow);
   const bench::BenchConfig config = hosted.client();
   std::string printed;
@@ -131,7 +130,7 @@ TEST_CASE(
   CHECK(printed.find(config.id) != std::string::npos);
 }
 
-TEST_CASE("dead-man server: a sequencer that ends, or is silent for too long, leaves a record, the silent one a trip") {
+TEST_CASE("dead-man server: a sequencer that ends or is silent leaves a record, a silent one also a trip") {
   const bool silent = GENERATE(false, true);
   HostedRig hosted(silent ? std::vector<sequences::Override>{{"dead_man.timeout_ms", "250"}} : kSlow);
   const bench::BenchConfig config = hosted.client();
@@ -157,8 +156,7 @@ TEST_CASE("dead-man server: a sequencer that ends, or is silent for too long, le
   CHECK(bench::TripFile(config.id).read().has_value() == silent);
 }
 
-TEST_CASE(
-    "dead-man server: it runs in real time where that is allowed, and a goodbye ends it with nothing done or written") {
+TEST_CASE("dead-man server: has real-time priority if permitted, and ends on goodbye without any action") {
   int allowed = SCHED_OTHER;
   std::thread([&] {
     const sched_param lowest{.sched_priority = 1};
@@ -176,7 +174,7 @@ TEST_CASE(
   CHECK_FALSE(bench::TripFile(config.id).read());
 }
 
-TEST_CASE("dead-man server: without a bench, or a module that answers, it says why and ends") {
+TEST_CASE("dead-man server: without a bench or a module that responds it reports why and ends") {
   HostedRig hosted(kSlow);
   bench::BenchConfig config = hosted.client();
   {

@@ -26,7 +26,7 @@ long warnings(const BenchConfig& config) {
 
 }  // namespace
 
-TEST_CASE("fail-safe layers: those of this program, with their numbers, and a warning for each that is not there") {
+TEST_CASE("fail-safe layers: lists the layers of this program with their values, and warns about each missing one") {
   BenchConfig config = plain_bench();
   config.in_process = true;
   config.limits.trip_psi = 64.0;
@@ -55,7 +55,7 @@ TEST_CASE("fail-safe layers: those of this program, with their numbers, and a wa
   CHECK(warnings(config) == 1);
 }
 
-TEST_CASE("fail-safe layers: dump valve, the module's own layers, and its watchdog with how often it is fed") {
+TEST_CASE("fail-safe layers: lists dump valve, layers of the module, and its watchdog with the feed interval") {
   BenchConfig config = plain_bench();
   config.in_process = true;
   config.module.profile.dump_coil = 0;
@@ -75,7 +75,7 @@ TEST_CASE("fail-safe layers: dump valve, the module's own layers, and its watchd
   CHECK(warnings(config) == 1);
 }
 
-TEST_CASE("fail-safe layers: what 0 V and a dead supply mean is computed from the spans") {
+TEST_CASE("fail-safe layers: the pressures at 0 V and without supply are computed from the spans") {
   using devices::Psi, devices::Volts;
   BenchConfig config = plain_bench();
   config.in_process = true;
@@ -101,7 +101,7 @@ TEST_CASE("fail-safe layers: what 0 V and a dead supply mean is computed from th
   CHECK_THAT(when_source_is_lost(config), Catch::Contains("RV-1") && !Catch::Contains("watchdog"));
 }
 
-TEST_CASE("shared lines: neither side keeps a line to itself, and the dead-man takes no lock") {
+TEST_CASE("shared lines: neither process keeps a line exclusively, and the dead-man takes no lock") {
   BenchConfig config = plain_bench();
   config.input_module.emplace();
   config.reference_gauge.emplace();
@@ -120,7 +120,7 @@ TEST_CASE("shared lines: neither side keeps a line to itself, and the dead-man t
   CHECK((!config.controller_address.exclusive && !config.controller_address.lock));
 }
 
-TEST_CASE("unloaded frame: the mean of all scans of each taxel") {
+TEST_CASE("unloaded frame: each taxel has the mean of all its scans") {
   devices::ScanSet scans;
   scans.rows = 1;
   scans.columns = 3;

@@ -28,7 +28,7 @@ void home(Rig& rig) {
 
 }  // namespace
 
-TEST_CASE("guarded rig: measured pressure above the trip vents the chamber by itself") {
+TEST_CASE("guarded rig: measured pressure above the trip vents the chamber") {
   Rig rig(small_request({{"limits.trip_psi", "30"},
                          {"limits.command_psi", "30"},
                          {"regulator.span_bar", "[0, 9]"},
@@ -52,7 +52,7 @@ TEST_CASE("guarded rig: measured pressure above the trip vents the chamber by it
   CHECK(fault_id_of([&] { ramp_to(rig, Psi(5.0)); }) == "none");
 }
 
-TEST_CASE("guarded rig: force beyond the limit halts the stage, and z may still be taken away") {
+TEST_CASE("guarded rig: force above the limit halts the stage, and z may still retract") {
   Rig rig(small_request({{"limits.force_n", "[5, 5, 20]"}}).bench);
   home(rig);
   devices::Stage& stage = *rig.stage_gate();
@@ -81,7 +81,7 @@ TEST_CASE("guarded rig: force beyond the limit halts the stage, and z may still 
   CHECK(stage.wait(Axis::kZ).value() == Approx(stands - 5.0).margin(0.01));
 }
 
-TEST_CASE("guarded rig: a press is refused before the sensor is tared") {
+TEST_CASE("guarded rig: a press is rejected before the force sensor is tared") {
   Rig rig(small_request().bench);
   home(rig);
   (void)rig.open_force().read(10);
@@ -89,7 +89,7 @@ TEST_CASE("guarded rig: a press is refused before the sensor is tared") {
         "TB-FORCE-STALE");
 }
 
-TEST_CASE("guarded rig: under the turned clock a dead-man fires when process time passes without progress") {
+TEST_CASE("guarded rig: in virtual time a dead-man fires if process time passes without progress") {
   Rig rig(small_request({{"module.watchdog_ms", "60000"}}).bench);
   rig.open();
   ramp_to(rig, Psi(20.0));
@@ -102,7 +102,7 @@ TEST_CASE("guarded rig: under the turned clock a dead-man fires when process tim
   CHECK(rig.plant()->true_pressure().value() < 1.0);
 }
 
-TEST_CASE("guarded rig: a ramp goes in ticks up and down, the last one shorter, and the hooks see each") {
+TEST_CASE("guarded rig: a ramp goes in ticks in both directions, the last one shorter, and each tick calls the hooks") {
   Rig rig(small_request().bench);
   rig.open();
   const SafetyLimits& limits = rig.config().limits;
@@ -151,7 +151,7 @@ TEST_CASE("guarded rig: a ramp goes in ticks up and down, the last one shorter, 
   CHECK(rig.guard().setpoint_psi() == 0.0);
 }
 
-TEST_CASE("guarded rig: a ramp by the rig's own limits takes a tenth of a second for each tick but the last") {
+TEST_CASE("guarded rig: a ramp at the limits of the rig takes 0.1 s for each tick but the last") {
   Rig rig(small_request().bench);
   rig.open();
   int ticks = 0;

@@ -26,7 +26,7 @@ struct Retreat {
 
 }  // namespace
 
-TEST_CASE("retract on an ideal stage: halts, arms, goes to clear at its speed, settles, reads the force") {
+TEST_CASE("retract on an ideal stage: halts, arms, moves to clear at its speed, settles, reads the force") {
   Retreat high(13.0, 0.2);
   const RetractProof proof = high.go();
   CHECK(proof.verified);
@@ -43,7 +43,7 @@ TEST_CASE("retract on an ideal stage: halts, arms, goes to clear at its speed, s
   CHECK(high.bed.force.reads[0].records == 37);
 }
 
-TEST_CASE("retract on an ideal stage: z at clear stays, and arrival tolerates one micrometre, not more") {
+TEST_CASE("retract on an ideal stage: z at clear does not move, arrival has a tolerance of one micrometre") {
   for (const double z_mm : {0.0, 10.0, 10.001}) {
     Retreat there(z_mm);
     CHECK(there.go().verified);
@@ -55,7 +55,7 @@ TEST_CASE("retract on an ideal stage: z at clear stays, and arrival tolerates on
   CHECK(beyond.bed.stage.sent_mm.size() == 1);
 }
 
-TEST_CASE("retract on an ideal stage: the force has to be below the safe one on either side, and a number") {
+TEST_CASE("retract on an ideal stage: the force must be below the safe limit in both directions, and finite") {
   const auto at = [](double force_n) {
     const RetractProof proof = Retreat(12.0, force_n).go();
     CHECK(proof.z_mm == (std::abs(force_n) < 0.5 ? 10.0 : 0.0));  // pressed at clear: goes home
@@ -70,7 +70,7 @@ TEST_CASE("retract on an ideal stage: the force has to be below the safe one on 
   CHECK_FALSE(at(std::numeric_limits<double>::quiet_NaN()));
 }
 
-TEST_CASE("retract on an ideal stage: a stage that does not arm or stay is tried twice, a silent sensor too") {
+TEST_CASE("retract on an ideal stage: a stage that does not arm and a silent force sensor are tried twice") {
   Retreat once(12.0);
   once.bed.stage.refuses_arms = 1;
   CHECK(once.go().verified);
@@ -100,7 +100,7 @@ TEST_CASE("retract on an ideal stage: a stage that does not arm or stay is tried
   CHECK_FALSE(disobeys.go().halted);
 }
 
-TEST_CASE("retract on an ideal stage: a z that lost its home goes home, wherever clear is") {
+TEST_CASE("retract on an ideal stage: z without a home position is homed, whatever the clear position is") {
   Retreat lost(12.0);
   lost.bed.stage.homed = false;
   const RetractProof proof = lost.go();
@@ -110,7 +110,7 @@ TEST_CASE("retract on an ideal stage: a z that lost its home goes home, wherever
   CHECK(lost.bed.stage.sent_mm.empty());
 }
 
-TEST_CASE("retract on an ideal stage: pressed by an object that is taller than clear allows for, z goes home") {
+TEST_CASE("retract on an ideal stage: if the object still presses at clear, z goes home") {
   for (const auto& [z_mm, surface_mm] :
        {std::pair(6.0, 5.0), std::pair(10.0, 5.0), std::pair(13.0, 5.0), std::pair(10.0, 9.8), std::pair(13.0, 9.8)}) {
     Retreat tall(z_mm);
@@ -123,7 +123,7 @@ TEST_CASE("retract on an ideal stage: pressed by an object that is taller than c
   }
 }
 
-TEST_CASE("retract on an ideal stage: waits in slices of 100 ms, and by the clock itself where the wait throws") {
+TEST_CASE("retract on an ideal stage: waits in slices of 100 ms, and uses the clock if the wait throws") {
   std::vector<devices::Nanoseconds> asked;
   Retreat fed(10.5);  // 250 ms
   CHECK(fed.go([&](devices::Nanoseconds time) { asked.push_back(time); }).verified);

@@ -75,9 +75,7 @@ class TroubledRig {
 
 }  // namespace
 
-TEST_CASE(
-    "safe state in trouble: a module that refuses a few times is asked again, one that refuses for good is not "
-    "waited for") {
+TEST_CASE("safe state in trouble: a module that refuses a few times is retried, one that always refuses is given up") {
   TroubledRig bench;
   for (const int refusals : {2, 5}) {
     if (refusals == 5) bench.rig.source().arm();
@@ -96,9 +94,7 @@ TEST_CASE(
   CHECK(never.took_s < 5.0);
 }
 
-TEST_CASE(
-    "safe state in trouble: a valve that is stuck has failed, once free it is proved, and a wrong witness is not "
-    "believed") {
+TEST_CASE("safe state in trouble: a stuck valve fails, a freed one is proved, and a wrong witness is not believed") {
   TroubledRig bench;
   bench.load(20.0);
   bench.fail(FaultKind::kValveStuck);
@@ -118,9 +114,7 @@ TEST_CASE(
   CHECK(loaded.took_s < 15.0);
 }
 
-TEST_CASE(
-    "safe state in trouble: pressed, with all well, without force, without the stage's replies, with a stalled "
-    "axis") {
+TEST_CASE("safe state in trouble: pressing, with no fault, no force, no stage replies, or a stalled axis") {
   struct Row {
     std::optional<FaultKind> kind;
     std::optional<double> value;
@@ -148,7 +142,7 @@ TEST_CASE(
 }
 
 // What fails at 40 psi, and what is then proved, with the array there and without it. The truth is the plant's.
-TEST_CASE("safe state in trouble: the table of witnesses") {
+TEST_CASE("safe state in trouble: result for each combination of faulty witnesses") {
   struct Failing {
     FaultKind kind;
     std::optional<double> value = std::nullopt;
@@ -201,7 +195,7 @@ TEST_CASE("safe state in trouble: the table of witnesses") {
   }
 }
 
-TEST_CASE("safe state in trouble: twenty good benches with zero errors up to 1 % of their spans are proved") {
+TEST_CASE("safe state in trouble: twenty good benches with zero errors up to 1 % of span are verified") {
   for (int i = 0; i < 20; ++i) {
     const double share = 0.01 * (2.0 * (i % 5) / 4.0 - 1.0);  // -1 % to 1 %
     const double span_psi = 60.0 + 20.0 * (i / 5);
@@ -223,7 +217,7 @@ TEST_CASE("safe state in trouble: twenty good benches with zero errors up to 1 %
 }
 
 // A module that is lost at 30 psi: what the bench file says of it decides whether that can end verified.
-TEST_CASE("safe state in trouble: a module without a watchdog keeps its last set-point, and nothing promises one") {
+TEST_CASE("safe state in trouble: a module without watchdog keeps its last set-point, and no watchdog is promised") {
   const Settings none = {{"module.profile", "generic"}, {"module.watchdog_ms", "0"}};
   const auto of = [](const char* profile, Settings more = {}) {
     more.insert(more.end(), {{"module.profile", profile}, {"module.watchdog_ms", "0"}});
@@ -251,9 +245,7 @@ TEST_CASE("safe state in trouble: a module without a watchdog keeps its last set
   CHECK(bench.prove().state == SafeState::kUnverified);
 }
 
-TEST_CASE(
-    "safe state in trouble: where 0 V is no vent it is the voltage of 0 psi that vents, and a lost module is never "
-    "safe") {
+TEST_CASE("safe state in trouble: if 0 V does not vent, the voltage of 0 psi does, and a lost module is never safe") {
   const Settings vacuum = {{"regulator.span_bar", "[-1, 9]"}, {"regulator.relief", "'vacuum breaker VB-1'"}};
   TroubledRig bench(vacuum);
   CHECK(bench.prove().state == SafeState::kVerified);

@@ -46,7 +46,7 @@ TEST_CASE("safe state: a silent module vents by its watchdog and is reported as 
   CHECK(rig.plant()->true_pressure().value() < 1.0);
 }
 
-TEST_CASE("safe state: each witness counts on its own side of the limit, and its reading is told") {
+TEST_CASE("safe state: each witness is compared with the limit, and its reading is reported") {
   const auto offset = [](const char* span) {
     return Settings{{"reference.span_psi", span}, {"limits.vent_timeout_s", "3"}};
   };
@@ -62,7 +62,7 @@ TEST_CASE("safe state: each witness counts on its own side of the limit, and its
              Catch::StartsWith("NOT SAFE") && Catch::Contains("1.3 psi"));
 }
 
-TEST_CASE("safe state: pressures that are proved are contradicted by an array loaded by 2 % of the converter's range") {
+TEST_CASE("safe state: an array loaded by more than 2 % of the converter range contradicts proved pressures") {
   const SafeProof within = proof_of({}, 0.019 * 65535.0);
   CHECK(within.state == db::SafeState::kVerified);
   const SafeProof beyond = proof_of({}, 0.021 * 65535.0);
@@ -83,7 +83,7 @@ TEST_CASE("safe state: without an independent reference the array is the second 
   CHECK(alone.state == db::SafeState::kUnverified);
 }
 
-TEST_CASE("safe state: of eight scans the unloaded frame is their mean, and half of the taxels decide") {
+TEST_CASE("safe state: the unloaded frame is the mean of eight scans, and half of the taxels decide") {
   Rig rig(small_request().bench);
   rig.open();
   const auto proof = [&](std::size_t loaded) {

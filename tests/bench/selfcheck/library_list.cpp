@@ -12,7 +12,7 @@
 
 using namespace tactbench::bench;
 
-TEST_CASE("selfcheck's libraries: each once by name, those of this room with the numbers of their headers") {
+TEST_CASE("selfcheck libraries: each is listed once by name, with the version of its headers") {
   const auto versions = library_versions();
   CHECK(versions.size() >= 10);
   CHECK(std::ranges::is_sorted(versions));

@@ -11,7 +11,7 @@
 
 using namespace tactbench::tests;
 
-TEST_CASE("selfcheck: all pass here, the file holds what is printed, and nothing else is left") {
+TEST_CASE("selfcheck: all checks pass here, the file equals the printed document, and no other file is left") {
   const TemporaryFolder folder;
   const Finished finished = run_program(program_path(), {"selfcheck", "--json", "-o", "record.json"}, folder.path());
   INFO(finished.out << finished.err);
@@ -30,7 +30,7 @@ TEST_CASE("selfcheck: all pass here, the file holds what is printed, and nothing
   CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);  // the record, and nothing else
 }
 
-TEST_CASE("selfcheck: without a sound bench file the run's checks fail by name, with exit code 1") {
+TEST_CASE("selfcheck: with an invalid bench file the run checks fail, with exit code 1") {
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder.path("share/bench"));
   std::filesystem::copy(source_path("bench/config"), folder.path("share/bench/config"));

@@ -58,7 +58,7 @@ TEST_CASE("chamber: a 2 psi step settles within 0.25 psi in 0.6 s with a small o
   CHECK(chamber.pressure().value() == Approx(0.0).margin(1e-6));
 }
 
-TEST_CASE("chamber: a jump over the whole range takes less than 3 s, no faster than the valve") {
+TEST_CASE("chamber: a step over the whole range takes less than 3 s, but no less than the valve allows") {
   Chamber chamber({});
   const Response response = respond(chamber, 60.0);
   CHECK(response.settled_s < 3.0);
@@ -66,7 +66,7 @@ TEST_CASE("chamber: a jump over the whole range takes less than 3 s, no faster t
   CHECK(response.overshoot_psi < 1.0);
 }
 
-TEST_CASE("chamber: the regulator's hysteresis separates true and reported pressure by its share of the span") {
+TEST_CASE("chamber: hysteresis of the regulator separates true and reported pressure by its share of the span") {
   for (const double share : {0.0, 0.002, 0.005}) {
     ChamberOptions options;
     options.hysteresis_share = share;
@@ -84,7 +84,7 @@ TEST_CASE("chamber: the regulator's hysteresis separates true and reported press
   }
 }
 
-TEST_CASE("chamber: the command has the regulator's resolution") {
+TEST_CASE("chamber: the command has the resolution of the regulator") {
   ChamberOptions options;
   options.hysteresis_share = 0.0;
   Chamber a(options);
@@ -99,7 +99,7 @@ TEST_CASE("chamber: the command has the regulator's resolution") {
   CHECK(b.pressure().value() - a.pressure().value() == Approx(0.002 / 10 * options.span_psi).epsilon(1e-6));
 }
 
-TEST_CASE("chamber: the result does not depend on how time is divided into inner steps") {
+TEST_CASE("chamber: the result does not depend on the division of time into steps") {
   Chamber whole({});
   Chamber pieces({});
   whole.command(volts_for(20.0));
@@ -109,7 +109,7 @@ TEST_CASE("chamber: the result does not depend on how time is divided into inner
   CHECK(whole.pressure().value() == Approx(pieces.pressure().value()).margin(1e-9));
 }
 
-TEST_CASE("chamber: no vacuum and no more than the command's range") {
+TEST_CASE("chamber: pressure stays between 0 and the range of the command") {
   Chamber chamber({});
   chamber.command(devices::Volts(25.0));
   chamber.advance(10.0);
@@ -123,7 +123,7 @@ TEST_CASE("chamber: no vacuum and no more than the command's range") {
   CHECK(chamber.pressure().value() == 0.0);
 }
 
-TEST_CASE("chamber: the dump valve empties it in a quarter of a second whatever the regulator does") {
+TEST_CASE("chamber: the dump valve empties it in a quarter of a second, whatever the regulator does") {
   Chamber chamber({});
   respond(chamber, 60.0);
   chamber.dump(true);  // the command stays at 60 psi
@@ -158,7 +158,7 @@ void drive(Chamber& chamber, double volts, double seconds) {
 
 }  // namespace
 
-TEST_CASE("chamber numbers: rising in two ways, with time divided differently, and falling") {
+TEST_CASE("chamber values: rising two ways with different time steps, and falling") {
   Chamber chamber({});
   drive(chamber, 1.5321, 0.1);
   check_pressures(chamber, 4.556228263912, 4.425694263912);
@@ -180,7 +180,7 @@ TEST_CASE("chamber numbers: rising in two ways, with time divided differently, a
   check_pressures(chamber, 13.030946295682, 13.053305925903);
 }
 
-TEST_CASE("chamber numbers: other options, a leak, a shut valve, no supply, the dump valve") {
+TEST_CASE("chamber values: other options, a leak, a shut valve, no supply, the dump valve") {
   ChamberOptions options;
   options.span_psi = 100.0;
   options.time_constant_s = 0.2;
@@ -217,7 +217,7 @@ TEST_CASE("chamber numbers: other options, a leak, a shut valve, no supply, the 
   check_pressures(chamber, 4.843207477916, 4.824116935667);
 }
 
-TEST_CASE("chamber numbers: an overshoot up, one down, and one that a leak keeps from its level for two seconds") {
+TEST_CASE("chamber values: an overshoot up, one down, and one delayed two seconds by a leak") {
   ChamberOptions options;
   options.hysteresis_share = 0.0;
   Chamber chamber(options);
@@ -240,7 +240,7 @@ TEST_CASE("chamber numbers: an overshoot up, one down, and one that a leak keeps
   walk(0.55, {28.287553463, 28.31890887, 28.317421349, 25.419885843});
 }
 
-TEST_CASE("contact numbers: approach, hold, turn, retreat, rest, and approach again") {
+TEST_CASE("contact values: approach, hold, reversal, retreat, rest, and approach again") {
   const Contact contact({}, 16, 16);
   ContactState state;
   const std::vector<std::array<double, 3>> way = {
@@ -264,7 +264,7 @@ TEST_CASE("contact numbers: approach, hold, turn, retreat, rest, and approach ag
   CHECK_FALSE(contact.quiet({}));
 }
 
-TEST_CASE("contact numbers: what a ring put down askew and a point press on each taxel") {
+TEST_CASE("contact values: pressure on each taxel of a rotated ring and of a point") {
   ContactOptions ring;
   ring.outer_diameter_mm = 6.0;
   ring.inner_diameter_mm = 3.0;
@@ -360,7 +360,7 @@ TEST_CASE("contact: no force in the air, then a force that stiffens with depth")
   CHECK_FALSE(contact.quiet(pressed(contact, 0.1)));
 }
 
-TEST_CASE("contact: the taxels' pressures times their area are the force, for every object on the array") {
+TEST_CASE("contact: the taxel pressures times their area sum to the force, for every object on the array") {
   for (const Footprint object : {Footprint::kRing, Footprint::kPoint, Footprint::kFlat}) {
     for (const double x : {30.0, 31.1, 35.7}) {
       ContactOptions options;
@@ -376,7 +376,7 @@ TEST_CASE("contact: the taxels' pressures times their area are the force, for ev
   CHECK(sum(ring.psi_per_newton(0.0, 0.0)) == Approx(0.0).margin(1e-12));
 }
 
-TEST_CASE("contact: the ring is a ring on the array, 30 N bring 30 to 60 psi on it and none in its hole") {
+TEST_CASE("contact: the ring has a hole on the array, 30 N give 30 to 60 psi on the ring and none in the hole") {
   Contact contact({}, 16, 16);
   const auto psi = contact.psi_per_newton(30.0, 30.0);
   const double peak = 30.0 * *std::max_element(psi.begin(), psi.end());
@@ -394,7 +394,7 @@ TEST_CASE("contact: the ring is a ring on the array, 30 N bring 30 to 60 psi on 
   CHECK(loaded < 60);
 }
 
-TEST_CASE("contact: a held position loses 6 % of its force with two time constants, a pause in the air heals it") {
+TEST_CASE("contact: a held position loses 6 % of its force with two time constants, a pause in the air restores it") {
   ContactOptions options;
   const Contact contact(options, 16, 16);
   ContactState state = pressed(contact, 1.0);
@@ -415,7 +415,7 @@ TEST_CASE("contact: a held position loses 6 % of its force with two time constan
   CHECK(contact.quiet(state));
 }
 
-TEST_CASE("contact: z turns back by the backlash before anything changes") {
+TEST_CASE("contact: z reverses by the backlash before anything changes") {
   ContactOptions options;
   const Contact contact(options, 16, 16);
   ContactState state = pressed(contact, 1.0);
@@ -428,7 +428,7 @@ TEST_CASE("contact: z turns back by the backlash before anything changes") {
   CHECK(press(contact, state, 31.0) > back);
 }
 
-TEST_CASE("contact: the fabric gives back less than it took, and the force rises with depth on each way") {
+TEST_CASE("contact: force is lower on unloading, and falls as the depth decreases") {
   ContactOptions options;
   options.backlash_mm = 0.0;
   const Contact contact(options, 16, 16);
@@ -443,7 +443,7 @@ TEST_CASE("contact: the fabric gives back less than it took, and the force rises
   }
 }
 
-TEST_CASE("contact: a sensor put down askew moves the object on it") {
+TEST_CASE("contact: a misplaced sensor moves the object on it") {
   ContactOptions options;
   options.object = Footprint::kPoint;
   options.misplaced_x_mm = 2.54;

@@ -50,14 +50,14 @@ PlannedFault planned(FaultKind kind) {
 
 }  // namespace
 
-TEST_CASE("faults: each kind has its own word") {
+TEST_CASE("faults: each kind has its own name") {
   const std::set<std::string> words(fault_words().begin(), fault_words().end());
   CHECK(words.size() == static_cast<std::size_t>(kFaultKinds));
   CHECK(fault_words()[static_cast<std::size_t>(FaultKind::kStageStalled)] == "stage_stalled");
   CHECK(fault_words().back() == "scanner_unplugged");
 }
 
-TEST_CASE("faults: in force from its moment on, and no longer than it lasts, to the nanosecond") {
+TEST_CASE("faults: active from their start time on for their duration, to the nanosecond") {
   PlannedFault leak = planned(FaultKind::kLeak);
   leak.at_s = 2.0;
   leak.lasts_s = 0.5;
@@ -72,7 +72,7 @@ TEST_CASE("faults: in force from its moment on, and no longer than it lasts, to 
   CHECK(at_once.active(FaultKind::kValveStuck, 0ns) == 0.0);
 }
 
-TEST_CASE("faults: each kind's usual value, an own value, and an overshoot is one time") {
+TEST_CASE("faults: default value of each kind, a given value, and an overshoot happens once") {
   CHECK(usual_value(FaultKind::kLeak) == 5.0);
   CHECK(usual_value(FaultKind::kOvershoot) == 2.0);
   CHECK(usual_value(FaultKind::kSupplyLost) == 0.2);
@@ -94,7 +94,7 @@ TEST_CASE("faults: each kind's usual value, an own value, and an overshoot is on
   CHECK_FALSE(twice.active(FaultKind::kOvershoot, 1s));
 }
 
-TEST_CASE("faults: started by just the load, by either of two, once, and waiting no longer afterwards") {
+TEST_CASE("faults: start at exactly the given load, at either of two loads, only once") {
   PlannedFault by_psi = planned(FaultKind::kLeak), by_force = planned(FaultKind::kForceStale);
   by_psi.at_psi = 20.0;
   by_psi.lasts_s = 1.0;
@@ -126,7 +126,7 @@ TEST_CASE("faults: started by just the load, by either of two, once, and waiting
   CHECK_FALSE(late.active(FaultKind::kLeak, 11s));  // its second began at its own time
 }
 
-TEST_CASE("faults: cleared from now on, what is planned for later stays, and the last window is the newest begun") {
+TEST_CASE("faults: clearing ends current faults and keeps later ones, and the newest started one applies") {
   PlannedFault first = planned(FaultKind::kStageStalled), second = first;
   first.at_s = 1.0;
   first.value = 3.0;
@@ -201,7 +201,7 @@ TEST_CASE("faults: each kind maps to a defect of one instrument") {
   }
 }
 
-TEST_CASE("fault valve_stuck: the pressure stays, and follows again once it is cleared") {
+TEST_CASE("fault valve_stuck: the pressure stays, and follows again after the fault is cleared") {
   Bench bench;
   const double held = bench.hold(30.0);
   bench.plant.inject(FaultKind::kValveStuck);
@@ -215,7 +215,7 @@ TEST_CASE("fault valve_stuck: the pressure stays, and follows again once it is c
   CHECK(bench.hold(20.0) == Approx(20.0).margin(0.25));
 }
 
-TEST_CASE("fault leak: it begins at the planned pressure, and the regulator compensates all but an offset") {
+TEST_CASE("fault leak: starts at the planned pressure, and the regulator compensates all but an offset") {
   PlannedFault leak = planned(FaultKind::kLeak);
   leak.at_psi = 25.0;
   leak.value = 5.0;
@@ -225,7 +225,7 @@ TEST_CASE("fault leak: it begins at the planned pressure, and the regulator comp
   CHECK(bench.hold(20.0) == Approx(20.0 - 0.9).margin(0.2));  // it stays
 }
 
-TEST_CASE("fault overshoot: only the next level, by its size, at any time of the query") {
+TEST_CASE("fault overshoot: only the next level overshoots, by the given size, whatever the query times are") {
   const auto highest = [](bool again, int step_ms) {
     Bench bench;
     bench.hold(20.0);
@@ -246,7 +246,7 @@ TEST_CASE("fault overshoot: only the next level, by its size, at any time of the
   CHECK(highest(false, 30) <= highest(false, 10));
 }
 
-TEST_CASE("fault supply_lost: no level above is reached, the supply reads 0, venting still works") {
+TEST_CASE("fault supply_lost: no higher level is reached, the supply reads 0, venting still works") {
   Bench bench;
   const double held = bench.hold(30.0);
   CHECK(bench.plant.supply_bar() == 8.0);
@@ -270,7 +270,7 @@ TEST_CASE("fault regulator_unpowered: 60 psi stay in the chamber while the monit
   CHECK(bench.pressure() == Approx(0.0).margin(0.01));  // power brings the last command
 }
 
-TEST_CASE("faults feedback_offset and reference_offset: the two witnesses disagree") {
+TEST_CASE("faults feedback_offset and reference_offset: the two readings disagree") {
   Bench bench;
   bench.hold(30.0);
   bench.plant.inject(FaultKind::kFeedbackOffset, -8.0);
@@ -282,7 +282,7 @@ TEST_CASE("faults feedback_offset and reference_offset: the two witnesses disagr
   CHECK(bench.reference() == Approx(40.0).margin(0.3));
 }
 
-TEST_CASE("fault row_stuck: that row's counts stay bit for bit, the others keep changing") {
+TEST_CASE("fault row_stuck: the counts of that row are constant, the others keep changing") {
   Bench bench;
   const auto scan = [&] {
     std::array<std::uint16_t, 256> counts{};

@@ -46,7 +46,7 @@ void hold(Rig& rig, double psi) {
 
 }  // namespace
 
-TEST_CASE("fault on the module's wire: each kind is seen as what it is, once, and the next answer is right") {
+TEST_CASE("module wire faults: each kind gives its own error once, and the next answer is right") {
   const auto [kind, id] = GENERATE(table<FaultKind, std::string>({
       {FaultKind::kModuleSilent, "TB-MODBUS-TIMEOUT"},
       {FaultKind::kModuleLate, "TB-MODBUS-TIMEOUT"},
@@ -67,7 +67,7 @@ TEST_CASE("fault on the module's wire: each kind is seen as what it is, once, an
   CHECK(wire.read() == "none");
 }
 
-TEST_CASE("fault module_stale: commands are taken while every reading stays as it was") {
+TEST_CASE("fault module_stale: commands are accepted while every reading stays constant") {
   Rig rig(quick());
   rig.open();
   hold(rig, 20.0);
@@ -86,7 +86,7 @@ TEST_CASE("fault module_stale: commands are taken while every reading stays as i
   CHECK(read_later() > 30.0);
 }
 
-TEST_CASE("fault on the scanner's wire: silent, corrupt, torn, unplugged, and well again") {
+TEST_CASE("scanner wire faults: silent, corrupt, torn and unplugged each give an error, and then recover") {
   const std::string kind_of_scanner = GENERATE("hid", "frame-source");
   const FaultKind kind = GENERATE(FaultKind::kScannerSilent, FaultKind::kScannerCorrupt, FaultKind::kScannerTorn,
                                   FaultKind::kScannerUnplugged);
@@ -115,7 +115,7 @@ TEST_CASE("fault scanner_stale: the counts do not change with the pressure") {
   CHECK(rig.array().read(1).counts != before);
 }
 
-TEST_CASE("fault on the force sensor's wire: silent, saturated, stale on the network's, and well again") {
+TEST_CASE("force sensor wire faults: silent, saturated, and stale on the network sensor, and then recover") {
   const std::string kind_of_sensor = GENERATE("net", "digital");
   Rig rig(quick({{"force.kind", kind_of_sensor}}));
   devices::ForceSensor& force = rig.open_force();
@@ -134,7 +134,7 @@ TEST_CASE("fault on the force sensor's wire: silent, saturated, stale on the net
   CHECK(fault_id_of([&] { (void)force.read(10); }) == "none");
 }
 
-TEST_CASE("fault stage_stalled: at the planned force z stands still but reports that it arrives") {
+TEST_CASE("fault stage_stalled: at the planned force z stops but reports arrival") {
   Rig rig(quick({{"simulation.faults", "[{kind = \"stage_stalled\", at_n = 5, value = 3}]"}}));
   devices::ZaberStage& stage = *rig.stage();
   stage.arm();
@@ -152,7 +152,7 @@ TEST_CASE("fault stage_stalled: at the planned force z stands still but reports 
   CHECK(rig.plant()->true_force().value() == 0.0);
 }
 
-TEST_CASE("fault on the stage's wire: lost and corrupted replies, and an unplugged line") {
+TEST_CASE("stage wire faults: lost and corrupted replies and an unplugged line give an error") {
   const FaultKind kind =
       GENERATE(FaultKind::kStageSilent, FaultKind::kStageCorrupt, FaultKind::kStageTorn, FaultKind::kStageUnplugged);
   Rig rig(quick());

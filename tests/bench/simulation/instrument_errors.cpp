@@ -83,14 +83,15 @@ double expanded_of(const BenchConfig& config) {
 
 }  // namespace
 
-TEST_CASE("instruments: a bench without a seed of its own has instruments without errors") {
+TEST_CASE("instrument errors: a bench without an instrument seed has none") {
   const BenchConfig config = simulated_bench({{"reference.expanded_uncertainty_psi", "0.5"}});
   CHECK(error_of(config, 30.0, true) == 0.0);
   CHECK(InstrumentErrors(config.simulation->plant.instruments).force_n(30.0) == 0.0);
   CHECK(InstrumentErrors(config.simulation->plant.instruments).thermometer_c() == 0.0);
 }
 
-TEST_CASE("instruments: each row of the reference's chain holds the errors drawn for it, and no other row does") {
+TEST_CASE(
+    "instrument errors: each limit of the reference chain covers the error drawn for it, and no other limit does") {
   struct Row {
     const char* key;
     Changes changes;
@@ -122,7 +123,7 @@ TEST_CASE("instruments: each row of the reference's chain holds the errors drawn
   }
 }
 
-TEST_CASE("instruments: U of the whole chain holds about 95 % of what is drawn for all of it together") {
+TEST_CASE("instrument errors: U of the whole chain covers about 95 % of the errors drawn for it") {
   const Changes all = {{"reference.certificate_covers", "transducer"},
                        {"reference.expanded_uncertainty_psi", "0.05"},
                        {"reference.drift_psi", "0.03"},
@@ -141,7 +142,7 @@ TEST_CASE("instruments: U of the whole chain holds about 95 % of what is drawn f
           }) < covered - 0.01);
 }
 
-TEST_CASE("instruments: U of force sensor and thermometer holds what is drawn for them") {
+TEST_CASE("instrument errors: U of force sensor and thermometer covers the errors drawn for them") {
   const Changes changes = {{"force.kind", "net"},
                            {"force.certificate", "F"},
                            {"force.expanded_uncertainty_n", "0.2"},
@@ -171,7 +172,7 @@ TEST_CASE("instruments: U of force sensor and thermometer holds what is drawn fo
   CHECK(warm_half < 0.8 * kBenches);
 }
 
-TEST_CASE("instruments: the plant's reference and thermometer have their errors, and the truth has none") {
+TEST_CASE("instrument errors: readings of reference and thermometer have errors, the true values have none") {
   const Changes changes = {{"reference.expanded_uncertainty_psi", "1"},
                            {"reference.hysteresis_psi", "0.5"},
                            {"simulation.chamber.reference_noise_psi", "0"},

@@ -69,7 +69,7 @@ TEST_CASE("plant: pressure, feedback and reference follow the command") {
   CHECK(psi_of_reference(rig.plant.reference()) != psi_of_reference(rig.plant.reference()));  // noise
 }
 
-TEST_CASE("plant: noise of both transducers is as stated") {
+TEST_CASE("plant: noise of both transducers is as configured") {
   PlantOptions options;
   PlantRig rig(options);
   rig.hold(40.0, 5s);
@@ -85,7 +85,7 @@ TEST_CASE("plant: noise of both transducers is as stated") {
   CHECK(feedback / kReadings == Approx(40.0).margin(0.02));
 }
 
-TEST_CASE("plant: the watchdog's fallback takes over at its own time, at any time of the query") {
+TEST_CASE("plant: the watchdog fallback acts at its own time, whatever the query times are") {
   const auto pressure_after = [](Nanoseconds hold, bool ask_often) {
     PlantRig rig;
     rig.plant.drive(plant_volts_for(20.0), hold, plant_volts_for(0.0));
@@ -106,7 +106,7 @@ TEST_CASE("plant: the watchdog's fallback takes over at its own time, at any tim
   CHECK(pressure_after(2903ms, true) == late);
 }
 
-TEST_CASE("plant: a drive whose limit has passed drives the fallback at once") {
+TEST_CASE("plant: a command whose watchdog time has passed applies the fallback at once") {
   PlantRig rig;
   rig.hold(20.0, 3s);
   rig.plant.drive(plant_volts_for(40.0), rig.clock.now() - 1ms, plant_volts_for(0.0));
@@ -137,7 +137,7 @@ TEST_CASE("plant: neither feeding the watchdog nor queries change the plant") {
   CHECK(run(true, true) == quiet);
 }
 
-TEST_CASE("plant: same seeds, same answers, and another noise seed moves only the noise") {
+TEST_CASE("plant: equal seeds give equal scans, another noise seed changes only the noise") {
   const auto run = [](std::uint64_t seed, std::uint64_t sensor) {
     PlantOptions options;
     options.seed = seed;
@@ -162,7 +162,7 @@ TEST_CASE("plant: same seeds, same answers, and another noise seed moves only th
   CHECK(std::sqrt(sensor) > 50 * std::sqrt(noise));
 }
 
-TEST_CASE("plant: a relay that is not given its time mixes in the row before") {
+TEST_CASE("plant: a relay with too little settling time mixes in the row before") {
   const auto at_settle = [](double settle_s) {
     PlantOptions options;
     options.scanner.noise_v = 0.0;
@@ -186,7 +186,7 @@ TEST_CASE("plant: a relay that is not given its time mixes in the row before") {
   }
 }
 
-TEST_CASE("plant: no healthy taxel is at a limit, unloaded or at 60 psi") {
+TEST_CASE("plant: no healthy taxel is at a converter limit, unloaded or at 60 psi") {
   PlantRig rig;
   for (const double level : {0.0, 60.0, 0.0}) {
     rig.hold(level, 5s);
@@ -196,7 +196,7 @@ TEST_CASE("plant: no healthy taxel is at a limit, unloaded or at 60 psi") {
   }
 }
 
-TEST_CASE("plant: a noisy taxel is noisy at the counts") {
+TEST_CASE("plant: the counts of a noisy taxel are noisy") {
   PlantOptions options;
   options.specimen.defects = {{TaxelDefect::Kind::kNoisy, 9, 9}};
   PlantRig rig(options);
@@ -207,7 +207,7 @@ TEST_CASE("plant: a noisy taxel is noisy at the counts") {
   CHECK(std::sqrt(squares) * options.scanner.volts_per_count > 0.03);
 }
 
-TEST_CASE("plant: the specimen's state moves from one plant to another") {
+TEST_CASE("plant: the state of the specimen can be moved from one plant to another") {
   PlantRig first;
   first.hold(60.0, 3s);
   first.hold(0.0, 3s);
@@ -274,7 +274,7 @@ void point(PlantOptions& options) { options.contact.object = Footprint::kPoint; 
 
 }  // namespace
 
-TEST_CASE("plant coupling: an object's force and its pressure on each taxel") {
+TEST_CASE("plant coupling: force of an object and its pressure on each taxel") {
   ScriptedStage stage(scripted);
   SmallPlant bed(point);
   bed.plant.set_stage(&stage);
@@ -326,7 +326,7 @@ TEST_CASE("plant coupling: a stage at rest in the air is not queried, a removed 
   CHECK(bed.plant.true_force().value() == 0.0);
 }
 
-TEST_CASE("plant coupling: a scan's status marks rows without time to settle and counts at the converter's ends") {
+TEST_CASE("plant coupling: scan status marks rows that have not settled, and counts at the converter limits") {
   SmallPlant slow([](PlantOptions& options) { options.scanner.relay_settle_s = 0.002; });
   slow.drive(2.0);
   slow.at(13ms);
@@ -358,7 +358,7 @@ TEST_CASE("plant coupling: a scan's status marks rows without time to settle and
   CHECK_THROWS_AS(ends.plant.scan(wrong, ends.status), std::invalid_argument);
 }
 
-TEST_CASE("plant coupling: a stuck row beyond the array is its last one") {
+TEST_CASE("plant coupling: a stuck row beyond the array means its last row") {
   SmallPlant bed;
   bed.drive(2.0);
   bed.at(3s);
@@ -392,7 +392,7 @@ std::function<void(PlantOptions&)> with_fault(FaultKind kind) {
 
 }  // namespace
 
-TEST_CASE("plant's questions: a fault that waits for a load begins although nobody asked for the pressure") {
+TEST_CASE("plant queries: a fault that waits for a load starts even if nobody queried the pressure") {
   SmallPlant module(with_fault(FaultKind::kModuleException)), supply(with_fault(FaultKind::kSupplyLost));
   SmallPlant monitor(with_fault(FaultKind::kRegulatorUnpowered)), reference(with_fault(FaultKind::kReferenceOffset));
   for (SmallPlant* bed : {&module, &supply, &monitor, &reference}) {
@@ -409,7 +409,7 @@ TEST_CASE("plant's questions: a fault that waits for a load begins although nobo
   CHECK(below.plant.injected(Instrument::kModule) == devices::InjectedFault::kNone);
 }
 
-TEST_CASE("plant's questions: a fault that has begun meanwhile is cleared, one that has not stays") {
+TEST_CASE("plant queries: clearing ends a fault that has started meanwhile, and keeps one that has not") {
   for (const bool begun : {true, false}) {
     SmallPlant bed(with_fault(FaultKind::kSupplyLost));
     bed.drive(begun ? 2.0 : 0.5);
@@ -421,7 +421,7 @@ TEST_CASE("plant's questions: a fault that has begun meanwhile is cleared, one t
   }
 }
 
-TEST_CASE("plant's questions: a look before a change leaves all as it is") {
+TEST_CASE("plant queries: a query before a change does not affect the result") {
   // What happens at 257 ms, between two cells of the grid.
   ScriptedStage stage([](double) { return ScriptedStage::Place{30.0, 30.0, 30.3}; });
   const std::vector<std::pair<std::string, std::function<void(SmallPlant&)>>> changes = {
@@ -461,7 +461,7 @@ TEST_CASE("plant's questions: a look before a change leaves all as it is") {
   }
 }
 
-TEST_CASE("plant's questions: each looks at the present, not at what was asked last") {
+TEST_CASE("plant queries: each returns the present value, not the last queried one") {
   const auto bed_at = [](devices::Nanoseconds time) {
     auto bed = std::make_unique<SmallPlant>();
     bed->drive(3.0);

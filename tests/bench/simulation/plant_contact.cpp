@@ -62,7 +62,7 @@ double deviation_of_full_scale(const Counts& counts) {
 
 }  // namespace
 
-TEST_CASE("plant: the array shows the ring and its hole, growing with the force") {
+TEST_CASE("plant: the array shows the ring and its hole, growing with force") {
   Platform rig;
   rig.over_the_centre();
   const Counts free = rig.scan();
@@ -93,7 +93,7 @@ TEST_CASE("plant: the array shows the ring and its hole, growing with the force"
   CHECK(down[1] > 1.1 * up[2]);  // the film's hysteresis
 }
 
-TEST_CASE("plant: the force sensor feels the object, relaxing at a held position, with noise") {
+TEST_CASE("plant: the force sensor reads the object force, with relaxation at a held position and noise") {
   Platform rig;
   rig.over_the_centre();
   CHECK(rig.plant.wrench().force_n[2] == Approx(0.0).margin(0.03));
@@ -132,7 +132,7 @@ TEST_CASE("plant: a touch between two queries is not lost, and further queries c
   CHECK(run(true, 0) == run(true, 50));
 }
 
-TEST_CASE("plant: a stage without contact does not change the pressures") {
+TEST_CASE("plant: a stage without contact does not change the counts") {
   const auto run = [](bool with_stage) {
     devices::TurnedClock clock;
     Plant plant(PlantOptions(), clock);
@@ -151,7 +151,7 @@ TEST_CASE("plant: a stage without contact does not change the pressures") {
   CHECK(run(true) == run(false));
 }
 
-TEST_CASE("plant: chamber and object press together") {
+TEST_CASE("plant: chamber pressure and object load add up") {
   const auto run = [](bool pressure, bool object) {
     Platform rig;
     rig.over_the_centre();

@@ -38,7 +38,7 @@ ServedEnds served_by(const std::vector<sequences::Override>& changes, bool free_
 
 }  // namespace
 
-TEST_CASE("simulated rig: each instrument of the bench is served at a place of its own, for others all that could be") {
+TEST_CASE("simulated rig: serves each instrument of the bench at its own address, for other processes all kinds") {
   // Module, scanner, stage, force sensor and its page.
   const ServedEnds shipped = served_by({}, false);
   CHECK((shipped.ends == 5 && shipped.passing >= 4));
@@ -47,7 +47,7 @@ TEST_CASE("simulated rig: each instrument of the bench is served at a place of i
   CHECK(served_by({}, true).ends == 9);
 }
 
-TEST_CASE("simulated rig: a process that is killed leaves no folder for long") {
+TEST_CASE("simulated rig: a killed process leaves no folder for long") {
   const TemporaryFolder folder;
   const Variable temporary("TMPDIR", folder.path());
   const auto folders = [&] {
@@ -67,7 +67,7 @@ TEST_CASE("simulated rig: a process that is killed leaves no folder for long") {
   CHECK(folders() == 0);
 }
 
-TEST_CASE("simulated rig: the digital force sensor's calibration and its gauges") {
+TEST_CASE("simulated rig: calibration and gauges of the digital force sensor") {
   bench::Rig rig(small_request({{"force.kind", "digital"},
                                 {"simulation.contact.surface_z_mm", "20"},
                                 {"simulation.contact.stiffness_n_per_mm", "10"},
@@ -91,7 +91,7 @@ TEST_CASE("simulated rig: the digital force sensor's calibration and its gauges"
   CHECK(reading.raw[2] < -1000.0);  // the gauges' counts
 }
 
-TEST_CASE("simulated rig: its folder of sockets is gone with it") {
+TEST_CASE("simulated rig: its socket folder is removed with it") {
   std::string folder;
   {
     bench::BenchConfig config = small_request().bench;

@@ -39,15 +39,14 @@ std::vector<std::uint16_t> scanned(const PlantOptions& options) {
 
 }  // namespace
 
-TEST_CASE("harsh specimen: same seeds, same scans, and either seed changes them") {
+TEST_CASE("harsh specimen: equal seeds give equal scans, and either seed changes them") {
   const std::vector<std::uint16_t> one = scanned(harsh_plant(11, 1));
   CHECK(scanned(harsh_plant(11, 1)) == one);
   CHECK(scanned(harsh_plant(11, 2)) != one);
   CHECK(scanned(harsh_plant(12, 1)) != one);
 }
 
-TEST_CASE(
-    "foam: same seeds, same scans, and the sensor's seed changes what is scanned, the run's seed only its noise") {
+TEST_CASE("foam: equal seeds give equal scans, the sensor seed changes the scans, the run seed only the noise") {
   const auto of = [](std::uint64_t sensor, std::uint64_t run) {
     PlantOptions options = harsh_plant(sensor, run);
     options.specimen.kind = SpecimenKind::kFoam;
@@ -88,7 +87,7 @@ TEST_CASE("harsh specimen: the plant reports the true output without noise, and 
   for (std::size_t i = 0; i < 256; ++i) REQUIRE(sum[i] == Approx(truth[i]).epsilon(0.006).margin(0.0005));
 }
 
-TEST_CASE("specimen: its memory is restored from text, only in a specimen of that kind and sensor") {
+TEST_CASE("specimen: memory is restored from text, only in a specimen of the same kind and sensor") {
   const bool foam = GENERATE(false, true);
   const auto sensor = foam ? foam_sensor : harsh_sensor;
   Specimen one(sensor(31, 1)), other(sensor(31, 1));
@@ -129,7 +128,7 @@ TEST_CASE("specimen: its memory is restored from text, only in a specimen of tha
   }
 }
 
-TEST_CASE("specimen: chosen by its word, an unknown one is an error that names the nearest") {
+TEST_CASE("specimen: is chosen by name, an unknown name is an error that suggests the nearest") {
   const auto kind_of = [](const std::vector<sequences::Override>& overrides) {
     return read_bench(find_config("simulated.toml"), overrides).simulation->plant.specimen.kind;
   };
@@ -170,7 +169,7 @@ Reading read(const SpecimenOptions& options, double pressure_psi = 30.0) {
 
 }  // namespace
 
-TEST_CASE("specimen: crosstalk adds the given share of the others' mean in row and column") {
+TEST_CASE("specimen: crosstalk adds the given share of the mean of the others in row and column") {
   const Frame plain = read({}).loaded;
   const Frame crossed = read(changed([](SpecimenOptions& o) {
                           o.effects.row_crosstalk = 0.02;
@@ -188,7 +187,7 @@ TEST_CASE("specimen: crosstalk adds the given share of the others' mean in row a
   }
 }
 
-TEST_CASE("specimen: temperature changes the signal by the coefficient, not the zero") {
+TEST_CASE("specimen: temperature scales the signal by the coefficient, not the zero") {
   const Reading cool = read({});
   const Reading warm = read(changed([](SpecimenOptions& o) { o.temperature_c = 28.0; }));
   const Reading off = read(changed([](SpecimenOptions& o) {
@@ -202,7 +201,7 @@ TEST_CASE("specimen: temperature changes the signal by the coefficient, not the 
   }
 }
 
-TEST_CASE("specimen: below its lift-off pressure a taxel rests at its zero") {
+TEST_CASE("specimen: below its lift-off pressure a taxel stays at its zero") {
   const auto options = changed([](SpecimenOptions& o) { o.effects.lift_off_psi = 3.0; });
   Specimen specimen(options);
   const Frame zero = Walker(specimen).frame();
@@ -224,7 +223,7 @@ TEST_CASE("specimen: below its lift-off pressure a taxel rests at its zero") {
   CHECK(mean(Walker(specimen).frame()) == Approx(mean(zero)).margin(1e-9));
 }
 
-TEST_CASE("specimen: chamber non-uniformity scales the corner's pressure") {
+TEST_CASE("specimen: chamber non-uniformity scales the pressure at the corners") {
   const auto lift_free = [](SpecimenOptions& o) { o.effects.lift_off_psi = 0.0; };
   const auto uneven = changed([&](SpecimenOptions& o) {
     lift_free(o);
@@ -242,7 +241,7 @@ TEST_CASE("specimen: chamber non-uniformity scales the corner's pressure") {
   for (const std::size_t centre : {119U, 120U, 135U, 136U}) CHECK(b[centre] > 1.02 * a[centre]);
 }
 
-TEST_CASE("specimen: the chamber's tilt presses one edge more, whichever way the film lies under its leads") {
+TEST_CASE("specimen: a tilted chamber presses one edge more, whatever the orientation of the film") {
   // Taxels of the edge that the tilt rises to and of the other feel 20 psi at 20 / 1.05 and 20 / 0.95 psi.
   const auto frame_at = [](double pressure_psi, double tilt, double deg, MountTurn turn, double in_chamber_deg) {
     Specimen specimen(changed([&](SpecimenOptions& o) {
@@ -311,7 +310,7 @@ TEST_CASE("specimen: zero drift, gain drift over months and over cycles") {
   }
 }
 
-TEST_CASE("specimen: a new mount changes each taxel's local pressure, the first mount is the reference") {
+TEST_CASE("specimen: a new mount changes the local pressure of each taxel, the first mount is the reference") {
   const auto mounted = [](std::uint64_t seed, double variation) {
     return read(changed([&](SpecimenOptions& o) {
                   o.mount_seed = seed;
@@ -340,7 +339,7 @@ TEST_CASE("specimen: a new mount changes each taxel's local pressure, the first 
 
 // The specimen's memory as text, and its shapes.
 
-TEST_CASE("specimen: the memory goes through text to the last bit") {
+TEST_CASE("specimen: memory is written as text and read back bit for bit") {
   Specimen first({});
   Walker walker(first);
   walker.walk({60, 14, 36});
@@ -355,8 +354,7 @@ TEST_CASE("specimen: the memory goes through text to the last bit") {
   CHECK(Walker(second).frame() == Walker(first).frame());
 }
 
-TEST_CASE(
-    "specimen: a state of another array, another program or with a value that is none is refused and changes nothing") {
+TEST_CASE("specimen: a state of another array or program, or with an invalid value, is rejected without any change") {
   SpecimenOptions options;
   options.rows = 2;
   options.columns = 3;
@@ -393,7 +391,7 @@ TEST_CASE(
   CHECK(nlohmann::json::parse(specimen.state())["travel_psi"] == 77.0);
 }
 
-TEST_CASE("specimen: other shapes of array work") {
+TEST_CASE("specimen: arrays of other shapes work") {
   for (const auto& [rows, columns] : {std::pair{1, 1}, {1, 6}, {6, 1}, {3, 5}, {32, 16}}) {
     SpecimenOptions options;
     options.rows = rows;
@@ -434,7 +432,7 @@ double held(Specimen& specimen, double pressure_psi, double seconds) {
 
 }  // namespace
 
-TEST_CASE("specimen: rate dependence, a quick loop differs from a slow one") {
+TEST_CASE("specimen: a quick loop differs from a slow one") {
   Specimen specimen({});
   Walker walker(specimen);
   walker.walk(kConditioning);
@@ -449,8 +447,7 @@ TEST_CASE("specimen: rate dependence, a quick loop differs from a slow one") {
   CHECK(normal_to_slow < 0.03);
 }
 
-TEST_CASE(
-    "specimen: creep, a held force gives a slowly rising output after loading and a falling one after unloading") {
+TEST_CASE("specimen: at constant load the output creeps up after loading and down after unloading") {
   Specimen specimen({});
   Walker(specimen).walk(kConditioning);
   for (const double level : {20.0, 40.0, 60.0}) {
@@ -472,7 +469,7 @@ TEST_CASE(
   CHECK(held(specimen, 4.0, 100.0) < early);
 }
 
-TEST_CASE("specimen: minor loops over one range are not congruent") {
+TEST_CASE("specimen: minor loops between equal ends are not congruent") {
   // A loop cycled twice, once entered from 0 psi and once from 60 psi. A Preisach or Prandtl-Ishlinskii film would give
   // the same height; here they differ by 0.5 % FS and more.
   const auto height = [](double entry, double low, double high) {
@@ -493,7 +490,7 @@ TEST_CASE("specimen: minor loops over one range are not congruent") {
   }
 }
 
-TEST_CASE("specimen: first cycles differ and the difference fades") {
+TEST_CASE("specimen: the first cycles differ, and the difference fades") {
   Specimen specimen({});
   Walker walker(specimen);
   std::vector<Loop> loops;
@@ -509,7 +506,7 @@ TEST_CASE("specimen: first cycles differ and the difference fades") {
   CHECK(changes[4] < 0.003);
 }
 
-TEST_CASE("specimen: reproducible after conditioning, through the whole of Table 1") {
+TEST_CASE("specimen: is reproducible after conditioning, over both sets of Table 1") {
   Specimen specimen({});
   Walker walker(specimen);
   walker.walk(kConditioning);

@@ -62,7 +62,7 @@ SpecimenOptions all_effects() {
 
 }  // namespace
 
-TEST_CASE("specimen numbers: every effect and defect at once, and the film's memory behind it") {
+TEST_CASE("specimen values: all effects and defects together, and the film memory") {
   Specimen specimen(all_effects());
   specimen.advance(20.0, 1.0);
   specimen.advance(60.0, 2.0);
@@ -96,7 +96,7 @@ TEST_CASE("specimen numbers: every effect and defect at once, and the film's mem
   for (std::size_t j = 0; j < 4; ++j) CHECK(creep[j][3] == close_to(crept[j]));
 }
 
-TEST_CASE("specimen numbers: what the make of an array is, and its shares of the chamber's pressure") {
+TEST_CASE("specimen values: parameters of the film of an array, and its shares of the chamber pressure") {
   const FilmMake make = make_film(all_effects());
   check_all(make.amplitude_v, {3.7456778975, 3.883935655845, 3.619611239932, 3.521385508193});
   check_all(make.sensitivity, {0.813986814589, 1.166014533895, 0.822334009205, 0.908295194673});
@@ -118,7 +118,7 @@ TEST_CASE("specimen numbers: what the make of an array is, and its shares of the
              0.712282360174, 0.127955470307, 1.213015902434, 1.001789943066, 0.662412110749, 0.1527998766});
 }
 
-TEST_CASE("specimen numbers: an array of one taxel has no neighbours, no tilt and no corner") {
+TEST_CASE("specimen values: an array of one taxel has no neighbours, no tilt and no corner") {
   SpecimenOptions options;
   options.rows = options.columns = 1;
   options.sensor_seed = 2;
@@ -133,7 +133,7 @@ TEST_CASE("specimen numbers: an array of one taxel has no neighbours, no tilt an
   CHECK(shares_of_chamber(options) == std::vector<double>{1.0});
 }
 
-TEST_CASE("specimen numbers: which taxel of the film each lead reads, for each way to lie") {
+TEST_CASE("specimen values: which taxel of the film each lead reads, for each orientation") {
   SpecimenOptions options;
   options.rows = options.columns = 3;
   using Wiring = std::vector<std::size_t>;
@@ -163,7 +163,7 @@ TEST_CASE("specimen numbers: which taxel of the film each lead reads, for each w
   CHECK(mount_edge_words()[3] == "last-column");
 }
 
-TEST_CASE("specimen numbers: lines outside the membrane, at each edge") {
+TEST_CASE("specimen values: lines outside the membrane, at each edge") {
   SpecimenOptions options;
   options.rows = 3;
   options.columns = 2;
@@ -180,7 +180,7 @@ TEST_CASE("specimen numbers: lines outside the membrane, at each edge") {
   check_all(shares(MountEdge::kFirstRow), {0.25, 0.25, 1.0, 1.0, 1.0, 1.0});
 }
 
-TEST_CASE("specimen numbers: noise goes with a swapped taxel and a turned film, what is refused names the place") {
+TEST_CASE("specimen values: noise moves with a swapped taxel and a turned film, invalid defects are rejected") {
   SpecimenOptions options;
   options.rows = 2;
   options.columns = 3;
@@ -309,7 +309,7 @@ void check_cells(const char* name, const std::vector<double>& levels, std::span<
 
 }  // namespace
 
-TEST_CASE("specimen: figures of the paper's sensor, sensor seeds 1 to 5") {
+TEST_CASE("specimen: agrees with the published values of the paper sensor, sensor seeds 1 to 5") {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     CAPTURE(seed);
     const Figures f = measure(seed);
@@ -356,7 +356,7 @@ std::vector<double> output_of(const Specimen& specimen, std::size_t taxels) {
 
 }  // namespace
 
-TEST_CASE("harsh specimen numbers: unloaded, after a walk, under an object, and an eighth of an hour later") {
+TEST_CASE("harsh specimen values: unloaded, after a path of loads, under an object, and 450 s later") {
   Specimen specimen(twelve_taxels());
   check_twelve(output_of(specimen, 12), {0.04298059769871, 0.04298511731571, 0.04582562989403, 0.04883701428873,
                                          0.04713779989988, 0.04905148751222, 0.05367611912136, 0.05068407402583,
@@ -399,7 +399,7 @@ TEST_CASE("harsh specimen numbers: unloaded, after a walk, under an object, and 
                 2.717526803805, 0.5728021155033, 1.706932633522, 2.115752195758, 2.579301678902, 1.494862176656});
 }
 
-TEST_CASE("harsh specimen numbers: 1/f noise as a share of the output, and heavy tails of single samples") {
+TEST_CASE("harsh specimen values: 1/f noise as a share of the output, and heavy tails of single samples") {
   const Specimen specimen(twelve_taxels());
   const auto flicker_at = [&](double time_s) {
     std::vector<double> volts(12, 2.0);

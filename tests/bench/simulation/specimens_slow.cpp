@@ -37,7 +37,7 @@ double farthest_mean(const std::vector<Frame>& a, const std::vector<Frame>& b) {
 
 }  // namespace
 
-TEST_CASE("foam: every taxel's output rises with each psi of slow loading, new and conditioned, and stays on scale") {
+TEST_CASE("foam: the output of every taxel rises during slow loading, new and conditioned, and stays on scale") {
   for (const std::uint64_t sensor : kNewSensors) {
     Specimen specimen(foam_sensor(sensor));
     double least_rise = 1.0, highest = 0.0;
@@ -57,7 +57,7 @@ TEST_CASE("foam: every taxel's output rises with each psi of slow loading, new a
   }
 }
 
-TEST_CASE("foam: 10 to 25 % FS of hysteresis, taxel by taxel its own, full scale about that of the films") {
+TEST_CASE("foam: hysteresis is 10 to 25 % FS, different for each taxel, and full scale is about that of the films") {
   for (const std::uint64_t sensor : kNewSensors) {
     const LoopFigures loop = measure_loop(foam_sensor(sensor));
     CHECK(loop.max_percent_fs > 10.0);
@@ -69,7 +69,7 @@ TEST_CASE("foam: 10 to 25 % FS of hysteresis, taxel by taxel its own, full scale
   }
 }
 
-TEST_CASE("foam: 0.2 to 4 % FS of creep in each decade to 1000 s, down after unloading, over within hours") {
+TEST_CASE("foam: creep is 0.2 to 4 % FS per decade up to 1000 s, falls after unloading, and ends within hours") {
   for (const std::uint64_t sensor : kNewSensors) {
     for (const double level : {10.0, 40.0})
       for (const double from_s : {1.0, 10.0, 100.0}) {
@@ -89,7 +89,7 @@ TEST_CASE("foam: 0.2 to 4 % FS of creep in each decade to 1000 s, down after unl
   }
 }
 
-TEST_CASE("foam: friction leaves a remanence that no rest takes away, less than what relaxes") {
+TEST_CASE("foam: friction leaves a remanence that no rest removes, smaller than the part that relaxes") {
   for (const std::uint64_t sensor : kNewSensors) {
     const double early = measure_remanence_percent_fs(foam_sensor(sensor), 10.0);
     const double hour = measure_remanence_percent_fs(foam_sensor(sensor), 3600.0);
@@ -101,7 +101,7 @@ TEST_CASE("foam: friction leaves a remanence that no rest takes away, less than 
   }
 }
 
-TEST_CASE("foam: a load reached from both sides does not end in one state") {
+TEST_CASE("foam: a load reached from above and from below does not give the same state") {
   const auto at_20 = [](double from) {
     SpecimenWalk walk(foam_sensor(kNewSensors[0]));
     walk.condition();
@@ -114,7 +114,7 @@ TEST_CASE("foam: a load reached from both sides does not end in one state") {
   CHECK(at_20(60.0) - at_20(0.0) > 0.03);
 }
 
-TEST_CASE("foam: minor loops of equal ends are not congruent") {
+TEST_CASE("foam: minor loops between equal ends are not congruent") {
   const auto height = [](std::uint64_t sensor, double entry, double low, double high) {
     SpecimenWalk walk(foam_sensor(sensor));
     walk.condition_at_once();
@@ -138,7 +138,7 @@ TEST_CASE("foam: a quick loop differs from a slow one") {
   CHECK(mean(usual.output()) - mean(quick.output()) > 0.03);
 }
 
-TEST_CASE("foam: the first cycles soften it, less and less, and a week's rest undoes that") {
+TEST_CASE("foam: the first cycles soften it, less each time, and a week of rest restores it") {
   SpecimenWalk walk(foam_sensor(kNewSensors[0]));
   std::vector<std::vector<Frame>> cycles;
   for (int cycle = 0; cycle < 5; ++cycle) {
@@ -153,7 +153,7 @@ TEST_CASE("foam: the first cycles soften it, less and less, and a week's rest un
   CHECK(farthest_mean(cycles[0], walk.loop()) < 0.5 * first);
 }
 
-TEST_CASE("foam: one long step ends where many short ones do") {
+TEST_CASE("foam: one long step gives the same state as many short ones") {
   for (const std::uint64_t sensor : kNewSensors) {
     SpecimenOptions options = foam_sensor(sensor);
     options.effects.lift_off_psi = 0.0;  // else the ways near 0 psi differ
@@ -173,7 +173,7 @@ TEST_CASE("foam: one long step ends where many short ones do") {
   }
 }
 
-TEST_CASE("foam: extremes stay finite and in order") {
+TEST_CASE("foam: at extreme loads outputs stay finite and in range") {
   Specimen specimen(foam_sensor(kNewSensors[0]));
   Frame contact(256, 0.0);
   contact[40] = 200.0;
@@ -183,7 +183,7 @@ TEST_CASE("foam: extremes stay finite and in order") {
   }
 }
 
-TEST_CASE("foam: the skin carries a few percent to the neighbours of a taxel that is pressed alone, and no farther") {
+TEST_CASE("foam: the skin couples a few percent into the neighbours of a single pressed taxel, and no farther") {
   for (const std::uint64_t sensor : kNewSensors) {
     const CrosstalkFigures skin = measure_crosstalk(foam_sensor(sensor));
     CHECK(skin.beside > 0.01);
@@ -193,7 +193,7 @@ TEST_CASE("foam: the skin carries a few percent to the neighbours of a taxel tha
   }
 }
 
-TEST_CASE("foam: warm, cold, mounted anew and aged it reads otherwise") {
+TEST_CASE("foam: temperature, re-mounting and age change the output") {
   const auto read = [](const SpecimenOptions& options) {
     Specimen specimen(options);
     specimen.advance(30.0, 1.0);
@@ -236,7 +236,7 @@ TEST_CASE("harsh specimen: no output falls while the load rises, or rises while 
   }
 }
 
-TEST_CASE("harsh specimen: hysteresis and full scale are about those of the paper's sensor") {
+TEST_CASE("harsh specimen: hysteresis and full scale are about those of the paper sensor") {
   for (const std::uint64_t sensor : kNewSensors) {
     const LoopFigures loop = measure_loop(harsh_sensor(sensor));
     CHECK(loop.max_percent_fs == Approx(25.0).margin(5.0));
@@ -245,7 +245,7 @@ TEST_CASE("harsh specimen: hysteresis and full scale are about those of the pape
   }
 }
 
-TEST_CASE("harsh specimen: friction varies from cycle to cycle by 0.6 % FS over 50 cycles, half of it in all taxels") {
+TEST_CASE("harsh specimen: friction varies by 0.6 % FS over 50 cycles, about half of it common to all taxels") {
   for (const std::uint64_t sensor : kNewSensors) {
     const CycleFigures harsh = measure_cycles(harsh_sensor(sensor), 50);
     CHECK(harsh.taxel_percent_fs == Approx(0.6).margin(0.15));
@@ -254,7 +254,7 @@ TEST_CASE("harsh specimen: friction varies from cycle to cycle by 0.6 % FS over 
   CHECK(measure_cycles(paper_sensor(52163), 50).taxel_percent_fs < 0.02);
 }
 
-TEST_CASE("harsh specimen: 5 % FS of creep in each decade of time from 1 s to 1000 s") {
+TEST_CASE("harsh specimen: creep is 5 % FS per decade from 1 s to 1000 s") {
   for (const std::uint64_t sensor : kNewSensors) {
     for (const double from_s : {1.0, 10.0, 100.0}) {
       const double creep = measure_creep_percent_fs(harsh_sensor(sensor), 40.0, from_s, 10.0 * from_s);
@@ -264,7 +264,7 @@ TEST_CASE("harsh specimen: 5 % FS of creep in each decade of time from 1 s to 10
   CHECK(measure_creep_percent_fs(paper_sensor(52163), 40.0, 1.0, 10.0) < 2.0);
 }
 
-TEST_CASE("harsh specimen: zero and gain walk, by the square root of time") {
+TEST_CASE("harsh specimen: zero and gain drift as a random walk, with the square root of time") {
   const WalkFigures harsh = measure_walk(harsh_sensor(52163), 48);
   CHECK(harsh.zero_mv == Approx(3.5).margin(1.0));
   CHECK(harsh.gain_percent == Approx(0.3).margin(0.1));
@@ -307,7 +307,7 @@ TEST_CASE("harsh specimen: white noise has heavy tails, slow noise falls as 1/f"
   CHECK(harsh.slow_percent_of_output > 3.0 * kind.slow_percent_of_output);
 }
 
-TEST_CASE("harsh specimen: a taxel pressed alone is seen by its neighbours, and not beyond") {
+TEST_CASE("harsh specimen: a single pressed taxel affects its neighbours, and none beyond") {
   for (const std::uint64_t sensor : kNewSensors) {
     const CrosstalkFigures harsh = measure_crosstalk(harsh_sensor(sensor));
     CHECK(harsh.beside == Approx(0.022).margin(0.004));
@@ -317,7 +317,7 @@ TEST_CASE("harsh specimen: a taxel pressed alone is seen by its neighbours, and 
   CHECK(measure_crosstalk(paper_sensor(52163)).beside == Approx(0.0).margin(1e-12));
 }
 
-TEST_CASE("harsh specimen: no Preisach model behind a divider: minor loops are neither congruent nor closed") {
+TEST_CASE("harsh specimen: is not a Preisach model behind a divider, minor loops are neither congruent nor closed") {
   for (const std::uint64_t sensor : kNewSensors) {
     const MemoryFigures harsh = measure_memory(harsh_sensor(sensor)), paper = measure_memory(paper_sensor(sensor));
     CHECK(harsh.congruency_percent_fs > 1.0);

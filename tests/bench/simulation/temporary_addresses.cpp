@@ -4,7 +4,7 @@
 
 using tactbench::bench::PassingNames;
 
-TEST_CASE("addresses of simulated ends are stored by names that last, those of others as they are") {
+TEST_CASE("temporary addresses: those of simulated ends are replaced by fixed text, others are unchanged") {
   PassingNames names;
   names.add("Modbus TCP 127.0.0.1:4000, ADAM-6024");
   names.add("Modbus RTU /dev/pts/3, RS-485");
@@ -20,7 +20,7 @@ TEST_CASE("addresses of simulated ends are stored by names that last, those of o
     CHECK(names.lasting(other) == other);
 }
 
-TEST_CASE("addresses: the end of a path, of a port and of the text, and what has neither") {
+TEST_CASE("temporary addresses: how the end of a path, a port and the text is recognised") {
   PassingNames names;
   names.add("no address");
   CHECK(names.lasting("no address at 127.0.0.1:9") == "no address at 127.0.0.1:9");

@@ -131,8 +131,9 @@ const bool frames_registered = [] {
     benchmark::RegisterBenchmark(("compensate/" + name).c_str(), act)->Unit(benchmark::kMicrosecond);
   };
   add("plain_loop", plain_loop);
-  for (const auto& [name, way] :
-       {std::pair{"standing", Way::kStanding}, {"moving", Way::kMoving}, {"turning", Way::kTurning}})
+  for (const auto& [name, way] : {std::pair{"constant_input", Way::kStanding},
+                                  {"changing_input", Way::kMoving},
+                                  {"reversing_input", Way::kTurning}})
     for (const bool in_time : {false, true})
       add(std::string(in_time ? "dynamic_" : "elam_") + name,
           [=](benchmark::State& state) { time_frames(state, in_time ? array_in_time() : array_of_elam(), way); });

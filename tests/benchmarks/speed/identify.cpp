@@ -79,7 +79,7 @@ void elam_plain_j(benchmark::State& state) {
     for (std::size_t i = 0; i < models.size(); ++i) benchmark::DoNotOptimize(plain_j(models[i], taxels()[i].branches));
   per_taxel(state, taxels().size());
 }
-BENCHMARK(elam_plain_j)->Name("identify/plain_j")->Unit(benchmark::kMicrosecond);
+BENCHMARK(elam_plain_j)->Name("identify/evaluate_j")->Unit(benchmark::kMicrosecond);
 
 void elam(benchmark::State& state, Dispatch level) {
   (void)taxels();
@@ -94,16 +94,18 @@ const bool registered = [] {
   for (const Dispatch level : dispatches()) {
     const std::string word = to_string(level), name = "identify/elam_" + word;
     benchmark::RegisterBenchmark(name.c_str(), elam, level)->Unit(benchmark::kMicrosecond);
-    declare({{"identify_elam_" + word + "_in_plain_j",
+    declare({{"identify_elam_" + word + "_over_evaluate_j",
               name,
-              {"identify/plain_j"},
+              {"identify/evaluate_j"},
               level == Dispatch::kBase ? 100.0 : 50.0}});
   }
-  return declare(
-      {{"identify_genetic_time_over_exact", "identify/few_genetic", {"identify/few_exact"}},
-       {"identify_array_over_floor", "identify/from_store", {"identify/read_frames", "identify/stored_elam"}, 1.5},
-       {"identify_two_threads_speedup", "identify/fit_array/16/1", {"identify/fit_array/16/2"}, 0.0, 1.7},
-       {"identify_growth_64_over_16", "identify/fit_array/64/1", {"identify/fit_array/16/1"}}});
+  return declare({{"identify_genetic_time_over_exact", "identify/few_taxels_genetic", {"identify/few_taxels_exact"}},
+                  {"identify_array_over_minimum",
+                   "identify/read_and_fit_elam",
+                   {"identify/read_frames", "identify/fit_elam_of_stored_frames"},
+                   1.5},
+                  {"identify_two_threads_speedup", "identify/fit_array/16/1", {"identify/fit_array/16/2"}, 0.0, 1.7},
+                  {"identify_growth_64_over_16", "identify/fit_array/64/1", {"identify/fit_array/16/1"}}});
 }();
 
 void few(benchmark::State& state, bool genetic) {
@@ -119,8 +121,11 @@ void few(benchmark::State& state, bool genetic) {
   state.counters["j [V2]"] = j;
   per_taxel(state, kFew);
 }
-BENCHMARK_CAPTURE(few, exact, false)->Name("identify/few_exact")->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(few, genetic, true)->Name("identify/few_genetic")->Unit(benchmark::kMicrosecond)->Iterations(1);
+BENCHMARK_CAPTURE(few, exact, false)->Name("identify/few_taxels_exact")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(few, genetic, true)
+    ->Name("identify/few_taxels_genetic")
+    ->Unit(benchmark::kMicrosecond)
+    ->Iterations(1);
 
 // A stored run of that array.
 struct Stored {
@@ -151,8 +156,8 @@ void from_store(benchmark::State& state) {
     benchmark::DoNotOptimize(fit_array(load_dataset(stored().store, stored().run), options).full_scale_v());
 }
 BENCHMARK(read_frames)->Name("identify/read_frames")->Unit(benchmark::kMillisecond);
-BENCHMARK(stored_elam)->Name("identify/stored_elam")->Unit(benchmark::kMillisecond);
-BENCHMARK(from_store)->Name("identify/from_store")->Unit(benchmark::kMillisecond);
+BENCHMARK(stored_elam)->Name("identify/fit_elam_of_stored_frames")->Unit(benchmark::kMillisecond);
+BENCHMARK(from_store)->Name("identify/read_and_fit_elam")->Unit(benchmark::kMillisecond);
 
 // Arguments: taxels a side, threads.
 void fit_array_of(benchmark::State& state) {

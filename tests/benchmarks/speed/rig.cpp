@@ -248,18 +248,19 @@ const bool registered = [] {
   plain("hid_scan_256_taxels", [](Rig& rig) -> Exchange { return [&rig] { (void)rig.array().read(1); }; });
   plain("frame_source_scan_256_taxels", [](Rig& rig) -> Exchange { return [&rig] { (void)rig.array().read(1); }; },
         {{"scanner.kind", "frame-source"}});
-  plain("zaber_question", [](Rig& rig) -> Exchange {
+  plain("zaber_query", [](Rig& rig) -> Exchange {
     rig.stage()->arm();
     return [&rig] { (void)rig.stage()->state(devices::Axis::kX); };
   });
   plain("net_ft_record", [](Rig& rig) -> Exchange { return [&net = rig.open_force()] { (void)net.read(1); }; });
   plain("net_ft_50_records", [](Rig& rig) -> Exchange { return [&net = rig.open_force()] { (void)net.read(50); }; });
   wire("modbus_rtu_read", modbus_rtu);
-  timed("wires/hang_up_to_fault", hang_up_to_fault)->UseManualTime()->Iterations(20);
+  timed("wires/disconnect_to_fault", hang_up_to_fault)->UseManualTime()->Iterations(20);
   timed("sequence/run", sequence_run)->UseManualTime()->Iterations(1);
-  timed("sequence/exchanges", sequence_exchanges)->UseManualTime()->Iterations(1);
-  timed("sequence/store", sequence_store)->UseManualTime()->Iterations(1);
-  return declare({{"sequence_ratio", "sequence/run", {"sequence/exchanges", "sequence/store"}}});
+  timed("sequence/exchanges_only", sequence_exchanges)->UseManualTime()->Iterations(1);
+  timed("sequence/store_only", sequence_store)->UseManualTime()->Iterations(1);
+  return declare(
+      {{"sequence_over_exchanges_and_store", "sequence/run", {"sequence/exchanges_only", "sequence/store_only"}}});
 }();
 
 }  // namespace

@@ -142,9 +142,15 @@ void read(benchmark::State& state) {
 }
 
 BENCHMARK(append_and_fdatasync)->Name("store/append_and_fdatasync")->Iterations(kDurable)->UseRealTime();
-BENCHMARK_CAPTURE(stored, full, db::Durability::kFull)->Name("store/full")->Iterations(kDurable)->UseRealTime();
+BENCHMARK_CAPTURE(stored, full, db::Durability::kFull)
+    ->Name("store/append_durable")
+    ->Iterations(kDurable)
+    ->UseRealTime();
 BENCHMARK(bare_insert)->Name("store/bare_insert")->Iterations(kFrames)->UseRealTime();
-BENCHMARK_CAPTURE(stored, normal, db::Durability::kNormal)->Name("store/normal")->Iterations(kFrames)->UseRealTime();
+BENCHMARK_CAPTURE(stored, normal, db::Durability::kNormal)
+    ->Name("store/append_normal")
+    ->Iterations(kFrames)
+    ->UseRealTime();
 BENCHMARK(bare_read)->Name("store/bare_read");
 BENCHMARK(read)->Name("store/read");
 
@@ -183,14 +189,14 @@ void rendered_and_written(benchmark::State& state) {
   (void)rendered();
   for (auto _ : state) rendered().write(analysis::render_report(rendered().input).html);
 }
-BENCHMARK(write_alone)->Name("report/write_alone")->Unit(benchmark::kMillisecond);
-BENCHMARK(rendered_and_written)->Name("report/rendered_and_written")->Unit(benchmark::kMillisecond);
+BENCHMARK(write_alone)->Name("report/write_only")->Unit(benchmark::kMillisecond);
+BENCHMARK(rendered_and_written)->Name("report/render_and_write")->Unit(benchmark::kMillisecond);
 
 const bool declared =
-    declare({{"store_full_over_floor", "store/full", {"store/append_and_fdatasync"}, 1.5},
-             {"store_normal_over_bare", "store/normal", {"store/bare_insert"}, 1.25},
+    declare({{"store_append_durable_over_fdatasync", "store/append_durable", {"store/append_and_fdatasync"}, 1.5},
+             {"store_append_normal_over_bare", "store/append_normal", {"store/bare_insert"}, 1.25},
              {"store_read_over_bare", "store/read", {"store/bare_read"}, 1.3},
-             {"report_over_write_alone", "report/rendered_and_written", {"report/write_alone"}, 20.0}});
+             {"report_over_write_only", "report/render_and_write", {"report/write_only"}, 20.0}});
 
 }  // namespace
 }  // namespace tactbench::speed

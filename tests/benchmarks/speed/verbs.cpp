@@ -166,11 +166,11 @@ const bool registered = [] {
        std::map<std::string, std::string>{{"open_and_show", "runs show {0}"},
                                           {"runs_list_all", "runs list"},
                                           {"runs_list_20", "runs list --since 2026-01-31 --sensor B-1"},
-                                          {"trend_of_a_subject", "trend --subject bulk/7"},
-                                          {"trend_of_all", "trend"},
+                                          {"trend_one_subject", "trend --subject bulk/7"},
+                                          {"trend_all_subjects", "trend"},
                                           {"report", "report {0} -o report.html --replace"},
                                           {"verify", "verify {0}"},
-                                          {"db_check", "verify"}})
+                                          {"verify_store", "verify"}})
     benchmark::RegisterBenchmark(("large_store/" + name).c_str(), verb, words)
         ->Arg(2000)
         ->Arg(20000)

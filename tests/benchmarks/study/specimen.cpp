@@ -250,19 +250,19 @@ std::vector<Figure> benchmark_specimen(const std::vector<SpecimenKind>& kinds) {
     add("creep_1_to_10_s", measure_creep_percent_fs(options, 40.0, 1.0, 10.0), "%FS");
     add("creep_100_to_1000_s", measure_creep_percent_fs(options, 40.0, 100.0, 1000.0), "%FS");
     const WalkFigures walk = measure_walk(options, 24);
-    add("zero_walk_in_an_hour", walk.zero_mv, "mV");
-    add("gain_walk_in_an_hour", walk.gain_percent, "%");
+    add("zero_drift_in_an_hour", walk.zero_mv, "mV");
+    add("gain_drift_in_an_hour", walk.gain_percent, "%");
     const CrosstalkFigures crosstalk = measure_crosstalk(options);
-    add("crosstalk_beside", 100.0 * crosstalk.beside, "%");
-    add("crosstalk_corner", 100.0 * crosstalk.corner, "%");
+    add("crosstalk_adjacent", 100.0 * crosstalk.beside, "%");
+    add("crosstalk_diagonal", 100.0 * crosstalk.corner, "%");
     const MemoryFigures memory = measure_memory(options);
-    add("minor_loops_not_congruent", memory.congruency_percent_fs, "%FS");
-    add("minor_loop_not_closed", memory.closure_percent_fs, "%FS");
-    add("shape_beyond_five_components", measure_shape_percent_fs(options, 5), "%FS");
+    add("minor_loop_congruency_error", memory.congruency_percent_fs, "%FS");
+    add("minor_loop_closure_error", memory.closure_percent_fs, "%FS");
+    add("shape_residual_after_five_components", measure_shape_percent_fs(options, 5), "%FS");
     const NoiseFigures noise = measure_noise(plant);
     add("white_noise", noise.white_mv, "mV");
     add("kurtosis", noise.kurtosis, "1");
-    add("beyond_five_sigma", 1e6 * noise.beyond_five, "ppm");
+    add("outliers_beyond_five_sigma", 1e6 * noise.beyond_five, "ppm");
     add("slow_noise", noise.slow_percent_of_output, "%");
     add("noise_slope", noise.slope, "1");
   }

@@ -25,7 +25,7 @@ std::string refusal(const std::string& body, const std::string& path) {
 
 }  // namespace
 
-TEST_CASE("fleet body: a run comes back with its content and all that is said of it, and without other runs") {
+TEST_CASE("fleet body: a packed run unpacks with its content, tags, fits and verdicts, and without other runs") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("a.db"));
   store_example(store);
@@ -49,7 +49,7 @@ TEST_CASE("fleet body: a run comes back with its content and all that is said of
   CHECK((back.fits(own.run).size() == 1 && back.verdicts(own.run).size() == 1));
 }
 
-TEST_CASE("fleet body: what is not what was stored is not packed, and what is no store is not unpacked") {
+TEST_CASE("fleet body: a changed run is not packed, and a damaged body is not unpacked") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("a.db"));
   const std::int64_t run = store_example(store);

@@ -26,7 +26,7 @@ std::string refused(const Answer& answer) {
 
 }  // namespace
 
-TEST_CASE("fleet link: values go and come as their bytes, NULL as an empty text") {
+TEST_CASE("fleet link: values are passed as their bytes, and NULL is an empty text") {
   const std::string zero("x\0y", 3);
   Server server({started(), rows(3, {{"a", Field(), zero}}), rows(1, {})});
   {
@@ -41,7 +41,7 @@ TEST_CASE("fleet link: values go and come as their bytes, NULL as an empty text"
   CHECK(server.heard().at(2).find(zero) != std::string::npos);
 }
 
-TEST_CASE("fleet link: each refusal of a server has an id, and the link can be used on") {
+TEST_CASE("fleet link: each server error has an id, and the link remains usable") {
   const std::vector<std::pair<std::string, std::string>> refusals = {
       {"53100", "TB-FLEET-FULL"}, {"42501", "TB-FLEET-DENIED"}, {"TB001", "TB-FLEET-OWNER"},
       {"22021", "TB-FLEET-SQL"},  {"57014", "TB-FLEET-SQL"},    {"42601", "TB-FLEET-SQL"}};
@@ -88,7 +88,7 @@ TEST_CASE("fleet link: answers that PostgreSQL does not give are errors with an 
   CHECK(id_after(notices) == "TB-FLEET-ANSWER");
 }
 
-TEST_CASE("fleet link: a refusal at the door has an id, also of what is no PostgreSQL") {
+TEST_CASE("fleet link: a refused login has an id, also if the server is not PostgreSQL") {
   const std::vector<std::pair<Answer, std::string>> answers = {
       {error("28P01", "password authentication failed"), "TB-FLEET-LOGIN"},
       {error("28000", "no entry in pg_hba.conf, no SSL"), "TB-FLEET-LOGIN"},
@@ -108,7 +108,7 @@ TEST_CASE("fleet link: a refusal at the door has an id, also of what is no Postg
         "TB-FLEET-CONNECT");
 }
 
-TEST_CASE("fleet link: what names no server is the caller's fault, and no message shows a password") {
+TEST_CASE("fleet link: an invalid connection string is a usage error, and no message shows a password") {
   for (const char* words :
        {"nonsense", "colour=red", "postgresql://u:SECRET@db.lab:6000x/t?y", "host=a password=SECRET x"}) {
     CAPTURE(words);

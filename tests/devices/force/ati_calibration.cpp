@@ -60,7 +60,7 @@ AtiCalibration parse(const InventedCalibration& invented) { return parse_ati_cal
 
 }  // namespace
 
-TEST_CASE("calibration: every field of a file is read") {
+TEST_CASE("ATI calibration: every field of the file is read") {
   InventedCalibration invented;
   invented.more = kInventedTemperature;
   const auto calibration = parse(invented);
@@ -83,7 +83,8 @@ TEST_CASE("calibration: every field of a file is read") {
   CHECK(rated_range(calibration) == std::array<double, 6>{50, 50, 70, 500, 500, 500});
 }
 
-TEST_CASE("calibration: the working matrix gives what plain arithmetic gives") {
+TEST_CASE(
+    "ATI calibration: the working matrix agrees with an independent computation from rows, scales and transform") {
   InventedCalibration invented;
   const auto loads = times(invented.rows, invented.scale, kVolts);
   check_equal(working_matrix(parse(invented)) * vector(kVolts), moved(loads, {0, 0, 6.096}, {0, 0, 0}));
@@ -91,7 +92,7 @@ TEST_CASE("calibration: the working matrix gives what plain arithmetic gives") {
   check_equal(working_matrix(parse(invented)) * vector(kVolts), moved(loads, {1.5, -2, 6.096}, {10, -20, 35}));
 }
 
-TEST_CASE("calibration: other units are converted to newtons, N*mm and mm") {
+TEST_CASE("ATI calibration: other units are converted to N, N*mm and mm") {
   InventedCalibration invented;
   const auto reference = working_matrix(parse(invented));
   // The same transducer written in newton-metres and metres, and in pounds and inches.
@@ -111,7 +112,8 @@ TEST_CASE("calibration: other units are converted to newtons, N*mm and mm") {
   CHECK(rated_range(parse(pounds))[3] == Approx(500 * 4.4482216152605 * 25.4));
 }
 
-TEST_CASE("calibration: the final rows of version 1.1 are taken as written") {
+TEST_CASE(
+    "ATI calibration: the user-axis rows of a version 1.1 file are the working matrix, unchanged and in any order") {
   InventedCalibration invented;
   invented.version = "1.1";
   for (const char* name : {"Tz", "Ty", "Tx", "Fz", "Fy", "Fx"}) {  // any order
@@ -124,14 +126,15 @@ TEST_CASE("calibration: the final rows of version 1.1 are taken as written") {
   CHECK(rated_range(calibration) == std::array<double, 6>{12, 12, 12, 120, 120, 120});
 }
 
-TEST_CASE("calibration: a force at the gauges' origin has a moment about the displaced one") {
+TEST_CASE("ATI calibration: a force at the gauges' origin has a moment about the displaced origin") {
   const AtiTransform nano17{{0, 0, 6.096}, {}};
   check_equal(wrench_transform(nano17) * vector({1, 0, 0, 0, 0, 0}), {1, 0, 0, 0, -6.096, 0});
   check_equal(wrench_transform(nano17) * vector({0, 1, 0, 0, 0, 0}), {0, 1, 0, 6.096, 0, 0});
   check_equal(wrench_transform(nano17) * vector({0, 0, 1, 0, 0, 0}), {0, 0, 1, 0, 0, 0});
 }
 
-TEST_CASE("calibration: the turned frame is turned, not sheared") {
+TEST_CASE(
+    "ATI calibration: a tool transform rotates forces and moments without shear, with the signs of ATI's library") {
   const AtiTransform tool{{3, -4, 5}, {15, 40, -70}};
   const Matrix6 matrix = wrench_transform(tool);
   const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
@@ -148,7 +151,7 @@ TEST_CASE("calibration: the turned frame is turned, not sheared") {
   check_equal(matrix * vector(wrench), moved(wrench, tool.displacement_mm, tool.rotation_deg));
 }
 
-TEST_CASE("calibration: temperature compensation by ATI's formula") {
+TEST_CASE("ATI calibration: temperature compensation follows ATI's formula") {
   InventedCalibration invented;
   invented.more = kInventedTemperature;
   const auto temperature = parse(invented).temperature.value();
@@ -161,7 +164,7 @@ TEST_CASE("calibration: temperature compensation by ATI's formula") {
   check_equal(compensated(temperature, vector(kVolts), 1.25), kVolts);
 }
 
-TEST_CASE("calibration: a file is read, a number needs its decimal point") {
+TEST_CASE("ATI calibration: reads a file, and does not accept a malformed number such as a decimal comma") {
   const TemporaryFolder folder;
   const auto path = folder.path("FT99901.cal");
   std::ofstream(path) << InventedCalibration().text();
@@ -213,7 +216,7 @@ std::string user_axes_without(std::size_t absent) {
 
 }  // namespace
 
-TEST_CASE("calibration refused: without each attribute that has to be there, or with an empty one") {
+TEST_CASE("ATI calibration: refuses a file in which a required attribute is missing or empty") {
   for (const auto& [name, value] : std::vector<std::pair<std::string, std::string>>{{"Serial", "FT99901"},
                                                                                     {"BodyStyle", "Nano17"},
                                                                                     {"NumGages", "6"},
@@ -234,7 +237,7 @@ TEST_CASE("calibration refused: without each attribute that has to be there, or 
                    {" scale=\"5.5\"", "", ""}});  // then it is 1
 }
 
-TEST_CASE("calibration refused: each axis has to be there, once, by its name") {
+TEST_CASE("ATI calibration: each axis must be present exactly once, by its name") {
   for (std::size_t i = 0; i < 6; ++i) {
     const std::string named = "Axis Name=\"" + kNames[i] + "\"", other = kNames[(i + 1) % 6];
     check_exchanges({{named, "Extra Name=\"x\"", kNames[i]},
@@ -245,7 +248,7 @@ TEST_CASE("calibration refused: each axis has to be there, once, by its name") {
   check_more(user_axes_without(6), "");
 }
 
-TEST_CASE("calibration refused: each number is a number, in its bounds") {
+TEST_CASE("ATI calibration: refuses malformed or out-of-range numbers, unknown units and versions") {
   check_exchanges({{"scale=\"2.75\"", "scale=\"2,75\"", "Fz scale"},
                    {"scale=\"2.75\"", "scale=\"0.0\"", "Fz scale"},
                    {"scale=\"2.75\"", "scale=\"0.5\"", ""},
@@ -272,7 +275,8 @@ TEST_CASE("calibration refused: each number is a number, in its bounds") {
                    {"-0.25  0.5", "nan  0.5", "Axis Fx"}});
 }
 
-TEST_CASE("calibration refused: each part of the transform has its unit, and may be left out") {
+TEST_CASE(
+    "ATI calibration: each component of the transform is optional, is converted from its unit, and must be a number") {
   const std::string parts[2][3] = {{"Dx", "Dy", "Dz"}, {"Rx", "Ry", "Rz"}};
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t turned = 0; turned < 2; ++turned) {
@@ -290,7 +294,7 @@ TEST_CASE("calibration refused: each part of the transform has its unit, and may
   }
 }
 
-TEST_CASE("calibration refused: each part of the temperature compensation requires the others, once") {
+TEST_CASE("ATI calibration: each element of the temperature compensation requires the others, and occurs only once") {
   const std::string bias = R"(<BiasSlope values="1 2 3 4 5 6"/>)", gain = R"(<GainSlope values="1 2 3 4 5 6"/>)",
                     thermistor = R"(<Thermistor value="1"/>)";
   check_more(bias + gain + thermistor, "");
@@ -306,7 +310,7 @@ TEST_CASE("calibration refused: each part of the temperature compensation requir
   check_more(bias + gain + R"(<Thermistor value="x"/>)", "Thermistor");
 }
 
-TEST_CASE("calibration refused: elements that are there twice, and texts that are no calibration") {
+TEST_CASE("ATI calibration: refuses duplicate elements, oversized text and text that is not a calibration") {
   const std::string good = InventedCalibration().text(), basic = InventedCalibration().basic;
   const std::string sensor = good.substr(good.find("<FTSensor"));
   check_calibration(sensor + sensor, "FTSensor");
@@ -318,7 +322,7 @@ TEST_CASE("calibration refused: elements that are there twice, and texts that ar
     check_calibration(text, "XML");
 }
 
-TEST_CASE("calibration refused: a file that is absent, empty, no file or no XML") {
+TEST_CASE("ATI calibration: refuses a file that is missing, empty, not a regular file or not XML") {
   const TemporaryFolder folder;
   const std::string path = folder.path("t.cal");
   const auto check_refused = [&](const std::string& file) {

@@ -65,7 +65,7 @@ Vector6 vector(const std::vector<double>& values) { return Vector6::Map(values.d
 
 }  // namespace
 
-TEST_CASE("DAQ F/T: the mean of the samples through the matrix, volts beside it") {
+TEST_CASE("DAQ F/T: a reading is the mean of its samples times the matrix, and includes the mean gauge voltages") {
   DaqFt sensor(std::make_unique<Gauges>(Rows{kOne, kTwo}), calibration(), {});
   const auto reading = sensor.read(2);
   CHECK(reading.records == 2);
@@ -81,7 +81,7 @@ TEST_CASE("DAQ F/T: the mean of the samples through the matrix, volts beside it"
   CHECK(fault_id_of([&] { (void)sensor.read(0); }) == "TB-FORCE-RECORDS");
 }
 
-TEST_CASE("DAQ F/T: bias is a vector of volts, the tool's frame applies to the rest") {
+TEST_CASE("DAQ F/T: the bias is subtracted from the gauge voltages, then the tool transform is applied") {
   DaqFtOptions options;
   options.tool = {{0, 0, 10}, {0, 0, 90}};
   DaqFt sensor(std::make_unique<Gauges>(Rows{kOne, kTwo}), calibration(), options);
@@ -92,7 +92,7 @@ TEST_CASE("DAQ F/T: bias is a vector of volts, the tool's frame applies to the r
   CHECK(reading.raw[0] == 0.3);
 }
 
-TEST_CASE("DAQ F/T: temperature is compensated where file and thermistor allow it") {
+TEST_CASE("DAQ F/T: temperature is compensated if the calibration and the thermistor allow it, unless switched off") {
   auto warm = kOne, warmer = kTwo;
   warm.push_back(1.5);
   warmer.push_back(1.75);
@@ -111,7 +111,7 @@ TEST_CASE("DAQ F/T: temperature is compensated where file and thermistor allow i
   CHECK((axes_of(plain.read(1).wrench) - working_matrix(with) * vector(kOne)).cwiseAbs().maxCoeff() < 1e-9);
 }
 
-TEST_CASE("DAQ F/T: overload is judged for every sample, in the transducer's frame, from the bias on") {
+TEST_CASE("DAQ F/T: a load beyond the rated range is an overload fault, judged relative to the bias") {
   const std::vector<double> heavy{0, 0, 3, 0, 3, 3};  // Fz = (22.25 + 24.125 - 1.25) * 3 / 2.75 = 49.2 N
   const std::vector<double> heavier{0, 0, 5, 0, 5, 5};
   DaqFt sensor(std::make_unique<Gauges>(Rows{heavy, heavier}), calibration(), {});
@@ -122,7 +122,7 @@ TEST_CASE("DAQ F/T: overload is judged for every sample, in the transducer's fra
   CHECK(fault_id_of([&] { (void)biased.read(1); }) == "none");
 }
 
-TEST_CASE("DAQ F/T: a source's faults pass through, and another serial is refused") {
+TEST_CASE("DAQ F/T: faults of the gauge source pass through, and another serial number is refused") {
   auto gauges = std::make_unique<Gauges>(Rows{kOne});
   Gauges& source = *gauges;
   DaqFt sensor(std::move(gauges), calibration(), {});
@@ -161,7 +161,7 @@ GaugeSamples one_of(std::vector<double> volts) {
 
 }  // namespace
 
-TEST_CASE("DAQ F/T: samples, channels and values have to be as many as were asked for, each of them") {
+TEST_CASE("DAQ F/T: a gauge source that returns a wrong number of samples, channels or values is a protocol fault") {
   const std::vector<double> twelve(12, 0.25), fourteen(14, 0.25);
   CHECK(read_of(6, {2, 6, twelve, {}}, 2) == "none");
   CHECK(read_of(6, {1, 6, twelve, {}}, 2) == "TB-FORCE-PROTOCOL");
@@ -171,7 +171,7 @@ TEST_CASE("DAQ F/T: samples, channels and values have to be as many as were aske
   CHECK(read_of(6, {2, 6, std::vector<double>(11), {}}, 2) == "TB-FORCE-PROTOCOL");
 }
 
-TEST_CASE("DAQ F/T: six gauges are enough unless the temperature is compensated, seven always") {
+TEST_CASE("DAQ F/T: six or seven channels are required, and seven for temperature compensation") {
   const auto opened = [](int channels, const AtiCalibration& file, bool compensated) {
     DaqFtOptions options;
     options.temperature_compensation = compensated;
@@ -188,7 +188,7 @@ TEST_CASE("DAQ F/T: six gauges are enough unless the temperature is compensated,
   CHECK(opened(6, calibration(kInventedTemperature), true) == "TB-FORCE-GAUGES");
 }
 
-TEST_CASE("DAQ F/T: a gauge saturates at its share of the converter's limit, the thermistor nowhere") {
+TEST_CASE("DAQ F/T: a gauge is saturated at the set share of the converter's limit, the thermistor never") {
   DaqFtOptions options;
   options.converter_limit = Volts(0.5);
   options.saturation_share = 0.5;  // 0.25 V
@@ -208,7 +208,7 @@ TEST_CASE("DAQ F/T: a gauge saturates at its share of the converter's limit, the
   }
 }
 
-TEST_CASE("DAQ F/T: a thermistor is reported where nothing is compensated, and the card is named") {
+TEST_CASE("DAQ F/T: the thermistor is reported even without compensation, and the identity names the card") {
   const GaugeSamples told{
       2, 7, {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 1.5, 0.3, 0.2, 0.1, 0.0, -0.1, -0.2, 2.5}, Nanoseconds(9)};
   DaqFt sensor(std::make_unique<ToldGauges>(7, told), calibration(), {});
@@ -235,7 +235,7 @@ struct GaugeRig : DaqmxCard {
 
 }  // namespace
 
-TEST_CASE("daqmx gauges told: a reading may take its time and that of its samples") {
+TEST_CASE("daqmx gauges: the read timeout is the reply time plus the duration of the samples") {
   GaugeRig rig;
   rig.options.channels = "Dev1/ai16:21,Dev1/ai30";
   CHECK(DaqmxGauges(rig.options, rig.clock).read(2).volts[13] == 6 + 0.001);
@@ -264,7 +264,7 @@ TEST_CASE("daqmx gauges told: a reading may take its time and that of its sample
   CHECK(gauges.exchanges() == 3);
 }
 
-TEST_CASE("daqmx gauges told: five and eight channels are refused, by their number") {
+TEST_CASE("daqmx gauges: five or eight channels are refused, and the fault states the number") {
   GaugeRig rig;
   for (const auto& [channels, number] : {std::pair{"Dev1/ai0:4", 5}, {"Dev1/ai0:7", 8}}) {
     rig.options.channels = channels;
@@ -272,7 +272,7 @@ TEST_CASE("daqmx gauges told: five and eight channels are refused, by their numb
   }
 }
 
-TEST_CASE("daqmx gauges told: only samples that did not come in time cost time, and every failure stops the task") {
+TEST_CASE("daqmx gauges: only a sample timeout advances the clock, and every failed reading stops the task") {
   for (const auto& [code, cost] : {std::pair{-200284, 310ms}, {-200279, 0ms}, {-50103, 0ms}}) {
     GaugeRig rig;
     DaqmxGauges gauges(rig.options, rig.clock);
@@ -299,7 +299,7 @@ TEST_CASE("daqmx gauges told: only samples that did not come in time cost time, 
   CHECK(rig.called("StopTask") == 2);
 }
 
-TEST_CASE("daqmx gauges told: a number of samples that could not be set up is set up again") {
+TEST_CASE("daqmx gauges: sample timing that could not be set up is set up again by the next reading") {
   GaugeRig rig;
   DaqmxGauges gauges(rig.options, rig.clock);
   (void)gauges.read(10);

@@ -10,8 +10,7 @@ using namespace tactbench::devices;
 using namespace tactbench::tests;
 using namespace std::chrono_literals;
 
-TEST_CASE(
-    "Digital F/T line: opening jams with 14 bytes, then reads the calibration and the gains, and writes nothing") {
+TEST_CASE("Digital F/T line: opening sends a 14-byte jam, reads calibration and gains, and writes no register") {
   Script script;
   auto sensor = script.open();
   CHECK(script.line.written == std::vector<Bytes>{Bytes(14, 0xFF), rtu_read_holding(kUnit, 0x00E3, 125),
@@ -26,7 +25,7 @@ TEST_CASE(
   CHECK(script.clock.now() == 0s);
 }
 
-TEST_CASE("Digital F/T line: each gain and offset has to be the calibration's") {
+TEST_CASE("Digital F/T line: opening is refused if a gauge gain or offset differs from the calibration") {
   for (int i = 0; i < 12; ++i) {
     Script script;
     script.line.registers[i] = static_cast<std::uint16_t>(0x4000 + i);
@@ -34,7 +33,7 @@ TEST_CASE("Digital F/T line: each gain and offset has to be the calibration's") 
   }
 }
 
-TEST_CASE("Digital F/T line: a reading is the mean of its samples, however they come") {
+TEST_CASE("Digital F/T line: a reading is the mean of its samples, however their bytes are split") {
   for (const std::size_t chunk : {1U, 5U, 13U, 14U, 1000U}) {
     Script script;
     script.say({100, 200, 300, 400, 500, 600});
@@ -59,7 +58,7 @@ TEST_CASE("Digital F/T line: a reading is the mean of its samples, however they 
   }
 }
 
-TEST_CASE("Digital F/T line: samples that lie on the line are taken by a program that was held up, in one look more") {
+TEST_CASE("Digital F/T line: after a delay beyond the timeout, one more read accepts samples that already arrived") {
   for (const std::size_t samples_a_look : {2U, 1U}) {
     Script script;
     for (int i = 0; i < 4; ++i) script.say({100, 200, 300, 400, 500, 600});
@@ -75,7 +74,7 @@ TEST_CASE("Digital F/T line: samples that lie on the line are taken by a program
   }
 }
 
-TEST_CASE("Digital F/T line: bytes received before a request are not taken for its reply") {
+TEST_CASE("Digital F/T line: bytes received before a request are not used as its reply") {
   Script script;
   script.say({100, 200, 300, 400, 500, 600});
   script.line.change = [](const Bytes&, Bytes answer) {
@@ -88,7 +87,7 @@ TEST_CASE("Digital F/T line: bytes received before a request are not taken for i
   CHECK(script.clock.now() == 0s);
 }
 
-TEST_CASE("Digital F/T line: the bias is what was measured, and overload is judged from it on") {
+TEST_CASE("Digital F/T line: after a bias, loads are relative to the measured bias and raw counts are not") {
   Script script;
   script.say({0, 1000, 0, 0, 0, 0});  // Fx 4 N
   auto sensor = script.open();
@@ -101,7 +100,7 @@ TEST_CASE("Digital F/T line: the bias is what was measured, and overload is judg
   CHECK(reading.raw[1] == 1500.0);
 }
 
-TEST_CASE("Digital F/T line: the range itself is no overload, a count beyond it is, of any sample") {
+TEST_CASE("Digital F/T line: a load at the range is accepted, one beyond it in any sample is an overload fault") {
   // 0.25 N are exactly 64 gauge counts of 1/256 N here; -0.5 N*mm are 64 of -1/128 N*mm.
   DigitalCalibration exact = invented_digital();
   for (std::size_t row = 0; row < 6; ++row) exact.matrix[row] = {};
@@ -128,7 +127,8 @@ TEST_CASE("Digital F/T line: the range itself is no overload, a count beyond it 
   }
 }
 
-TEST_CASE("Digital F/T line: a gauge at its limit is named, one count off it is a value") {
+TEST_CASE(
+    "Digital F/T line: a gauge at its count limit is a saturation fault that names it, one count less is a value") {
   for (std::size_t gauge = 0; gauge < 6; ++gauge) {
     for (const int limit : {-32768, 32767}) {
       Script script;
@@ -145,7 +145,7 @@ TEST_CASE("Digital F/T line: a gauge at its limit is named, one count off it is 
   }
 }
 
-TEST_CASE("Digital F/T line: damaged bytes cost their samples and no more") {
+TEST_CASE("Digital F/T line: damaged bytes lose only the samples they belong to") {
   const std::array<std::int16_t, 6> right{1, 2, 3, 4, 5, 6};
   const auto reading_of = [&](const Bytes& damage, std::size_t chunk) {
     Script script;
@@ -174,7 +174,7 @@ TEST_CASE("Digital F/T line: damaged bytes cost their samples and no more") {
   }
 }
 
-TEST_CASE("Digital F/T line: an error bit ends the reading, and the status register is reported") {
+TEST_CASE("Digital F/T line: an error bit ends the reading, and the fault states the status register") {
   Script script;
   script.line.registers[0x001D] = 0xA55A;
   script.say({1, 2, 3, 4, 5, 6});
@@ -186,7 +186,7 @@ TEST_CASE("Digital F/T line: an error bit ends the reading, and the status regis
   CHECK(script.jams() == 3);  // the line is quiet before the register is asked for
 }
 
-TEST_CASE("Digital F/T line: a stream that dries up costs the reply's time and that of the samples") {
+TEST_CASE("Digital F/T line: a stream that stops early times out after the reply time plus the sample time") {
   Script script;
   script.options.reply_timeout = 300ms;
   script.options.samples_per_second = 1000.0;
@@ -244,7 +244,7 @@ TEST_CASE("Digital F/T line: short, damaged, refused and foreign replies are dis
       wrong);
 }
 
-TEST_CASE("Digital F/T line: a sensor that keeps sending is jammed again after 64 pieces") {
+TEST_CASE("Digital F/T line: a sensor that keeps sending is jammed again after 64 reads") {
   for (const std::size_t waiting : {63U, 64U}) {
     Script script;
     script.line.coming.assign(waiting, 0x41);
@@ -264,7 +264,8 @@ TEST_CASE("Digital F/T line: an invalid number of records is refused without a r
   CHECK(script.line.written.size() == before);
 }
 
-TEST_CASE("Digital F/T line: each wait is for the quiet, for the reply, or for the reply and the samples") {
+TEST_CASE(
+    "Digital F/T line: each wait lasts for the quiet time, the reply time, or the reply time plus the sample time") {
   Script script;
   script.options.quiet = 30s;
   script.options.reply_timeout = 100s;
@@ -289,7 +290,7 @@ TEST_CASE("Digital F/T line: each wait is for the quiet, for the reply, or for t
   CHECK((waits[4] <= 30s && waits[4] > 20s));
 }
 
-TEST_CASE("Digital F/T line: a sensor that is busy is asked again for the reply's time") {
+TEST_CASE("Digital F/T line: a busy sensor is asked again until the reply time is over") {
   for (const std::uint8_t exception : {std::uint8_t{5}, std::uint8_t{6}}) {
     Script script;
     script.options.reply_timeout = 300ms;
@@ -308,7 +309,7 @@ TEST_CASE("Digital F/T line: a sensor that is busy is asked again for the reply'
   }
 }
 
-TEST_CASE("Digital F/T line: a refusal that comes in pieces is a refusal, to a start as to a reading") {
+TEST_CASE("Digital F/T line: a refusal of the stream start is recognised even if it arrives in pieces") {
   Script script;
   auto sensor = script.open();
   script.line.chunk = 1;
@@ -322,7 +323,7 @@ TEST_CASE("Digital F/T line: a refusal that comes in pieces is a refusal, to a s
   check_fault([&] { (void)sensor.read(1); }, "TB-FORCE-TIMEOUT", {}, "0 of 5");
 }
 
-TEST_CASE("Digital F/T line: out of step, two samples in a row have to be right") {
+TEST_CASE("Digital F/T line: after lost synchronisation, two valid samples in a row are required") {
   // A right sample among wrong bytes, then again wrong ones, then two: the first one counts for nothing.
   const auto right = encode(DigitalSample{{1, 2, 3, 4, 5, 6}, false});
   const auto other = encode(DigitalSample{{60, 50, 40, 30, 20, 10}, false});
@@ -339,7 +340,7 @@ TEST_CASE("Digital F/T line: out of step, two samples in a row have to be right"
   CHECK(sensor.read(2).lost == 2);  // counted over all readings
 }
 
-TEST_CASE("Digital F/T line: noise without end is read to the end of its time, and no longer") {
+TEST_CASE("Digital F/T line: endless noise ends in a timeout after the reply time plus the sample time") {
   Script script;
   script.options.reply_timeout = 20ms;
   script.options.samples_per_second = 1000.0;
@@ -351,7 +352,7 @@ TEST_CASE("Digital F/T line: noise without end is read to the end of its time, a
   check_fault([&] { (void)sensor.read(5); }, "TB-FORCE-TIMEOUT", {}, "25 ms");
 }
 
-TEST_CASE("Digital F/T line: forces and torques each have their counts") {
+TEST_CASE("Digital F/T line: forces and torques each use their own counts per unit") {
   DigitalCalibration calibration = wide();
   for (std::size_t row = 0; row < 6; ++row) {
     calibration.matrix[row] = {};

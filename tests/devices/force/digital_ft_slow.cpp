@@ -9,7 +9,7 @@ using namespace tactbench::devices;
 using namespace tactbench::tests;
 using namespace std::chrono_literals;
 
-TEST_CASE("Digital F/T line: a stream that does not stop is given up after two seconds") {
+TEST_CASE("Digital F/T line: opening gives up after two seconds if a stream does not stop") {
   Script script;
   script.line.endless = script.line.deaf = true;
   const auto begin = std::chrono::steady_clock::now();

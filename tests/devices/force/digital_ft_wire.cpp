@@ -58,7 +58,7 @@ void check_near(const Wrench& wrench, const Wrench& expected) {
 
 }  // namespace
 
-TEST_CASE("Digital F/T: calibration and readings over a line") {
+TEST_CASE("Digital F/T: calibration, readings and bias are correct over a serial line") {
   DigitalFtRig rig;
   auto sensor = rig.open();
   CHECK(sensor.calibration_serial() == "FT99902");
@@ -81,7 +81,7 @@ TEST_CASE("Digital F/T: calibration and readings over a line") {
   CHECK(sensor.exchanges() == 6);
 }
 
-TEST_CASE("Digital F/T: an adapter that echoes is recognised, and with its option the readings are the same") {
+TEST_CASE("Digital F/T: an echoing adapter is recognised, and with local_echo set the readings are the same") {
   for (const bool echoes : {true, false}) {
     for (const bool expected : {true, false}) {
       INFO("echoes " << echoes << ", expected " << expected);
@@ -102,7 +102,7 @@ TEST_CASE("Digital F/T: an adapter that echoes is recognised, and with its optio
   }
 }
 
-TEST_CASE("Digital F/T: on a turned clock each reading has one load, however long its stream lasts") {
+TEST_CASE("Digital F/T: with the simulated clock each reading samples the load once, however many samples it has") {
   DigitalFtRig rig;
   auto sensor = rig.open();
   for (int reading = 1; reading <= 3; ++reading) {
@@ -111,7 +111,7 @@ TEST_CASE("Digital F/T: on a turned clock each reading has one load, however lon
   }
 }
 
-TEST_CASE("Digital F/T: a stream left running by another is stopped first") {
+TEST_CASE("Digital F/T: opening stops a stream that another program left running") {
   DigitalFtRig rig;
   {
     const auto left_behind = open_stream(rig.server.path());
@@ -128,7 +128,7 @@ TEST_CASE("Digital F/T: a stream left running by another is stopped first") {
   CHECK(sensor.read(3).records == 3);
 }
 
-TEST_CASE("Digital F/T: after silence, an error bit and an overload the line keeps working") {
+TEST_CASE("Digital F/T: silence is a timeout, and after an error bit and an overload the next reading succeeds") {
   {
     DigitalFtRig rig({.silent_after_samples = 10}, 300ms);
     auto sensor = rig.open();
@@ -143,7 +143,7 @@ TEST_CASE("Digital F/T: after silence, an error bit and an overload the line kee
   CHECK(sensor.read(20).records == 20);
 }
 
-TEST_CASE("Digital F/T: another unit does not answer, another serial is refused") {
+TEST_CASE("Digital F/T: another unit number times out, another serial number is refused") {
   DigitalFtRig rig({}, 300ms);
   rig.options.unit = 11;
   CHECK(fault_id_of([&] { (void)rig.open(); }) == "TB-FORCE-TIMEOUT");

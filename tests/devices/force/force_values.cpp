@@ -28,7 +28,7 @@ Vector6 unit_vector(int i) { return Vector6::Unit(i); }
 
 }  // namespace
 
-TEST_CASE("units of force, torque, length and angle by their definitions") {
+TEST_CASE("force units: units of force, torque, length and angle convert by their definitions") {
   // 1 lbf = 0.45359237 kg x 9.80665 m/s^2 = 4.4482216152605 N, 1 in = 25.4 mm, 1 ft = 12 in (NIST SP 811, exact).
   const double pound = 4.4482216152605, kilogram = 9.80665;
   for (const auto& [name, value] : std::vector<std::pair<const char*, double>>{{"N", 1},
@@ -78,7 +78,7 @@ TEST_CASE("units of force, torque, length and angle by their definitions") {
       (!newtons_in("n") && !newtons_in("") && !newton_millimetres_in("N") && !millimetres_in("N") && !degrees_in("N")));
 }
 
-TEST_CASE("six numbers are separated by blanks or the separator, and nothing else is accepted beside them") {
+TEST_CASE("six_numbers: accepts six numbers separated by white space or the separator, and nothing else") {
   const std::array<double, 6> values{1, -2.5, 3, 40, 5, 6};
   CHECK(six_numbers("1 -2.5 3 40 5 6") == values);
   CHECK(six_numbers("\t1 -2.5\n3 40\r5 +6 ") == values);
@@ -94,7 +94,7 @@ TEST_CASE("six numbers are separated by blanks or the separator, and nothing els
   CHECK(finite_number("\r\n -1e3\t ") == -1000.0);
 }
 
-TEST_CASE("calibration: a file may have a mebibyte, on disk as in memory") {
+TEST_CASE("ATI calibration: accepts up to 1 MiB, from a file or from memory") {
   constexpr std::size_t kMebibyte = 1'048'576;
   std::string text = InventedCalibration().text();
   text.resize(kMebibyte, ' ');
@@ -108,7 +108,7 @@ TEST_CASE("calibration: a file may have a mebibyte, on disk as in memory") {
   check_fault([&] { (void)read_ati_calibration(path); }, "TB-FORCE-CALIBRATION", {}, "1048577");
 }
 
-TEST_CASE("calibration: without a transform the rows are as they stand, and angles may be radians") {
+TEST_CASE("ATI calibration: without a transform the matrix is the scaled rows, and angles may be in radians") {
   InventedCalibration invented;
   invented.basic = "";
   invented.distance_unit = "furlong";  // nobody asks for it
@@ -132,7 +132,7 @@ TEST_CASE("calibration: without a transform the rows are as they stand, and angl
   for (std::size_t i = 0; i < 3; ++i) CHECK(radians.rotation_deg[i] == Approx(degrees.rotation_deg[i]).epsilon(1e-14));
 }
 
-TEST_CASE("overload: only values beyond the range count, and each axis reports its excess") {
+TEST_CASE("overload: only values beyond the range count, and the fault states axis and value") {
   const SixAxes range{10, 20, 30, 100, 200, 300};
   constexpr std::array<const char*, 6> kAxes{"Fx", "Fy", "Fz", "Tx", "Ty", "Tz"};
   for (std::size_t axis = 0; axis < 6; ++axis) {
@@ -149,7 +149,7 @@ TEST_CASE("overload: only values beyond the range count, and each axis reports i
     check_fault([&] { check_overload({{11, 0, 0}, {0, 0, -301}}, range, 1.0); }, "TB-FORCE-OVERLOAD", {}, excess);
 }
 
-TEST_CASE("spread: the standard deviation of the force axis that has the largest, wherever their mean lies") {
+TEST_CASE("force spread: is the standard deviation of the force axis with the largest one, whatever the mean") {
   ForceSpread spread;
   CHECK(spread.standard_deviation_n() == 0.0);
   for (const double z : {2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0}) {  // deviations from 5: squares sum up to 32
@@ -159,7 +159,7 @@ TEST_CASE("spread: the standard deviation of the force axis that has the largest
   CHECK(spread.standard_deviation_n() == Approx(std::sqrt(32.0 / 7.0)));
 }
 
-TEST_CASE("a wrench less another, records that can be asked for, and serials") {
+TEST_CASE("force values: wrenches subtract per component, and record counts and serial numbers are checked") {
   const Wrench left = Wrench{{1, 2, 3}, {4, 5, 6}} - Wrench{{10, 200, 3000}, {40, 500, 6000}};
   CHECK(left.force_n == std::array<double, 3>{-9, -198, -2997});
   CHECK(left.torque_nmm == std::array<double, 3>{-36, -495, -5994});
@@ -172,7 +172,7 @@ TEST_CASE("a wrench less another, records that can be asked for, and serials") {
   CHECK((serial("", "A") == "none" && serial("A", "A") == "none" && serial("A", "B") == "TB-FORCE-SERIAL"));
 }
 
-TEST_CASE("Digital F/T: texts fill their fields and no more, and each number of a calibration has bounds") {
+TEST_CASE("Digital F/T: text is cut to its field, and calibration numbers out of range are refused") {
   DigitalCalibration calibration = invented_digital();
   calibration.serial = "12345678";
   calibration.part_number = std::string(32, 'p');
@@ -209,7 +209,7 @@ TEST_CASE("Digital F/T: texts fill their fields and no more, and each number of 
   CHECK_FALSE(rtu_frame_is_whole(rtu_frame(Bytes{1})));
 }
 
-TEST_CASE("Net F/T page: 262144 bytes, ranges below a thousand million, and no element without a text") {
+TEST_CASE("Net F/T XML: accepts up to 262144 bytes and ranges below 1e9, and writes no empty element") {
   NetFtPage page;
   page.product = "p";
   page.range = SixAxes{1, 2, 3, 4, 5, 999'999'999};
@@ -233,7 +233,7 @@ TEST_CASE("Net F/T page: 262144 bytes, ranges below a thousand million, and no e
   CHECK(page.range_n_nmm() == SixAxes{1e3, 2e3, 3e3, 4e6, 5e6, 6e6});
 }
 
-TEST_CASE("Digital F/T: the start frame and Modbus frames are the published bytes") {
+TEST_CASE("Digital F/T: the start request and Modbus frames have the published bytes") {
   CHECK(digital_start_stream(10) == Bytes{0x0A, 0x46, 0x55, 0xA3, 0x9D});
   // The example of the Modbus specification's annex on RTU reads: unit 17, registers 0x6B to 0x6D.
   CHECK(rtu_read_holding(0x11, 0x006B, 3) == Bytes{0x11, 0x03, 0x00, 0x6B, 0x00, 0x03, 0x76, 0x87});
@@ -242,7 +242,7 @@ TEST_CASE("Digital F/T: the start frame and Modbus frames are the published byte
   CHECK_FALSE(rtu_frame_is_whole(Bytes{0xFF, 0xFF}));
 }
 
-TEST_CASE("Digital F/T: a sample's bytes, gauge order and sum") {
+TEST_CASE("Digital F/T: a sample encodes to and decodes from its bytes, with gauge order and checksum") {
   const auto decoded = [](const Bytes& bytes) { return decode_digital_sample(bytes); };
   Bytes bytes{0x00, 0x01, 0xFF, 0xFE, 0x7F, 0xFF, 0x01, 0x00, 0x80, 0x00, 0x00, 0x05, 0x02};
   // 1 + 0xFF + 0xFE + 0x7F + 0xFF + 1 + 0x80 + 5 = 0x502
@@ -255,7 +255,7 @@ TEST_CASE("Digital F/T: a sample's bytes, gauge order and sum") {
   CHECK_FALSE(decode_digital_sample(std::span(bytes).first(12)));
 }
 
-TEST_CASE("Digital F/T: the calibration registers, both orders of words, and refused ones") {
+TEST_CASE("Digital F/T: the calibration registers decode in both word orders, and a short block is refused") {
   const auto calibration = invented_digital();
   const auto bytes = encode(calibration);
   CHECK(bytes[0] == 'F');

@@ -8,7 +8,7 @@
 using namespace tactbench::devices;
 using namespace std::chrono_literals;
 
-TEST_CASE("Net F/T: a hundred records are one request, one more is two") {
+TEST_CASE("Net F/T: 100 records are one request, 101 are two") {
   std::uint32_t sample = 0;
   ScriptedBench bench([&](int, std::uint32_t count) {
     std::vector<RdtRecord> records;
@@ -22,7 +22,7 @@ TEST_CASE("Net F/T: a hundred records are one request, one more is two") {
   CHECK(bench.server.asked() == std::vector<std::uint32_t>{100, 100, 1});
 }
 
-TEST_CASE("Net F/T: a record that the network doubled counts once, wherever it comes") {
+TEST_CASE("Net F/T: duplicate records are counted once, in any order") {
   ScriptedBench bench([](int, std::uint32_t) {
     return std::vector<RdtRecord>{record_of(1, 10), record_of(1, 10), record_of(2, 20), record_of(1, 10),
                                   record_of(3, 30)};
@@ -32,7 +32,7 @@ TEST_CASE("Net F/T: a record that the network doubled counts once, wherever it c
   CHECK((reading.records == 3 && reading.lost == 0 && reading.reordered == 0));
 }
 
-TEST_CASE("Net F/T: the sample counter wraps, and what comes late from before the wrap is old") {
+TEST_CASE("Net F/T: the sample counter may wrap, and a late record from before the wrap is ignored") {
   std::uint32_t sample = 0xFFFFFFFCU;
   ScriptedBench bench([&](int number, std::uint32_t count) {
     std::vector<RdtRecord> records;
@@ -45,7 +45,7 @@ TEST_CASE("Net F/T: the sample counter wraps, and what comes late from before th
   CHECK(bench.sensor->read(2).raw[0] == 2.5);
 }
 
-TEST_CASE("Net F/T: the newest sample is the newest that came, records behind it are counted one by one") {
+TEST_CASE("Net F/T: reordered records are used and counted, and a record of an earlier reading is ignored") {
   ScriptedBench bench([](int number, std::uint32_t) {
     if (number == 0) return std::vector<RdtRecord>{record_of(1, 5), record_of(4, 8), record_of(2, 6), record_of(3, 7)};
     return std::vector<RdtRecord>{record_of(1, 8), record_of(2, 9), record_of(3, 10)};  // 8 was seen already
@@ -55,7 +55,7 @@ TEST_CASE("Net F/T: the newest sample is the newest that came, records behind it
   CHECK(bench.sensor->read(2).raw[0] == 9.5);
 }
 
-TEST_CASE("Net F/T: samples that are all old mean a stalled sensor, or one that restarted") {
+TEST_CASE("Net F/T: a reading with only old samples is a stall fault, and the next reading succeeds") {
   ScriptedBench bench([](int number, std::uint32_t count) {
     const std::uint32_t first = number == 0 ? 100 : 1;  // then it was switched off and on
     std::vector<RdtRecord> records;
@@ -68,7 +68,8 @@ TEST_CASE("Net F/T: samples that are all old mean a stalled sensor, or one that 
   CHECK(bench.sensor->read(2).raw[0] == 1.5);  // the next reading goes with it
 }
 
-TEST_CASE("Net F/T: the status of all records is kept, an error with another beside saturation is no saturation") {
+TEST_CASE(
+    "Net F/T: a reading keeps the status of all its records, and saturation with another error is a status fault") {
   std::uint32_t sample = 0;
   ScriptedBench bench([&](int number, std::uint32_t) {
     // Then saturation and a monitor that tripped, then saturation and temperature.
@@ -86,7 +87,7 @@ TEST_CASE("Net F/T: the status of all records is kept, an error with another bes
   CHECK(fault_id_of([&] { (void)bench.sensor->read(1); }) == "TB-FORCE-STATUS");
 }
 
-TEST_CASE("Net F/T: a page file is a regular file with something in it, of which a million bytes are read") {
+TEST_CASE("Net F/T: refuses a page file that is empty, not a regular file or longer than 1000000 bytes") {
   ScriptedBench bench([](int, std::uint32_t) { return std::vector<RdtRecord>(); });
   const auto check_refused = [&](const std::string& path, const std::string& number) {
     bench.options.page_file = path;
@@ -116,7 +117,7 @@ struct GoodRecords {
 
 }  // namespace
 
-TEST_CASE("Net F/T told: a request that ended well is followed from its port, any other from a new one") {
+TEST_CASE("Net F/T: a request after a failed one uses a new local port, any other keeps the port") {
   GoodRecords good;
   ScriptedBench bench(
       [&](int number, std::uint32_t count) {
@@ -143,7 +144,7 @@ TEST_CASE("Net F/T told: a request that ended well is followed from its port, an
   }
 }
 
-TEST_CASE("Net F/T told: what is missing is counted, asked for again, and said") {
+TEST_CASE("Net F/T: missing records are counted, requested again and reported") {
   for (const std::uint32_t few : {0U, 1U, 2U}) {
     GoodRecords good;
     ScriptedBench bench([&](int, std::uint32_t count) { return good(std::min(few, count)); }, 30ms);
@@ -158,7 +159,7 @@ TEST_CASE("Net F/T told: what is missing is counted, asked for again, and said")
   }
 }
 
-TEST_CASE("Net F/T told: a sample counter that stands, within a reading, between two, and beside silence") {
+TEST_CASE("Net F/T: a sample counter that does not advance is a stall fault, too few new records are a timeout") {
   const auto read_after_51 = [](const Records& second) {
     ScriptedBench bench(
         [&](int number, std::uint32_t) {
@@ -181,7 +182,7 @@ TEST_CASE("Net F/T told: a sample counter that stands, within a reading, between
   CHECK(read_after_51({record_of(1, 51), record_of(2, 52)}) == "TB-FORCE-TIMEOUT");
 }
 
-TEST_CASE("Net F/T told: datagrams of another length, errors and overload are faults with their numbers") {
+TEST_CASE("Net F/T: wrong datagram lengths, error bits and overload are faults that state their value") {
   struct Told {
     RdtRecord record;
     std::string id, number;
@@ -198,7 +199,7 @@ TEST_CASE("Net F/T told: datagrams of another length, errors and overload are fa
   }
 }
 
-TEST_CASE("Net F/T told: each axis has its unit, its mean and its bias") {
+TEST_CASE("Net F/T: each axis has its own unit, mean and bias") {
   std::uint32_t sample = 0;
   ScriptedBench bench([&](int number, std::uint32_t count) {
     Records records;
@@ -228,7 +229,7 @@ TEST_CASE("Net F/T told: each axis has its unit, its mean and its bias") {
   }
 }
 
-TEST_CASE("Net F/T told: a page that cannot be used, and the bench file's range counts before the page's") {
+TEST_CASE("Net F/T: refuses an unusable page, and the range in the bench file overrides the page's") {
   ScriptedBench bench([](int, std::uint32_t) { return Records(); });
   const std::string file = bench.options.page_file;
   const auto opened = [&] { return fault_id_of([&] { NetFt(bench.options, bench.clock); }); };

@@ -65,7 +65,7 @@ struct NetFtRig {
 
 }  // namespace
 
-TEST_CASE("Net F/T: the mean of the requested records, raw counts beside it") {
+TEST_CASE("Net F/T: a reading is the mean of the requested records, and includes their raw counts") {
   NetFtRig rig;
   rig.load.step = 0.5;
   rig.clock.wait_until(7s);
@@ -86,7 +86,7 @@ TEST_CASE("Net F/T: the mean of the requested records, raw counts beside it") {
   CHECK(rig.sensor->identity().firmware == "1.0");
 }
 
-TEST_CASE("Net F/T: a load beyond a share of the range is a fault, and the next reading is clean") {
+TEST_CASE("Net F/T: a load beyond the set share of the range is a fault, and the next reading succeeds") {
   NetFtRig rig;
   rig.load.force(2, -35.1);
   check_fault([&] { (void)rig.sensor->read(3); }, "TB-FORCE-OVERLOAD", {}, "-35.1 N");
@@ -97,7 +97,7 @@ TEST_CASE("Net F/T: a load beyond a share of the range is a fault, and the next 
   CHECK(fault_id_of([&] { (void)careful.read(3); }) == "TB-FORCE-OVERLOAD");
 }
 
-TEST_CASE("Net F/T: an invalid address, and a port without a listener") {
+TEST_CASE("Net F/T: a host name, a port without a listener and a port in use are faults") {
   NetFtRig rig;
   rig.options.host = "sensor.example";
   CHECK(fault_id_of([&] { NetFt(rig.options, rig.clock); }) == "TB-HTTP-OPEN");

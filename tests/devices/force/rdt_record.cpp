@@ -21,7 +21,7 @@ Bytes bytes_of(const Message& message) {
 
 }  // namespace
 
-TEST_CASE("RDT: requests are the manual's bytes") {
+TEST_CASE("RDT: requests encode to and decode from the manual's bytes") {
   for (const auto& [request, bytes] : std::vector<std::pair<RdtRequest, Bytes>>{
            {{RdtCommand::kStartRealtime, 0}, {0x12, 0x34, 0, 2, 0, 0, 0, 0}},
            {{RdtCommand::kStop, 0}, {0x12, 0x34, 0, 0, 0, 0, 0, 0}},
@@ -32,7 +32,7 @@ TEST_CASE("RDT: requests are the manual's bytes") {
     check_codec(bytes, request, bytes_of<RdtRequest>, [](const Bytes& one) { return decode_rdt_request(one); });
 }
 
-TEST_CASE("RDT: other bytes are not decoded as a request") {
+TEST_CASE("RDT: bytes of another length, header or command do not decode as a request") {
   CHECK_FALSE(decode_rdt_request(Bytes{0x12, 0x34, 0, 2, 0, 0, 0}));
   CHECK_FALSE(decode_rdt_request(Bytes{0x12, 0x34, 0, 2, 0, 0, 0, 0, 0}));
   CHECK_FALSE(decode_rdt_request(Bytes{0x34, 0x12, 0, 2, 0, 0, 0, 0}));
@@ -40,7 +40,7 @@ TEST_CASE("RDT: other bytes are not decoded as a request") {
   CHECK_FALSE(decode_rdt_request(Bytes{}));
 }
 
-TEST_CASE("RDT: a record's bytes and values") {
+TEST_CASE("RDT: a record encodes to its bytes and decodes to its values") {
   const Bytes bytes{0x00, 0x00, 0x00, 0x07, 0x01, 0x02, 0x03, 0x04, 0x80, 0x02, 0x00, 0x00,
                     0x00, 0x0F, 0x42, 0x40, 0xFF, 0xF0, 0xBD, 0xC0, 0x7F, 0xFF, 0xFF, 0xFF,
                     0x80, 0x00, 0x00, 0x00, 0xFF, 0xFF, 0xFF, 0xFF, 0x00, 0x00, 0x00, 0x01};
@@ -52,7 +52,7 @@ TEST_CASE("RDT: a record's bytes and values") {
   CHECK_FALSE(decode_rdt_record(Bytes(72)));
 }
 
-TEST_CASE("RDT: every bit of the status is an error, but the tripped monitor's and the summary that comes with it") {
+TEST_CASE("RDT: every status bit is an error, except the tripped monitor with its summary bit") {
   CHECK_FALSE(rdt_status_is_error(0));
   CHECK_FALSE(rdt_status_is_error(0x80010000));
   for (std::size_t bit = 0; bit < 32; ++bit) {
@@ -68,7 +68,7 @@ TEST_CASE("RDT: every bit of the status is an error, but the tripped monitor's a
   CHECK(rdt_status_text(0x00000040) == "supply high");
 }
 
-TEST_CASE("RDT: each command has its number, and numbers beside them are none") {
+TEST_CASE("RDT: only the numbers of the six commands decode as a request") {
   for (unsigned number = 0; number < 0x100; ++number) {
     const auto request = decode_rdt_request(Bytes{0x12, 0x34, 0, static_cast<std::uint8_t>(number), 9, 8, 7, 6});
     CHECK(request.has_value() == (number == 0 || (number >= 2 && number <= 4) || number == 0x41 || number == 0x42));
@@ -111,7 +111,7 @@ void check_page_with(const std::string& name, const std::string& value, const st
 
 }  // namespace
 
-TEST_CASE("Net F/T page told: each element is read for itself, without the blanks around it") {
+TEST_CASE("Net F/T XML: each element is read separately, without surrounding white space") {
   for (const char* blank : {"", " ", "\t", "\n", "\r\n  \t"}) {
     Elements elements = all_elements();
     for (auto& [name, value] : elements) value = blank + value + blank;
@@ -127,7 +127,7 @@ TEST_CASE("Net F/T page told: each element is read for itself, without the blank
   CHECK(parsed(inner).product == "a  b");
 }
 
-TEST_CASE("Net F/T page told: what has to be there is missed, what need not be is not") {
+TEST_CASE("Net F/T XML: refuses a missing required element or a duplicate, and accepts a missing optional one") {
   for (const auto& [name, value] : all_elements()) {
     INFO(name);
     const bool required =
@@ -147,7 +147,7 @@ TEST_CASE("Net F/T page told: what has to be there is missed, what need not be i
   CHECK(page.records_per_second == NetFtPage().records_per_second);
 }
 
-TEST_CASE("Net F/T page told: counts, rates and ranges are numbers above 0") {
+TEST_CASE("Net F/T XML: counts, rates and ranges must be numbers above 0") {
   for (const std::string name : {"cfgcpf", "cfgcpt", "comrdtrate"}) {
     for (const std::string bad : {"0", "-0.5", "nan", "x", "1 2"}) check_page_with(name, bad, name);
     for (const std::string good : {"0.5", "1"}) check_page_with(name, good, "");
@@ -172,7 +172,7 @@ TEST_CASE("Net F/T page told: counts, rates and ranges are numbers above 0") {
   }
 }
 
-TEST_CASE("Net F/T page told: units that it cannot have, and pages that are none") {
+TEST_CASE("Net F/T XML: refuses unsupported units, oversized pages and text that is not XML") {
   check_page_with("scfgfu", "stone", "scfgfu");
   check_page_with("scfgtu", "N", "scfgtu");
   check_page(std::string(262'145, ' '), "262145");

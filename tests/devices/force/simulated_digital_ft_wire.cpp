@@ -109,7 +109,7 @@ struct DigitalClient {
 
 }  // namespace
 
-TEST_CASE("simulated Digital F/T: each register that it has, and none beside them") {
+TEST_CASE("simulated Digital F/T: answers for each existing register, and refuses any other") {
   const DigitalClient client([](int) { return Wrench{}; });
   const auto answer = [&](int address, int count, std::size_t size) {
     client.send(rtu_read_holding(kUnit, address, count));
@@ -133,7 +133,7 @@ TEST_CASE("simulated Digital F/T: each register that it has, and none beside the
   CHECK(std::equal(bytes.begin(), bytes.begin() + 250, most.begin() + 3));
 }
 
-TEST_CASE("simulated Digital F/T: requests come byte by byte, several at once, and behind noise") {
+TEST_CASE("simulated Digital F/T: accepts requests byte by byte, several at once and after noise") {
   const DigitalClient client([](int) { return Wrench{}; });
   const auto joined = [](RawBytes first, const RawBytes& second) {
     first.insert(first.end(), second.begin(), second.end());
@@ -159,7 +159,7 @@ TEST_CASE("simulated Digital F/T: requests come byte by byte, several at once, a
   REQUIRE(client.next(7) == reply);
 }
 
-TEST_CASE("simulated Digital F/T: damaged requests and unknown starts are not answered") {
+TEST_CASE("simulated Digital F/T: does not answer damaged requests or unknown start requests") {
   const DigitalClient client([](int) { return Wrench{}; });
   for (std::size_t at = 2; at < 8; ++at) {
     RawBytes damaged = rtu_read_holding(kUnit, 5, 1);
@@ -175,7 +175,8 @@ TEST_CASE("simulated Digital F/T: damaged requests and unknown starts are not an
   CHECK(client.load.asked == 0);
 }
 
-TEST_CASE("simulated Digital F/T: fourteen bytes stop the stream, thirteen do not, and they are no request") {
+TEST_CASE(
+    "simulated Digital F/T: fourteen bytes stop the stream, thirteen do not, and neither is answered as a request") {
   DigitalClient client([](int) { return pull(1.0); });
   client.start();
   CHECK(client.sample().gauges == std::array<std::int16_t, 6>{0, 250, 0, 0, 0, 0});
@@ -202,7 +203,7 @@ TEST_CASE("simulated Digital F/T: fourteen bytes stop the stream, thirteen do no
   CHECK(client.settle().empty());
 }
 
-TEST_CASE("simulated Digital F/T: the load is asked for at each start and after every hundred samples") {
+TEST_CASE("simulated Digital F/T: the load is read at each start and after every hundred samples") {
   DigitalClient client([](int number) {
     if (number == 9) throw std::runtime_error("no physics");
     return pull(0.1 * (number + 1));
@@ -221,7 +222,7 @@ TEST_CASE("simulated Digital F/T: the load is asked for at each start and after 
   CHECK(client.sample().gauges[1] == 275);
 }
 
-TEST_CASE("simulated Digital F/T: a step of seven samples takes about a millisecond") {
+TEST_CASE("simulated Digital F/T: seven samples take about a millisecond") {
   DigitalClient client([](int number) {
     if (number % 2 == 1) throw std::runtime_error("no physics");  // each stream has a hundred samples
     return pull(1.0);
@@ -238,7 +239,7 @@ TEST_CASE("simulated Digital F/T: a step of seven samples takes about a millisec
   CHECK(in_time);
 }
 
-TEST_CASE("simulated Digital F/T: gauges are whole counts within sixteen bits, whatever the load") {
+TEST_CASE("simulated Digital F/T: gauge counts are rounded and limited to sixteen bits, whatever the load") {
   const auto gauges_of = [](const Wrench& wrench) {
     DigitalClient client([&](int) { return wrench; });
     client.start();
@@ -252,7 +253,7 @@ TEST_CASE("simulated Digital F/T: gauges are whole counts within sixteen bits, w
   CHECK(gauges_of({{std::nan(""), 0.0, 0.0}, {}})[1] == 32767);
 }
 
-TEST_CASE("simulated Digital F/T: faults of single samples, counted over all streams") {
+TEST_CASE("simulated Digital F/T: faults of single samples count the samples of all streams") {
   {
     DigitalClient client([](int) { return pull(1.0); }, {.damaged_sample = 1, .error_sample = 0});
     client.start();
@@ -278,7 +279,7 @@ TEST_CASE("simulated Digital F/T: faults of single samples, counted over all str
   CHECK(few.settle().empty());
 }
 
-TEST_CASE("simulated Digital F/T: an injected fault holds for a hundred samples") {
+TEST_CASE("simulated Digital F/T: an injected fault lasts for a hundred samples") {
   std::atomic<int> asked{0};
   DigitalClient client(
       [](int) { return pull(1.0); }, {.inject = [&] {

@@ -75,7 +75,7 @@ struct NetClient {
 
 }  // namespace
 
-TEST_CASE("simulated Net F/T: a counted request gets its records, numbered from 1, samples over all requests") {
+TEST_CASE("simulated Net F/T: a request gets the counted records, and the sample counter runs on over all requests") {
   NetClient client;
   int number = 0;
   for (const RdtCommand start : {RdtCommand::kStartRealtime, RdtCommand::kStartBuffered, RdtCommand::kStartMultiUnit}) {
@@ -96,7 +96,7 @@ TEST_CASE("simulated Net F/T: a counted request gets its records, numbered from 
   CHECK(client.expect_calm().counts == counts_of(number));
 }
 
-TEST_CASE("simulated Net F/T: counts are rounded, cut off at 32 bits, the lowest where there is no number") {
+TEST_CASE("simulated Net F/T: counts are rounded and limited to 32 bits, and NaN is the lowest count") {
   constexpr auto kLow = std::numeric_limits<std::int32_t>::min(), kHigh = std::numeric_limits<std::int32_t>::max();
   const auto counted = [](const Wrench& wrench) {
     NetClient client([&](int) { return wrench; });
@@ -108,7 +108,7 @@ TEST_CASE("simulated Net F/T: counts are rounded, cut off at 32 bits, the lowest
   CHECK(counted({{21474836.46, -21474836.47, 0}, {}}) == Counts{kHigh - 1, kLow + 1, 0, 0, 0, 0});
 }
 
-TEST_CASE("simulated Net F/T: the bias is what was measured then, on each axis, and stays where physics fail") {
+TEST_CASE("simulated Net F/T: the bias is the load at that time, and a failed load reading keeps the earlier bias") {
   NetClient client([](int number) {
     if (number == 1 || number == 3) throw std::runtime_error("no physics");
     return numbered(number);
@@ -123,7 +123,7 @@ TEST_CASE("simulated Net F/T: the bias is what was measured then, on each axis, 
 }
 
 TEST_CASE(
-    "simulated Net F/T: an endless stream is numbered on, keeps its pace, and ends with a stop or the next start") {
+    "simulated Net F/T: an endless stream counts its records, keeps its rate, and ends at a stop or the next start") {
   NetClient client(numbered, {}, 1000.0);
   const auto begin = std::chrono::steady_clock::now();
   client.send(RdtCommand::kStartRealtime);
@@ -157,7 +157,7 @@ TEST_CASE(
   while (client.link.receive(bytes, 50ms) > 0) REQUIRE(std::chrono::steady_clock::now() < end);
 }
 
-TEST_CASE("simulated Net F/T: the pace of an endless stream is that of its page") {
+TEST_CASE("simulated Net F/T: an endless stream has the record rate of its page") {
   NetClient client([](int) { return Wrench{}; }, {}, 500.0);
   // The ninth record is due after 18 ms, the tenth after 20. On a busy machine one of many streams is on time.
   const auto end = std::chrono::steady_clock::now() + kPatient;
@@ -172,7 +172,7 @@ TEST_CASE("simulated Net F/T: the pace of an endless stream is that of its page"
   CHECK(in_time);
 }
 
-TEST_CASE("simulated Net F/T: what was due during more than a second without processor time is left out") {
+TEST_CASE("simulated Net F/T: records due during a pause of more than a second are skipped") {
   NetClient client(
       [](int number) {
         if (number == 3) std::this_thread::sleep_for(1100ms);
@@ -186,7 +186,7 @@ TEST_CASE("simulated Net F/T: what was due during more than a second without pro
   CHECK(std::chrono::steady_clock::now() - begin >= 1100ms + 58ms);  // 30 records of 2 ms, not 550 at once
 }
 
-TEST_CASE("simulated Net F/T: faults of single records, the first or a later one") {
+TEST_CASE("simulated Net F/T: faults of single records affect the first or a later record as set") {
   struct Came {
     std::uint32_t sequence, sample, status = 0;
   };
@@ -217,7 +217,7 @@ TEST_CASE("simulated Net F/T: faults of single records, the first or a later one
   }
 }
 
-TEST_CASE("simulated Net F/T: an injected fault holds for a request of up to 64 records") {
+TEST_CASE("simulated Net F/T: an injected fault lasts for a request of up to 64 records") {
   {
     NetClient client(numbered, {.inject = fault_at(1, InjectedFault::kSaturated)});
     client.send(RdtCommand::kStartRealtime, 130);

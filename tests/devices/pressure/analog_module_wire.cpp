@@ -39,7 +39,7 @@ struct ModuleRig {
 
 }  // namespace
 
-TEST_CASE("regulator: fed in time the watchdog holds, unfed it zeroes the output in process time") {
+TEST_CASE("regulator: the watchdog keeps the output while fed, and zeroes it when not fed in time") {
   ModuleRig rig;
   rig.regulator.arm();
   rig.regulator.command(Psi(40.0));
@@ -60,7 +60,7 @@ TEST_CASE("regulator: fed in time the watchdog holds, unfed it zeroes the output
   CHECK(rig.regulator.feedback().pressure.value() == Approx(10.0).margin(0.003));
 }
 
-TEST_CASE("regulator: a watchdog that still ran and fell back before the first command is set up again") {
+TEST_CASE("regulator: a watchdog that expired between arming and the first command is set up again") {
   const bool reads_first = GENERATE(true, false);
   ModuleRig rig;
   rig.regulator.arm();
@@ -100,7 +100,8 @@ struct BringUp {
 
 }  // namespace
 
-TEST_CASE("module bring-up: reset words, write lock, type and time are written, settings read back") {
+TEST_CASE(
+    "module bring-up: writes reset words, write lock, type and time of the watchdog, and reads the settings back") {
   BringUp rig(watched_profile(), 1500ms);
   rig.module.bring_up();
   CHECK(rig.server.notes() == Notes{"16 1121 <48847", "16 1121 <45054", "16 1124 <0", "3 1124 1", "16 1122 <0",
@@ -121,7 +122,7 @@ TEST_CASE("module bring-up: reset words, write lock, type and time are written, 
   CHECK(without.server.notes().empty());
 }
 
-TEST_CASE("module bring-up: a watchdog time that does not fit is refused before anything is sent") {
+TEST_CASE("module bring-up: refuses an unsupported watchdog time before anything is sent") {
   const struct {
     int address;
     Nanoseconds time;
@@ -138,7 +139,7 @@ TEST_CASE("module bring-up: a watchdog time that does not fit is refused before 
   }
 }
 
-TEST_CASE("module bring-up: each setting that does not read back is told with its register") {
+TEST_CASE("module bring-up: a setting that does not read back is a fault that names its register") {
   const struct {
     const char* note;
     std::size_t address;
@@ -154,7 +155,7 @@ TEST_CASE("module bring-up: each setting that does not read back is told with it
   }
 }
 
-TEST_CASE("module bring-up: a channel in safe mode is ordered out of it, with all others, and that is verified") {
+TEST_CASE("module bring-up: if a channel is in safe mode, all are ordered out of it, and the result is checked") {
   ModuleProfile profile = watched_profile(-1, -1);
   profile.outputs.channels = 3;
   for (const bool at_zero : {false, true}) {
@@ -175,7 +176,7 @@ TEST_CASE("module bring-up: a channel in safe mode is ordered out of it, with al
   }
 }
 
-TEST_CASE("module bring-up: then 0 V is written first, the valve is closed anew, and the inputs are read") {
+TEST_CASE("module bring-up: closes the dump valve again, reads the inputs, and the next feed writes 0 V") {
   ModuleProfile profile = watched_profile(-1, -1);
   profile.inputs.address = 0x20;
   profile.inputs.channels = 1;
@@ -195,7 +196,7 @@ TEST_CASE("module bring-up: then 0 V is written first, the valve is closed anew,
   CHECK(rig.server.notes() == Notes{"16 0010 <0 <0", "4 0020 1", "3 0010 2"});
 }
 
-TEST_CASE("module watchdog: blamed where it has fallen back and the module refuses, with both times") {
+TEST_CASE("module watchdog: a refused write or wrong read-back is a watchdog fault only if the watchdog has expired") {
   const struct {
     bool fallen;
     int refusal;  // 0: the connection breaks
@@ -227,7 +228,7 @@ TEST_CASE("module watchdog: blamed where it has fallen back and the module refus
   }
 }
 
-TEST_CASE("module watchdog: one that fell back before the first write is set up again, another refusal is told") {
+TEST_CASE("module watchdog: is set up again if it expired before the first write, another refusal is reported") {
   BringUp rig(watched_profile(), 1s);
   rig.module.bring_up();
   (void)rig.server.notes();

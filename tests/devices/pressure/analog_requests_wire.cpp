@@ -39,7 +39,7 @@ struct Requests {
 
 }  // namespace
 
-TEST_CASE("analog module: one reading covers values and status words, by the profile's function") {
+TEST_CASE("analog module: one request reads values and status words, by the profile's function code") {
   const struct {
     RegisterType type;
     int channels, status_offset, function;
@@ -59,7 +59,7 @@ TEST_CASE("analog module: one reading covers values and status words, by the pro
   }
 }
 
-TEST_CASE("analog module: each channel's words are its own, and there are no others") {
+TEST_CASE("analog module: each channel has its own words, and other channel numbers are out of range") {
   ModuleProfile profile = plain_profile();
   profile.inputs.format.type = RegisterType::kI32;
   profile.inputs.channels = 3;
@@ -77,7 +77,7 @@ TEST_CASE("analog module: each channel's words are its own, and there are no oth
   CHECK_THROWS_AS(rig.module.write(-1, 7), std::out_of_range);
 }
 
-TEST_CASE("analog module: an image is read again once it is older than asked for, or forgotten") {
+TEST_CASE("analog module: the input image is read again if it is older than requested or was discarded") {
   Requests rig;
   const auto reads = [&](Nanoseconds max_age) {
     rig.module.refresh(max_age);
@@ -106,7 +106,7 @@ TEST_CASE("analog module: an image is read again once it is older than asked for
   CHECK(none.server.notes().empty());
 }
 
-TEST_CASE("analog module: reading all reads inputs and outputs and writes nothing") {
+TEST_CASE("analog module: read_all reads inputs and outputs and writes nothing") {
   ModuleProfile profile = plain_profile();
   for (const int readback : {3, 4, 0}) {
     profile.outputs.readback = readback;
@@ -128,7 +128,7 @@ TEST_CASE("analog module: reading all reads inputs and outputs and writes nothin
   CHECK(inputs_only.server.notes() == Notes{"4 0020 2"});
 }
 
-TEST_CASE("analog module: each function writes all outputs, reads the inputs, then the outputs back") {
+TEST_CASE("analog module: each function code writes all outputs, then reads the inputs and reads the outputs back") {
   const struct {
     int function;
     Notes notes;
@@ -159,7 +159,7 @@ TEST_CASE("analog module: each function writes all outputs, reads the inputs, th
   CHECK(rig.module.image_time() < 0ns);
 }
 
-TEST_CASE("analog module: feeding writes first, then always looks before it writes the same again") {
+TEST_CASE("analog module: the first feed writes, later feeds read the outputs back before they write again") {
   Requests rig;
   CHECK(rig.module.last_write_time() < 0ns);
   rig.module.feed();
@@ -177,7 +177,7 @@ TEST_CASE("analog module: feeding writes first, then always looks before it writ
   CHECK(rig.module.last_write_time() == 1s);
 }
 
-TEST_CASE("analog module: what was not read back is not taken for the outputs' state") {
+TEST_CASE("analog module: a value that was not read back is not used as the outputs' state") {
   Requests rig;
   rig.module.write(0, 500);
   rig.server.interfere([](const std::string& note) {
@@ -194,7 +194,7 @@ TEST_CASE("analog module: what was not read back is not taken for the outputs' s
   CHECK(rig.module.last_write_time() == 1s);
 }
 
-TEST_CASE("analog module: each bit of a status word that counts is a fault of its channel, and of no other") {
+TEST_CASE("analog module: each relevant bit of a status word is a fault of its own channel only") {
   ModuleProfile profile = plain_profile();
   profile.inputs.status_offset = 4;
   const struct {
@@ -220,7 +220,7 @@ TEST_CASE("analog module: each bit of a status word that counts is a fault of it
   }
 }
 
-TEST_CASE("analog module: all outputs to 0 V, wherever the scale has that, in two attempts at most") {
+TEST_CASE("analog module: zero_outputs writes the counts of 0 V to all outputs, in at most two attempts") {
   ModuleProfile profile = plain_profile();
   profile.outputs.volts = {0, 4095, -10, 10};
   for (const int function : {6, 16, 23}) {
@@ -307,7 +307,7 @@ struct SlowOutput {
 
 }  // namespace
 
-TEST_CASE("read-back: another value is a fault, unless it lies in the dead band") {
+TEST_CASE("read-back: another value is a fault, unless it is within the dead band") {
   SlowOutput exact(0, 0);
   CHECK(exact.write() == "none");
   SlowOutput off(0, 3);

@@ -28,7 +28,7 @@ ModbusEndpoint endpoint_of(const std::string& place) {
 
 }  // namespace
 
-TEST_CASE("foreign server: a regulator armed, commanded, fed and vented on pymodbus") {
+TEST_CASE("foreign server: a regulator is armed, commanded, fed and vented on pymodbus") {
   const std::string wire = GENERATE(as<std::string>{}, "tcp", "rtu");
   tactbench::tests::ChildProcess server(
       {"/usr/bin/python3", tactbench::tests::source_path("tests/peers/pymodbus_server.py"), wire});

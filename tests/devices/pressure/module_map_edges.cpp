@@ -56,7 +56,7 @@ ModuleProfile bare_profile() {
 
 }  // namespace
 
-TEST_CASE("module map: each block is read whole or in part, and nothing beside it") {
+TEST_CASE("module map: each block is read whole or in part, and no register outside it") {
   MapUnit beckhoff(module_profile("beckhoff-ek9000"));
   for (const int function : {3, 4}) check_block(beckhoff, function, 0x0000, 2);
   check_block(beckhoff, 3, 0x0800, 1);
@@ -110,7 +110,7 @@ TEST_CASE("module map: a watchdog at address 0 has its five registers there") {
   CHECK(without.chamber.output() == Volts(5.0));
 }
 
-TEST_CASE("module map: what each setting of the watchdog takes, and that it reads back") {
+TEST_CASE("module map: each watchdog setting accepts its valid values, refuses others, and reads back") {
   const struct {
     int offset;
     std::vector<std::uint16_t> taken, refused;
@@ -142,7 +142,7 @@ TEST_CASE("module map: what each setting of the watchdog takes, and that it read
   CHECK(unit.write(0x1021, {0}) == Refusal::kAddress);
 }
 
-TEST_CASE("module map: inputs of two words, one channel each for monitor and transducer") {
+TEST_CASE("module map: inputs of two words show monitor and transducer on one channel each") {
   ModuleProfile profile = bare_profile();
   profile.inputs.channels = 4;
   profile.inputs.format = {RegisterType::kF32, false};
@@ -164,7 +164,7 @@ TEST_CASE("module map: inputs of two words, one channel each for monitor and tra
   CHECK(swapped.read(4, 6, 3) == Words{0, 0xC040, 0});
 }
 
-TEST_CASE("module map: registers behind the last channel read 0, also where the wiring names such a channel") {
+TEST_CASE("module map: registers after the last channel read 0, even if the wiring names such a channel") {
   ModuleProfile profile = bare_profile();
   profile.inputs.channels = 1;
   profile.inputs.spare = 2;
@@ -178,7 +178,7 @@ TEST_CASE("module map: registers behind the last channel read 0, also where the 
   }
 }
 
-TEST_CASE("module map: an input reads from one count below minus full scale up to full scale") {
+TEST_CASE("module map: an input is limited to full scale and to one count below negative full scale") {
   ModuleProfile profile = bare_profile();
   profile.inputs.channels = 2;
   profile.inputs.format = {RegisterType::kI32, false};
@@ -200,7 +200,7 @@ TEST_CASE("module map: an input reads from one count below minus full scale up t
   CHECK(shows(10.01) == 1100);
 }
 
-TEST_CASE("module map: quantities have their own function, scale and spare registers") {
+TEST_CASE("module map: quantities have their own function code, scale and spare registers") {
   SimulatedUnit instrument{1, bare_profile(), {}};
   instrument.quantities.push_back({{4, 0x30, 2, {RegisterType::kF32, false}, {0, 1, 0, 2}}, [] { return 5.0; }});
   instrument.quantities.push_back({{3, 0x40, 0, {RegisterType::kI16, false}, {0, 10, 0, 1}}, [] { return -2.5; }});
@@ -216,7 +216,7 @@ TEST_CASE("module map: quantities have their own function, scale and spare regis
   check_block(unit, 3, 0x100, 4);
 }
 
-TEST_CASE("module map: outputs stand at 0 V at power-up, where the scale has it") {
+TEST_CASE("module map: outputs are at 0 V at power-up if the scale includes it") {
   ModuleProfile profile = bare_profile();
   MapUnit plain(profile);
   CHECK(plain.read(3, 0x100, 4) == Words{0, 0, 0, 0});
@@ -228,7 +228,7 @@ TEST_CASE("module map: outputs stand at 0 V at power-up, where the scale has it"
   CHECK(above.read(3, 0x100, 4) == Words{0, 0, 0, 0});  // it cannot give 0 V
 }
 
-TEST_CASE("module map: a negative word is 0 V where 15 bits are the full scale, elsewhere it is a large one") {
+TEST_CASE("module map: a negative word is 0 V if full scale is 15 bits, otherwise it is a large value") {
   ModuleProfile profile = bare_profile();
   const auto volts = [&](std::uint16_t word) {
     MapUnit unit(profile);
@@ -252,7 +252,7 @@ TEST_CASE("module map: a negative word is 0 V where 15 bits are the full scale, 
   CHECK(volts(0x8000) == Approx(32768.0));
 }
 
-TEST_CASE("module map: values at power-up, and what no request may write") {
+TEST_CASE("module map: registers have their power-up values, and writes to read-only or other addresses are refused") {
   MapUnit unit(module_profile("beckhoff-ek9000"));
   CHECK(unit.read(3, 0x1120, 5) == Words{1000, 0, 1, 0, 1});
   CHECK(unit.read(3, 0x1020, 3) == Words{0, 0, 0});
@@ -299,7 +299,7 @@ struct FailSafeUnit {
 
 }  // namespace
 
-TEST_CASE("module watchdog: only 0xBECF and then 0xAFFE, one right after the other, reset it") {
+TEST_CASE("module watchdog: is reset only by 0xBECF followed directly by 0xAFFE") {
   const struct {
     Words words;
     bool reset;
@@ -330,7 +330,7 @@ TEST_CASE("module watchdog: only 0xBECF and then 0xAFFE, one right after the oth
   }
 }
 
-TEST_CASE("module watchdog: its time left is told while it runs") {
+TEST_CASE("module watchdog: reports its remaining time while it runs") {
   FailSafeUnit unit;
   unit.registers.connected();
   unit.registers.connected();
@@ -346,7 +346,7 @@ TEST_CASE("module watchdog: its time left is told while it runs") {
   CHECK(unit.read(1, 0x1020, 3) == Words{0, 1, 1});
 }
 
-TEST_CASE("module watchdog: type 1 is fed by its master's readings of inputs or outputs, by no other's") {
+TEST_CASE("module watchdog: type 1 is fed when its master reads inputs or outputs, not when other clients do") {
   for (const int address : {0x0000, 0x0001, kOutputWord}) {
     INFO("address " << address);
     FailSafeUnit unit;
@@ -366,7 +366,7 @@ TEST_CASE("module watchdog: type 1 is fed by its master's readings of inputs or 
   CHECK(unwritten.chamber.drives == 0);
 }
 
-TEST_CASE("module watchdog: a write by type 0 and 1 feeds, a reading by type 0 does not") {
+TEST_CASE("module watchdog: a write feeds types 0 and 1, a reading does not feed type 0") {
   for (const std::uint16_t type : {std::uint16_t{0}, std::uint16_t{1}}) {
     FailSafeUnit unit;
     CHECK(unit.write(1, 0x1122, {type}) == Refusal::kNone);
@@ -379,7 +379,7 @@ TEST_CASE("module watchdog: a write by type 0 and 1 feeds, a reading by type 0 d
   }
 }
 
-TEST_CASE("module watchdog: a changed time, type or fallback restarts it, the lock and the reset words do not") {
+TEST_CASE("module watchdog: a change of time, type or fallback restarts it, the lock and the reset words do not") {
   const struct {
     int address;
     std::uint16_t value;
@@ -398,7 +398,7 @@ TEST_CASE("module watchdog: a changed time, type or fallback restarts it, the lo
   }
 }
 
-TEST_CASE("module watchdog: the first write after a reset starts it, whoever writes") {
+TEST_CASE("module watchdog: the first write after a reset starts it, whichever client writes") {
   FailSafeUnit unit;
   CHECK(unit.write(1, 0x1124, {0}) == Refusal::kNone);
   unit.trip();
@@ -413,7 +413,7 @@ TEST_CASE("module watchdog: the first write after a reset starts it, whoever wri
   CHECK_FALSE(unit.drives_at(6s));
 }
 
-TEST_CASE("module watchdog: the lock is its holder's, until that one hangs up") {
+TEST_CASE("module watchdog: the write lock belongs to its holder until that client disconnects") {
   FailSafeUnit unit;
   CHECK(unit.write(0, kOutputWord, {1000}) == Refusal::kNone);  // the first client has the number 0
   unit.registers.disconnected(3);
@@ -425,7 +425,7 @@ TEST_CASE("module watchdog: the lock is its holder's, until that one hangs up") 
   CHECK(unit.read(0, kOutputWord) == Words{2000});
 }
 
-TEST_CASE("module watchdog: freezing holds output and valve, falling back zeroes and dumps") {
+TEST_CASE("module watchdog: freeze keeps output and valve, fallback zeroes the output and opens the dump valve") {
   for (const bool freeze : {false, true}) {
     INFO("freeze " << freeze);
     ModuleProfile profile = module_profile("beckhoff-ek9000");
@@ -465,7 +465,7 @@ TEST_CASE("module: coils open and close the dump valve") {
   CHECK_FALSE(unit.chamber.dumping);
 }
 
-TEST_CASE("module: each channel leaves its safe mode by its own coil, and till then ignores what is written") {
+TEST_CASE("module: each channel leaves safe mode by its own coil, and ignores writes until then") {
   ModuleProfile profile = module_profile("moxa-iologik-e1241");
   const bool from_zero = GENERATE(false, true);
   if (from_zero) profile.fail_safe.safe_mode_address = profile.fail_safe.safe_mode_clear_address = 0;
@@ -508,7 +508,7 @@ TEST_CASE("module: each channel leaves its safe mode by its own coil, and till t
   CHECK(without.registers.write_bit(clear, true) == Refusal::kAddress);
 }
 
-TEST_CASE("module watchdog: type 2 never falls back, and none does before the first write") {
+TEST_CASE("module watchdog: type 2 never expires, and the default type not before the first write") {
   FailSafeUnit off;
   CHECK(off.write(1, 0x1122, {2}) == Refusal::kNone);
   CHECK(off.write(1, kOutputWord, {1000}) == Refusal::kNone);

@@ -26,7 +26,7 @@ struct ReferenceRig {
 
 }  // namespace
 
-TEST_CASE("quantity: read by its function, from its address, with its format and scale") {
+TEST_CASE("quantity: is read with its function code, address, format and scale") {
   ReferenceRig rig;
   rig.server.set(0x30, {0x4020, 0, 0xFFFE});  // 2.5, and -2
   const ModbusQuantity floating{4, 0x30, 5, {RegisterType::kF32, false}, {0, 1, 10, 30}};
@@ -38,7 +38,7 @@ TEST_CASE("quantity: read by its function, from its address, with its format and
   CHECK(rig.server.notes() == Notes{"4 0030 2", "3 0032 1"});
 }
 
-TEST_CASE("quantity: a float that is no number is a fault that names its register") {
+TEST_CASE("quantity: a float that is not finite is a fault that names its register") {
   for (const std::uint16_t high : {std::uint16_t{0x7FC0}, std::uint16_t{0x7F80}, std::uint16_t{0xFF80}}) {
     ReferenceRig rig;
     rig.server.set(0x30, {high, 0});
@@ -66,7 +66,7 @@ std::vector<int> counts_asked(const std::function<void(const ModbusEndpoint& lin
 
 }  // namespace
 
-TEST_CASE("over RTU readings of values and spare registers alternate as far as the map goes") {
+TEST_CASE("modbus rtu: successive readings alternate in length by one spare register, if the map has one") {
   using AskedCounts = std::vector<int>;
   TurnedClock clock;
   for (const int spare : {0, 1, 2}) {
@@ -91,7 +91,7 @@ TEST_CASE("over RTU readings of values and spare registers alternate as far as t
   }
 }
 
-TEST_CASE("gauge: pressure, counts and time of a reading, then corrected by its certificate") {
+TEST_CASE("gauge: a reading has pressure, counts and time, and is corrected by its certificate") {
   ReferenceRig rig;
   rig.server.set(0x30, {400});
   GaugeOptions options;
@@ -120,7 +120,7 @@ TEST_CASE("gauge: pressure, counts and time of a reading, then corrected by its 
   CHECK(corrected.identity().model == "gauge");
 }
 
-TEST_CASE("regulator and transducer: one image serves both, a command or a vent makes it old") {
+TEST_CASE("regulator and transducer: share one input image, which a command or a vent invalidates") {
   ReferenceRig rig;
   ModuleProfile profile;
   profile.outputs.address = 0x10;
@@ -169,7 +169,7 @@ TEST_CASE("regulator and transducer: one image serves both, a command or a vent 
   CHECK(rig.server.notes() == Notes{"4 0020 3"});
 }
 
-TEST_CASE("regulator: fed again from the feed interval on, in between only read") {
+TEST_CASE("regulator: keep_alive writes again after the feed interval, and only reads in between") {
   ReferenceRig rig;
   ModuleProfile profile;
   profile.outputs.channels = 1;
@@ -204,7 +204,7 @@ TEST_CASE("regulator: fed again from the feed interval on, in between only read"
   CHECK_FALSE(regulator.armed());
 }
 
-TEST_CASE("regulator: a vent is reported as done only where both output and valve obeyed") {
+TEST_CASE("regulator: reports a vent as done only if both output and valve obeyed") {
   ModuleProfile profile;
   profile.outputs.channels = 1;
   profile.inputs.channels = 1;
@@ -255,7 +255,7 @@ struct DumpValveRig {
 
 }  // namespace
 
-TEST_CASE("dump valve: open until armed, open after a vent, closed again by the next pressure") {
+TEST_CASE("dump valve: is open until arming and after a vent, and closes at the next pressure above 0") {
   DumpValveRig rig;
   CHECK(rig.chamber.dumping);  // without power
   rig.regulator.arm();
@@ -269,7 +269,7 @@ TEST_CASE("dump valve: open until armed, open after a vent, closed again by the 
   CHECK_FALSE(rig.chamber.dumping);
 }
 
-TEST_CASE("analog module: the dump valve's coil is switched once to close, and twice at most to open") {
+TEST_CASE("analog module: sends the dump valve's coil once to close, and at most twice to open") {
   ModuleProfile profile;
   profile.inputs.channels = 0;
   for (const int coil : {0, 9}) {

@@ -81,7 +81,7 @@ const JoinsActuatorLaws<Regulator, RegulatorBed> kBeckhoff("regulator, watchdog 
 
 }  // namespace
 
-TEST_CASE("regulator: a regulator that is not armed reads and feeds nothing") {
+TEST_CASE("regulator: reads without feeding while it is not armed") {
   for (const char* profile : kProfiles) {
     INFO(profile);
     RegulatorBed bed({}, profile);
@@ -93,7 +93,7 @@ TEST_CASE("regulator: a regulator that is not armed reads and feeds nothing") {
   }
 }
 
-TEST_CASE("regulator: after the wire comes back the first feeding is 0 V") {
+TEST_CASE("regulator: after a restored connection and arming, the first feed writes 0 V") {
   for (const char* profile : kProfiles) {
     INFO(profile);
     RegulatorBed bed({}, profile);
@@ -115,7 +115,7 @@ TEST_CASE("regulator: after the wire comes back the first feeding is 0 V") {
   }
 }
 
-TEST_CASE("module: a channel in safe mode is cleared at arming, and that is verified") {
+TEST_CASE("module: arming takes a channel out of safe mode, and the next command takes effect") {
   TurnedClock clock;
   TestChamber chamber(clock);
   const ModuleProfile outputs = module_profile("moxa-iologik-e1241");

@@ -37,7 +37,7 @@ struct RegulatorBench {
 
 }  // namespace
 
-TEST_CASE("regulator: each of its channels is one of the module's, from 0") {
+TEST_CASE("regulator: its output and feedback channels must exist in the module") {
   for (const int channel : {-1, 0, 1, 2, 3}) {
     RegulatorBench output, feedback;
     output.options.output_channel = channel;
@@ -47,7 +47,7 @@ TEST_CASE("regulator: each of its channels is one of the module's, from 0") {
   }
 }
 
-TEST_CASE("regulator: each of its spans rises, in volts and in psi") {
+TEST_CASE("regulator: each of its spans must rise, in volts and in psi") {
   for (const bool command : {true, false}) {
     for (const LinearSpan& falling : {LinearSpan{Volts(0.0), Volts(0.0), Psi(0.0), Psi(100.0)},
                                       LinearSpan{Volts(5.0), Volts(1.0), Psi(0.0), Psi(100.0)},
@@ -61,7 +61,7 @@ TEST_CASE("regulator: each of its spans rises, in volts and in psi") {
   CHECK(RegulatorBench().refused() == "none");
 }
 
-TEST_CASE("regulator: from 0 psi to the limit, both included, and only what the output can give") {
+TEST_CASE("regulator: accepts 0 psi up to the limit, both included, within what the output can give") {
   const std::string allowed = "TB-CHAMBER-NOT-ARMED", beyond = "TB-CHAMBER-LIMIT";
   RegulatorBench bench;
   bench.options.command_limit = Psi(60.0);
@@ -76,7 +76,7 @@ TEST_CASE("regulator: from 0 psi to the limit, both included, and only what the 
   CHECK(bench.commanded(0.0) == beyond);  // it needs -1 V
 }
 
-TEST_CASE("regulator: disarmed by hand, and its identity") {
+TEST_CASE("regulator: starts disarmed, and reports its identity") {
   RegulatorBench bench;
   bench.options.model = "model";
   bench.options.serial = "serial";
@@ -90,7 +90,7 @@ TEST_CASE("regulator: disarmed by hand, and its identity") {
   CHECK(regulator.last_fed() < Nanoseconds(0));
 }
 
-TEST_CASE("transducer: its channel is one of the module's, and its span rises") {
+TEST_CASE("transducer: its channel must exist in the module, and its span must rise") {
   RegulatorBench bench;
   AnalogModule module(bench.profile, {}, Nanoseconds(0), bench.clock, Origin::kSimulated);
   TransducerOptions options;
@@ -111,7 +111,7 @@ TEST_CASE("transducer: its channel is one of the module's, and its span rises") 
   check_fault([&] { ModuleTransducer(module, options); }, "TB-MODULE-SPAN", "pressure reference");
 }
 
-TEST_CASE("analog module: counts of volts, nearest, clipped to the output's span, no number is its lowest") {
+TEST_CASE("analog module: volts are rounded to counts and limited to the output's span, and NaN is the lowest count") {
   RegulatorBench bench;
   bench.profile.outputs.volts = {100, 1100, 1, 11};
   const AnalogModule module(bench.profile, {}, Nanoseconds(0), bench.clock, Origin::kSimulated);
@@ -126,7 +126,8 @@ TEST_CASE("analog module: counts of volts, nearest, clipped to the output's span
   }
 }
 
-TEST_CASE("correction: a table of one point, of points at its ends, and of none") {
+TEST_CASE(
+    "pressure correction: interpolates, keeps its end values outside the table, and an empty table corrects nothing") {
   PressureCorrection one;
   one.reading_psi = {50.0};
   one.correction_psi = {0.5};
@@ -152,7 +153,7 @@ TEST_CASE("correction: a table of one point, of points at its ends, and of none"
   CHECK(PressureCorrection().corrected(Psi(7.0)) == Psi(7.0));
 }
 
-TEST_CASE("analog module: 0x7FFF is 10 V, both ways") {
+TEST_CASE("analog module: 0x7FFF counts are 10 V, and every count survives conversion to volts and back") {
   TurnedClock clock;
   const AnalogModule module(module_profile("beckhoff-ek9000"), {}, std::chrono::seconds(1), clock, Origin::kSimulated);
   const LinearScale& volts = module.profile().inputs.volts;

@@ -46,7 +46,7 @@ struct SimulatedLine {
 
 }  // namespace
 
-TEST_CASE("simulated line: each function's request has its own length") {
+TEST_CASE("simulated RTU line: requests of each function code are read by their own length") {
   const SimulatedLine line;
   CHECK(line.server.port() == 0);
   REQUIRE(line.answers(kReadTime, kTime));
@@ -59,7 +59,7 @@ TEST_CASE("simulated line: each function's request has its own length") {
   CHECK(line.chamber.output().value() == Approx(10.0 * 0x2000 / 0x7FFF));
 }
 
-TEST_CASE("simulated line: each unit answers for itself, others are silent") {
+TEST_CASE("simulated RTU line: each unit answers its own requests, and other unit numbers get no answer") {
   const SimulatedLine line;
   REQUIRE(line.answers({7, 6, 0, 0, 0x01, 0x23}, {7, 6, 0, 0, 0x01, 0x23}));
   REQUIRE(line.answers({7, 3, 0, 0, 0, 1}, {7, 3, 2, 0x01, 0x23}));
@@ -71,7 +71,7 @@ TEST_CASE("simulated line: each unit answers for itself, others are silent") {
   REQUIRE(line.answers(kReadTime, kTime));
 }
 
-TEST_CASE("simulated line: a request byte by byte, several at once, and one that breaks off") {
+TEST_CASE("simulated RTU line: accepts a request byte by byte, several at once, and drops one that breaks off") {
   const SimulatedLine line;
   for (const std::uint8_t byte : rtu_frame(kReadTime)) line.client.send({byte});
   REQUIRE(line.answers(kTime));
@@ -92,7 +92,7 @@ TEST_CASE("simulated line: a request byte by byte, several at once, and one that
   CHECK(line.answers_after_a_silence());
 }
 
-TEST_CASE("simulated line: a request with any byte damaged is not answered, nor what follows it at once") {
+TEST_CASE("simulated RTU line: does not answer a request with a damaged byte, nor one that follows it at once") {
   const SimulatedLine line;
   for (const std::size_t damaged : {0, 2, 5, 6, 7}) {
     INFO("byte " << damaged);
@@ -105,7 +105,7 @@ TEST_CASE("simulated line: a request with any byte damaged is not answered, nor 
   }
 }
 
-TEST_CASE("simulated line: each injected fault") {
+TEST_CASE("simulated RTU line: each injected fault has its specified effect on the answer") {
   SimulatedModuleFaults faults;
   NextFault next(faults);
   SimulatedLine line(faults);
@@ -140,7 +140,7 @@ TEST_CASE("simulated line: each injected fault") {
   REQUIRE(line.answers(reference, {1, 4, 2, 0x7F, 0xFF}));
 }
 
-TEST_CASE("simulated line: silent or hung up after so many requests of its units") {
+TEST_CASE("simulated RTU line: stays silent or hangs up after the set number of requests to its units") {
   for (const long after : {0L, 1L, 2L}) {
     INFO(after << " requests");
     const SimulatedLine silent({.silent_after_requests = after});

@@ -47,7 +47,7 @@ const TcpBytes kAskTime{1, 3, 0x11, 0x20, 0, 1}, kIsTime{1, 3, 2, 0x03, 0xE8};
 
 }  // namespace
 
-TEST_CASE("simulated module: one unit answers every number, of several each its own") {
+TEST_CASE("simulated module: a single unit answers every unit number, several answer only their own") {
   const SimulatedServer one;
   CHECK(one.server.serial_port().empty());
   const RawLine client(one.server.port());
@@ -66,7 +66,7 @@ TEST_CASE("simulated module: one unit answers every number, of several each its 
   CHECK(other.is_silent());
 }
 
-TEST_CASE("simulated module: discrete inputs and coils, and the valve on one of them") {
+TEST_CASE("simulated module: serves discrete inputs and coils, and one coil switches the dump valve") {
   TurnedClock clock;
   TestChamber chamber(clock);
   ModuleProfile profile = module_profile("moxa-iologik-e1241");
@@ -87,7 +87,7 @@ TEST_CASE("simulated module: discrete inputs and coils, and the valve on one of 
   REQUIRE(answers(client, {1, 5, 0, 4, 0xFF, 0}, {1, 0x85, 2}));
 }
 
-TEST_CASE("simulated module: several registers in one request, each at its place") {
+TEST_CASE("simulated module: reads and writes several registers per request, and refuses malformed requests") {
   const SimulatedServer moxa({}, module_profile("moxa-iologik-e1241"));
   const RawLine client(moxa.server.port());
   REQUIRE(answers(client, {1, 16, 0x04, 0x00, 0, 4, 8, 1, 2, 3, 4, 5, 6, 7, 8}, {1, 16, 0x04, 0x00, 0, 4}));
@@ -113,7 +113,7 @@ TEST_CASE("simulated module: several registers in one request, each at its place
   }
 }
 
-TEST_CASE("simulated module: each injected fault over TCP") {
+TEST_CASE("simulated module: each injected fault has its specified effect over TCP") {
   SimulatedModuleFaults faults;
   NextFault next(faults);
   SimulatedServer rig(faults);
@@ -157,7 +157,7 @@ TEST_CASE("simulated module: each injected fault over TCP") {
   REQUIRE(answers(again, kAskTime, {1, 3, 2, 1, 0}));
 }
 
-TEST_CASE("simulated module: silent or dead after so many requests, dead for every client") {
+TEST_CASE("simulated module: stays silent or dies after the set number of requests, and is dead for every client") {
   for (const long after : {0L, 1L, 2L}) {
     INFO(after << " requests");
     const SimulatedServer silent({.silent_after_requests = after});
@@ -177,7 +177,7 @@ TEST_CASE("simulated module: silent or dead after so many requests, dead for eve
   }
 }
 
-TEST_CASE("simulated module: bytes that are no frame close their connection") {
+TEST_CASE("simulated module: bytes that are not a Modbus TCP frame close their connection") {
   const SimulatedServer rig;
   const TcpBytes frames[] = {{0, 1, 1, 0, 0, 6, 1, 3, 0, 0, 0, 1},  // another protocol, in either byte
                              {0, 1, 0, 1, 0, 6, 1, 3, 0, 0, 0, 1},
@@ -198,7 +198,7 @@ TEST_CASE("simulated module: bytes that are no frame close their connection") {
   REQUIRE(answers(client, longest, {1, 0x83, 3}));
 }
 
-TEST_CASE("simulated module: 32 clients at once, a further one when one of them has gone") {
+TEST_CASE("simulated module: serves 32 clients at once, and a further one after one disconnects") {
   const SimulatedServer rig;
   std::vector<std::unique_ptr<RawLine>> clients;
   for (int i = 0; i < 32; ++i) {
@@ -216,7 +216,7 @@ TEST_CASE("simulated module: 32 clients at once, a further one when one of them 
   REQUIRE(answers(*clients[0], {1, 3, 0x10, 0x22, 0, 1}, {1, 3, 2, 0, 32}));
 }
 
-TEST_CASE("simulated module: the port that it was given, or why not") {
+TEST_CASE("simulated module: listens on the given port, and a port in use is a fault that names it") {
   int port = 0;
   {
     SimulatedServer rig;
@@ -236,7 +236,7 @@ const TcpBytes kReadLock = framed(1, {1, 3, 0x11, 0x24, 0, 1}), kLockIsOne = fra
 
 }  // namespace
 
-TEST_CASE("simulated module: counts up to the protocol's limits pass, one more is refused as a value") {
+TEST_CASE("simulated module: accepts counts up to the protocol's limits, and refuses one more as an illegal value") {
   SimulatedServer module;
   const RawLine client(module.server.port());
   std::uint8_t number = 0;
@@ -309,7 +309,7 @@ TEST_CASE("simulated module: half a request delays no other client, pieces are j
   CHECK(slow.receive(22).size() == 22);
 }
 
-TEST_CASE("simulated module: a failing chamber port is a failing device, and the program lives on") {
+TEST_CASE("simulated module: an exception in the chamber port is a Modbus exception, and the server continues") {
   class Failing final : public ChamberPort {
     void drive(Volts, Nanoseconds, Volts) override { throw std::runtime_error("physics"); }
     void dump(bool) override { throw std::runtime_error("physics"); }
@@ -324,7 +324,7 @@ TEST_CASE("simulated module: a failing chamber port is a failing device, and the
   CHECK(fault_id_of([&] { link.read_input_registers(1, std::span(&value, 1)); }) == "none");
 }
 
-TEST_CASE("simulated module: the write lock passes on when its holder hangs up, in any order of connecting") {
+TEST_CASE("simulated module: the write lock becomes free when its holder disconnects, in any order of connecting") {
   SimulatedServer module;
   for (int round = 0; round < 50; ++round) {
     ModbusLink older({"127.0.0.1", module.server.port(), 1, 20s}, "older", module.clock);

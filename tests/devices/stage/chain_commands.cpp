@@ -9,7 +9,7 @@ using namespace tactbench::devices;
 using namespace std::chrono_literals;
 using enum ZaberCommand;
 
-TEST_CASE("a chain device hears its number, its alias and the number of all") {
+TEST_CASE("simulated Zaber device: accepts frames to its number, its alias and the broadcast number 0") {
   ChainBench bench;
   CHECK(bench.device.hears(0));
   CHECK(bench.device.hears(1));
@@ -31,7 +31,7 @@ TEST_CASE("a chain device hears its number, its alias and the number of all") {
   CHECK(second.device.hears(1));
 }
 
-TEST_CASE("a chain device is numbered by its place on the line, or alone from 1 to 254") {
+TEST_CASE("simulated Zaber device: gets its number from its place on the line, or 1 to 254 if addressed alone") {
   ChainBench bench;
   for (const std::int32_t number : {0, -1, 255, 256}) {
     CHECK(bench.error_of(kRenumber, number) == 2);
@@ -47,7 +47,7 @@ TEST_CASE("a chain device is numbered by its place on the line, or alone from 1 
   CHECK(bench.device.number() == 9);
 }
 
-TEST_CASE("each instruction that a chain device knows is answered under its own number") {
+TEST_CASE("simulated Zaber device: answers each known instruction under its own number, and refuses unknown ones") {
   ChainDeviceOptions options;
   options.device_id = 5082;
   options.firmware = 521;
@@ -83,7 +83,7 @@ TEST_CASE("each instruction that a chain device knows is answered under its own 
   }
 }
 
-TEST_CASE("a chain device has sixteen stored positions, each its own, from homing on") {
+TEST_CASE("simulated Zaber device: has sixteen separate stored positions, available after homing") {
   ChainBench bench;
   for (const std::int32_t place : {0, 15}) {
     CHECK(bench.error_of(kStorePosition, place) == 1601);
@@ -112,7 +112,7 @@ TEST_CASE("a chain device has sixteen stored positions, each its own, from homin
   CHECK(bench.error_of(kMoveToStoredPosition, 1) == 0);
 }
 
-TEST_CASE("moves of a chain device end within its travel, whose ends are included") {
+TEST_CASE("simulated Zaber device: moves must end within its travel, both ends included") {
   ChainBench bench;
   bench.home();
   CHECK(bench.error_of(kMoveAbsolute, -1) == 20);
@@ -135,7 +135,7 @@ TEST_CASE("moves of a chain device end within its travel, whose ends are include
   bench.moves(kMoveRelative, -500, 0);
 }
 
-TEST_CASE("constant speeds of a chain device reach to 512 times its resolution less one") {
+TEST_CASE("simulated Zaber device: constant speeds are limited to 512 times the resolution less one") {
   ChainBench bench;
   bench.home();
   CHECK(bench.error_of(kConstantSpeed, 32768) == 22);
@@ -144,7 +144,7 @@ TEST_CASE("constant speeds of a chain device reach to 512 times its resolution l
   CHECK(bench.send(kConstantSpeed, -32767) == std::vector<ZaberFrame>{{1, kConstantSpeed, -32767, 5}});
 }
 
-TEST_CASE("a homing chain device is busy for every move, and for a stop when it is told so") {
+TEST_CASE("simulated Zaber device: is busy for every move while homing, and for a stop if set so") {
   ChainDeviceOptions options;
   options.refuses_stop_while_homing = GENERATE(false, true);
   ChainBench bench(options);
@@ -161,7 +161,7 @@ TEST_CASE("a homing chain device is busy for every move, and for a stop when it 
   CHECK(bench.error_of(kStop, 0) == 0);
 }
 
-TEST_CASE("the status of a chain device is the number of what is under way") {
+TEST_CASE("simulated Zaber device: its status is the number of the instruction in progress") {
   ChainBench bench;
   bench.home();
   bench.go_to(100);
@@ -177,7 +177,7 @@ TEST_CASE("the status of a chain device is the number of what is under way") {
   CHECK(bench.read(kStatus) == 0);
 }
 
-TEST_CASE("without auto-reply a chain device answers what asks and what fails, and nothing else") {
+TEST_CASE("simulated Zaber device: without auto-reply it answers only queries and failures") {
   ChainBench bench;
   bench.home();
   CHECK(bench.send(kMode, kZaberNoAutoReply | kZaberHomed | kZaberMoveTracking).empty());
@@ -206,7 +206,7 @@ TEST_CASE("without auto-reply a chain device answers what asks and what fails, a
   CHECK(bench.error_of(kMoveAbsolute, -1) == 20);
 }
 
-TEST_CASE("a reset stops a chain device where it is, unanswered, and starts its counter there") {
+TEST_CASE("simulated Zaber device: a reset stops it in place without an answer and sets its counter to 0") {
   ChainBench bench;
   bench.home();
   bench.send(kTargetSpeed, 2000);
@@ -224,7 +224,7 @@ TEST_CASE("a reset stops a chain device where it is, unanswered, and starts its 
   CHECK_FALSE(bench.device.due().has_value());
 }
 
-TEST_CASE("a move is answered when it ends, and of a replaced move only the replacement is answered") {
+TEST_CASE("simulated Zaber device: a move is answered when it ends, a replaced move never") {
   ChainBench bench;
   bench.home();
   CHECK(bench.send(kMoveAbsolute, 100000).empty());
@@ -239,7 +239,7 @@ TEST_CASE("a move is answered when it ends, and of a replaced move only the repl
   CHECK(bench.pass(60s).empty());
 }
 
-TEST_CASE("a new chain device has its model's settings and those of its options") {
+TEST_CASE("simulated Zaber device: starts with the settings of its model and its options") {
   ChainBench bench;
   CHECK(bench.setting(kResolution) == 64);
   CHECK(bench.setting(kRunningCurrent) == 10);
@@ -275,7 +275,7 @@ TEST_CASE("a new chain device has its model's settings and those of its options"
   CHECK(unknown.setting(kMaximumPosition) == 604724);
 }
 
-TEST_CASE("each setting of a chain device takes its lowest and highest value and refuses what is beyond them") {
+TEST_CASE("simulated Zaber device: each setting accepts its lowest and highest value and refuses values beyond them") {
   struct Limits {
     ZaberCommand setting;
     std::int32_t error;
@@ -312,7 +312,7 @@ TEST_CASE("each setting of a chain device takes its lowest and highest value and
   }
 }
 
-TEST_CASE("each reserved bit of a chain device's mode is refused by its own number, the lowest first") {
+TEST_CASE("simulated Zaber device: each reserved mode bit is refused with its own error number, the lowest bit first") {
   ChainBench bench;
   CHECK(bench.error_of(kMode, 1 << 8 | 1 << 10) == 4008);
   CHECK(bench.error_of(kMode, 1 << 10 | 1 << 13) == 4010);
@@ -321,7 +321,7 @@ TEST_CASE("each reserved bit of a chain device's mode is refused by its own numb
   CHECK(bench.setting(kMode) == 0);
 }
 
-TEST_CASE("limits of speeds and acceleration are those of the resolution") {
+TEST_CASE("simulated Zaber device: the limits of speeds and acceleration follow from the resolution") {
   ChainBench bench;
   bench.send(kResolution, 32);  // 512 * 32 - 1
   for (const auto& [setting, error] :
@@ -334,7 +334,7 @@ TEST_CASE("limits of speeds and acceleration are those of the resolution") {
   CHECK(bench.error_of(kConstantSpeed, 16383) == 0);
 }
 
-TEST_CASE("firmware before 5.23 refuses a maximum below the present position") {
+TEST_CASE("simulated Zaber device: firmware before 5.23 refuses a maximum below the present position") {
   const auto [firmware, refuses] = GENERATE(table<std::int32_t, bool>({{521, true}, {522, true}, {523, false}}));
   ChainDeviceOptions options;
   options.firmware = firmware;
@@ -347,7 +347,7 @@ TEST_CASE("firmware before 5.23 refuses a maximum below the present position") {
   CHECK(bench.error_of(kMaximumPosition, 1001) == 0);
 }
 
-TEST_CASE("locked settings of a chain device change in nothing but the lock") {
+TEST_CASE("simulated Zaber device: while locked, no setting but the lock can be changed") {
   ChainBench bench;
   bench.send(kLock, 1);
   for (const ZaberCommand setting :
@@ -363,7 +363,7 @@ TEST_CASE("locked settings of a chain device change in nothing but the lock") {
   CHECK(bench.error_of(kAlias, 16) == 0);
 }
 
-TEST_CASE("the resolution of a chain device that moves is not changed") {
+TEST_CASE("simulated Zaber device: refuses another resolution while it moves") {
   ChainBench bench;
   bench.send(kHome, 0);
   CHECK(bench.error_of(kResolution, 32) == kZaberBusy);
@@ -372,7 +372,7 @@ TEST_CASE("the resolution of a chain device that moves is not changed") {
   CHECK(bench.error_of(kResolution, 32) == 0);
 }
 
-TEST_CASE("another resolution scales what the counter starts at, what was missed and where an axis sticks") {
+TEST_CASE("simulated Zaber device: another resolution scales the counter's origin, missed steps and stuck position") {
   ChainBench bench;
   const double step = 0.00635 / 64;
   bench.home();
@@ -398,7 +398,7 @@ TEST_CASE("another resolution scales what the counter starts at, what was missed
   CHECK(bench.read(kPosition) == 8400);
 }
 
-TEST_CASE("another resolution rounds a place between its steps, from its own time on") {
+TEST_CASE("simulated Zaber device: another resolution rounds the position to its steps, from that time on") {
   ChainBench bench;
   const double step = 0.00635 / 64;
   bench.home();
@@ -410,7 +410,7 @@ TEST_CASE("another resolution rounds a place between its steps, from its own tim
   CHECK(bench.device.position(bench.now - 1ns).value() == Approx(12345 * step).epsilon(1e-12));
 }
 
-TEST_CASE("set position gives the place another number, also in motion, and counts as homing") {
+TEST_CASE("simulated Zaber device: set position renumbers the present position, also in motion, and counts as homing") {
   ChainBench bench;
   CHECK((bench.setting(kMode) & kZaberHomed) == 0);
   const double before = bench.millimetres();
@@ -427,7 +427,7 @@ TEST_CASE("set position gives the place another number, also in motion, and coun
   CHECK(bench.read(kPosition) == 7);
 }
 
-TEST_CASE("each memory cell of a chain device keeps its own byte") {
+TEST_CASE("simulated Zaber device: each memory cell keeps its own byte") {
   ChainBench bench;
   for (const int cell : {0, 1, 63, 126, 127}) {
     INFO(cell);

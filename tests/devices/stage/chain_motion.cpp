@@ -25,7 +25,7 @@ struct EvenBench : ChainBench {
 
 }  // namespace
 
-TEST_CASE("a move of a chain device follows its ramps and ends at its time") {
+TEST_CASE("simulated Zaber device: a move follows its ramps and ends at its computed time") {
   EvenBench bench;
   const Nanoseconds begin = bench.now;
   CHECK_FALSE(bench.device.due().has_value());
@@ -46,7 +46,7 @@ TEST_CASE("a move of a chain device follows its ramps and ends at its time") {
   CHECK(bench.read(kPosition) == 67500);
 }
 
-TEST_CASE("a chain device speeds up as fast as it can when its acceleration is set to 0") {
+TEST_CASE("simulated Zaber device: an acceleration of 0 is the highest acceleration") {
   EvenBench bench;
   const std::int32_t resolution = GENERATE(64, 32);
   bench.send(kResolution, resolution);
@@ -59,7 +59,7 @@ TEST_CASE("a chain device speeds up as fast as it can when its acceleration is s
   CHECK(*bench.device.due() - bench.now - 1s - ramp <= 2ns);
 }
 
-TEST_CASE("a speed setting of 0 moves a chain device at the lowest speed") {
+TEST_CASE("simulated Zaber device: a speed setting of 0 is the lowest speed") {
   EvenBench bench;
   bench.send(kTargetSpeed, GENERATE(0, 1));
   bench.send(kHomeSpeed, GENERATE(0, 1));
@@ -73,7 +73,7 @@ TEST_CASE("a speed setting of 0 moves a chain device at the lowest speed") {
   }
 }
 
-TEST_CASE("constant speed of a chain device has its own pace to either end, and is answered at once") {
+TEST_CASE("simulated Zaber device: constant speed has its own value to either end, and is answered at once") {
   EvenBench bench;
   bench.send(kTargetSpeed, 100);
   bench.send(kMaximumPosition, 90000);
@@ -97,7 +97,8 @@ TEST_CASE("constant speed of a chain device has its own pace to either end, and 
   CHECK(bench.read(kPosition) == 22500);
 }
 
-TEST_CASE("a stop slows a chain device down by its acceleration, a relative move counts from where it is") {
+TEST_CASE(
+    "simulated Zaber device: a stop uses the set acceleration, a relative move starts from the present position") {
   EvenBench bench;
   bench.send(kMoveAbsolute, 500000);
   bench.pass(2s);
@@ -112,7 +113,7 @@ TEST_CASE("a stop slows a chain device down by its acceleration, a relative move
   CHECK(bench.pass(1500ms) == std::vector<ZaberFrame>{{1, kMoveRelative, 157500, 5}});
 }
 
-TEST_CASE("homing of a chain device ends at its sensor or its offset, where the counter starts") {
+TEST_CASE("simulated Zaber device: homing ends at its sensor or its home offset, where the counter is 0") {
   EvenBench bench;
   bench.go_to(90000);
   bench.send(kSetPosition, 1000);
@@ -135,8 +136,7 @@ TEST_CASE("homing of a chain device ends at its sensor or its offset, where the 
   CHECK(bench.place(bench.now) == Approx(100.0 + 22500 + 22500));
 }
 
-TEST_CASE(
-    "a chain device tells its position each quarter of a second up to the end of a move, from each move's begin") {
+TEST_CASE("simulated Zaber device: with move tracking it reports its position every 0.25 s until the move ends") {
   EvenBench bench;
   bench.send(kMode, kZaberMoveTracking | kZaberHomed);
   bench.send(kMoveAbsolute, 90000);
@@ -157,7 +157,7 @@ TEST_CASE(
   CHECK(bench.pass(10s) == std::vector<ZaberFrame>{{1, kMoveRelative, 91800, 5}});
 }
 
-TEST_CASE("a chain device is at rest from the end of its motion on") {
+TEST_CASE("simulated Zaber device: is at rest from the end of its motion on") {
   EvenBench bench;
   ChainBench fresh;
   CHECK(fresh.device.at_rest_since(0ns));
@@ -176,7 +176,8 @@ TEST_CASE("a chain device is at rest from the end of its motion on") {
   CHECK(bench.device.at_rest_since(bench.now));
 }
 
-TEST_CASE("an axis that sticks stays while its device counts on, and goes on from there when it is free") {
+TEST_CASE(
+    "simulated Zaber device: a stuck axis stays while the counter advances, and continues from there when freed") {
   EvenBench bench;
   const Nanoseconds begin = bench.now;
   bench.send(kMoveAbsolute, 90000);
@@ -203,7 +204,7 @@ TEST_CASE("an axis that sticks stays while its device counts on, and goes on fro
   CHECK(bench.place(bench.now) == Approx(0.0).margin(1e-9));
 }
 
-TEST_CASE("homing of an axis that sticks ends only after it is free") {
+TEST_CASE("simulated Zaber device: homing of a stuck axis ends only after it is freed") {
   EvenBench bench;
   bench.go_to(90000);
   bench.device.stick(bench.now);
@@ -225,7 +226,7 @@ TEST_CASE("homing of an axis that sticks ends only after it is free") {
   CHECK_FALSE(bench.device.due().has_value());
 }
 
-TEST_CASE("a chain device remembers its last 256 changes of motion, and before them the place where they began") {
+TEST_CASE("simulated Zaber device: remembers its last 256 changes of motion, and the position before them") {
   ChainBench bench;
   bench.home();  // the first change
   const double homing = bench.device.position(1s).value() / kLaStep;

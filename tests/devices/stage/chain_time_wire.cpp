@@ -61,7 +61,7 @@ struct StalledChain : private GuardedStall, RawChain {
 
 }  // namespace
 
-TEST_CASE("the simulated chain tells what has ended before it answers the next request, to whichever device") {
+TEST_CASE("simulated Zaber chain: reports ended moves before it answers the next request, to whichever device") {
   RawChain raw(even_moves());
   raw.send({1, kMoveAbsolute, 90000, 0});
   raw.expect({2, kStatus, 0, 0}, {2, kStatus, 0, 0});
@@ -75,7 +75,7 @@ TEST_CASE("the simulated chain tells what has ended before it answers the next r
   CHECK(raw.next() == ZaberFrame{2, kStatus, 0, 0});
 }
 
-TEST_CASE("the simulated chain's axes are the devices that they are told to be, now and before") {
+TEST_CASE("simulated Zaber chain: axes map to the devices as set, for present and past positions") {
   SimulatedChainOptions options = even_moves();
   options.axes = {2, 0, 1};
   options.devices[1].stands_at = Millimetres(7.0);
@@ -94,7 +94,8 @@ TEST_CASE("the simulated chain's axes are the devices that they are told to be, 
   CHECK(before[2].value() == Approx(7.0).margin(1e-4));
 }
 
-TEST_CASE("a renumbered chain hears nothing for half a second, a single device that is renumbered hears on") {
+TEST_CASE(
+    "simulated Zaber chain: ignores requests for 0.5 s after renumbering, but not after that of a single device") {
   SimulatedChainOptions options;
   for (std::size_t i = 0; i < 3; ++i) options.devices[i].number = static_cast<std::uint8_t>(20 + i);
   RawChain raw(options);
@@ -114,7 +115,7 @@ TEST_CASE("a renumbered chain hears nothing for half a second, a single device t
   raw.expect({1, kEcho, 4, 0}, {1, kEcho, 4, 0});
 }
 
-TEST_CASE("a power cycle stops each simulated device where it is, without its home") {
+TEST_CASE("simulated Zaber chain: a power cycle stops each device in place and clears its home") {
   RawChain raw(even_moves());
   for (const std::uint8_t device : std::vector<std::uint8_t>{1, 2}) {
     raw.expect({device, kSetPosition, 500, 0}, {device, kSetPosition, 500, 0});
@@ -131,7 +132,7 @@ TEST_CASE("a power cycle stops each simulated device where it is, without its ho
   }
 }
 
-TEST_CASE("a stall without an axis holds all, from its time to its end, and the next one again") {
+TEST_CASE("simulated Zaber chain: a stall without an axis stops all axes from its begin to its end, repeatedly") {
   StalledChain raw;
   raw.at(1s, 22500, 22500);
   raw.set({2s, {}, {}});
@@ -148,7 +149,7 @@ TEST_CASE("a stall without an axis holds all, from its time to its end, and the 
   raw.at(8s, 202500, 202500);
 }
 
-TEST_CASE("a stall holds from its very time to its very end, whoever asks first") {
+TEST_CASE("simulated Zaber chain: a stall lasts exactly from its begin to its end, whoever asks first") {
   StalledChain raw;
   raw.set({2s, 3s, {}});
   raw.clock.wait_until(2s);
@@ -158,7 +159,7 @@ TEST_CASE("a stall holds from its very time to its very end, whoever asks first"
   raw.at(4s, 112500, 112500);
 }
 
-TEST_CASE("a stall of another axis ends the one before") {
+TEST_CASE("simulated Zaber chain: a stall of another axis ends the previous one") {
   StalledChain raw;
   raw.set({2s, {}, Axis::kX});
   raw.at(3s, 67500, 112500);
@@ -168,7 +169,7 @@ TEST_CASE("a stall of another axis ends the one before") {
   raw.at(7s, 202500, 202500);
 }
 
-TEST_CASE("homing of a simulated axis that stalls goes on when the stall ends") {
+TEST_CASE("simulated Zaber chain: homing of a stalled axis continues when the stall ends") {
   StalledChain raw;
   raw.clock.wait_until(3s);
   raw.send({1, kHome, 0, 0});  // back from 112500, to rest at 135000 a second later
@@ -186,7 +187,7 @@ TEST_CASE("homing of a simulated axis that stalls goes on when the stall ends") 
   CHECK(steps_of(raw.chain, Axis::kX) == Approx(0.0).margin(1e-6));
 }
 
-TEST_CASE("a simulated chain whose port is taken while it is unplugged stays so until it is free") {
+TEST_CASE("simulated Zaber chain: stays unplugged while its port is in use, and is plugged in once it is free") {
   RawChain raw({.listen = "tcp:0"});
   const std::string address = raw.chain.address();
   raw.chain.unplug();
@@ -208,7 +209,7 @@ TEST_CASE("a simulated chain whose port is taken while it is unplugged stays so 
   raw.expect({1, kDeviceId, 0, 0}, {1, kDeviceId, 60, 0});
 }
 
-TEST_CASE("a simulated chain that is plugged in knows nothing of the bytes before") {
+TEST_CASE("simulated Zaber chain: forgets half a frame when plugged in again, and its devices keep their settings") {
   RawChain raw;
   raw.expect({1, kMode, kZaberKnobOff, 0}, {1, kMode, 8, 0});
   raw.line->write(std::vector<std::uint8_t>{1, 55, 9});
@@ -219,7 +220,7 @@ TEST_CASE("a simulated chain that is plugged in knows nothing of the bytes befor
   raw.expect({1, kReturnSetting, 40, 0}, {1, kMode, 8, 0});  // and its devices kept their power
 }
 
-TEST_CASE("the simulated chain answers frames in one piece, in single bytes and several at once") {
+TEST_CASE("simulated Zaber chain: answers frames in one piece and several at once") {
   RawChain raw;
   raw.expect({2, kEcho, 1234, 0}, {2, kEcho, 1234, 0});
   const ZaberBytes first = encode({1, kEcho, 7, 0}), second = encode({3, kDeviceId, 0, 0});
@@ -237,7 +238,7 @@ TEST_CASE("the simulated chain answers frames in one piece, in single bytes and 
   raw.expect({1, kFirmware, 0, 0}, {1, kFirmware, 523, 0});
 }
 
-TEST_CASE("a simulated device answers with message ids from the change of its mode on, and the others do not") {
+TEST_CASE("simulated Zaber device: answers with message ids after its mode is changed, and the others do not") {
   RawChain raw;
   raw.expect({2, kMode, kZaberMessageIds, 0}, {2, kMode, 64, 0});
   raw.expect({2, kEcho, -1000, 77}, {2, kEcho, -1000, 77});
@@ -246,7 +247,7 @@ TEST_CASE("a simulated device answers with message ids from the change of its mo
   raw.expect({2, kMode, 0, 78}, {2, kMode, 0, 0});
 }
 
-TEST_CASE("half a frame is dropped by the simulated chain after 10 ms of silence") {
+TEST_CASE("simulated Zaber chain: drops half a frame after 10 ms of silence") {
   RawChain raw;
   raw.line->write(std::vector<std::uint8_t>{1, 55, 9});
   while (raw.chain.bytes_received() < 3) std::this_thread::sleep_for(1ms);  // a busy machine reads them late
@@ -256,7 +257,7 @@ TEST_CASE("half a frame is dropped by the simulated chain after 10 ms of silence
   CHECK(raw.chain.requests() == std::vector<ZaberFrame>{{2, kEcho, 5, 0}});
 }
 
-TEST_CASE("the simulated chain answers as many requests as it is told, then none") {
+TEST_CASE("simulated Zaber chain: answers the set number of requests, then none") {
   const int answered = GENERATE(0, 1, 3);
   RawChain raw({}, {.silent_after_requests = answered});
   for (int i = 0; i < answered; ++i) {
@@ -269,7 +270,7 @@ TEST_CASE("the simulated chain answers as many requests as it is told, then none
   CHECK(raw.chain.requests().size() == static_cast<std::size_t>(answered) + 2);
 }
 
-TEST_CASE("the simulated chain hangs up at the request it is told to, and not again once it is plugged in") {
+TEST_CASE("simulated Zaber chain: hangs up at the set request, and not again once it is plugged in") {
   const int answered = GENERATE(0, 2);
   RawChain raw({}, {.unplug_after_requests = answered});
   for (int i = 0; i < answered; ++i) {
@@ -284,7 +285,7 @@ TEST_CASE("the simulated chain hangs up at the request it is told to, and not ag
   }
 }
 
-TEST_CASE("the simulated chain damages one reply: another number, only three bytes, or after the next one") {
+TEST_CASE("simulated Zaber chain: one reply gets another number, is cut to three bytes, or comes after the next one") {
   const long which = GENERATE(0L, 1L);
   const auto three = [](RawChain& raw) {
     for (std::int32_t i = 0; i < 4; ++i) raw.send({1, kEcho, i, 0});
@@ -313,7 +314,7 @@ TEST_CASE("the simulated chain damages one reply: another number, only three byt
   }
 }
 
-TEST_CASE("an injected fault damages the reply to its request alone") {
+TEST_CASE("simulated Zaber chain: an injected fault affects only the reply to its request") {
   std::atomic<InjectedFault> fault{InjectedFault::kNone};
   RawChain raw({}, {.inject = [&] { return fault.exchange(InjectedFault::kNone); }});
   std::int32_t count = 0;
@@ -345,14 +346,14 @@ TEST_CASE("an injected fault damages the reply to its request alone") {
   CHECK(fault_id_of([&] { (void)raw.next(); }) == "TB-SERIAL-LOST");
 }
 
-TEST_CASE("a reply held back is lost with the silence that follows it") {
+TEST_CASE("simulated Zaber chain: a delayed reply is lost if silence follows") {
   RawChain raw({}, {.silent_after_requests = 1, .late_reply = 0});
   raw.send({1, kEcho, 1, 0});
   raw.send({1, kEcho, 2, 0});
   CHECK(raw.says_nothing());
 }
 
-TEST_CASE("the simulated chain refuses the next instruction of a kind, on whichever device, once") {
+TEST_CASE("simulated Zaber chain: refuses the next instruction of a kind, to any device, once") {
   RawChain raw;
   raw.chain.refuse_next(kStop, kZaberBusy);
   raw.expect({1, kStatus, 0, 0}, {1, kStatus, 0, 0});
@@ -362,7 +363,7 @@ TEST_CASE("the simulated chain refuses the next instruction of a kind, on whiche
   CHECK(raw.next() == ZaberFrame{1, kStatus, 0, 0});
 }
 
-TEST_CASE("frames given to the simulated chain come before its next reply, as they are and once") {
+TEST_CASE("simulated Zaber chain: injected frames are sent before its next reply, unchanged and once") {
   RawChain raw;
   raw.chain.inject({9, kPosition, -3, 44});
   raw.chain.inject({1, kLimitActive, 70000, 0});

@@ -25,7 +25,7 @@ void check_motion(const MotionProfile& profile, double duration, const std::vect
 
 }  // namespace
 
-TEST_CASE("an axis that stands stays where it is") {
+TEST_CASE("motion profile: an axis at rest keeps its position") {
   const MotionProfile stands(3.0);
   CHECK(stands.end() == 3.0);
   check_motion(stands, 0.0, {{-1.0, 3.0, 0.0}, {0.0, 3.0, 0.0}, {5.0, 3.0, 0.0}});
@@ -35,7 +35,7 @@ TEST_CASE("an axis that stands stays where it is") {
   CHECK(MotionProfile().end() == 0.0);
 }
 
-TEST_CASE("a long motion speeds up, keeps its speed and slows down, to both sides") {
+TEST_CASE("motion profile: a long motion accelerates, keeps its speed and decelerates, in both directions") {
   // 2 s at 1/s^2 to a speed of 2 over a distance of 2, the same at the end, 6 at a speed of 2 between.
   const double way = GENERATE(1.0, -1.0);
   const MotionProfile profile = MotionProfile::to(100.0, 0.0, 100.0 + way * 10.0, 2.0, 1.0);
@@ -46,14 +46,14 @@ TEST_CASE("a long motion speeds up, keeps its speed and slows down, to both side
   check_motion(profile, 7.0, points);
 }
 
-TEST_CASE("a short motion turns from speeding up to slowing down below its speed") {
+TEST_CASE("motion profile: a short motion decelerates before it reaches its speed") {
   check_motion(MotionProfile::to(0.0, 0.0, 4.0, 10.0, 1.0), 4.0, {{1.0, 0.5, 1.0}, {2.0, 2.0, 2.0}, {3.0, 3.5, 1.0}});
   // A distance of 1/64 at 1/s^2: 1/8 s up, 1/8 s down.
   check_motion(MotionProfile::to(0.0, 0.0, 0.015625, 10.0, 1.0), 0.25,
                {{0.0625, 0.001953125, 0.0625}, {0.125, 0.0078125, 0.125}, {0.25, 0.015625, 0.0}});
 }
 
-TEST_CASE("a motion of milliseconds has all three of its parts") {
+TEST_CASE("motion profile: a motion of milliseconds has all three phases") {
   // 1/64 s at 128/s^2 to a speed of 2 over 1/64, as long at this speed over 2/64, and 1/64 to rest.
   const double t = 0.015625;
   check_motion(
@@ -61,7 +61,7 @@ TEST_CASE("a motion of milliseconds has all three of its parts") {
       {{t / 2, t / 4, 1.0}, {t, t, 2.0}, {1.5 * t, 2 * t, 2.0}, {2 * t, 3 * t, 2.0}, {2.5 * t, 3.75 * t, 1.0}});
 }
 
-TEST_CASE("a motion that begins too fast for its speed slows down first, to both sides") {
+TEST_CASE("motion profile: a start above the set speed decelerates to it first, in both directions") {
   // From 4 to 2 in 2 s over 6, 12 at 2 in 6 s, then 2 s over 2 to rest.
   const double way = GENERATE(1.0, -1.0);
   std::vector<MotionAt> points{{0.0, 0.0, 4.0},  {1.0, 3.5, 3.0},  {2.0, 6.0, 2.0},
@@ -70,14 +70,14 @@ TEST_CASE("a motion that begins too fast for its speed slows down first, to both
   check_motion(MotionProfile::to(0.0, way * 4.0, way * 20.0, 2.0, 1.0), 10.0, points);
 }
 
-TEST_CASE("a motion under way toward its target is continued without a stop") {
+TEST_CASE("motion profile: a motion already towards its target continues without a stop") {
   // v^2 = d + v0^2 / 2 = 7/32 + 1/32, so that it speeds up from 1/4 to 1/2 and down to rest.
   check_motion(MotionProfile::to(0.0, 0.25, 0.21875, 10.0, 1.0), 0.75, {{0.25, 0.09375, 0.5}, {0.5, 0.1875, 0.25}});
   // It needs all of the distance to slow down.
   check_motion(MotionProfile::to(0.0, 4.0, 8.0, 10.0, 1.0), 4.0, {{1.0, 3.5, 3.0}, {2.0, 6.0, 2.0}, {3.0, 7.5, 1.0}});
 }
 
-TEST_CASE("a motion away from its target comes to rest and returns, to both sides") {
+TEST_CASE("motion profile: a motion away from its target stops and returns, in both directions") {
   // From 0 at -2 to rest at -2 in 2 s, then 4 to the target at 2: 2 s up to 2, 2 s down.
   const double way = GENERATE(1.0, -1.0);
   std::vector<MotionAt> points{{0.0, 0.0, -2.0}, {1.0, -1.5, -1.0}, {2.0, -2.0, 0.0},
@@ -89,7 +89,7 @@ TEST_CASE("a motion away from its target comes to rest and returns, to both side
                {{0.0625, way * -0.001953125, 0.0}});
 }
 
-TEST_CASE("a motion too fast to end at its target passes it and returns, to both sides") {
+TEST_CASE("motion profile: a motion too fast to stop at its target overshoots and returns, in both directions") {
   // From 4 to rest at 8 in 4 s, then back over 4: 2 s up to 2, 2 s down.
   const double way = GENERATE(1.0, -1.0);
   std::vector<MotionAt> points{{0.0, 0.0, 4.0},  {2.0, 6.0, 2.0},  {4.0, 8.0, 0.0},
@@ -102,7 +102,7 @@ TEST_CASE("a motion too fast to end at its target passes it and returns, to both
   check_motion(MotionProfile::to(0.0, way * 4.0, 0.0, 2.0, 1.0), 10.0, points);
 }
 
-TEST_CASE("a motion brought to rest ends where its velocity carries it, to both sides") {
+TEST_CASE("motion profile: a motion brought to rest ends at its stopping distance, in both directions") {
   const double way = GENERATE(1.0, -1.0);
   const MotionProfile fast = MotionProfile::to_rest(10.0, way * 4.0, 2.0);
   CHECK(fast.end() == 10.0 + way * 4.0);
@@ -119,7 +119,7 @@ TEST_CASE("a motion brought to rest ends where its velocity carries it, to both 
   check_motion(stands, 0.0, {{0.0, 5.0, 0.0}, {1.0, 5.0, 0.0}});
 }
 
-TEST_CASE("a motion never leaps, never exceeds its speed and ends at rest at its target") {
+TEST_CASE("motion profile: is continuous, never exceeds its speed and ends at rest at its target") {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> place(-100.0, 100.0);
   std::uniform_real_distribution<double> pace(-10.0, 10.0);

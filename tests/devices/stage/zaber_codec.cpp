@@ -28,7 +28,7 @@ std::vector<ZaberFrame> frames_of(ZaberParser& parser, std::vector<std::uint8_t>
 
 }  // namespace
 
-TEST_CASE("Zaber frames without message ids are device, command and 32 bits, least significant byte first") {
+TEST_CASE("Zaber codec: frames without message ids are device, command and 32 bits, least significant byte first") {
   using enum ZaberCommand;
   for (const auto& [frame, bytes] :
        std::vector<std::pair<ZaberFrame, ZaberBytes>>{{{0, kRenumber, 0, 0}, {0, 2, 0, 0, 0, 0}},
@@ -43,7 +43,7 @@ TEST_CASE("Zaber frames without message ids are device, command and 32 bits, lea
                 [](const ZaberBytes& one) { return std::optional(decode_without_id(one)); });
 }
 
-TEST_CASE("Zaber frames with message ids have 24 bits of data and the id last") {
+TEST_CASE("Zaber codec: frames with message ids have 24 bits of data and the id last") {
   using enum ZaberCommand;
   for (const auto& [frame, bytes] : std::vector<std::pair<ZaberFrame, ZaberBytes>>{
            {{1, kMoveAbsolute, 1066666, 7}, {1, 20, 0xAA, 0x46, 0x10, 7}},
@@ -58,7 +58,7 @@ TEST_CASE("Zaber frames with message ids have 24 bits of data and the id last") 
   CHECK(decode(encode_without_id({1, kPosition, 604724, 0})) == ZaberFrame{1, kPosition, 604724, 0});
 }
 
-TEST_CASE("data beyond 24 bits is refused instead of becoming another value") {
+TEST_CASE("Zaber codec: refuses data beyond 24 bits") {
   for (const std::int32_t data : {kZaberDataMax + 1, kZaberDataMin - 1, std::numeric_limits<std::int32_t>::max()})
     check_fault(
         [&] {
@@ -67,7 +67,7 @@ TEST_CASE("data beyond 24 bits is refused instead of becoming another value") {
         "TB-STAGE-DATA", "device 1", std::to_string(data));
 }
 
-TEST_CASE("every Zaber frame survives encoding and decoding") {
+TEST_CASE("Zaber codec: every frame survives encoding and decoding") {
   std::mt19937 random(20250101);
   std::uniform_int_distribution<int> byte(0, 255);
   std::uniform_int_distribution<std::int32_t> data(kZaberDataMin, kZaberDataMax);
@@ -82,7 +82,7 @@ TEST_CASE("every Zaber frame survives encoding and decoding") {
   }
 }
 
-TEST_CASE("the Zaber parser finds frames however the stream is cut") {
+TEST_CASE("Zaber parser: finds frames however the stream is cut") {
   std::mt19937 random(7);
   std::uniform_int_distribution<int> byte(0, 255);
   std::uniform_int_distribution<std::size_t> length(1, 17);
@@ -102,7 +102,7 @@ TEST_CASE("the Zaber parser finds frames however the stream is cut") {
   CHECK(parser.waiting() == 0);
 }
 
-TEST_CASE("the Zaber parser drops an incomplete frame after 10 ms of silence and not before") {
+TEST_CASE("Zaber parser: drops an incomplete frame after 10 ms of silence and not before") {
   ZaberParser parser;
   CHECK(frames_of(parser, {1, 60, 0xFF}, 100ms).empty());
   CHECK(frames_of(parser, {0, 0}, 110ms).empty());
@@ -116,7 +116,7 @@ TEST_CASE("the Zaber parser drops an incomplete frame after 10 ms of silence and
   CHECK(parser.dropped() == 5);
 }
 
-TEST_CASE("a single byte before a silence is dropped, and that nothing came ends no silence") {
+TEST_CASE("Zaber parser: drops a single byte before a silence, and an empty read does not end a silence") {
   ZaberParser parser(20ms);
   CHECK(frames_of(parser, {1}, 0ms).empty());
   CHECK(parser.waiting() == 1);
@@ -132,7 +132,7 @@ TEST_CASE("a single byte before a silence is dropped, and that nothing came ends
   CHECK(parser.waiting() == 2);
 }
 
-TEST_CASE("units of the T-NA08A50 and the T-LA60A are the manual's") {
+TEST_CASE("Zaber units: those of the T-NA08A50 and the T-LA60A are the manual's") {
   const ZaberModel* z = zaber_model(5082);
   const ZaberModel* x = zaber_model(60);
   REQUIRE(z != nullptr);
@@ -156,7 +156,7 @@ TEST_CASE("units of the T-NA08A50 and the T-LA60A are the manual's") {
   CHECK(la.acceleration_mm_per_s2(0) == Approx(la.acceleration_mm_per_s2(32767)));
 }
 
-TEST_CASE("every actuator in the table has its product's travel, step and top speed") {
+TEST_CASE("Zaber models: every actuator in the table has its product's travel, step and top speed") {
   for (const auto& [id, product] : std::map<int, std::string>{{5081, "T-NA08A25"},
                                                               {5082, "T-NA08A50"},
                                                               {5085, "T-NA08A25-S"},
@@ -179,7 +179,7 @@ TEST_CASE("every actuator in the table has its product's travel, step and top sp
   }
 }
 
-TEST_CASE("a position converts to microsteps and back within half a microstep, not-a-number to none") {
+TEST_CASE("Zaber units: a position converts to microsteps and back within half a microstep, and NaN is refused") {
   const ZaberUnits na{0.003048 / 64};
   std::mt19937 random(11);
   std::uniform_real_distribution<double> millimetres(-50.0, 50.0);
@@ -202,7 +202,7 @@ TEST_CASE("a position converts to microsteps and back within half a microstep, n
   CHECK(whole.microsteps(Millimetres(-8388608.0)) == -8388608);
 }
 
-TEST_CASE("the Zaber commands and errors that have a name are those of the manual of firmware 5") {
+TEST_CASE("Zaber codec: the named commands and errors are those of the manual of firmware 5") {
   const std::set<int> commands{0,  1,  2,  8,  9,  10, 16, 17, 18, 20, 21, 22, 23, 35, 36, 37, 38, 39,
                                40, 41, 42, 43, 44, 45, 46, 47, 48, 49, 50, 51, 52, 53, 54, 55, 60, 255};
   for (int number = 0; number < 256; ++number) {
@@ -239,7 +239,7 @@ struct LineAlone {
 
 }  // namespace
 
-TEST_CASE("the reply to a query is the one with its device and its message id, and others go to the listener") {
+TEST_CASE("Zaber line: the reply to a query has its device and message id, other frames go to the listener") {
   LineAlone alone;
   const ZaberFrame own{2, kPosition, 77, 1};
   const std::vector<ZaberFrame> foreign{{3, kPosition, 1, 1}, {2, kPosition, 2, 2}, {2, kPosition, 3, 0}};
@@ -252,7 +252,7 @@ TEST_CASE("the reply to a query is the one with its device and its message id, a
   CHECK(alone.chain.pieces.size() == 1);
 }
 
-TEST_CASE("a query takes an error for its reply, and what came with its reply goes to the listener") {
+TEST_CASE("Zaber line: an error counts as the reply, and what came with the reply goes to the listener") {
   LineAlone alone;
   std::vector<std::uint8_t> both;
   for (const ZaberFrame& one : {ZaberFrame{2, kError, 20, 1}, ZaberFrame{2, kError, 21, 1}}) {
@@ -264,14 +264,14 @@ TEST_CASE("a query takes an error for its reply, and what came with its reply go
   CHECK(alone.others == std::vector<ZaberFrame>{{2, kError, 21, 1}});
 }
 
-TEST_CASE("a reply in single bytes is put together") {
+TEST_CASE("Zaber line: a reply in single bytes is assembled") {
   LineAlone alone;
   for (const std::uint8_t byte : std::vector<std::uint8_t>{2, 60, 0x18, 0xFC, 0xFF, 1}) alone.chain.say_bytes({byte});
   CHECK(alone.line.ask(2, kPosition, 0) == ZaberFrame{2, kPosition, -1000, 1});
   CHECK(alone.chain.reads == 6);
 }
 
-TEST_CASE("without a reply a query ends after the first wait in vain, which is no longer than the reply timeout") {
+TEST_CASE("Zaber line: a query without a reply ends after one wait, which is at most the reply timeout") {
   LineAlone alone(3s);
   CHECK_FALSE(alone.line.ask(2, kPosition, 0).has_value());
   CHECK_FALSE(alone.line.ask_plainly(2, kPosition, 0).has_value());
@@ -280,7 +280,7 @@ TEST_CASE("without a reply a query ends after the first wait in vain, which is n
   CHECK(alone.chain.longest_wait > 0s);
 }
 
-TEST_CASE("a reply that trickles past its time is not waited for any longer") {
+TEST_CASE("Zaber line: a reply still incomplete at its timeout is not waited for") {
   LineAlone alone(0s);
   alone.chain.say_bytes({2, 60, 1});
   alone.chain.say_bytes({0, 0, 1});
@@ -289,7 +289,7 @@ TEST_CASE("a reply that trickles past its time is not waited for any longer") {
   alone.chain.pieces.clear();
 }
 
-TEST_CASE("a reply that lies on the line is found by a program that was held up past its time, and once only") {
+TEST_CASE("Zaber line: after a delay beyond the timeout, one more read accepts a reply that already arrived") {
   LineAlone alone(1s);
   const ZaberFrame foreign{3, kPosition, 1, 0}, own{2, kPosition, 77, 1};
   for (const ZaberFrame& one : {foreign, own}) alone.chain.say(one);
@@ -301,7 +301,7 @@ TEST_CASE("a reply that lies on the line is found by a program that was held up 
   CHECK(alone.chain.pieces.size() == 1);
 }
 
-TEST_CASE("message ids count from 1 to 254 and leave out those whose reply is still to come") {
+TEST_CASE("Zaber line: message ids count from 1 to 254 and skip those still waiting for a reply") {
   LineAlone alone;
   CHECK(alone.line.send(1, kMoveAbsolute, 3) == 1);
   CHECK(alone.line.send(2, kMoveAbsolute, 4) == 2);
@@ -320,7 +320,7 @@ TEST_CASE("message ids count from 1 to 254 and leave out those whose reply is st
 }
 
 TEST_CASE(
-    "a reply without message id is known by its device and its command, a setting's by its number, or is an error") {
+    "Zaber line: a reply without message id is matched by device and by command or setting number, or is an error") {
   struct Plain {
     ZaberCommand command;
     std::int32_t data;
@@ -352,7 +352,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("renumbering waits for as many answers as there are devices, no longer than it is told") {
+TEST_CASE("Zaber line: renumbering waits for as many answers as there are devices, no longer than its time limit") {
   LineAlone alone;
   const std::vector<ZaberFrame> before{{1, kRenumber, 60, 0}, {9, kStatus, 0, 0}};
   for (const ZaberFrame& one : before) alone.chain.say(one);
@@ -365,7 +365,7 @@ TEST_CASE("renumbering waits for as many answers as there are devices, no longer
   CHECK(alone.chain.longest_wait <= 7s);
 }
 
-TEST_CASE("a line settles for longer than devices keep half a frame, and what was left on it is discarded") {
+TEST_CASE("Zaber line: settling outlasts half a frame in the devices, and discards what was left on the line") {
   LineAlone alone;
   alone.chain.say({1, kStatus, 0, 0});
   const auto begin = std::chrono::steady_clock::now();
@@ -376,7 +376,7 @@ TEST_CASE("a line settles for longer than devices keep half a frame, and what wa
   CHECK(alone.chain.sent.empty());
 }
 
-TEST_CASE("half a reply is dropped after the silence that the line is given") {
+TEST_CASE("Zaber line: half a reply is dropped after the set silence") {
   ScriptedChain chain(nullptr, {});
   ZaberLine line(chain.open(), kPatient, 0s, [](const ZaberFrame&) {});
   chain.say_bytes({9, 9, 9});

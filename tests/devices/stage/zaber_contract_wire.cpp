@@ -34,7 +34,7 @@ void check_all_refused(Stage& stage, const std::string& fault) {
 
 }  // namespace
 
-TEST_CASE("zaber law: no axis moves before it is homed, nor after it lost its power") {
+TEST_CASE("Zaber contract: no axis moves before it is homed or after a power loss") {
   ZaberRig rig;
   rig.stage.arm();
   const auto before = rig.chain.bytes_received();
@@ -48,7 +48,7 @@ TEST_CASE("zaber law: no axis moves before it is homed, nor after it lost its po
   CHECK(rig.count({kMoveAbsolute, kMoveRelative, kConstantSpeed}) == 0);
 }
 
-TEST_CASE("zaber law: a quiet wire is a fault within its deadline and disarms") {
+TEST_CASE("Zaber contract: a silent connection is a timeout fault after the repeated query, and disarms") {
   SimulatedChainFaults faults;
   faults.silent_after_requests = GENERATE(0L, 7L, 60L, 75L);
   ZaberRig rig({}, faults, impatient_stage());
@@ -64,7 +64,7 @@ TEST_CASE("zaber law: a quiet wire is a fault within its deadline and disarms") 
   check_all_refused(rig.stage, "TB-STAGE-NOT-ARMED");
 }
 
-TEST_CASE("zaber law: unplugging in the middle of any exchange is a loss and never silence") {
+TEST_CASE("Zaber contract: unplugging during any exchange is a lost connection, never a timeout") {
   SimulatedChainFaults faults;
   faults.unplug_after_requests = GENERATE(0L, 9L, 33L, 60L, 80L);
   ZaberRig rig({}, faults);
@@ -76,7 +76,7 @@ TEST_CASE("zaber law: unplugging in the middle of any exchange is a loss and nev
   CHECK_FALSE(rig.stage.armed());
 }
 
-TEST_CASE("zaber law: halt stops every axis from any state, twice, and commands wait for arming") {
+TEST_CASE("Zaber contract: halt stops every axis from any state, twice, and commands are refused until arming") {
   ZaberRig rig;
   CHECK(rig.stage.halt());  // never armed: it opens the line by itself
   CHECK(rig.count(kMoving) == 0);
@@ -102,7 +102,7 @@ TEST_CASE("zaber law: halt stops every axis from any state, twice, and commands 
   CHECK(rig.stage.wait(Axis::kZ).value() == Approx(0.0).margin(1e-4));
 }
 
-TEST_CASE("zaber law: halt while homing repeats until the axis stands, whether the device stops or finishes") {
+TEST_CASE("Zaber contract: halt during homing succeeds, whether or not the device refuses stops while homing") {
   SimulatedChainOptions options;
   options.devices[2].stands_at = Millimetres(1.5);
   options.devices[2].refuses_stop_while_homing = GENERATE(false, true);
@@ -121,7 +121,7 @@ TEST_CASE("zaber law: halt while homing repeats until the axis stands, whether t
   CHECK(rig.stage.halt());
 }
 
-TEST_CASE("zaber law: half a frame left on the line does not corrupt the halt") {
+TEST_CASE("Zaber contract: half a frame left on the line does not corrupt the halt") {
   ZaberRig rig;
   rig.arm_and_home();
   rig.stage.start_move_to(Axis::kZ, Millimetres(40.0), std::nullopt);
@@ -137,7 +137,7 @@ TEST_CASE("zaber law: half a frame left on the line does not corrupt the halt") 
   CHECK(rig.chain.position(Axis::kZ).value() < 39.0);
 }
 
-TEST_CASE("zaber law: halt from another thread ends the wait of the first one") {
+TEST_CASE("Zaber contract: halt from another thread ends a wait in progress") {
   ZaberStageOptions options = paper_stage();
   options.halt_timeout = 100ms;
   ZaberRig rig({}, {}, options);
@@ -154,7 +154,7 @@ TEST_CASE("zaber law: halt from another thread ends the wait of the first one") 
   CHECK(rig.chain.position(Axis::kX).value() < 59.0);
 }
 
-TEST_CASE("zaber law: a command is refused at once while a halt still waits for the axes") {
+TEST_CASE("Zaber contract: a command is refused at once while a halt still waits for the axes") {
   ReadyStage alone;
   std::atomic<bool> halting{false}, refused{false}, refused_meanwhile{false};
   alone.chain.script = [&](const ZaberFrame& frame) -> std::optional<ScriptedChain::Frames> {
@@ -178,7 +178,7 @@ TEST_CASE("zaber law: a command is refused at once while a halt still waits for 
   CHECK(alone.stage.armed());
 }
 
-TEST_CASE("zaber law: what asks several times is broken off by a halt that waits for the line") {
+TEST_CASE("Zaber contract: a halt that waits for the line interrupts a sequence of queries") {
   bool refused = false;
   // The halt's thread may start late, and then has nothing to break off.
   const auto end = std::chrono::steady_clock::now() + kPatient;

@@ -73,7 +73,7 @@ struct RetreatBed {
 
 }  // namespace
 
-TEST_CASE("retreat: all stop, each is asked whether it stands, then z moves away at its top speed") {
+TEST_CASE("Zaber retreat: stops all axes, asks each whether it is at rest, then moves z away at its top speed") {
   RetreatBed bed;
   const ZaberRetreat result = bed.retreat_by(0.47625);  // 10000 steps
   CHECK(result.stands);
@@ -91,9 +91,7 @@ TEST_CASE("retreat: all stop, each is asked whether it stands, then z moves away
                                                   {3, kPosition, 0, 0}});
 }
 
-TEST_CASE(
-    "retreat: the stop of an axis is repeated until it slows down, and it is asked until it "
-    "stands") {
+TEST_CASE("Zaber retreat: repeats the stop until an axis slows down, and queries it until it is at rest") {
   RetreatBed bed;
   bed.status[1] = {{{kStatus, 20}}, {{kStatus, 1}}, {{kStatus, 23}}, {{kStatus, 23}}, {{kStatus, 0}}};
   bed.status[2] = {std::nullopt, {{kError, 255}}, {{kError, 0}}, {{kStatus, 0}}};
@@ -112,7 +110,7 @@ TEST_CASE(
   CHECK(asked(3) == 1);
 }
 
-TEST_CASE("retreat: an axis that does not come to rest is told, and z moves away all the same") {
+TEST_CASE("Zaber retreat: reports an axis that does not come to rest, and moves z away all the same") {
   RetreatBed bed;
   const std::uint8_t device = GENERATE(std::uint8_t{1}, std::uint8_t{2}, std::uint8_t{3});
   bed.status[device] = GENERATE(RetreatBed::Answers{std::nullopt}, RetreatBed::Answers{{{kStatus, 20}}},
@@ -123,7 +121,7 @@ TEST_CASE("retreat: an axis that does not come to rest is told, and z moves away
   CHECK(result.backed_off);
 }
 
-TEST_CASE("retreat: z that does not tell its mode or its place is asked twice and not moved") {
+TEST_CASE("Zaber retreat: asks at most twice for z's mode and position, and does not move z without them") {
   RetreatBed bed;
   RetreatBed::Answers RetreatBed::*const lost = GENERATE(&RetreatBed::mode, &RetreatBed::position);
   bed.*lost = GENERATE(RetreatBed::Answers{std::nullopt}, RetreatBed::Answers{{{kError, 64}}});
@@ -134,7 +132,7 @@ TEST_CASE("retreat: z that does not tell its mode or its place is asked twice an
   CHECK(bed.targets().empty());
 }
 
-TEST_CASE("retreat: one lost answer of each kind is asked for once more") {
+TEST_CASE("Zaber retreat: repeats a query once if its answer was lost") {
   RetreatBed bed;
   RetreatBed::Answers RetreatBed::*const lost =
       GENERATE(&RetreatBed::mode, &RetreatBed::position, &RetreatBed::resolution, &RetreatBed::target_speed);
@@ -145,14 +143,14 @@ TEST_CASE("retreat: one lost answer of each kind is asked for once more") {
   CHECK(bed.targets() == std::vector<std::int32_t>{10000});
 }
 
-TEST_CASE("retreat: z of a model whose step is not known is not moved") {
+TEST_CASE("Zaber retreat: does not move z if the step of its model is unknown") {
   RetreatBed bed;
   bed.options.axes[2].device_id = 61;
   CHECK_FALSE(bed.retreat_by(0.47625).backed_off);
   CHECK(bed.targets().empty());
 }
 
-TEST_CASE("retreat: z that was not homed is not moved, whatever its other modes are") {
+TEST_CASE("Zaber retreat: does not move z if it is not homed, whatever its other mode bits") {
   RetreatBed bed;
   bed.mode = {{{kMode, 0xFFFF & ~kZaberHomed}}};
   const ZaberRetreat result = bed.retreat_by(0.47625);
@@ -161,7 +159,7 @@ TEST_CASE("retreat: z that was not homed is not moved, whatever its other modes 
   CHECK(bed.targets().empty());
 }
 
-TEST_CASE("retreat: the way counts in z's resolution, 64 when z does not tell it") {
+TEST_CASE("Zaber retreat: converts the distance with z's resolution, or with 64 if z does not report one") {
   const auto [told, target] = GENERATE(
       table<std::optional<std::pair<ZaberCommand, std::int32_t>>, std::int32_t>({{std::pair(kResolution, 128), 10000},
                                                                                  {std::pair(kResolution, 1), 19922},
@@ -175,7 +173,7 @@ TEST_CASE("retreat: the way counts in z's resolution, 64 when z does not tell it
   CHECK(bed.targets() == std::vector<std::int32_t>{target});
 }
 
-TEST_CASE("retreat: z goes to its home when the way ends there, before it, or is no number") {
+TEST_CASE("Zaber retreat: moves z to its home if the distance ends there, beyond it, or is NaN") {
   RetreatBed bed;
   CHECK(bed.retreat_by(GENERATE(0.95, 0.9525, 0.96, 50.0, std::nan(""), HUGE_VAL)).backed_off);
   REQUIRE(bed.targets().size() == 1);
@@ -183,14 +181,14 @@ TEST_CASE("retreat: z goes to its home when the way ends there, before it, or is
   CHECK(bed.targets()[0] <= 53);  // 20000 - 19948 for the first
 }
 
-TEST_CASE("retreat: a top speed that is no number leaves z the speed it has") {
+TEST_CASE("Zaber retreat: leaves z's speed as it is if the top speed is NaN") {
   RetreatBed bed;
   bed.options.axes[2].maximum_speed = MillimetresPerSecond(std::nan(""));
   CHECK(bed.retreat_by(0.47625).backed_off);
   CHECK(bed.chain.count(kTargetSpeed) == 0);
 }
 
-TEST_CASE("retreat: z that does not arrive in time is told with its place, or that it is not known") {
+TEST_CASE("Zaber retreat: fails if z stays or stops answering, and tolerates two lost answers on the way") {
   RetreatBed bed;
   bed.obeys = false;
   SECTION("it stays") {
@@ -211,7 +209,7 @@ TEST_CASE("retreat: z that does not arrive in time is told with its place, or th
   }
 }
 
-TEST_CASE("retreat: z that is at its home already is not waited for") {
+TEST_CASE("Zaber retreat: does not wait if z is already at its home") {
   RetreatBed bed;
   bed.position = {{{kPosition, 0}}};
   CHECK(bed.retreat_by(1.0, 0s).backed_off);

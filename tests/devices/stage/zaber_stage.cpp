@@ -18,7 +18,7 @@ constexpr Millimetres kEnd{8.9296875};  // 90000 steps of x
 
 }  // namespace
 
-TEST_CASE("a Zaber stage goes to the ends of its limits and to nothing beyond them") {
+TEST_CASE("Zaber stage: moves to the ends of its limits and refuses targets beyond them") {
   ZaberStageOptions options = even_stage();
   options.axes[0].low = Millimetres(2.0);
   options.axes[0].high = Millimetres(6.0);
@@ -36,7 +36,7 @@ TEST_CASE("a Zaber stage goes to the ends of its limits and to nothing beyond th
   }
 }
 
-TEST_CASE("a Zaber stage goes to the end of the device's own travel where its limits are wider") {
+TEST_CASE("Zaber stage: moves to the end of the device's own travel if its limits are wider") {
   ZaberStageOptions options = even_stage();
   options.axes[0].low = Millimetres(-5.0);
   ReadyStage alone(options);
@@ -51,7 +51,7 @@ TEST_CASE("a Zaber stage goes to the end of the device's own travel where its li
   }
 }
 
-TEST_CASE("a Zaber stage moves from its lowest speed, which is one unit, to its highest, both included") {
+TEST_CASE("Zaber stage: accepts speeds from one unit to the highest, both included") {
   ReadyStage alone;
   const double unit = 9.375 * 0.00635 / 64;
   for (const double speed : {0.0, -1.0, 0.49 * unit, 4.46484376}) {
@@ -74,7 +74,7 @@ TEST_CASE("a Zaber stage moves from its lowest speed, which is one unit, to its 
   CHECK(speeds == std::vector<std::int32_t>{1, 4800});
 }
 
-TEST_CASE("each move of a Zaber stage asks whether it is homed, and sends its speed and its target") {
+TEST_CASE("Zaber stage: each move asks whether the axis is homed, then sends speed and target") {
   ReadyStage alone;
   alone.stage.start_move_to(Axis::kX, kEnd, MillimetresPerSecond(2.232421875));
   CHECK(alone.sent() ==
@@ -100,7 +100,7 @@ TEST_CASE("each move of a Zaber stage asks whether it is homed, and sends its sp
   CHECK(alone.stage.wait(Axis::kX) == kEnd);
 }
 
-TEST_CASE("constant speed of a Zaber stage ends at the nearer one of its limit and the device's, on both sides") {
+TEST_CASE("Zaber stage: constant speed ends at the nearer of its limit and the device's, in both directions") {
   ZaberStageOptions options = even_stage();
   const auto [low, high, down, up] = GENERATE(table<double, double, std::int32_t, std::int32_t>(
       {{0.0, 60.0, -1, -1}, {0.0, 8.9296875, -1, -1}, {-1.0, 1e9, -1, -1}, {0.9921875, 7.9375, 10000, 80000}}));
@@ -119,7 +119,7 @@ TEST_CASE("constant speed of a Zaber stage ends at the nearer one of its limit a
   }
 }
 
-TEST_CASE("a relative move of a Zaber stage starts where the device says, which may have been turned by hand") {
+TEST_CASE("Zaber stage: a relative move starts from the position the device reports") {
   ReadyStage alone;
   alone.instead[{1, kPosition}] = {{{kPosition, 80000}}};
   CHECK(fault_id_of([&] { alone.stage.start_move_by(Axis::kX, Millimetres(1.0), {}); }) == "TB-STAGE-LIMIT");
@@ -133,7 +133,7 @@ TEST_CASE("a relative move of a Zaber stage starts where the device says, which 
   CHECK(alone.stage.wait(Axis::kX) == kEnd);
 }
 
-TEST_CASE("a speed that a Zaber device refused is sent again with the next move") {
+TEST_CASE("Zaber stage: a speed that the device refused is sent again with the next move") {
   ReadyStage alone;
   alone.instead[{1, kTargetSpeed}] = {{{kError, 42}}};
   check_fault([&] { alone.stage.start_move_to(Axis::kX, kEnd, MillimetresPerSecond(1.0)); }, "TB-STAGE-REFUSED",
@@ -150,7 +150,7 @@ TEST_CASE("a speed that a Zaber device refused is sent again with the next move"
   CHECK(alone.sent()[1] == ZaberFrame{1, kTargetSpeed, 4800, 0});
 }
 
-TEST_CASE("faults of a Zaber stage that is not ready say which axis, and nothing is sent") {
+TEST_CASE("Zaber stage: a fault of a stage that is not ready names the axis, and nothing is sent") {
   StageAlone alone;
   check_fault([&] { (void)alone.stage.state(Axis::kX); }, "TB-STAGE-NOT-ARMED", "stage");
   alone.stage.arm();
@@ -170,7 +170,7 @@ TEST_CASE("faults of a Zaber stage that is not ready say which axis, and nothing
   check_fault([&] { (void)alone.stage.state(Axis::kX); }, "TB-STAGE-HALTED", "stage");
 }
 
-TEST_CASE("an axis of a Zaber stage that lost its home meanwhile is not moved") {
+TEST_CASE("Zaber stage: an axis that is no longer homed is not moved") {
   ReadyStage alone;
   alone.take(1, kMode, kZaberMessageIds | kZaberKnobOff);
   CHECK(fault_id_of([&] { alone.stage.start_move_to(Axis::kX, kEnd, {}); }) == "TB-STAGE-NOT-HOMED");
@@ -181,7 +181,7 @@ TEST_CASE("an axis of a Zaber stage that lost its home meanwhile is not moved") 
   CHECK(fault_id_of([&] { alone.stage.home(Axis::kX); }) == "TB-STAGE-NOT-HOMED");
 }
 
-TEST_CASE("a Zaber stage tells each activity of a device by its status, and its place") {
+TEST_CASE("Zaber stage: state reports activity from the device's status, and its position") {
   const auto [status, activity] = GENERATE(table<std::int32_t, Activity>({{0, Activity::kIdle},
                                                                           {1, Activity::kHoming},
                                                                           {10, Activity::kByHand},
@@ -201,7 +201,7 @@ TEST_CASE("a Zaber stage tells each activity of a device by its status, and its 
   CHECK(alone.sent() == std::vector<ZaberFrame>{{1, kStatus, 0, 0}, {1, kPosition, 0, 0}});
 }
 
-TEST_CASE("sending a Zaber axis home asks for no reply, disarms, and lets the reply's time pass") {
+TEST_CASE("Zaber stage: send_home needs no reply, disarms, and lets the reply timeout pass") {
   ReadyStage alone;
   const Nanoseconds begin = alone.clock.now();
   CHECK(alone.stage.send_home(Axis::kZ));
@@ -221,7 +221,7 @@ TEST_CASE("sending a Zaber axis home asks for no reply, disarms, and lets the re
   CHECK(alone.chain.opened == 4);
 }
 
-TEST_CASE("an error that a Zaber device tells unasked is told once and leaves the stage armed") {
+TEST_CASE("Zaber stage: an unsolicited device error is reported once, and the stage stays armed") {
   ReadyStage alone;
   alone.chain.say({2, kError, 15, 0});
   check_fault([&] { (void)alone.stage.state(Axis::kX); }, "TB-STAGE-REFUSED", "stage y (device 2)", "error 15");
@@ -232,7 +232,7 @@ TEST_CASE("an error that a Zaber device tells unasked is told once and leaves th
   CHECK(fault_id_of([&] { (void)alone.stage.state(Axis::kX); }) == "none");
 }
 
-TEST_CASE("a Zaber axis that tells its place unasked stands there, and no other frame moves it") {
+TEST_CASE("Zaber stage: only an unsolicited tracking report updates the known position") {
   ReadyStage alone;
   const auto beyond = [&] {  // from 80000 steps 2 mm are too far; then nothing is asked
     alone.sent();
@@ -256,7 +256,7 @@ TEST_CASE("a Zaber axis that tells its place unasked stands there, and no other 
   }
 }
 
-TEST_CASE("a Zaber axis at constant speed has ended when it tells its limit unasked, and by no other frame") {
+TEST_CASE("Zaber stage: a constant speed ends at an unsolicited limit report, and at no other frame") {
   ReadyStage alone;
   alone.instead[{1, kStatus}] = {{{kStatus, 22}}};
   alone.stage.start_speed(Axis::kX, MillimetresPerSecond(1.0));
@@ -277,7 +277,7 @@ TEST_CASE("a Zaber axis at constant speed has ended when it tells its limit unas
   CHECK(alone.sent() == std::vector<ZaberFrame>{{1, kStatus, 0, 0}});  // its place was told, and is not asked for
 }
 
-TEST_CASE("a Zaber axis that tells a limit while it goes to a target goes on") {
+TEST_CASE("Zaber stage: a limit report during a move to a target does not end the move") {
   ReadyStage alone;
   alone.instead[{1, kStatus}] = {{{kStatus, 20}}};
   alone.stage.start_move_to(Axis::kX, Millimetres(8.9296875), {});
@@ -296,7 +296,7 @@ TEST_CASE("a Zaber axis that tells a limit while it goes to a target goes on") {
   CHECK(alone.sent() == std::vector<ZaberFrame>{{1, kStatus, 0, 0}});
 }
 
-TEST_CASE("an error under the id of a Zaber axis' motion refuses the motion") {
+TEST_CASE("Zaber stage: an error with the message id of a motion refuses that motion") {
   ReadyStage alone;
   alone.instead[{1, kStatus}] = {{{kStatus, 22}}};
   alone.stage.start_speed(Axis::kX, MillimetresPerSecond(1.0));
@@ -304,7 +304,7 @@ TEST_CASE("an error under the id of a Zaber axis' motion refuses the motion") {
   check_fault([&] { (void)alone.stage.wait(Axis::kX); }, "TB-STAGE-REFUSED", "stage x (device 1)", "error 22");
 }
 
-TEST_CASE("message ids of motions that have ended are used again, and a motion under way keeps its own") {
+TEST_CASE("Zaber stage: message ids of ended motions are used again, and a motion in progress keeps its own") {
   ReadyStage alone;
   alone.stage.start_move_to(Axis::kZ, Millimetres(40.0), MillimetresPerSecond(0.001));
   const std::uint8_t id = alone.chain.sent[2].id;
@@ -326,7 +326,7 @@ TEST_CASE("message ids of motions that have ended are used again, and a motion u
   CHECK_FALSE(used[id]);
 }
 
-TEST_CASE("a move of another program is not ended by a frame that nobody asked for") {
+TEST_CASE("Zaber stage: an unsolicited frame does not end a move of another program") {
   StageAlone alone;
   alone.instead[{1, kStatus}] = {{{kStatus, 22}}};
   alone.stage.arm();
@@ -338,7 +338,7 @@ TEST_CASE("a move of another program is not ended by a frame that nobody asked f
   CHECK(alone.clock.now() - begin == 100ms);
 }
 
-TEST_CASE("a relative Zaber move may follow one that has ended and was not waited for") {
+TEST_CASE("Zaber stage: a relative move may follow a move that ended without being waited for") {
   ReadyStage alone;
   alone.stage.start_move_to(Axis::kX, Millimetres(1.0), {});
   alone.clock.wait_until(alone.clock.now() + 60s);
@@ -346,7 +346,7 @@ TEST_CASE("a relative Zaber move may follow one that has ended and was not waite
   CHECK(alone.stage.wait(Axis::kX).value() == Approx(2.0).margin(1e-4));
 }
 
-TEST_CASE("a refused Zaber move is over") {
+TEST_CASE("Zaber stage: a refused move is over") {
   ReadyStage alone;
   alone.instead[{1, kMoveAbsolute}] = {{{kError, 20}}};
   CHECK(fault_id_of([&] { alone.stage.start_move_to(Axis::kX, Millimetres(1.0), {}); }) == "TB-STAGE-REFUSED");
@@ -355,13 +355,13 @@ TEST_CASE("a refused Zaber move is over") {
   CHECK(alone.sent().empty());
 }
 
-TEST_CASE("homing a Zaber axis sends one instruction, waits for its answer and asks whether it is homed") {
+TEST_CASE("Zaber stage: homing sends one instruction, waits for its answer and checks the homed bit") {
   ReadyStage alone;
   alone.stage.home(Axis::kX);
   CHECK(alone.sent() == std::vector<ZaberFrame>{{1, kHome, 0, 0}, {1, kStatus, 0, 0}, {1, kReturnSetting, 40, 0}});
 }
 
-TEST_CASE("stopping a Zaber axis sends one stop and waits for its answer") {
+TEST_CASE("Zaber stage: stopping sends one stop and waits for its answer") {
   ReadyStage alone;
   CHECK(alone.stage.stop(Axis::kX).value() == 0.0);
   CHECK(alone.sent() == std::vector<ZaberFrame>{{1, kStop, 0, 0}, {1, kStatus, 0, 0}});

@@ -8,7 +8,7 @@ using namespace tactbench::devices;
 using namespace std::chrono_literals;
 using enum ZaberCommand;
 
-TEST_CASE("arming a Zaber axis asks what it is and how it is set, in this order") {
+TEST_CASE("Zaber stage: arming queries identity and settings of each axis in a fixed order") {
   StageAlone alone;
   alone.stage.arm();
   CHECK(alone.chain.opened == 1);
@@ -36,7 +36,8 @@ TEST_CASE("arming a Zaber axis asks what it is and how it is set, in this order"
   CHECK(alone.chain.count(kMode) == 0);
 }
 
-TEST_CASE("arming sets message ids and replies in a Zaber device's mode, the knob where asked for, and nothing else") {
+TEST_CASE(
+    "Zaber stage: arming sets message ids and replies in the mode, the knob bit if configured, and nothing else") {
   const auto [mode, knob_off, written] = GENERATE(table<std::int32_t, bool, std::int32_t>({{0, false, 64},
                                                                                            {0, true, 72},
                                                                                            {1, false, 64},
@@ -57,7 +58,7 @@ TEST_CASE("arming sets message ids and replies in a Zaber device's mode, the kno
   CHECK(modes == (written < 0 ? std::vector<std::int32_t>{} : std::vector<std::int32_t>{written}));
 }
 
-TEST_CASE("arming a Zaber axis takes its home from its mode") {
+TEST_CASE("Zaber stage: arming reads from the mode whether an axis is homed") {
   StageAlone alone;
   alone.take(1, kSetPosition, 45000);
   alone.stage.arm();
@@ -67,7 +68,7 @@ TEST_CASE("arming a Zaber axis takes its home from its mode") {
   CHECK(alone.stage.wait(Axis::kX).value() == Approx(4.46484375));
 }
 
-TEST_CASE("what keeps a Zaber stage from being armed is told with its axis and the number that it answered") {
+TEST_CASE("Zaber stage: a fault during arming names the axis and the value that it answered") {
   struct Kept {
     std::uint8_t device;
     ZaberCommand command;
@@ -97,7 +98,7 @@ TEST_CASE("what keeps a Zaber stage from being armed is told with its axis and t
   CHECK(alone.stage.armed());
 }
 
-TEST_CASE("firmware that a Zaber axis may have is 5.00 to 5.99, or as a bench file allows, both ends included") {
+TEST_CASE("Zaber stage: accepts firmware 5.00 to 5.99, or the range of the bench file, both ends included") {
   const auto [own, firmware, taken] = GENERATE(table<bool, std::int32_t, bool>({{true, 501, true},
                                                                                 {true, 600, true},
                                                                                 {true, 500, false},
@@ -114,7 +115,7 @@ TEST_CASE("firmware that a Zaber axis may have is 5.00 to 5.99, or as a bench fi
   CHECK(alone.stage.identify()[0].complaint.empty() == taken);
 }
 
-TEST_CASE("a Zaber device that is expected but whose step is not known is refused") {
+TEST_CASE("Zaber stage: refuses an expected device whose step is unknown") {
   ZaberStageOptions options = even_stage();
   options.axes[0].device_id = 7;
   std::vector<ChainDeviceOptions> devices = even_chain();
@@ -124,7 +125,7 @@ TEST_CASE("a Zaber device that is expected but whose step is not known is refuse
   CHECK(alone.stage.identities()[0].model.empty());
 }
 
-TEST_CASE("a Zaber axis counts in its resolution, 64 when it tells none, and its travel may need more than 24 bits") {
+TEST_CASE("Zaber stage: an axis counts in its own resolution, 64 if it reports none, and travel may exceed 24 bits") {
   StageAlone alone;
   alone.take(2, kSetPosition, 6400);
   alone.take(2, kResolution, 128);
@@ -146,7 +147,7 @@ TEST_CASE("a Zaber axis counts in its resolution, 64 when it tells none, and its
   CHECK(alone.sent()[1] == ZaberFrame{1, kMoveAbsolute, 604724, 0});
 }
 
-TEST_CASE("a Zaber axis without travel goes nowhere") {
+TEST_CASE("Zaber stage: an axis without travel refuses any move away from 0") {
   StageAlone alone;
   alone.take(1, kMaximumPosition, 0);
   alone.stage.arm();
@@ -156,7 +157,7 @@ TEST_CASE("a Zaber axis without travel goes nowhere") {
   CHECK(alone.stage.wait(Axis::kX).value() == 0.0);
 }
 
-TEST_CASE("one lost reply of a Zaber axis is asked for again, two are a fault that disarms") {
+TEST_CASE("Zaber stage: one lost reply is asked for again, two are a fault that disarms") {
   ReadyStage alone;
   const Nanoseconds begin = alone.clock.now();
   const auto before = alone.stage.exchanges();
@@ -171,7 +172,7 @@ TEST_CASE("one lost reply of a Zaber axis is asked for again, two are a fault th
   CHECK_FALSE(alone.stage.armed());
 }
 
-TEST_CASE("renumbering a Zaber chain waits for its answers and then for a second, in which nothing is sent") {
+TEST_CASE("Zaber stage: renumbering waits for the answers, then for a second in which nothing is sent") {
   ZaberStageOptions options = even_stage();
   options.renumber = true;
   StageAlone alone(options);
@@ -184,7 +185,7 @@ TEST_CASE("renumbering a Zaber chain waits for its answers and then for a second
   CHECK(alone.chain.pieces.empty());
 }
 
-TEST_CASE("identities of a Zaber stage are what it was told, or what is expected before") {
+TEST_CASE("Zaber stage: identities are those reported by the devices, or those expected before") {
   ZaberStageOptions options = even_stage();
   options.axes[0].serial = "S1";
   options.axes[2].serial = "S3";
@@ -219,7 +220,7 @@ TEST_CASE("identities of a Zaber stage are what it was told, or what is expected
   CHECK(found[1].origin == Origin::kSimulated);
 }
 
-TEST_CASE("a halt stops all Zaber axes at once and asks each whether it stands") {
+TEST_CASE("Zaber stage: halt stops all axes at once and asks each whether it is at rest") {
   ReadyStage alone;
   const auto before = alone.stage.exchanges();
   const int discards = alone.chain.discards;
@@ -233,7 +234,8 @@ TEST_CASE("a halt stops all Zaber axes at once and asks each whether it stands")
   CHECK(alone.stage.armed());
 }
 
-TEST_CASE("a halt looks each 20 ms, repeats the stop of what does not slow down, and gives up after its timeout") {
+TEST_CASE(
+    "Zaber stage: halt polls each 20 ms, repeats the stop of an axis that keeps moving, and ends at its timeout") {
   ReadyStage alone;
   const auto [answer, stops] = GENERATE(table<StageAlone::Answer, std::size_t>({{std::pair(kStatus, 20), 101},
                                                                                 {std::pair(kStatus, 1), 101},
@@ -250,7 +252,7 @@ TEST_CASE("a halt looks each 20 ms, repeats the stop of what does not slow down,
   CHECK(std::count(sent.begin(), sent.end(), ZaberFrame{2, kStatus, 0, 0}) == 101);
 }
 
-TEST_CASE("a halt ends as soon as each Zaber axis stands") {
+TEST_CASE("Zaber stage: halt ends as soon as each axis is at rest") {
   ReadyStage alone;
   alone.instead[{1, kStatus}] = {{{kStatus, 23}}, {{kStatus, 0}}};
   alone.instead[{3, kStatus}] = {{{kStatus, 23}}, {{kStatus, 23}}, {{kStatus, 23}}, {{kStatus, 0}}};
@@ -261,7 +263,7 @@ TEST_CASE("a halt ends as soon as each Zaber axis stands") {
   CHECK(alone.chain.count(kStop) == 1);
 }
 
-TEST_CASE("a halt asks a silent Zaber axis twice and no longer, while the others are waited for") {
+TEST_CASE("Zaber stage: halt asks a silent axis only twice, while it waits for the others") {
   ReadyStage alone;
   alone.instead[{1, kStatus}] = {std::nullopt};
   SECTION("the others stand") {
@@ -281,7 +283,7 @@ TEST_CASE("a halt asks a silent Zaber axis twice and no longer, while the others
   CHECK(alone.chain.count(kStop) == 1);
 }
 
-TEST_CASE("a halt opens a lost line once more") {
+TEST_CASE("Zaber stage: halt opens a lost line a second time") {
   ReadyStage alone;
   SECTION("at the second attempt") {
     alone.stage.disarm();
@@ -303,7 +305,7 @@ TEST_CASE("a halt opens a lost line once more") {
   }
 }
 
-TEST_CASE("a halted Zaber axis forgets its move") {
+TEST_CASE("Zaber stage: a halted axis forgets its move") {
   ReadyStage alone;
   alone.stage.start_move_to(Axis::kX, Millimetres(8.9296875), {});
   alone.clock.wait_until(alone.clock.now() + 1s);
@@ -314,7 +316,7 @@ TEST_CASE("a halted Zaber axis forgets its move") {
   CHECK(alone.sent().empty());
 }
 
-TEST_CASE("identifying a Zaber stage uses the line of an armed one, and closes the one it opened") {
+TEST_CASE("Zaber stage: identify uses the line of an armed stage, and closes a line that it opened") {
   StageAlone alone;
   (void)alone.stage.identify();
   CHECK(alone.chain.opened == 1);
@@ -332,7 +334,7 @@ TEST_CASE("identifying a Zaber stage uses the line of an armed one, and closes t
   CHECK_FALSE(alone.stage.armed());
 }
 
-TEST_CASE("identifying a Zaber stage tells an axis that does not answer, and lets the supervision go on before each") {
+TEST_CASE("Zaber stage: identify reports an axis that does not answer, and lets the supervision run before each axis") {
   class CountedClock final : public Clock {
    public:
     [[nodiscard]] Nanoseconds now() const override { return now_; }

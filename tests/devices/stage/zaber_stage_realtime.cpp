@@ -21,7 +21,7 @@ SimulatedChainOptions free_running() {
 
 }  // namespace
 
-TEST_CASE("a chain that runs by itself reports the end of a move to a foreign client") {
+TEST_CASE("simulated Zaber chain: in real time it reports the end of homing to another client") {
   SteadyClock clock;
   const SimulatedChain chain(free_running(), clock);
   SerialAddress address;
@@ -33,7 +33,7 @@ TEST_CASE("a chain that runs by itself reports the end of a move to a foreign cl
   CHECK(decode_without_id(reply) == ZaberFrame{3, kHome, 0, 0});
 }
 
-TEST_CASE("a real-time stage homes, moves and is halted by another thread") {
+TEST_CASE("Zaber stage: homes, moves and is halted by another thread in real time") {
   ZaberRig<SteadyClock> rig(free_running());
   rig.arm_and_home();
   rig.stage.start_move_to(Axis::kZ, Millimetres(0.5), std::nullopt);
@@ -57,7 +57,7 @@ SimulatedChainOptions alive() {
 
 }  // namespace
 
-TEST_CASE("zaber retreat: stops what moves, then backs z off, never below its home") {
+TEST_CASE("Zaber retreat: stops moving axes, then backs z off, never below its home") {
   ZaberRig<SteadyClock> rig(alive());
   rig.arm_and_home();
   rig.stage.start_move_to(Axis::kZ, Millimetres(3.0), std::nullopt);
@@ -79,7 +79,7 @@ TEST_CASE("zaber retreat: stops what moves, then backs z off, never below its ho
   CHECK(rig.chain.position(Axis::kX).value() == x);
 }
 
-TEST_CASE("zaber retreat: a z that was never homed is stopped and left where it is") {
+TEST_CASE("Zaber retreat: a z axis that was never homed is stopped and not moved") {
   ZaberRig<SteadyClock> rig(alive());
   const ZaberRetreat result = retreat(rig.connect(), paper_stage(), Millimetres(2.0), 10s);
   CHECK(result.stands);

@@ -24,7 +24,8 @@ void check_within_a_look(Nanoseconds time, Nanoseconds expected) {
 
 }  // namespace
 
-TEST_CASE("a moving Zaber axis is asked each 100 ms up to its expected end, then each 12.5 ms until it is overdue") {
+TEST_CASE(
+    "Zaber stage: a moving axis is polled each 100 ms until its expected end, then each 12.5 ms until it is overdue") {
   ReadyStage alone;
   alone.instead[{1, kStatus}] = {{{kStatus, 20}}};
   const Nanoseconds begin = alone.clock.now();
@@ -50,7 +51,7 @@ TEST_CASE("a moving Zaber axis is asked each 100 ms up to its expected end, then
   CHECK(alone.sent().empty());
 }
 
-TEST_CASE("the time that a Zaber move may take is that of its own speed and its own way") {
+TEST_CASE("Zaber stage: the time limit of a move follows from its own speed and distance") {
   ReadyStage alone;
   alone.instead[{1, kStatus}] = {{{kStatus, 20}}};
   const Nanoseconds begin = alone.clock.now();
@@ -78,7 +79,7 @@ TEST_CASE("the time that a Zaber move may take is that of its own speed and its 
   }
 }
 
-TEST_CASE("the time that a Zaber axis may take is that of its own acceleration") {
+TEST_CASE("Zaber stage: the time limit of an axis follows from its own acceleration") {
   std::vector<ChainDeviceOptions> devices = even_chain();
   devices[0].acceleration = 8;  // a ramp of 0.5 s
   ReadyStage alone(even_stage(), devices);
@@ -102,7 +103,7 @@ TEST_CASE("the time that a Zaber axis may take is that of its own acceleration")
   }
 }
 
-TEST_CASE("homing of a Zaber axis may take its home timeout") {
+TEST_CASE("Zaber stage: the time limit of homing is the home timeout") {
   ZaberStageOptions options = even_stage();
   options.axes[0].home_timeout = 10s;
   ReadyStage alone(options);
@@ -116,7 +117,7 @@ TEST_CASE("homing of a Zaber axis may take its home timeout") {
   CHECK(fault_id_of([&] { alone.stage.start_move_to(Axis::kX, Millimetres(1.0), {}); }) == "TB-STAGE-NOT-HOMED");
 }
 
-TEST_CASE("a stop of a Zaber axis may take a quarter more than its ramp, and two seconds") {
+TEST_CASE("Zaber stage: the time limit of a stop is 1.25 times its ramp plus two seconds") {
   ReadyStage alone;
   alone.instead[{1, kStatus}] = {{{kStatus, 23}}};
   alone.polls.clear();
@@ -128,7 +129,7 @@ TEST_CASE("a stop of a Zaber axis may take a quarter more than its ramp, and two
   CHECK(alone.polls[11] - alone.polls[10] <= 12501us);
 }
 
-TEST_CASE("a stop that a busy Zaber device refuses is sent again until its time is over, then refused") {
+TEST_CASE("Zaber stage: a stop that a busy device refuses is repeated until its time limit, then is a refusal") {
   ReadyStage alone;
   alone.instead[{1, kStatus}] = {{{kStatus, 1}}};
   alone.instead[{1, kStop}] = {{{kError, kZaberBusy}}};
@@ -150,7 +151,7 @@ TEST_CASE("a stop that a busy Zaber device refuses is sent again until its time 
   CHECK(alone.chain.count(kMoveAbsolute) == 1);
 }
 
-TEST_CASE("a stop that is refused just when its time is over is not sent again") {
+TEST_CASE("Zaber stage: a stop refused exactly at its time limit is not repeated") {
   ZaberStageOptions options = even_stage();
   options.axes[0].maximum_speed = MillimetresPerSecond(ZaberUnits{0.00635 / 64}.acceleration_mm_per_s2(4));
   ReadyStage alone(options);
@@ -165,7 +166,7 @@ TEST_CASE("a stop that is refused just when its time is over is not sent again")
   CHECK(alone.chain.count(kStop) == (over ? 1 : 2));
 }
 
-TEST_CASE("a Zaber axis whose reply to a move was lost is asked for its place once it is idle") {
+TEST_CASE("Zaber stage: after a lost reply to a move, the position is queried once the axis is idle") {
   ReadyStage alone;
   alone.instead[{1, kMoveAbsolute}] = {std::nullopt};
   alone.instead[{1, kStatus}] = {{{kStatus, 20}}, {{kStatus, 20}}, {{kStatus, 0}}};
@@ -183,7 +184,7 @@ TEST_CASE("a Zaber axis whose reply to a move was lost is asked for its place on
   }
 }
 
-TEST_CASE("a Zaber axis whose reply tells another place than its target is astray") {
+TEST_CASE("Zaber stage: a move whose reply states another position than its target is an astray fault") {
   ReadyStage alone;
   alone.instead[{1, kMoveAbsolute}] = {{{kMoveAbsolute, 45001}}};
   CHECK(fault_id_of([&] { alone.stage.start_move_to(Axis::kX, Millimetres(4.46484375), {}); }) == "TB-STAGE-ASTRAY");
@@ -194,7 +195,7 @@ TEST_CASE("a Zaber axis whose reply tells another place than its target is astra
   CHECK(alone.sent().empty());  // its reply ended it before the wait
 }
 
-TEST_CASE("a move of another program is waited for after arming, at most for the home timeout") {
+TEST_CASE("Zaber stage: a move of another program is waited for after arming, at most for the home timeout") {
   ZaberStageOptions options = even_stage();
   options.axes[0].home_timeout = 3s;
   StageAlone alone(options);

@@ -17,7 +17,7 @@ double seconds(Nanoseconds time) { return std::chrono::duration<double>(time).co
 
 }  // namespace
 
-TEST_CASE("homing brings an axis to its sensor in process time") {
+TEST_CASE("Zaber stage: homing moves an axis to its sensor in the expected time") {
   ZaberRig rig;
   rig.stage.arm();
   const Nanoseconds begin = rig.clock.now();
@@ -29,7 +29,7 @@ TEST_CASE("homing brings an axis to its sensor in process time") {
   CHECK(seconds(rig.clock.now() - begin) == Approx(5.0 / 1.3046).margin(0.3));
 }
 
-TEST_CASE("absolute and relative moves end at their targets, in the time of their trapezoid") {
+TEST_CASE("Zaber stage: absolute and relative moves end at their targets, in the time of a trapezoidal profile") {
   ZaberRig rig;
   rig.arm_and_home();
   const Nanoseconds begin = rig.clock.now();
@@ -44,7 +44,7 @@ TEST_CASE("absolute and relative moves end at their targets, in the time of thei
   CHECK(rig.chain.position(Axis::kZ).value() == Approx(19.5).margin(kStep));
 }
 
-TEST_CASE("two axes move at once and their replies come in any order") {
+TEST_CASE("Zaber stage: two axes move at once, and their replies may come in any order") {
   ZaberRig rig;
   rig.arm_and_home();
   rig.stage.start_move_to(Axis::kX, Millimetres(20.0), std::nullopt);  // 5 s
@@ -58,7 +58,7 @@ TEST_CASE("two axes move at once and their replies come in any order") {
   CHECK(rig.stage.wait(Axis::kX).value() == Approx(10.0).margin(kStep));
 }
 
-TEST_CASE("stop brings a moving axis to rest short of its target") {
+TEST_CASE("Zaber stage: stop brings a moving axis to rest short of its target") {
   ZaberRig rig;
   rig.arm_and_home();
   rig.stage.start_move_to(Axis::kZ, Millimetres(40.0), MillimetresPerSecond(8.0));
@@ -71,7 +71,7 @@ TEST_CASE("stop brings a moving axis to rest short of its target") {
   CHECK(rig.stage.stop(Axis::kZ).value() == Approx(stood.value()).margin(kStep));
 }
 
-TEST_CASE("a Zaber axis whose homing was refused is not homed, and is on the next attempt") {
+TEST_CASE("Zaber stage: an axis whose homing was refused is not homed, and is after the next attempt") {
   ZaberRig rig;
   rig.arm_and_home();
   rig.chain.refuse_next(kHome, 1);
@@ -82,7 +82,7 @@ TEST_CASE("a Zaber axis whose homing was refused is not homed, and is on the nex
   CHECK(rig.stage.wait(Axis::kY).value() == Approx(3.0).margin(kStep));
 }
 
-TEST_CASE("an axis that another program moves is noticed") {
+TEST_CASE("Zaber stage: a move that a power cycle interrupts is detected") {
   ZaberRig rig;
   rig.arm_and_home();
   rig.stage.start_move_to(Axis::kZ, Millimetres(20.0), std::nullopt);
@@ -91,7 +91,7 @@ TEST_CASE("an axis that another program moves is noticed") {
   CHECK(fault_id_of([&] { rig.stage.start_move_to(Axis::kZ, Millimetres(20.0), {}); }) == "TB-STAGE-NOT-HOMED");
 }
 
-TEST_CASE("after a damaged, cut or late reply the query is repeated and the move ends well") {
+TEST_CASE("Zaber stage: after a damaged, cut or late reply the query is repeated and the move succeeds") {
   long SimulatedChainFaults::*const fault = GENERATE(
       &SimulatedChainFaults::corrupt_reply, &SimulatedChainFaults::cut_reply, &SimulatedChainFaults::late_reply);
   const long number = GENERATE(0L, 5L, 8L, 45L);
@@ -106,7 +106,7 @@ TEST_CASE("after a damaged, cut or late reply the query is repeated and the move
   CHECK(rig.count({kMoveAbsolute}) == 1);
 }
 
-TEST_CASE("the chain is renumbered only on request") {
+TEST_CASE("Zaber stage: the chain is renumbered only on request") {
   SimulatedChainOptions chain;
   for (std::size_t i = 0; i < 3; ++i) chain.devices[i].number = static_cast<std::uint8_t>(7 - i);
   ZaberStageOptions options = impatient_stage();
@@ -121,7 +121,7 @@ TEST_CASE("the chain is renumbered only on request") {
   CHECK(rig.count({kRenumber}) == 1);
 }
 
-TEST_CASE("a device that is not the expected one is refused before its mode is written") {
+TEST_CASE("Zaber stage: an unexpected device is refused before its mode is written") {
   SimulatedChainOptions chain;
   SECTION("another model") { std::swap(chain.devices[0].device_id, chain.devices[2].device_id); }
   SECTION("firmware 6, whose units differ") { chain.devices[0].firmware = 606; }

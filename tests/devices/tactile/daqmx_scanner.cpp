@@ -33,7 +33,7 @@ struct DaqmxRig : DaqmxCard {
 
 }  // namespace
 
-TEST_CASE("daqmx scanner: one relay closed at a time, each settled on the process clock, all open at the end") {
+TEST_CASE("daqmx scanner: closes one relay at a time, each with its settling time, and opens all at the end") {
   DaqmxRig rig;
   std::vector<std::pair<int, Nanoseconds>> seen;  // row closed when the first sample was taken, and when that was
   rig.card.volts = [&](const Levels& lines, int channel, int sample) {
@@ -61,7 +61,7 @@ TEST_CASE("daqmx scanner: one relay closed at a time, each settled on the proces
   CHECK(scanner.relay_operations() == std::vector<std::uint64_t>(16, 3));
 }
 
-TEST_CASE("daqmx scanner: relays that close on 0, another shape, range, wiring and rates") {
+TEST_CASE("daqmx scanner: supports active-low relays, another shape, range, wiring and rates") {
   DaqmxRig rig;
   rig.options.relays_active_low = true;
   rig.options.rows = 3;
@@ -89,14 +89,14 @@ TEST_CASE("daqmx scanner: relays that close on 0, another shape, range, wiring a
   CHECK(rig.card.lines == Levels{1, 1, 1});
 }
 
-TEST_CASE("daqmx scanner: a card that disappears in mid-scan is lost, and nothing hangs at the end") {
+TEST_CASE("daqmx scanner: a card that disappears during a scan is a lost-scanner fault") {
   DaqmxRig rig;
   DaqmxScanner scanner(rig.options, rig.clock);
   rig.fail("WriteDigitalLines", -200045, 2);
   CHECK(fault_id_of([&] { (void)scanner.read(1); }) == "TB-SCANNER-LOST");
 }
 
-TEST_CASE("daqmx scanner: the card's identity, and that of another serial is not touched") {
+TEST_CASE("daqmx scanner: reports the card's identity, and does not switch a card with another serial number") {
   DaqmxRig rig;
   for (const char* serial : {"", "1a2b3c4"}) {
     rig.options.expected_serial = serial;
@@ -143,7 +143,7 @@ constexpr const char* kGeometry = "TB-SCANNER-GEOMETRY";
 
 }  // namespace
 
-TEST_CASE("daqmx scanner told: none of its numbers may be 0 or less") {
+TEST_CASE("daqmx scanner: rows, columns, samples, rate and range must be above 0") {
   const auto said = [](const std::function<void(DaqmxScannerOptions&)>& change) {
     SmallCard rig;
     change(rig.options);
@@ -168,7 +168,7 @@ TEST_CASE("daqmx scanner told: none of its numbers may be 0 or less") {
         }) == "none");
 }
 
-TEST_CASE("daqmx scanner told: lines and channels as many as rows and columns") {
+TEST_CASE("daqmx scanner: relay lines and input channels must match the rows and columns") {
   SmallCard rig;
   rig.options.rows = 3;
   CHECK(rig.opened() == kGeometry);
@@ -190,7 +190,7 @@ TEST_CASE("daqmx scanner told: lines and channels as many as rows and columns") 
   CHECK(rig.card.convert_rate == 0.5);
 }
 
-TEST_CASE("daqmx scanner told: counts are the mean of the samples, of each taxel") {
+TEST_CASE("daqmx scanner: counts are the mean of the samples, per taxel") {
   SmallCard rig;
   rig.volts = [](int row, int column, int sample) {
     return 1.0 + 2.0 * row + 0.5 * column + (sample == 3 ? 0.4 : 0.0);
@@ -221,7 +221,7 @@ TEST_CASE("daqmx scanner told: counts are the mean of the samples, of each taxel
   CHECK(rig.card.writes.size() == writes + 2);  // the relays are opened all the same
 }
 
-TEST_CASE("daqmx scanner told: the limit is that of any sample, below zero that of the mean") {
+TEST_CASE("daqmx scanner: saturation is judged on each sample at the range limit, and on the mean below zero") {
   SmallCard rig;
   std::array<double, 4> samples{};
   rig.volts = [&](int row, int column, int sample) {
@@ -250,7 +250,7 @@ TEST_CASE("daqmx scanner told: the limit is that of any sample, below zero that 
   CHECK(read({0.0000611, 0.0000611, 0.0000611, 0.0000611}) == std::pair{1, 0});
 }
 
-TEST_CASE("daqmx scanner told: a driver's error by its kind, what it cost, and the relays open") {
+TEST_CASE("daqmx scanner: each driver error maps to a fault and a time cost, and leaves all relays open") {
   for (const auto& [function, code, id, cost] : {std::tuple{"ReadAnalogF64", -200284, "TB-SCANNER-TIMEOUT", 243ms},
                                                  {"ReadAnalogF64", -200279, "TB-SCANNER-CORRUPT", 3ms},
                                                  {"ReadAnalogF64", -201003, "TB-SCANNER-LOST", 3ms},

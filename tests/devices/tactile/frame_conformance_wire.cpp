@@ -165,7 +165,7 @@ void check_source(const std::string& address) {
 
 }  // namespace
 
-TEST_CASE("frame conformance: the simulated source") {
+TEST_CASE("frame conformance: the simulated source follows the protocol") {
   const TurnedClock clock;
   TestArray array;
   const SimulatedFrameSource source(
@@ -173,7 +173,7 @@ TEST_CASE("frame conformance: the simulated source") {
   check_source("tcp:127.0.0.1:" + std::to_string(source.port()));
 }
 
-TEST_CASE("frame conformance: the reference server") {
+TEST_CASE("frame conformance: the reference server follows the protocol") {
   tactbench::tests::ChildProcess server(
       {"/usr/bin/python3", tactbench::tests::source_path("devices/tactile/frame_server.py"), "--port", "0"});
   const std::string line = server.line();
@@ -181,7 +181,7 @@ TEST_CASE("frame conformance: the reference server") {
   check_source("tcp:" + line.substr(line.rfind(' ') + 1));
 }
 
-TEST_CASE("frame conformance: a laboratory's own source", "[.][laboratory]") {
+TEST_CASE("frame conformance: a laboratory's own source follows the protocol", "[.][laboratory]") {
   const char* address = std::getenv("TACTBENCH_FRAME_SOURCE");
   REQUIRE(address != nullptr);
   check_source(address);

@@ -62,12 +62,12 @@ Packet packet_of(const Message& message) { return packet_from(encode(message)); 
 
 }  // namespace
 
-TEST_CASE("frame protocol: CRC-32 check value") {
+TEST_CASE("frame protocol: CRC-32 has its published check value") {
   const std::string digits = "123456789";
   CHECK(crc32(Bytes(digits.begin(), digits.end())) == 0xCBF43926U);
 }
 
-TEST_CASE("frame protocol: the document's bytes are the codec's, both ways") {
+TEST_CASE("frame protocol: messages encode to and decode from the bytes in the protocol document") {
   const auto examples = documented();
   REQUIRE(examples.size() == one_of_each().size());
   for (std::size_t i = 0; i < examples.size(); ++i) {
@@ -81,7 +81,7 @@ TEST_CASE("frame protocol: the document's bytes are the codec's, both ways") {
   }
 }
 
-TEST_CASE("frame protocol: messages are cut from a stream however it arrives") {
+TEST_CASE("frame protocol: messages are found in a stream, however it is split") {
   Bytes stream;
   for (const Message& message : one_of_each()) {
     const auto bytes = encode(message);
@@ -99,7 +99,7 @@ TEST_CASE("frame protocol: messages are cut from a stream however it arrives") {
   }
 }
 
-TEST_CASE("frame protocol: the largest and the smallest frame") {
+TEST_CASE("frame protocol: the largest and the smallest frame survive encoding and decoding") {
   for (const auto& frame : {frame_of(256, 256), frame_of(1, 1), frame_of(1, 256)}) {
     CHECK(decode(packet_of({65535, frame})) == Message{65535, frame});
   }
@@ -122,7 +122,7 @@ TEST_CASE("frame protocol: every flipped bit is detected") {
   }
 }
 
-TEST_CASE("frame protocol: a stream breaks for good") {
+TEST_CASE("frame protocol: a damaged stream stays unusable") {
   auto checksum = encode({1, Scan{}});
   checksum.back() ^= 1U;
   for (const Bytes& bytes : {checksum, Bytes{'G', 'E', 'T'}}) {
@@ -135,7 +135,7 @@ TEST_CASE("frame protocol: a stream breaks for good") {
   }
 }
 
-TEST_CASE("frame protocol: intact packets with a wrong payload are not messages") {
+TEST_CASE("frame protocol: intact packets with an invalid payload do not decode") {
   CHECK_FALSE(decode(Packet{0x55, 1, {}}));
   for (const Message& message : one_of_each()) {
     auto packet = packet_of(message);
@@ -194,7 +194,7 @@ using Ranges = std::vector<std::pair<int, int>>;
 
 }  // namespace
 
-TEST_CASE("frame protocol: a payload that ends early is no message, at whatever byte") {
+TEST_CASE("frame protocol: a payload cut at any byte does not decode") {
   const std::vector<Message> messages = {{1, Identify{}},
                                          {1, Description{1, 2, 3, 1e-4, "M", "S-7", "1.0"}},
                                          {1, Description{1, 2, 3, 1e-4, "", "", ""}},
@@ -213,7 +213,8 @@ TEST_CASE("frame protocol: a payload that ends early is no message, at whatever 
   CHECK_FALSE(is_sound(0x8F, {0}));  // half a code, and no text
 }
 
-TEST_CASE("frame protocol: a text longer than its payload is missing, even where the rest would fit the next texts") {
+TEST_CASE(
+    "frame protocol: a text longer than its payload does not decode, even if the bytes would fit the next texts") {
   const Bytes front{1, 0, 2, 0, 3, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0xF0, 0x3F};
   const auto with = [&](const Bytes& texts) {
     Bytes payload = front;
@@ -227,7 +228,7 @@ TEST_CASE("frame protocol: a text longer than its payload is missing, even where
   CHECK_FALSE(with({0, 1, 's', 2, 'f'}));
 }
 
-TEST_CASE("frame protocol: UTF-8 at both edges of every range of bytes, and beside them") {
+TEST_CASE("frame protocol: UTF-8 is accepted at both edges of each byte range, and refused just outside") {
   // Table 3-7, with the control characters 00 to 1F, 7F and C2 80 to C2 9F taken out.
   const std::vector<Ranges> rows = {{{0x20, 0x7E}},
                                     {{0xC2, 0xC2}, {0xA0, 0xBF}},
@@ -277,7 +278,7 @@ TEST_CASE("frame protocol: UTF-8 at both edges of every range of bytes, and besi
   }
 }
 
-TEST_CASE("frame protocol: sides of 1 to 256, scales above 0") {
+TEST_CASE("frame protocol: accepts 1 to 256 rows and columns with matching counts, and scales above 0") {
   const auto encoded = [](const Body& body) {
     try {
       (void)encode({1, body});
@@ -306,7 +307,7 @@ TEST_CASE("frame protocol: sides of 1 to 256, scales above 0") {
   CHECK_FALSE((framed(0, 1, 0) || framed(1, 0, 0)));
 }
 
-TEST_CASE("frame protocol: a header that cannot be is refused before its payload comes") {
+TEST_CASE("frame protocol: an invalid header is refused before its payload arrives") {
   const auto breaks = [](std::uint32_t size, std::uint8_t reserved) {
     Parser parser;
     Bytes header{'T', 'B', 'F', 'P', 0x02, reserved, 3, 0};
@@ -327,7 +328,7 @@ TEST_CASE("frame protocol: a header that cannot be is refused before its payload
   CHECK(breaks(0, 0x80));
 }
 
-TEST_CASE("frame protocol: each byte of the magic is looked at as soon as it comes") {
+TEST_CASE("frame protocol: each byte of the magic number is checked as soon as it arrives") {
   const Bytes magic{'T', 'B', 'F', 'P'};
   for (std::size_t at = 0; at < magic.size(); ++at) {
     Parser parser;
@@ -342,7 +343,7 @@ TEST_CASE("frame protocol: each byte of the magic is looked at as soon as it com
   }
 }
 
-TEST_CASE("frame protocol: types are the eight of the document, and no others") {
+TEST_CASE("frame protocol: only the eight documented message types are known") {
   const std::vector<int> known{0x01, 0x02, 0x03, 0x04, 0x81, 0x82, 0x84, 0x8F};
   for (int type = 0; type < 256; ++type) {
     CHECK(known_type(static_cast<std::uint8_t>(type)) == (std::find(known.begin(), known.end(), type) != known.end()));

@@ -69,7 +69,7 @@ Answer after_identity(Answer scan) {
 
 }  // namespace
 
-TEST_CASE("frame source told: what is wrong with its identity") {
+TEST_CASE("frame source: an identity with a wrong type, version, shape or serial number is a fault") {
   const auto opened = [](const protocol::Body& body) {
     return ToldSource([&](int, Tag tag) { return told(tag, body); }).opened();
   };
@@ -94,7 +94,7 @@ TEST_CASE("frame source told: what is wrong with its identity") {
   CHECK(any.opened() == "none");
 }
 
-TEST_CASE("frame source told: what is wrong with a scan") {
+TEST_CASE("frame source: invalid, refused and damaged scans are faults, and answers to other tags are ignored") {
   const auto read = [](const Answer& scan) { return ToldSource(after_identity(scan)).read(); };
   const auto read_of = [&](const protocol::Body& body) { return read([&](int, Tag tag) { return told(tag, body); }); };
   const std::string corrupt = "TB-SCANNER-CORRUPT", refused = "TB-SCANNER-REFUSED";
@@ -127,7 +127,7 @@ TEST_CASE("frame source told: what is wrong with a scan") {
   CHECK(read([](int, Tag) { return Bytes{0}; }) == "TB-SCANNER-LOST");
 }
 
-TEST_CASE("frame source told: the counter goes on, by no more than half its range") {
+TEST_CASE("frame source: the frame counter must advance, by less than half its range") {
   const auto read = [](std::uint32_t first, std::uint32_t second) {
     return ToldSource(
                after_identity([=](int number, Tag tag) { return told(tag, two_by_two(number == 1 ? first : second)); }))
@@ -141,7 +141,7 @@ TEST_CASE("frame source told: the counter goes on, by no more than half its rang
   }
 }
 
-TEST_CASE("frame source told: counts, counters, status and times of several scans") {
+TEST_CASE("frame source: several scans keep their counts, counters, status and times") {
   ToldSource rig(after_identity([](int number, Tag tag) {
     const auto scan = static_cast<std::uint32_t>(number);
     // What comes behind the answer, with it, is old when the next request is made.
@@ -176,7 +176,7 @@ TEST_CASE("frame source told: counts, counters, status and times of several scan
   CHECK((three.rows == 2 && three.columns == 2 && other.exchanges() == 4));
 }
 
-TEST_CASE("frame source told: no answer, and which one it was") {
+TEST_CASE("frame source: a missing answer is a timeout that states the scan number") {
   ToldSource rig(after_identity([](int number, Tag tag) {
     return number < 3 ? told(tag, two_by_two(static_cast<std::uint32_t>(number))) : Bytes{};
   }));
@@ -192,7 +192,7 @@ TEST_CASE("frame source told: no answer, and which one it was") {
   CHECK(late.read() == "TB-SCANNER-TIMEOUT");
 }
 
-TEST_CASE("frame source told: a flood of old answers does not delay past the deadline") {
+TEST_CASE("frame source: a flood of old answers does not extend the timeout") {
   static constexpr auto kFlood = 20 * kShort;  // ends with the right answer, too late
   const ScriptedServer server(
       [](int number, int socket, const Bytes& request) {
@@ -214,7 +214,7 @@ TEST_CASE("frame source told: a flood of old answers does not delay past the dea
   CHECK(fault_id_of([&] { (void)source.read(1); }) == "TB-SCANNER-TIMEOUT");
 }
 
-TEST_CASE("frame source told: a source that takes no more bytes is slow, not gone") {
+TEST_CASE("frame source: a source that accepts no more bytes is a timeout, not a lost scanner") {
   const TemporaryFolder folder;
   const std::string path = folder.path("source");
   const int listener = bound_at(path, SOCK_STREAM);

@@ -7,7 +7,7 @@
 
 using namespace tactbench::devices;
 
-TEST_CASE("frame source: tags wrap without effect, and none is 0, which stands for damage") {
+TEST_CASE("frame source: request tags wrap without effect, and none is 0, which means damage") {
   namespace protocol = frame_protocol;
   std::atomic<bool> zero{false};
   const ScriptedServer server([&](int number, int socket, const Bytes& request) {

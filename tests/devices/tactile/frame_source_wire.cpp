@@ -40,7 +40,7 @@ void check_frame_scan(const ScanSet& set, int index, int scan) {
 
 }  // namespace
 
-TEST_CASE("frame source: arrays of any shape up to 256 x 256") {
+TEST_CASE("frame source: supports arrays of any shape up to 256 x 256") {
   for (const auto& [rows, columns] : {std::pair{1, 1}, {3, 200}, {256, 256}}) {
     auto description = kDescription;
     description.rows = static_cast<std::uint16_t>(rows);
@@ -55,7 +55,7 @@ TEST_CASE("frame source: arrays of any shape up to 256 x 256") {
   }
 }
 
-TEST_CASE("frame source: frames taken by another client show as a jump of the counter") {
+TEST_CASE("frame source: frames read by another client appear as a jump of the counter") {
   const FrameSourceRig rig;
   auto source = rig.open();
   auto other = rig.open();
@@ -68,7 +68,7 @@ TEST_CASE("frame source: frames taken by another client show as a jump of the co
   CHECK(second.frame_counters.front() - first.frame_counters.front() == 4);
 }
 
-TEST_CASE("frame source: each fault of a scan by its id, whether its connection lives on, and the scan that follows") {
+TEST_CASE("frame source: each scan fault has its id, and the next scan succeeds, on a new connection if need be") {
   const struct {
     SimulatedFrameSourceFaults faults;
     std::string id;
@@ -91,7 +91,7 @@ TEST_CASE("frame source: each fault of a scan by its id, whether its connection 
   }
 }
 
-TEST_CASE("frame source: a port without a listener") {
+TEST_CASE("frame source: a port without a listener or an invalid address is a lost-scanner fault") {
   FrameSourceRig rig;
   rig.server.reset();
   CHECK(fault_id_of([&] { (void)rig.open(); }) == "TB-SCANNER-LOST");
@@ -101,7 +101,7 @@ TEST_CASE("frame source: a port without a listener") {
   CHECK(fault_id_of([&] { (void)rig.open(); }) == "TB-SCANNER-LOST");
 }
 
-TEST_CASE("simulated frame source: a port in use") {
+TEST_CASE("simulated frame source: a port in use is a fault") {
   const FrameSourceRig rig;
   TestArray array;
   CHECK(fault_id_of([&] {

@@ -32,7 +32,7 @@ void check_whole(const Frame& frame, int scan) {
 
 }  // namespace
 
-TEST_CASE("frame subscribers: each gets every frame under its own tag, until it wants no more") {
+TEST_CASE("frame subscribers: each receives every frame under its own tag, until it unsubscribes") {
   const Running source(500.0);
   FrameClient first(source.address), second(source.address);
   first.send(11, Subscribe{});
@@ -62,7 +62,7 @@ TEST_CASE("frame subscribers: each gets every frame under its own tag, until it 
   (void)first.expect<Frame>(15);
 }
 
-TEST_CASE("frame subscribers: the first frame comes at once, the others a period apart, however many ask") {
+TEST_CASE("frame subscribers: the first frame is sent at once, the others a period apart, for any number of clients") {
   const Running source(40.0);
   FrameClient first(source.address), second(source.address);
   const auto begin = Steady::now();
@@ -87,7 +87,7 @@ TEST_CASE("frame subscribers: the first frame comes at once, the others a period
   CHECK(in_time);
 }
 
-TEST_CASE("frame subscribers: the first one of all is served at once") {
+TEST_CASE("frame subscribers: the first subscriber is served at once") {
   const Running source(2.0);
   const auto end = Steady::now() + kPatient;
   bool at_once = false;
@@ -103,7 +103,7 @@ TEST_CASE("frame subscribers: the first one of all is served at once") {
   CHECK(at_once);
 }
 
-TEST_CASE("frame subscribers: a frame that physics fail to give is left out") {
+TEST_CASE("frame subscribers: a frame that the array fails to measure is skipped") {
   Running source(500.0);
   source.array.broken_scan = 1;
   FrameClient client(source.address);
@@ -115,7 +115,7 @@ TEST_CASE("frame subscribers: a frame that physics fail to give is left out") {
   }
 }
 
-TEST_CASE("frame subscribers: sixteen clients are served, and the next when one has left") {
+TEST_CASE("frame subscribers: sixteen clients are served, and the next one after one disconnects") {
   const Running source(100.0);
   std::list<FrameClient> clients;
   for (std::uint16_t i = 0; i < 16; ++i) {
@@ -133,7 +133,7 @@ TEST_CASE("frame subscribers: sixteen clients are served, and the next when one 
   (void)waiting.expect<Description>(99);
 }
 
-TEST_CASE("frame subscribers: answers wait for a client that reads late, whole and in order") {
+TEST_CASE("frame subscribers: a client that reads late receives all answers, whole and in order") {
   const Running source(100.0, 256);
   FrameClient client(source.address);
   for (std::uint16_t tag = 0; tag < 80; ++tag) client.send(tag, Scan{});  // 10 megabytes
@@ -149,7 +149,8 @@ TEST_CASE("frame subscribers: answers wait for a client that reads late, whole a
   (void)client.expect<Description>(200);
 }
 
-TEST_CASE("frame subscribers: who reads late misses frames and gets the others whole, nobody waits for it") {
+TEST_CASE(
+    "frame subscribers: a client that reads late misses frames, gets the others whole, and delays no other client") {
   const Running source(20'000.0, 256);
   FrameClient late(source.address), other(source.address);
   late.send(1, Subscribe{});
@@ -169,7 +170,7 @@ TEST_CASE("frame subscribers: who reads late misses frames and gets the others w
   CHECK(missed);
 }
 
-TEST_CASE("frame subscribers: one that hangs up in the middle of its frames leaves its place") {
+TEST_CASE("frame subscribers: a client that disconnects during its stream frees its place") {
   const Running source(5000.0);
   FrameClient staying(source.address);
   staying.send(1, Subscribe{});

@@ -105,7 +105,7 @@ struct Told {
 
 }  // namespace
 
-TEST_CASE("hid scanner told: identity and scans are what the reports say") {
+TEST_CASE("hid scanner: identity and scans have the values of the reports") {
   Told told;
   auto scanner = told.open();
   const Identity identity = scanner.identity();
@@ -139,7 +139,7 @@ TEST_CASE("hid scanner told: identity and scans are what the reports say") {
   CHECK(scanner.exchanges() == 3);
 }
 
-TEST_CASE("hid scanner told: rows, columns and scale have to be those of the sensor file, and possible") {
+TEST_CASE("hid scanner: the shape must match the sensor file, and shape and scale must be valid") {
   const auto opened = [](int rows, int columns, IdentityReport identity) {
     Told told;
     told.options.rows = rows;
@@ -161,7 +161,7 @@ TEST_CASE("hid scanner told: rows, columns and scale have to be those of the sen
     CHECK(opened(3, 2, {0, 3, 2, scale, "", ""}) == geometry);
 }
 
-TEST_CASE("hid scanner told: another serial, a scanner that is gone, and one that is silent") {
+TEST_CASE("hid scanner: another serial number, a lost scanner and a silent one are distinct faults") {
   {
     Told told;
     told.options.expected_serial = "S2";
@@ -190,7 +190,7 @@ TEST_CASE("hid scanner told: another serial, a scanner that is gone, and one tha
   CHECK(told.clock.now() == 500ms);
 }
 
-TEST_CASE("hid scanner told: reports of other ids are passed over, of any length, and do not extend the wait") {
+TEST_CASE("hid scanner: reports with other ids are ignored, of any length, and do not extend the timeout") {
   Told told;
   const auto usual = told.wire.answers;
   const auto among_others = [&](const CommandReport& command) {
@@ -215,7 +215,7 @@ TEST_CASE("hid scanner told: reports of other ids are passed over, of any length
   CHECK_FALSE(told.wire.coming.empty());
 }
 
-TEST_CASE("hid scanner told: only the answer to its own question is the identity") {
+TEST_CASE("hid scanner: only an intact answer with the tag of the request is the identity") {
   Told told;
   told.wire.answers = [&](const CommandReport& command) {
     IdentityReport other = told.identity, own = told.identity;
@@ -232,7 +232,7 @@ TEST_CASE("hid scanner told: only the answer to its own question is the identity
   CHECK(told.clock.now() == 0s);
 }
 
-TEST_CASE("hid scanner told: a row that there is not, twice, out of sequence, of another frame, or missing") {
+TEST_CASE("hid scanner: an invalid, repeated, out-of-sequence, foreign or missing row is a corrupt-scan fault") {
   using RowReports = std::vector<RowReport>;
   const auto row = &Told::row;
   struct Placed {

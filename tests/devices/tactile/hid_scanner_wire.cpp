@@ -56,7 +56,7 @@ TEST_CASE("hid scanner: a damaged report is refused and the next scan is whole")
   check_hid_scan(scanner.read(1), 0, 2);
 }
 
-TEST_CASE("hid scanner: reports that waited in the queue are not used") {
+TEST_CASE("hid scanner: old reports in the queue are not used") {
   const Scanner rig;
   auto link = open_packet_link(rig.path);
   ReportLink& wire = *link;
@@ -67,7 +67,7 @@ TEST_CASE("hid scanner: reports that waited in the queue are not used") {
   check_hid_scan(scanner.read(1), 0, 1);
 }
 
-TEST_CASE("simulated scanner: damaged commands are not answered, the next client is served") {
+TEST_CASE("simulated scanner: damaged commands are not answered, and the next client is served") {
   const Scanner rig;
   {
     const auto link = open_packet_link(rig.path);

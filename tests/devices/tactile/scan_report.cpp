@@ -39,14 +39,14 @@ void reseal(std::array<std::uint8_t, N>& bytes) {
 
 }  // namespace
 
-TEST_CASE("scan report: CRC-16/CCITT-FALSE check value") {
+TEST_CASE("scan report: CRC-16/CCITT-FALSE has its published check value") {
   const std::string text = "123456789";
   const std::vector<std::uint8_t> bytes(text.begin(), text.end());
   CHECK(crc16_ccitt(bytes) == 0x29B1);
   CHECK(crc16_ccitt({}) == 0xFFFF);
 }
 
-TEST_CASE("scan report: fields are where the format puts them, little-endian") {
+TEST_CASE("scan report: fields are at the offsets of the format, little-endian") {
   const auto row = encode(some_row());
   CHECK(row[0] == 0x01);
   CHECK((row[1] == 0xFE && row[2] == 0xFF));
@@ -63,7 +63,7 @@ TEST_CASE("scan report: fields are where the format puts them, little-endian") {
   CHECK((identity[5] == 0 && identity[8] == 0x38));  // 7.62939453125e-5 = 2^-13.68: 0x38A00000
 }
 
-TEST_CASE("scan report: encoded reports decode to the same, and every single flipped bit is refused") {
+TEST_CASE("scan report: reports survive encoding and decoding, and every single flipped bit is refused") {
   const auto check = [](const auto& report, auto decode) {
     check_codec(
         encode(report), report, [](const auto& one) { return encode(one); }, decode, Sum::kAll);
@@ -75,13 +75,13 @@ TEST_CASE("scan report: encoded reports decode to the same, and every single fli
     check(CommandReport{command, 0xBEEF}, [](auto bytes) { return decode_command(bytes); });
 }
 
-TEST_CASE("scan report: every other length is refused") {
+TEST_CASE("scan report: any other length is refused") {
   every_other_length_is_refused(encode(some_row()), [](auto bytes) { return decode_row(bytes); });
   every_other_length_is_refused(encode(some_identity()), [](auto bytes) { return decode_identity(bytes); });
   every_other_length_is_refused(encode(CommandReport{}), [](auto bytes) { return decode_command(bytes); });
 }
 
-TEST_CASE("scan report: wrong content under a right CRC is refused") {
+TEST_CASE("scan report: invalid content with a correct CRC is refused") {
   auto row = encode(some_row());
   row[0] = 0x03;  // another report's id
   reseal(row);
@@ -92,7 +92,7 @@ TEST_CASE("scan report: wrong content under a right CRC is refused") {
   CHECK_FALSE(decode_command(command).has_value());
 }
 
-TEST_CASE("scan report: every byte of the padding has to be 0") {
+TEST_CASE("scan report: every padding byte must be 0") {
   const auto refused_at = [](auto sound, std::size_t at, auto decode) {
     REQUIRE(decode(sound));
     sound[at] = 1;
@@ -114,7 +114,7 @@ TEST_CASE("scan report: every byte of the padding has to be 0") {
   CHECK(decode_command(encode(CommandReport{ScanCommand::kIdentify, 0xFFFF})).value().tag == 0xFFFF);
 }
 
-TEST_CASE("scan report: texts are printable ASCII at each place, sixteen letters at most") {
+TEST_CASE("scan report: texts are at most sixteen printable ASCII characters, padded with zeros") {
   const auto written = [](const std::string& serial, const std::string& firmware) {
     try {
       (void)encode(IdentityReport{1, 16, 16, 1.0F, serial, firmware});

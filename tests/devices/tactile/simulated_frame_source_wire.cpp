@@ -49,7 +49,7 @@ void expect_description(FrameClient& client) {
 
 }  // namespace
 
-TEST_CASE("simulated frame source: every field of every frame") {
+TEST_CASE("simulated frame source: every field of every frame has its expected value") {
   FrameSim sim;
   FrameClient client(sim.address);
   expect_description(client);
@@ -63,7 +63,7 @@ TEST_CASE("simulated frame source: every field of every frame") {
   }
 }
 
-TEST_CASE("simulated frame source: what it says to an answer, to damage, and where physics fail") {
+TEST_CASE("simulated frame source: response messages, damaged requests and failed scans get an error each") {
   FrameSim sim;
   FrameClient client(sim.address);
   const auto said = [&](const Packed& request, std::uint16_t tag) {
@@ -85,7 +85,7 @@ TEST_CASE("simulated frame source: what it says to an answer, to damage, and whe
   CHECK_FALSE(damaged.next());
 }
 
-TEST_CASE("simulated frame source: faults of a single scan, the first or a later one, by its number or injected") {
+TEST_CASE("simulated frame source: each fault affects a single scan, the first or a later one, by number or injected") {
   using Faults = SimulatedFrameSourceFaults;
   for (const int at : {0, 1}) {
     const auto tag = static_cast<std::uint16_t>(70 + at);
@@ -148,7 +148,7 @@ TEST_CASE("simulated frame source: faults of a single scan, the first or a later
   expect_frame(other, 3, 1, 1);
 }
 
-TEST_CASE("simulated frame source: a fault of the second of two scans that are asked for at once") {
+TEST_CASE("simulated frame source: a fault of the second of two pipelined scans leaves the first intact") {
   Packed requests = encode({1, Scan{}});
   const Packed second = encode({2, Scan{}});
   requests.insert(requests.end(), second.begin(), second.end());
@@ -169,7 +169,7 @@ TEST_CASE("simulated frame source: a fault of the second of two scans that are a
   CHECK(client.raw(92) == Packed(both.begin(), both.begin() + 46 + 23));
 }
 
-TEST_CASE("simulated frame source: rates above 0 up to 100 kHz, descriptions that can be told") {
+TEST_CASE("simulated frame source: accepts only rates above 0 up to 100 kHz and valid descriptions") {
   TurnedClock clock;
   CountedArray array;
   const auto opened = [&](double rate) {

@@ -64,7 +64,7 @@ RowReport row_of(int scan, int row, std::uint16_t tag, int sequence, std::uint32
 
 }  // namespace
 
-TEST_CASE("simulated scanner: every field of every row, scan after scan") {
+TEST_CASE("simulated scanner: every field of every row has its expected value, scan after scan") {
   ScannerSim sim;
   const auto link = sim.open();
   expect_identity(*link);
@@ -82,7 +82,7 @@ TEST_CASE("simulated scanner: every field of every row, scan after scan") {
   expect_identity(*link);
 }
 
-TEST_CASE("simulated scanner: physics that fail are silence, and the next scan is the next") {
+TEST_CASE("simulated scanner: a scan that the array fails to measure is not answered, and the next one is") {
   ScannerSim sim;
   sim.array.broken_scan = 0;
   const auto link = sim.open();
@@ -92,8 +92,7 @@ TEST_CASE("simulated scanner: physics that fail are silence, and the next scan i
   for (int row = 0; row < 5; ++row) CHECK(decode_row(next_report(*link)) == row_of(1, row, 2, 0, 0, 0));
 }
 
-TEST_CASE(
-    "simulated scanner: a damaged and a missing row are the middle one of their scan, by its number or injected") {
+TEST_CASE("simulated scanner: a damaged or missing row is the middle row of its scan, by number or injected") {
   using Faults = SimulatedScannerFaults;
   const auto check = [](const Faults& faults, int rows, int middle, bool missing) {
     ScannerSim sim(faults, rows);
@@ -121,7 +120,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("simulated scanner: silent from a scan on, the first one included, though its identity is told") {
+TEST_CASE("simulated scanner: is silent from the set scan on, the first included, and still reports its identity") {
   for (const int silent : {0, 1}) {
     ScannerSim sim({.silent_after_scans = silent});
     const auto link = sim.open();
@@ -135,7 +134,7 @@ TEST_CASE("simulated scanner: silent from a scan on, the first one included, tho
   }
 }
 
-TEST_CASE("simulated scanner: unplugged after so many scans, the first command included") {
+TEST_CASE("simulated scanner: is unplugged after the set number of scans, 0 included") {
   for (const int scans : {0, 2}) {
     ScannerSim sim({.unplug_after_scans = scans});
     const auto link = sim.open();
@@ -150,7 +149,7 @@ TEST_CASE("simulated scanner: unplugged after so many scans, the first command i
   }
 }
 
-TEST_CASE("simulated scanner: silence, an old scan and a broken connection are those of one command") {
+TEST_CASE("simulated scanner: injected silence, an old scan and a broken connection each affect one command only") {
   const auto scanned = [](ReportLink& link, int scan, int sequence, std::uint32_t frame) {
     send_command(link, ScanCommand::kScan, 9);
     for (int row = 0; row < 5; ++row) CHECK(decode_row(next_report(link)) == row_of(scan, row, 9, sequence, frame, 0));
@@ -179,7 +178,7 @@ TEST_CASE("simulated scanner: silence, an old scan and a broken connection are t
   scanned(*again, 1, 5, 1);
 }
 
-TEST_CASE("simulated scanner: one client at a time, and the next when it has left") {
+TEST_CASE("simulated scanner: serves one client at a time, and the next one after it disconnects") {
   ScannerSim sim;
   auto first = sim.open();
   const auto second = sim.open();
@@ -192,7 +191,7 @@ TEST_CASE("simulated scanner: one client at a time, and the next when it has lef
   CHECK(decode_identity(next_report(*second)).value().tag == 8);
 }
 
-TEST_CASE("simulated scanner: a client that does not read loses the newest reports, whole ones, and keeps its line") {
+TEST_CASE("simulated scanner: a client that does not read loses the newest whole reports and stays connected") {
   ScannerSim sim;
   const auto link = sim.open();
   int sent = 0;
@@ -217,7 +216,7 @@ TEST_CASE("simulated scanner: a client that does not read loses the newest repor
   CHECK(identity->tag == 77);
 }
 
-TEST_CASE("simulated scanner: columns that a report holds, paths that an address holds") {
+TEST_CASE("simulated scanner: refuses more columns than a report holds and paths longer than an address holds") {
   TurnedClock clock;
   CountedArray array;
   const TemporaryFolder folder;
@@ -237,7 +236,7 @@ TEST_CASE("simulated scanner: columns that a report holds, paths that an address
                   std::invalid_argument);
 }
 
-TEST_CASE("simulated scanner: a path left behind by a killed program") {
+TEST_CASE("simulated scanner: replaces a socket left by a dead program, and refuses one in use") {
   TurnedClock clock;
   TestArray array;
   const IdentityReport identity{0, 16, 16, 1.0F, "S", "1"};
@@ -252,7 +251,7 @@ TEST_CASE("simulated scanner: a path left behind by a killed program") {
   CHECK_FALSE(std::filesystem::exists(path));
 }
 
-TEST_CASE("simulated scanner: beside the client that is served, five may wait") {
+TEST_CASE("simulated scanner: five more clients may wait while one is served") {
   TurnedClock clock;
   TestArray array;
   const TemporaryFolder folder;

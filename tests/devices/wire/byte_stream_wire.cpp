@@ -96,14 +96,14 @@ int accept_one(int listener) {
 
 }  // namespace
 
-TEST_CASE("a pseudo-terminal carries every byte value unchanged both ways") {
+TEST_CASE("pseudo-terminal: carries every byte value unchanged in both directions") {
   PseudoTerminal terminal;
   const auto stream = open_stream(terminal.path());
   check_both_ways(*stream, terminal.master());
   CHECK(stream->description() == terminal.path());
 }
 
-TEST_CASE("a pseudo-terminal has one client at a time and outlives it") {
+TEST_CASE("pseudo-terminal: serves one client at a time, and the next one after it closes") {
   PseudoTerminal terminal;
   auto first = open_stream(terminal.path());
   CHECK(fault_id_of([&] { (void)open_stream(terminal.path()); }) == "TB-SERIAL-BUSY");
@@ -115,7 +115,7 @@ TEST_CASE("a pseudo-terminal has one client at a time and outlives it") {
   check_both_ways(*second, terminal.master());
 }
 
-TEST_CASE("discard drops unread bytes and returns their number") {
+TEST_CASE("stream: discard drops unread bytes and returns their number") {
   PseudoTerminal terminal;
   const auto stream = open_stream(terminal.path());
   const Bytes waiting{1, 2, 3};
@@ -126,7 +126,7 @@ TEST_CASE("discard drops unread bytes and returns their number") {
   CHECK(stream->discard() == 0);
 }
 
-TEST_CASE("a hung-up pseudo-terminal is a loss and not silence") {
+TEST_CASE("pseudo-terminal: a hang-up is a lost connection, not silence") {
   PseudoTerminal terminal;
   const auto stream = open_stream(terminal.path());
   terminal.hang_up();
@@ -141,7 +141,7 @@ TEST_CASE("a hung-up pseudo-terminal is a loss and not silence") {
   CHECK(fault_id_of([&] { (void)open_stream(terminal.path()); }) == "TB-SERIAL-OPEN");
 }
 
-TEST_CASE("a writer is not blocked for ever by an end that reads nothing") {
+TEST_CASE("stream: a write times out if the other end reads nothing") {
   PseudoTerminal terminal;
   const auto stream = open_stream(terminal.path(), 1ms);
   const Bytes many(1U << 20U);
@@ -164,7 +164,7 @@ void check_socket(int listener, const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("TCP and a local socket carry bytes both ways and report their end") {
+TEST_CASE("stream: TCP and local sockets carry bytes both ways and report the end of the connection") {
   const BoundSocket tcp = bind_loopback(SOCK_STREAM, 0, "test");
   check_socket(tcp.socket, "tcp:127.0.0.1:" + std::to_string(tcp.port));
   const TemporaryFolder folder;
@@ -174,7 +174,7 @@ TEST_CASE("TCP and a local socket carry bytes both ways and report their end") {
   check_socket(listener, "unix:" + path);
 }
 
-TEST_CASE("a serial address that leads to a pseudo-terminal is opened as one, links followed") {
+TEST_CASE("stream: a serial address that is a link to a pseudo-terminal opens the pseudo-terminal") {
   PseudoTerminal terminal;
   const auto link = std::filesystem::temp_directory_path() / ("tactbench-link-" + std::to_string(::getpid()));
   std::filesystem::remove(link);
@@ -185,7 +185,7 @@ TEST_CASE("a serial address that leads to a pseudo-terminal is opened as one, li
   CHECK(stream->description() == terminal.path());
 }
 
-TEST_CASE("listed serial ports have names and are never pseudo-terminals") {
+TEST_CASE("serial ports: listed ports have names and are never pseudo-terminals") {
   const PseudoTerminal terminal;
   for (const SerialPortInfo& port : list_serial_ports()) {
     CHECK(port.name.starts_with("/dev/"));
@@ -201,7 +201,7 @@ std::string opening(const std::string& address) {
 
 }  // namespace
 
-TEST_CASE("stream: each form of address that is wrong, and each opening that fails") {
+TEST_CASE("stream: each malformed address and each failed opening is a fault") {
   const FullQueue unheard;
   for (const std::string& address :
        {std::string("tcp:"), std::string("tcp:127.0.0.1"), std::string("tcp::5"), std::string("tcp:127.0.0.1:"),
@@ -218,14 +218,14 @@ TEST_CASE("stream: each form of address that is wrong, and each opening that fai
   for (const char* address : {"/dev/pts/3", "tcp:x", "unix:x"}) CHECK(is_stream_address(address));
 }
 
-TEST_CASE("stream: an opening that nobody answers ends after its time") {
+TEST_CASE("stream: an opening that is not answered ends after its timeout") {
   FullQueue queue;
   queue.fill();
   const std::string name = "tcp:127.0.0.1:" + std::to_string(queue.port());
   CHECK(opening(name) == "TB-SERIAL-OPEN");
 }
 
-TEST_CASE("stream: an IPv6 address stands in brackets") {
+TEST_CASE("stream: an IPv6 address may be written with or without matching brackets") {
   const int listener = ::socket(AF_INET6, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in6 address{};
   address.sin6_family = AF_INET6;
@@ -243,7 +243,7 @@ TEST_CASE("stream: an IPv6 address stands in brackets") {
   ::close(listener);
 }
 
-TEST_CASE("stream: a pseudo-terminal is raw, for its reader and writer both") {
+TEST_CASE("stream: a pseudo-terminal is in raw mode at both ends") {
   const PseudoTerminal terminal;
   const auto check_raw = [](int descriptor) {
     termios settings{};
@@ -264,7 +264,7 @@ TEST_CASE("stream: a pseudo-terminal is raw, for its reader and writer both") {
   CHECK(::fcntl(terminal.master(), F_GETFD) == FD_CLOEXEC);
 }
 
-TEST_CASE("stream: what is closed, full or no stream is lost") {
+TEST_CASE("stream: a closed peer, a full device and a folder are lost-connection faults") {
   const std::array<std::uint8_t, 5> bytes{1, 2, 3, 4, 5};
   std::array<std::uint8_t, 8> into{};
   std::array<int, 2> line{};
@@ -282,12 +282,12 @@ TEST_CASE("stream: what is closed, full or no stream is lost") {
   CHECK(fault_id_of([&] { (void)folder->read(into, 0ns); }) == lost);
 }
 
-TEST_CASE("stream: discarding ends at a sender that never stops") {
+TEST_CASE("stream: discard ends even if the sender never stops") {
   const auto endless = adopt_stream(::open("/dev/zero", O_RDONLY | O_CLOEXEC), "endless");
   CHECK(endless->discard() == 1U << 20U);
 }
 
-TEST_CASE("stream: what is not taken in time is told by its number of bytes, a slow reader gets all of them") {
+TEST_CASE("stream: a write timeout states the number of unsent bytes, and a slow reader receives all bytes") {
   std::array<int, 2> line{};
   REQUIRE(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, line.data()) == 0);
   std::vector<std::uint8_t> many(1U << 20U);
@@ -348,7 +348,7 @@ int option_of(int socket, int level, int name) {
 
 }  // namespace
 
-TEST_CASE("stream end: what it listens on is told where that cannot be") {
+TEST_CASE("stream listener: an address that cannot be listened on is a fault") {
   for (const char* port : {"", "x", "1x", " 1", "-1", "65536", "70000", "99999999999"})
     CHECK(listening("tcp:" + std::string(port)) == "TB-SIM-LISTEN");
   for (const char* form : {"udp:5", "/dev/ttyS0", "TCP:0", "x"}) CHECK(listening(form) == "TB-SIM-LISTEN");
@@ -358,7 +358,7 @@ TEST_CASE("stream end: what it listens on is told where that cannot be") {
   CHECK(listening(taken) == "TB-SIM-LISTEN");
 }
 
-TEST_CASE("stream end: the longest path of a local socket, on both its ends") {
+TEST_CASE("stream listener: the longest path of a local socket is the same for listener and client") {
   const TemporaryFolder folder;
   const std::string longest = "unix:" + long_path(folder, 107);
   StreamEnd end(longest);
@@ -370,7 +370,7 @@ TEST_CASE("stream end: the longest path of a local socket, on both its ends") {
   }
 }
 
-TEST_CASE("stream end: takes a dead program's socket over, and neither a living one's nor another file") {
+TEST_CASE("stream listener: replaces the socket of a dead program, but not a live one's or another file") {
   const TemporaryFolder folder;
   const std::string address = "unix:" + folder.path("end");
   {
@@ -396,7 +396,7 @@ TEST_CASE("stream end: takes a dead program's socket over, and neither a living 
   CHECK(tactbench::tests::read_file(path) == "notes");
 }
 
-TEST_CASE("stream end: unplugged it has no descriptor, plugged in again the same address, a terminal another one") {
+TEST_CASE("stream listener: has no descriptor while unplugged, and its TCP or local address again once plugged in") {
   const TemporaryFolder folder;
   for (const std::string& listen : {std::string("tcp:0"), "unix:" + folder.path("end"), std::string()}) {
     INFO("'" << listen << "'");
@@ -419,7 +419,7 @@ TEST_CASE("stream end: unplugged it has no descriptor, plugged in again the same
   }
 }
 
-TEST_CASE("stream end: one client at a time, and a second after it has gone") {
+TEST_CASE("stream listener: serves one client at a time, and the second after the first disconnects") {
   StreamEnd end("tcp:0");
   std::array<std::uint8_t, 8> into{};
   CHECK(end.receive(into) == 0);  // nobody has come

@@ -63,7 +63,7 @@ struct PacketPeer {
 
 }  // namespace
 
-TEST_CASE("packet link: packets in their order, over several batches, each whole or cut to the room") {
+TEST_CASE("packet link: packets arrive in order, over several batches, whole or cut to the buffer") {
   const TemporaryFolder folder;
   const PacketPeer rig(folder.path("peer"));
   CHECK(rig.read(8, 0ns).empty());
@@ -94,7 +94,7 @@ TEST_CASE("packet link: packets in their order, over several batches, each whole
   CHECK(::recv(rig.peer, into.data(), into.size(), 0) == 3);
 }
 
-TEST_CASE("packet link: draining takes all that waits, also what was fetched with an earlier packet") {
+TEST_CASE("packet link: drain removes all waiting packets, including those fetched with an earlier one") {
   const TemporaryFolder folder;
   const PacketPeer rig(folder.path("peer"));
   CHECK(rig.link->drain() == 0);
@@ -109,7 +109,7 @@ TEST_CASE("packet link: draining takes all that waits, also what was fetched wit
   CHECK(rig.link->drain() == 0);
 }
 
-TEST_CASE("packet link: what was sent before the end is read, then the end is told, again and again") {
+TEST_CASE("packet link: packets sent before the end are read, then the end is reported each time") {
   const TemporaryFolder folder;
   PacketPeer rig(folder.path("peer"));
   rig.send({1});
@@ -126,7 +126,7 @@ TEST_CASE("packet link: what was sent before the end is read, then the end is to
   CHECK(fault_id_of([&] { (void)at_once.read(8, 0ns); }) == "TB-HID-LOST");
 }
 
-TEST_CASE("packet link: paths that are empty, too long, of nobody, or of a full queue") {
+TEST_CASE("packet link: refuses a path that is empty, too long or without a listener") {
   const TemporaryFolder folder;
   const std::string begin = folder.path("x");
   const std::string longest = begin + std::string(107 - begin.size(), 'y');
@@ -139,7 +139,8 @@ TEST_CASE("packet link: paths that are empty, too long, of nobody, or of a full 
     CHECK(fault_id_of([&] { (void)open_packet_link(path); }) == "TB-HID-OPEN");
 }
 
-TEST_CASE("UDP, packets, channels: what an end that works sends late is waited for, unless no wait was asked for") {
+TEST_CASE(
+    "UDP, packet link, channel: late data of a busy simulated instrument is waited for, unless the timeout is 0") {
   const TemporaryFolder folder;
   const PacketPeer packets(folder.path("peer"));
   const BoundSocket peer = bind_loopback(SOCK_DGRAM, 0, "test");
@@ -183,7 +184,7 @@ TEST_CASE("UDP, packets, channels: what an end that works sends late is waited f
   ::close(peer.socket);
 }
 
-TEST_CASE("descriptor channel: packets up to 131072 bytes, the rest of a longer one is cut") {
+TEST_CASE("descriptor channel: packets have up to 131072 bytes, and the rest of a longer one is cut") {
   const auto [a, b] = DescriptorChannel::make_pair();
   const DescriptorChannel one(a);
   DescriptorChannel other(b);
@@ -203,7 +204,7 @@ TEST_CASE("descriptor channel: packets up to 131072 bytes, the rest of a longer 
   CHECK_FALSE(other.closed());
 }
 
-TEST_CASE("packet link: a peer that goes with reports unread is lost") {
+TEST_CASE("packet link: a peer that closes with unread reports is a lost connection") {
   const TemporaryFolder folder;
   PacketPeer rig(folder.path("peer"));
   rig.link->write(Datagram{1, 2, 3});
@@ -225,7 +226,7 @@ struct Ends {
 
 }  // namespace
 
-TEST_CASE("descriptor channel: packets stay whole and in order, silence is not the end") {
+TEST_CASE("descriptor channel: packets stay whole and in order, and silence is not the end") {
   Ends ends;
   CHECK_FALSE(ends.other->receive(0ms));
   CHECK_FALSE(ends.other->closed());
@@ -240,7 +241,7 @@ TEST_CASE("descriptor channel: packets stay whole and in order, silence is not t
   CHECK_FALSE(ends.other->send("feed"));
 }
 
-TEST_CASE("descriptor channel: never blocks on a reader that does not read") {
+TEST_CASE("descriptor channel: sending never blocks, even if the reader does not read") {
   Ends ends;
   int taken = 0;
   while (taken < 1'000'000 && ends.one->send("feed")) ++taken;
@@ -248,7 +249,7 @@ TEST_CASE("descriptor channel: never blocks on a reader that does not read") {
   CHECK(taken < 1'000'000);
 }
 
-TEST_CASE("descriptor channel: an attached descriptor is of the same line and is closed on exec") {
+TEST_CASE("descriptor channel: a passed descriptor refers to the same connection and is close-on-exec") {
   Ends ends;
   std::array<int, 2> line{};
   REQUIRE(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, line.data()) == 0);
@@ -280,7 +281,7 @@ using UdpBytes = std::vector<std::uint8_t>;
 
 }  // namespace
 
-TEST_CASE("UDP: addresses that are none, and one that cannot be connected to") {
+TEST_CASE("UDP: refuses host names, invalid ports and an address that cannot be connected to") {
   for (const auto& [host, port] :
        {std::pair{"localhost", 5}, std::pair{"127.0.0.1", 0}, std::pair{"127.0.0.1", 65536}}) {
     CHECK(fault_id_of([&, host = host, port = port] { const UdpLink link(host, port, "box"); }) == "TB-UDP-OPEN");
@@ -288,7 +289,7 @@ TEST_CASE("UDP: addresses that are none, and one that cannot be connected to") {
   CHECK(fault_id_of([] { const UdpLink link("255.255.255.255", 5, "box"); }) == "TB-UDP-OPEN");
 }
 
-TEST_CASE("UDP: nobody there, too much at once, and nothing in time") {
+TEST_CASE("UDP: an absent peer and an oversized datagram are faults, and a timeout reads nothing") {
   const BoundSocket peer = bind_loopback(SOCK_DGRAM, 0, "test");
   UdpLink link("127.0.0.1", peer.port, "box");
   CHECK(link.peer() == "127.0.0.1 port " + std::to_string(peer.port) + " (UDP)");
@@ -314,7 +315,7 @@ TEST_CASE("UDP: nobody there, too much at once, and nothing in time") {
   CHECK(link.drain() == 0);
 }
 
-TEST_CASE("UDP: renewed it has another port, and what was sent to the old one never arrives") {
+TEST_CASE("UDP: a renewed link has another port, and datagrams to the old one never arrive") {
   const BoundSocket peer = bind_loopback(SOCK_DGRAM, 0, "test");
   UdpLink link("127.0.0.1", peer.port, "box");
   const auto asks = [&] {

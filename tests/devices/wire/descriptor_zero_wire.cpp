@@ -60,7 +60,7 @@ constexpr std::array<std::uint8_t, 3> kSome{1, 2, 3};
 
 }  // namespace
 
-TEST_CASE("descriptor 0: whatever gets it first uses it and closes it") {
+TEST_CASE("descriptor 0: whichever connection gets it first uses it and closes it") {
   using Held = std::shared_ptr<void>;
   const tactbench::tests::TemporaryFolder folder;
   TurnedClock clock;
@@ -125,7 +125,7 @@ TEST_CASE("descriptor 0: whatever gets it first uses it and closes it") {
   ::close(datagrams.socket);
 }
 
-TEST_CASE("descriptor 0: what cannot be opened leaves it closed") {
+TEST_CASE("descriptor 0: stays closed after a failed opening") {
   const tactbench::tests::TemporaryFolder folder;
   TurnedClock clock;
   const BoundSocket datagrams = bind_loopback(SOCK_DGRAM, 0, "test"), taken = bind_loopback(SOCK_STREAM, 0, "test");
@@ -143,7 +143,7 @@ TEST_CASE("descriptor 0: what cannot be opened leaves it closed") {
   for (const BoundSocket& bound : {datagrams, taken}) ::close(bound.socket);
 }
 
-TEST_CASE("descriptor 0: a UDP link that is renewed") {
+TEST_CASE("descriptor 0: renewing a UDP link frees it, and the next renewal gets it again") {
   const BoundSocket peer = bind_loopback(SOCK_DGRAM, 0, "peer");
   const NoInput none;
   UdpLink link("127.0.0.1", peer.port, "peer");
@@ -155,7 +155,7 @@ TEST_CASE("descriptor 0: a UDP link that is renewed") {
   ::close(peer.socket);
 }
 
-TEST_CASE("descriptor 0: an end's client, and its listener once it is plugged in again") {
+TEST_CASE("descriptor 0: a listener's client, and the listener once plugged in again, use and close it") {
   const tactbench::tests::TemporaryFolder folder;
   for (const std::string& listen : {std::string("tcp:0"), "unix:" + folder.path("end")}) {
     INFO(listen);
@@ -184,7 +184,7 @@ TEST_CASE("descriptor 0: an end's client, and its listener once it is plugged in
   }
 }
 
-TEST_CASE("descriptor 0: a page's client") {
+TEST_CASE("descriptor 0: a client of the page server uses and closes it") {
   TurnedClock clock;
   PageServer page(0, "/p", "body", "test");
   const HttpPage asked{"127.0.0.1", page.port(), "/p", kPatient, 4096};

@@ -27,7 +27,7 @@ constexpr const char* kHidName = "HID device 1234:abcd serial 'S1'";
 
 }  // namespace
 
-TEST_CASE("HID devices present: with what the library tells of each, in ASCII") {
+TEST_CASE("HID devices: the list has what the library reports of each, in ASCII") {
   HidBench bench;
   bench.hid.devices.push_back({1, 2, L"S\u00E4ge\x7F\x80", L"", "/p"});
   const auto list = list_hid_devices();
@@ -46,7 +46,7 @@ TEST_CASE("HID devices present: with what the library tells of each, in ASCII") 
   CHECK(bench.hid.lists == 0);
 }
 
-TEST_CASE("HID link: opened by its ids, and by its serial number where one is given") {
+TEST_CASE("HID link: opens a device by its ids, and by its serial number if one is given") {
   HidBench bench;
   {
     const auto one = bench.open();
@@ -59,7 +59,7 @@ TEST_CASE("HID link: opened by its ids, and by its serial number where one is gi
   CHECK(bench.hid.asked_serials == std::vector<std::optional<std::wstring>>{L"S1", std::nullopt});
 }
 
-TEST_CASE("HID link: one that does not open is told with the reason and all that are present") {
+TEST_CASE("HID link: a device that does not open is a fault that lists the present devices") {
   HidBench bench;
   bench.hid.error = L"no such device";
   check_fault([] { (void)open_hid_link({0x1234, 0xABCE, "S1"}); }, "TB-HID-OPEN", "1234:abce", "1234:abcd");
@@ -68,7 +68,7 @@ TEST_CASE("HID link: one that does not open is told with the reason and all that
   CHECK(fault_id_of([] { (void)open_hid_link({1, 2, ""}); }) == "TB-HID-OPEN");
 }
 
-TEST_CASE("HID link: a report is written whole, again after a signal, and anything else is a fault") {
+TEST_CASE("HID link: a report is written whole, again after a signal, and any other result is a fault") {
   HidBench bench;
   const auto link = bench.open();
   const std::array<std::uint8_t, 3> report{1, 2, 3};
@@ -92,7 +92,7 @@ TEST_CASE("HID link: a report is written whole, again after a signal, and anythi
   }
 }
 
-TEST_CASE("HID link: a report is read within its time, in whole milliseconds, never shorter") {
+TEST_CASE("HID link: read timeouts are whole milliseconds, rounded up") {
   HidBench bench;
   const auto link = bench.open();
   std::array<std::uint8_t, 4> into{};
@@ -107,7 +107,7 @@ TEST_CASE("HID link: a report is read within its time, in whole milliseconds, ne
   CHECK(bench.hid.waits == std::vector<int>{5, 2, 0, 1, 0, 1000});
 }
 
-TEST_CASE("HID link: a signal lengthens no wait, and any other failure is a loss") {
+TEST_CASE("HID link: a signal does not extend a read, and any other failure is a lost connection") {
   HidBench bench;
   const auto link = bench.open();
   std::array<std::uint8_t, 4> into{};
@@ -131,7 +131,7 @@ TEST_CASE("HID link: a signal lengthens no wait, and any other failure is a loss
   }
 }
 
-TEST_CASE("HID link: draining takes what waits, without waiting, and ends at a sender that never stops") {
+TEST_CASE("HID link: drain reads what waits without waiting, and ends even if the sender never stops") {
   HidBench bench;
   const auto link = bench.open();
   bench.hid.results = {{4, 0}, {1, 0}, {4, 0}};

@@ -86,7 +86,7 @@ std::string answered(const std::string& answer) {
 
 }  // namespace
 
-TEST_CASE("HTTP page: what is asked") {
+TEST_CASE("HTTP client: sends a GET request with host and connection close") {
   std::string asked;
   {
     ScriptedPage page([&](int socket) {
@@ -98,7 +98,7 @@ TEST_CASE("HTTP page: what is asked") {
   CHECK(asked == "GET /p HTTP/1.0\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n");
 }
 
-TEST_CASE("HTTP page: the body's length, where it stands and what is no length") {
+TEST_CASE("HTTP client: uses the Content-Length header only, and a body shorter than it is a fault") {
   CHECK(answered("HTTP/1.0 200 OK\r\nContent-Length: 4\r\n\r\nbody") == "body");
   CHECK(answered("HTTP/1.0 200 OK\r\nA: b\r\nCONTENT-LENGTH:4\r\nC: d\r\n\r\nbody") == "body");
   CHECK(answered("HTTP/1.0 200 OK\r\ncontent-length:   0\r\n\r\n") == "");
@@ -110,7 +110,7 @@ TEST_CASE("HTTP page: the body's length, where it stands and what is no length")
   CHECK(answered("HTTP/1.0 200 OK\r\nContent-Length: 1\r\n\r\n") == "TB-HTTP-ANSWER");
 }
 
-TEST_CASE("HTTP page: an answer of known length ends before the connection does") {
+TEST_CASE("HTTP client: an answer of known length ends before the connection closes") {
   for (const std::string body : {"", "b", "body"}) {
     ScriptedPage page([&](int socket) {
       (void)ScriptedPage::receive(socket);
@@ -122,7 +122,7 @@ TEST_CASE("HTTP page: an answer of known length ends before the connection does"
   }
 }
 
-TEST_CASE("HTTP page: another status, and what is no answer of HTTP, are faults") {
+TEST_CASE("HTTP client: another status and an answer that is not HTTP are faults") {
   CHECK(answered("HTTP/1.1 404 Not Found\r\n\r\nbody") == "TB-HTTP-ANSWER");
   CHECK(answered("HTTP/1.1 201 Created\r\n\r\n") == "TB-HTTP-ANSWER");
   CHECK(answered("HTTP/1.1  200\r\n\r\n") == "TB-HTTP-ANSWER");
@@ -133,7 +133,7 @@ TEST_CASE("HTTP page: another status, and what is no answer of HTTP, are faults"
   CHECK(answered("x") == "TB-HTTP-ANSWER");
 }
 
-TEST_CASE("HTTP page: as large as allowed, and one byte more") {
+TEST_CASE("HTTP client: accepts an answer of the maximum size, and refuses one byte more") {
   const std::string head = "HTTP/1.0 200 OK\r\n\r\n";
   for (const std::size_t size : {100, 101}) {
     ScriptedPage page(head + std::string(size - head.size(), 'x'));
@@ -141,7 +141,7 @@ TEST_CASE("HTTP page: as large as allowed, and one byte more") {
   }
 }
 
-TEST_CASE("HTTP page: an answer in many pieces, and one that breaks off") {
+TEST_CASE("HTTP client: reads an answer in many pieces, and a broken connection is a fault") {
   const std::string text = "HTTP/1.0 200 OK\r\nContent-Length: 6\r\n\r\nbodies";
   ScriptedPage page([&](int socket) {
     (void)ScriptedPage::receive(socket);
@@ -158,7 +158,7 @@ TEST_CASE("HTTP page: an answer in many pieces, and one that breaks off") {
   CHECK(reset.get() == "TB-HTTP-ANSWER");
 }
 
-TEST_CASE("HTTP page: each time that runs out is told by what is missing, and has passed on the clock") {
+TEST_CASE("HTTP client: each timeout is a fault, and advances the clock by the timeout") {
   const auto out_of_time = [](ScriptedPage& page, const std::string& path = "/p") {
     const std::string said = page.get(kShort, std::size_t{1} << 30U, path);
     CHECK(page.clock.now() == kShort);
@@ -191,13 +191,13 @@ TEST_CASE("HTTP page: each time that runs out is told by what is missing, and ha
   ::close(deaf.socket);
 }
 
-TEST_CASE("HTTP page: a server that goes in the midst of the request") {
+TEST_CASE("HTTP client: a server that closes during the request is a fault") {
   ScriptedPage page([](int socket) { (void)ScriptedPage::receive(socket); });
   const std::string said = page.get(kPatient, 4096, "/" + std::string(std::size_t{1} << 24U, 'p'));
   CHECK(said == "TB-HTTP-ANSWER");
 }
 
-TEST_CASE("HTTP page: a long request reaches a slow reader whole") {
+TEST_CASE("HTTP client: a long request reaches a slow reader whole") {
   const std::string path = "/" + std::string(std::size_t{1} << 23U, 'p');
   std::size_t received = 0;
   {
@@ -215,7 +215,7 @@ TEST_CASE("HTTP page: a long request reaches a slow reader whole") {
   }
 }
 
-TEST_CASE("HTTP page: no address in numbers, nobody who listens, nobody who answers") {
+TEST_CASE("HTTP client: a host name, an invalid port and a port without a listener are faults") {
   TurnedClock clock;
   const auto opening = [&](const std::string& host, int port, Nanoseconds timeout) {
     return fault_id_of([&] { (void)http_get({host, port, "/p", timeout, 4096}, "test", clock); });
@@ -291,7 +291,7 @@ const std::string kNotFound =
 
 }  // namespace
 
-TEST_CASE("page of an instrument: its own path, with a query or without, and no other") {
+TEST_CASE("page server: serves its own path, with or without a query, and no other") {
   ServedPage served;
   for (const char* line : {"GET /netftapi2.xml HTTP/1.0", "GET /netftapi2.xml HTTP/1.1\r\nHost: x",
                            "GET /netftapi2.xml", "GET /netftapi2.xml?index=0 HTTP/1.0", "GET /netftapi2.xml?"}) {
@@ -306,7 +306,7 @@ TEST_CASE("page of an instrument: its own path, with a query or without, and no 
   }
 }
 
-TEST_CASE("page of an instrument: a request in pieces is one request, one that does not end is dropped") {
+TEST_CASE("page server: accepts a request in pieces, and drops one that does not end") {
   ServedPage served;
   const auto client = served.client();
   std::array<std::uint8_t, 8> into{};
@@ -336,7 +336,7 @@ TEST_CASE("page of an instrument: a request in pieces is one request, one that d
   }
 }
 
-TEST_CASE("page of an instrument: eight wait, a ninth takes the place of the first, who goes is forgotten") {
+TEST_CASE("page server: eight clients may wait, a ninth replaces the first, and one that closes is removed") {
   ServedPage served;
   std::vector<std::unique_ptr<ByteStream>> clients;
   for (std::size_t i = 1; i <= 8; ++i) {
@@ -360,7 +360,7 @@ TEST_CASE("page of an instrument: eight wait, a ninth takes the place of the fir
   served.serve_until([&] { return served.clients() == 4; });
 }
 
-TEST_CASE("page of an instrument: its port is told where it is taken, and nothing stays open at its end") {
+TEST_CASE("page server: a port in use is a fault that names it, and nothing stays open after its end") {
   auto page = std::make_unique<PageServer>(0, "/p", "body", "test");
   const int port = page->port();
   CHECK(port > 0);

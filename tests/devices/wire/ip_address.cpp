@@ -8,7 +8,7 @@
 
 using namespace tactbench::devices;
 
-TEST_CASE("IP address: ports from 1 to 65535 of an IPv4 or IPv6 address in numbers, nothing else") {
+TEST_CASE("IP address: accepts numeric IPv4 and IPv6 addresses with ports 1 to 65535, and nothing else") {
   for (const int port : {1, 2, 80, 65534, 65535}) {
     INFO("port " << port);
     const auto address = numeric_address("192.168.1.17", port);

@@ -64,7 +64,7 @@ void check_needs(int needed, const std::string& id, const std::function<void()>&
 
 }  // namespace
 
-TEST_CASE("no descriptor left: links to instruments", "[few-descriptors]") {
+TEST_CASE("no descriptor left: opening an instrument link is a fault", "[few-descriptors]") {
   const tactbench::tests::TemporaryFolder folder;
   TurnedClock clock;
   const StreamEnd tcp("tcp:0");
@@ -86,7 +86,7 @@ TEST_CASE("no descriptor left: links to instruments", "[few-descriptors]") {
   check_needs(1, "TB-HID-OPEN", [&] { (void)open_packet_link(path); });
 }
 
-TEST_CASE("no descriptor left: a page that is asked for, and a Modbus module", "[few-descriptors]") {
+TEST_CASE("no descriptor left: an HTTP request and a Modbus connection are faults", "[few-descriptors]") {
   TurnedClock clock;
   const BoundSocket bound = bind_loopback(SOCK_STREAM, 0, "test");
   const auto get = [&] { (void)http_get({"127.0.0.1", bound.port, "/p", kShort, 4096}, "test", clock); };
@@ -102,7 +102,7 @@ TEST_CASE("no descriptor left: a page that is asked for, and a Modbus module", "
   ::close(bound.socket);
 }
 
-TEST_CASE("no descriptor left: simulated ends", "[few-descriptors]") {
+TEST_CASE("no descriptor left: starting a simulated instrument is a fault", "[few-descriptors]") {
   const tactbench::tests::TemporaryFolder folder;
   check_needs(1, "TB-SIM-LISTEN", [] { ::close(bind_loopback(SOCK_STREAM, 0, "test").socket); });
   check_needs(1, "TB-SIM-LISTEN", [] { const PageServer page(0, "/p", "body", "test"); });
@@ -128,7 +128,7 @@ TEST_CASE("no descriptor left: simulated ends", "[few-descriptors]") {
   });
 }
 
-TEST_CASE("no descriptor left: a simulated scanner leaves no path of its own, and a living one its own",
+TEST_CASE("no descriptor left: a failed simulated scanner leaves no socket file, and keeps that of a live one",
           "[few-descriptors]") {
   TurnedClock clock;
   TestArray array;

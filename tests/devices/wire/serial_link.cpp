@@ -57,7 +57,7 @@ struct SerialBench {
 
 }  // namespace
 
-TEST_CASE("serial port: set to eight bits without handshake, as the address says, emptied, and one program's own") {
+TEST_CASE("serial port: is set to eight bits without handshake and to its address, is emptied and locked") {
   const struct {
     char parity;
     int number;  // libserialport's
@@ -84,7 +84,7 @@ TEST_CASE("serial port: set to eight bits without handshake, as the address says
   CHECK(fake_serial_ports().made == 0);
 }
 
-TEST_CASE("serial port: each setting that is refused, for whatever reason, leaves nothing open") {
+TEST_CASE("serial port: each setting that is refused is a fault and leaves nothing open") {
   for (const char* function :
        {"sp_set_baudrate", "sp_set_bits", "sp_set_parity", "sp_set_stopbits", "sp_set_flowcontrol", "sp_flush"}) {
     for (const sp_return code : {SP_ERR_ARG, SP_ERR_SUPP, SP_ERR_MEM, SP_ERR_FAIL}) {
@@ -103,7 +103,7 @@ TEST_CASE("serial port: each setting that is refused, for whatever reason, leave
   odd.check_refused("TB-SERIAL-OPEN", "'M'");
 }
 
-TEST_CASE("serial port: one that is not there, cannot be opened, is held, or has another serial number") {
+TEST_CASE("serial port: an absent, failing or locked port and another serial number are faults") {
   SerialBench absent;
   absent.address.port = "/dev/ttyFake8";
   absent.check_refused("TB-SERIAL-OPEN", "S6");  // it names those that are present
@@ -133,7 +133,7 @@ TEST_CASE("serial port: one that is not there, cannot be opened, is held, or has
   another.check_refused("TB-SERIAL-OPEN");
 }
 
-TEST_CASE("serial port: found by its USB serial, by a link, or by a name that another port's serial does not spoil") {
+TEST_CASE("serial port: is found by its USB serial number, by a link or by its name") {
   SerialBench bench;
   bench.address.usb_serial = "S7";
   CHECK(bench.open()->description() == kSerialName);
@@ -150,7 +150,7 @@ TEST_CASE("serial port: found by its USB serial, by a link, or by a name that an
   CHECK(bench.open()->description() == std::filesystem::canonical(folder.path("port")).string());
 }
 
-TEST_CASE("serial ports present: with what the system tells of each") {
+TEST_CASE("serial ports: the list has what the system reports of each") {
   const SerialBench bench;
   const auto list = list_serial_ports();
   REQUIRE(list.size() == 3);
@@ -169,7 +169,7 @@ TEST_CASE("serial ports present: with what the system tells of each") {
   CHECK(list_serial_ports().empty());
 }
 
-TEST_CASE("serial port: bytes both ways, in whole or in part, and how many were thrown away") {
+TEST_CASE("serial port: carries bytes both ways, in whole or in part, and discard returns the number dropped") {
   const SerialBench bench;
   const auto port = bench.open();
   std::array<std::uint8_t, 8> into{};
@@ -203,7 +203,7 @@ TEST_CASE("serial port: bytes both ways, in whole or in part, and how many were 
   CHECK(into[2] == 7);
 }
 
-TEST_CASE("serial port: a write that is not taken in whole is a time-out") {
+TEST_CASE("serial port: a write that is not accepted in whole is a timeout") {
   for (const int taken : {0, 1, 2}) {
     SerialBench bench;
     const auto port = bench.open();
@@ -216,7 +216,7 @@ TEST_CASE("serial port: a write that is not taken in whole is a time-out") {
   CHECK(fault_id_of([&] { port->write(Bytes{1, 2, 3}); }) == "none");
 }
 
-TEST_CASE("serial port: each call that fails means that the port is lost") {
+TEST_CASE("serial port: each failing call is a lost-port fault") {
   std::array<std::uint8_t, 8> into{};
   const auto write = [](ByteStream& port) { port.write(Bytes{1}); };
   const auto read = [&](ByteStream& port) { (void)port.read(into, 0ns); };

@@ -42,7 +42,7 @@ bool waits_for_a_client(const StreamEnd& end, int of_client) { return end.descri
 
 }  // namespace
 
-TEST_CASE("a simulated end takes a single byte, and sees its client go, whatever error came before") {
+TEST_CASE("stream listener: receives a single byte and detects a closed client, whatever errno was before") {
   for (const char* listen : {"tcp:0", "unix:"}) {
     const TemporaryFolder folder;
     StreamEnd end(listen == std::string("unix:") ? "unix:" + folder.path("end") : listen);
@@ -65,7 +65,7 @@ TEST_CASE("a simulated end takes a single byte, and sees its client go, whatever
   }
 }
 
-TEST_CASE("a stream reads a single byte, and reports the other side's end, whatever error came before") {
+TEST_CASE("stream: reads a single byte and reports the end of the connection, whatever errno was before") {
   for (const int left : kLeft) {
     INFO("error " << left);
     std::array<int, 2> line{};
@@ -81,7 +81,7 @@ TEST_CASE("a stream reads a single byte, and reports the other side's end, whate
   }
 }
 
-TEST_CASE("descriptor channel: a single byte is a packet, and the other end's close is the end, whatever came before") {
+TEST_CASE("descriptor channel: receives a single byte and reports the end, whatever errno was before") {
   for (const int left : kLeft) {
     INFO("error " << left);
     const auto [a, b] = DescriptorChannel::make_pair();

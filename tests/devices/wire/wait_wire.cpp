@@ -46,7 +46,7 @@ Nanoseconds spent(const std::function<void()>& act) {
 
 }  // namespace
 
-TEST_CASE("wait: as long as asked and no shorter, no time at all for none") {
+TEST_CASE("wait: lasts as long as asked and no shorter, and returns at once for 0 or less") {
   const WaitedLine line;
   for (const Nanoseconds timeout : {Nanoseconds(3ms), Nanoseconds(1'050ms)}) {
     const Nanoseconds took = spent([&] { CHECK(wait_for(line.ends[0], POLLIN, timeout) == 0); });
@@ -58,7 +58,7 @@ TEST_CASE("wait: as long as asked and no shorter, no time at all for none") {
   }
 }
 
-TEST_CASE("wait: reports what has happened, at once") {
+TEST_CASE("wait: reports an event at once") {
   const WaitedLine line;
   CHECK(wait_for(line.ends[0], POLLOUT, 1h) == POLLOUT);
   line.put();
@@ -72,7 +72,7 @@ TEST_CASE("wait: reports what has happened, at once") {
   CHECK(wait_for(closed, POLLIN, 1h) == POLLNVAL);
 }
 
-TEST_CASE("wait: the time left until a moment, once it has come a millisecond more while an end works") {
+TEST_CASE("wait: left_until is the time to a moment, and 1 ms after it while a simulated instrument is busy") {
   CHECK(left_until(Real::now() + 1h) > 59min);
   CHECK(left_until(Real::now() + 1h) <= 1h);
   CHECK(left_until(Real::now()) == 0ns);
@@ -91,7 +91,7 @@ TEST_CASE("wait: the time left until a moment, once it has come a millisecond mo
   CHECK(left_until(Real::now()) == 0ns);
 }
 
-TEST_CASE("wait: goes on while an end works, and takes what that one sends last") {
+TEST_CASE("wait: continues while a simulated instrument is busy, and receives what it sends last") {
   const WaitedLine line;
   for (const Nanoseconds timeout : {Nanoseconds(1), Nanoseconds(1ms)}) {
     const auto held_end = on_the_heap();
@@ -112,7 +112,7 @@ TEST_CASE("wait: goes on while an end works, and takes what that one sends last"
   CHECK(wait_for(line.ends[0], POLLIN, 1ms) == 0);
 }
 
-TEST_CASE("end at work: from its making to its first wait, with something to read, and never in a child") {
+TEST_CASE("busy instrument: is busy until its first wait and while it has input, and never in a child process") {
   CHECK_FALSE(EndAtWork::any());
   {
     const auto held_made = on_the_heap();
@@ -153,7 +153,7 @@ TEST_CASE("end at work: from its making to its first wait, with something to rea
   CHECK(seen[0].revents == POLLIN);
 }
 
-TEST_CASE("end at work: a wait ends with its time, in seconds and parts of them, and keeps the error's number") {
+TEST_CASE("busy instrument: a wait lasts for its time, and a failed one keeps errno") {
   const WaitedLine line;
   const auto held_end = on_the_heap();
   EndAtWork& end = *held_end;

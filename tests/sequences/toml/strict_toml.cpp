@@ -33,7 +33,7 @@ std::string near(const std::string& word, const std::vector<std::string>& known)
 
 }  // namespace
 
-TEST_CASE("words are near when they differ by at most two changes, or by a third of the letters") {
+TEST_CASE("nearest name: differs by at most two edits, or by a third of the letters") {
   // A change puts a letter in, takes one out or puts another in its place; capitals are the same letters.
   CHECK(near("abcdef", {"abcdxy"}) == "abcdxy");
   CHECK(near("abcdef", {"abcxyz"}).empty());
@@ -57,7 +57,7 @@ TEST_CASE("words are near when they differ by at most two changes, or by a third
   CHECK(near("abcd", {"abxy", "abcx", "xbcd"}) == "abcx");
 }
 
-TEST_CASE("16384 characters of a line are allowed") {
+TEST_CASE("TOML file: lines of up to 16384 characters are accepted") {
   const std::string longest = "# " + std::string(16382, 'x');
   CHECK(error_of_text(longest).id().empty());
   CHECK(error_of_text(longest + "\na = 1\n" + longest + "\n").id().empty());
@@ -68,7 +68,7 @@ TEST_CASE("16384 characters of a line are allowed") {
   CHECK(error_of_text(longest + "x").where() == "t:1");
 }
 
-TEST_CASE("a file may have 16 million bytes") {
+TEST_CASE("TOML file: up to 16 million bytes are accepted") {
   const TemporaryFolder folder;
   const std::string line = "#" + std::string(9998, ' ') + "\n";
   {
@@ -83,7 +83,7 @@ TEST_CASE("a file may have 16 million bytes") {
   CHECK_THAT(error.what(), Catch::Contains("16000000"));
 }
 
-TEST_CASE("a missing file, a folder and an unreadable file are refused by name") {
+TEST_CASE("TOML file: a missing file, a folder and an unreadable file are refused by name") {
   const TemporaryFolder folder;
   fs::create_symlink("round.toml", folder.path("round.toml"));
   for (const std::string& path :
@@ -97,7 +97,7 @@ TEST_CASE("a missing file, a folder and an unreadable file are refused by name")
   CHECK(error_of("/proc/kmsg").where() == "/proc/kmsg");
 }
 
-TEST_CASE("a name has at least one visible character") {
+TEST_CASE("TOML name: needs at least one visible character") {
   for (const char* nothing : {"", " ", "\\t \\n"}) {
     const TomlDocument document = TomlDocument::from_text("name = \"" + std::string(nothing) + "\"\n", "t");
     CHECK(document.root().text("name").size() < 5);
@@ -106,7 +106,7 @@ TEST_CASE("a name has at least one visible character") {
   CHECK(TomlDocument::from_text("name = \" a\"\n", "t").root().name("name") == " a");
 }
 
-TEST_CASE("values of --set go into tables, which are created where missing") {
+TEST_CASE("TOML set: values go into tables, which are created if missing") {
   TomlDocument document = TomlDocument::from_text("a = 1\n[b]\nc = 2\n", "t");
   document.set({"a", "7"});
   document.set({"b.c", "8"});
@@ -125,21 +125,21 @@ TEST_CASE("values of --set go into tables, which are created where missing") {
   CHECK(!TomlDocument::from_text(document.to_text(), "again").root().has("b"));
 }
 
-TEST_CASE("an impossible --set is refused and quoted as typed") {
+TEST_CASE("TOML set: an impossible key is refused and quoted as typed") {
   TomlDocument document = TomlDocument::from_text("a = 1\n", "t");
   for (const auto& [key, place] : std::map<std::string, std::string>{
            {"a.b", "--set bench.a.b=1"}, {"", "--set bench.=1"}, {"c.", "--set bench.c.=1"}})
     check_refusal([&] { document.set({key, "1"}, "bench."); }, {key, "TB-FILE-VALUE", place});
 }
 
-TEST_CASE("a NUL in a message is shown") {
+TEST_CASE("file error: a NUL in a message is shown as an escape") {
   const FileError error("TB-FILE-KEY", std::string("a\0b\0c", 5), "w", "r");
   CHECK(std::string(error.what()) == "a\\x00b\\x00c");
   const FileError ends("TB-FILE-KEY", std::string("\0\0", 2), "w", "r");
   CHECK(std::string(ends.what()) == "\\x00\\x00");
 }
 
-TEST_CASE("a file whose last block has a byte, or lacks one, is read to its end") {
+TEST_CASE("TOML file: is read to its end for any length of its last block") {
   const TemporaryFolder folder;
   const std::size_t block = 65536;
   for (const std::size_t size : {std::size_t{1}, block - 1, block, block + 1, 2 * block + 1}) {
@@ -153,13 +153,13 @@ TEST_CASE("a file whose last block has a byte, or lacks one, is read to its end"
   }
 }
 
-TEST_CASE("a file whose bytes cannot be had is refused") {
+TEST_CASE("TOML file: one whose bytes cannot be read is refused") {
   const std::string path = "/sys/class/net/lo/speed";  // opens, but the kernel knows no speed of the loopback
   if (!std::filesystem::exists(path)) return;
   CHECK(error_of(path).id() == "TB-FILE-MISSING");
 }
 
-TEST_CASE("a value that was typed in another unit is quoted as typed, at the place of its --set") {
+TEST_CASE("TOML set: a value typed in another unit is quoted as typed, with the place where it was set") {
   TomlDocument document = TomlDocument::from_text("[s]\nk = 1\nl = 1\n", "t");
   document.set({"s.k", "130.5", "9bar"}, "bench.");
   document.set({"s.l", "7", "7"}, "bench.");  // typed as it is: nothing to add
@@ -189,7 +189,7 @@ const auto kRead = [](const TomlTable& table) { return table.number("k"); };
 
 }  // namespace
 
-TEST_CASE("a number is an integer or a finite floating-point number") {
+TEST_CASE("TOML number: is an integer or a finite floating-point number") {
   const TomlTable root = TomlDocument::from_text("i = 3\nf = -2.5\nx = 0x10\n", "t").root();
   CHECK((root.number("i") == 3.0 && root.number("f") == -2.5 && root.number("x") == 16.0));
   check_refused_reading(kRead, {{"a = 1\n", "TB-FILE-KEY", "t:1:1, k"},
@@ -202,7 +202,7 @@ TEST_CASE("a number is an integer or a finite floating-point number") {
                                 {"k = 2026-01-31\n", "TB-FILE-VALUE", "t:1:5, k"}});
 }
 
-TEST_CASE("a defined name stands for its number") {
+TEST_CASE("TOML number: a defined name is replaced by its number") {
   TomlDocument document = TomlDocument::from_text("k = \"$level\"\nl = [1, \"$level\"]\nm = [[\"$level\", 2]]\n", "t");
   CHECK(!document.uses("level"));
   document.define("level", 4.5);
@@ -220,7 +220,7 @@ TEST_CASE("a defined name stands for its number") {
   }
 }
 
-TEST_CASE("bounds are allowed and the next number beyond them is not") {
+TEST_CASE("TOML number: bounds are accepted, and the next number beyond them is refused") {
   const auto in = [](const std::string& value, double fallback = 0.0) {
     return id_refused("k = " + value + "\n",
                       [&](const TomlTable& table) { return table.number_in("k", fallback, -1.0, 2.0); });
@@ -248,7 +248,7 @@ TEST_CASE("bounds are allowed and the next number beyond them is not") {
   CHECK(TomlDocument::from_text("k = 3\n", "t").root().integer("k", -1, 2, 4) == 3);
 }
 
-TEST_CASE("a list of numbers has numbers alone") {
+TEST_CASE("TOML list: accepts numbers only") {
   const auto list = [](const TomlTable& table) { return table.numbers("k"); };
   CHECK(TomlDocument::from_text("k = []\n", "t").root().numbers("k").empty());
   CHECK(TomlDocument::from_text("k = [3, 1.5]\n", "t").root().numbers("k") == std::vector<double>{3, 1.5});
@@ -263,7 +263,7 @@ TEST_CASE("a list of numbers has numbers alone") {
   check_refused_reading(several, {{"k = []\n", "TB-FILE-VALUE", "t:1:5, k"}});
 }
 
-TEST_CASE("a span's end is above its beginning") {
+TEST_CASE("TOML span: the end must be above the beginning") {
   const auto span = [](const TomlTable& table) { return table.span("k", {-3.0, 4.5}); };
   CHECK(span(TomlDocument::from_text("k = [1, 2]\n", "t").root()) == std::pair(1.0, 2.0));
   CHECK(span(TomlDocument::from_text("", "t").root()) == std::pair(-3.0, 4.5));
@@ -272,7 +272,7 @@ TEST_CASE("a span's end is above its beginning") {
   }
 }
 
-TEST_CASE("lists in a list have the required length") {
+TEST_CASE("TOML list of lists: each list must have the required length") {
   const auto pairs = [](const TomlTable& table) { return table.number_lists("k", 2); };
   CHECK(pairs(TomlDocument::from_text("k = [[1, 2], [3, 4.5]]\n", "t").root()) ==
         std::vector<std::vector<double>>{{1, 2}, {3, 4.5}});
@@ -286,7 +286,7 @@ TEST_CASE("lists in a list have the required length") {
                                 {"", "TB-FILE-VALUE", "t:1:1, k"}});
 }
 
-TEST_CASE("what was read is remembered once, with its place or as a default") {
+TEST_CASE("TOML settings: each number read is recorded once, with its place or as a default") {
   const TomlDocument document =
       TomlDocument::from_text("a = 1.5\nb = 2\nc = [1, 2]\nd = [0, 4]\ne = [[1, 2], [3, 4]]\nf = [7]\n", "t");
   const TomlTable root = document.root();
@@ -321,7 +321,7 @@ TomlTable root_of(const std::string& text) { return TomlDocument::from_text(text
 
 }  // namespace
 
-TEST_CASE("true and false are neither numbers nor texts") {
+TEST_CASE("TOML boolean: numbers and texts are refused") {
   const auto read = [](const TomlTable& table) { return table.boolean("k", true); };
   CHECK((read(root_of("k = true\n")) && !read(root_of("k = false\n")) && read(root_of(""))));
   CHECK(!root_of("").boolean("k", false));
@@ -329,7 +329,7 @@ TEST_CASE("true and false are neither numbers nor texts") {
                         {{"k = 1\n", "TB-FILE-VALUE", "t:1:5, k"}, {"k = \"true\"\n", "TB-FILE-VALUE", "t:1:5, k"}});
 }
 
-TEST_CASE("a text without quotes is refused") {
+TEST_CASE("TOML text: a value without quotes is refused") {
   const auto read = [](const TomlTable& table) { return table.text("k"); };
   CHECK(read(root_of("k = \"a b\"\n")) == "a b");
   check_refused_reading(read, {{"k = 1\n", "TB-FILE-VALUE", "t:1:5, k"},
@@ -344,7 +344,7 @@ TEST_CASE("a text without quotes is refused") {
                                {"k = [\"a\", 2]\n", "TB-FILE-VALUE", "t:1:5, k", "element 2 "}});
 }
 
-TEST_CASE("a date is read as it is written, by TOML or in quotes") {
+TEST_CASE("TOML date: is read as written, as a TOML date or in quotes") {
   const auto read = [](const TomlTable& table) { return table.date_text("k"); };
   CHECK(read(root_of("k = 2026-01-09\n")) == "2026-01-09");
   CHECK(read(root_of("k = 0987-12-31\n")) == "0987-12-31");
@@ -353,7 +353,7 @@ TEST_CASE("a date is read as it is written, by TOML or in quotes") {
   check_refused_reading(read, {{"k = 2026\n", "TB-FILE-VALUE", "t:1:5, k"}});
 }
 
-TEST_CASE("a word is one of those that are known, and the near one is named") {
+TEST_CASE("TOML choice: must be one of the known values, and an error suggests the nearest") {
   const auto read = [](const TomlTable& table) { return table.word("k", {"forward", "backward"}); };
   CHECK(read(root_of("k = \"backward\"\n")) == "backward");
   CHECK(root_of("").word("k", "forward", {"forward", "backward"}) == "forward");
@@ -364,7 +364,7 @@ TEST_CASE("a word is one of those that are known, and the near one is named") {
   check_refused_reading(read, {{"", "TB-FILE-KEY", "t:1:1, k"}});
 }
 
-TEST_CASE("keys of tables in tables are named with all that they lie in") {
+TEST_CASE("TOML table: errors name a key with all enclosing tables") {
   const auto deep = [](const TomlTable& table) { return table.table("a").table("b").number("c"); };
   CHECK(deep(root_of("[a.b]\nc = 4\n")) == 4.0);
   check_refused_reading(deep, {{"[a.b]\nc = \"4\"\n", "TB-FILE-VALUE", "t:2:5, a.b.c"},
@@ -384,7 +384,7 @@ TEST_CASE("keys of tables in tables are named with all that they lie in") {
   check_refused_reading(top, {{"[[l]]\nc = true\n", "TB-FILE-VALUE", "t:2:5, l[0].c"}});
 }
 
-TEST_CASE("an unknown key is refused, and the nearest known one is named") {
+TEST_CASE("TOML table: an unknown key is refused, and the nearest known one is suggested") {
   const auto read = [](const TomlTable& table) {
     (void)table.has("dwell_s");
     (void)table.keys();  // to list keys is not to ask for them
@@ -404,7 +404,7 @@ TEST_CASE("an unknown key is refused, and the nearest known one is named") {
   root_of("").table("none").finish();
 }
 
-TEST_CASE("texts are remembered in quotes, with their place or as a default") {
+TEST_CASE("TOML settings: texts are recorded in quotes, with their place or as a default") {
   const TomlDocument document = TomlDocument::from_text(
       "a = \"x\"\nb = true\nc = 2026-01-09\nd = [\"p\", \"q\"]\n[e]\nf = \"y\"\n[[g]]\nh = \"z\"\n", "t");
   const TomlTable root = document.root();
@@ -424,7 +424,7 @@ TEST_CASE("texts are remembered in quotes, with their place or as a default") {
         "d=[p, q] t:4\nnobody=[] default\ne.f=\"y\" t:6\ng[0].h=\"z\" t:8\n");
 }
 
-TEST_CASE("values of --set have no line of the file") {
+TEST_CASE("TOML settings: values set on the command line have no line of the file") {
   TomlDocument document = TomlDocument::from_text("a = 1\n", "t");
   document.set({"a", "two"}, "bench.");
   CHECK(document.root().text("a") == "two");
@@ -481,7 +481,7 @@ std::string id_of(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("rows of keys take values in the file's unit, and absent ones keep what the variable held") {
+TEST_CASE("key table: values are converted from the file's unit, absent keys keep the variable's value") {
   Values values;
   read_whole(TomlDocument::from_text("need = \"x\"", "t").root(), rows_of(values));
   const Values own;
@@ -499,7 +499,7 @@ TEST_CASE("rows of keys take values in the file's unit, and absent ones keep wha
   CHECK((!values.on && !values.ends && values.parity == 'N' && values.colour == Colour::kRed && values.text.empty()));
 }
 
-TEST_CASE("rows of keys refuse what their facts exclude, and keys without a row") {
+TEST_CASE("key table: values outside their limits and unknown keys are refused") {
   const std::string need = "need = \"x\"\n";
   CHECK(id_of(need) == "accepted");
   for (const char* line : {"share = 101", "wait_ms = 0.5", "span_bar = [2, 1]", "count = 10", "count = 1.5", "on = 1",
@@ -511,7 +511,7 @@ TEST_CASE("rows of keys refuse what their facts exclude, and keys without a row"
   CHECK(id_of(need + "shar = 1") == "TB-FILE-KEY");
 }
 
-TEST_CASE("rows of keys say of themselves what they are, and those of another kind of table are added") {
+TEST_CASE("key table: describes its keys, and adds the limits of another kind of table") {
   Values values;
   std::vector<KeyFacts> all;
   add_facts(all, "part", rows_of(values));

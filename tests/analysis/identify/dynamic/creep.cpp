@@ -113,7 +113,7 @@ int holds_in(const Dataset& data) {
 
 }  // namespace
 
-TEST_CASE("creep: shares, half and the taxels' scales are those of the outputs", "[dynamic]") {
+TEST_CASE("creep search: recovers the shares, the half pressure and each taxel's scale from the outputs", "[dynamic]") {
   for (const int half : {0, 9, 22}) {
     const Truth truth = any_truth(half);
     Dataset data = held_levels(truth.levels, 3);
@@ -135,7 +135,7 @@ TEST_CASE("creep: shares, half and the taxels' scales are those of the outputs",
   }
 }
 
-TEST_CASE("creep: of known creep the taxels' scales alone are found", "[dynamic]") {
+TEST_CASE("creep scales: are found for known creep of the array, and stay unchanged without a hold", "[dynamic]") {
   const Truth truth = any_truth(9);
   Dataset data = held_levels(truth.levels, 2);
   creep_taxel(data, truth, 0, 0.1, 0.7);
@@ -153,7 +153,7 @@ TEST_CASE("creep: of known creep the taxels' scales alone are found", "[dynamic]
   CHECK(nothing.creep_scale == std::vector<double>{0.3, 0.4});
 }
 
-TEST_CASE("creep: a taxel's scale is within 0 and what leaves a tenth of its output", "[dynamic]") {
+TEST_CASE("creep scales: lie between 0 and 10, and leave at least a tenth of the output", "[dynamic]") {
   Truth truth = any_truth(9);
   Dataset data = held_levels(truth.levels, 5);
   const std::vector<double> zeros(5, 0.0), scales = {-2.0, 30.0, 2.0, 1.0, 1.0 / 3.0};
@@ -178,7 +178,7 @@ TEST_CASE("creep: a taxel's scale is within 0 and what leaves a tenth of its out
   CHECK(silent.creep_scale[0] == 1.0);
 }
 
-TEST_CASE("creep: a taxel's scale is drawn toward the array's by its doubt", "[dynamic]") {
+TEST_CASE("creep scales: an uncertain taxel's scale is pulled toward the array's", "[dynamic]") {
   const Truth truth = any_truth(9);
   Dataset data = held_levels(truth.levels, 3);
   for (std::size_t t = 0; t < 3; ++t) creep_taxel(data, truth, t, 0.0, t == 0 ? 1.5 : 1.0);
@@ -214,8 +214,7 @@ TEST_CASE("creep: a taxel's scale is drawn toward the array's by its doubt", "[d
   CHECK(found.creep_scale[0] == Approx(1.0 + 0.5 * kept).epsilon(1e-6));
 }
 
-TEST_CASE("creep: a level is held for ten settled frames within half a psi of its first one, above half a psi",
-          "[dynamic]") {
+TEST_CASE("creep search: a hold needs ten settled frames within 0.5 psi of its first, above 0.5 psi", "[dynamic]") {
   // Frames at 2, 4, 6 s and so on: the first three of a level are within 6 s of its first.
   CHECK(holds_in(held_levels({20}, 1, 13)) == 1);
   CHECK(holds_in(held_levels({20}, 1, 12)) == 0);
@@ -232,7 +231,7 @@ TEST_CASE("creep: a level is held for ten settled frames within half a psi of it
   CHECK(holds_in({}) == 0);
 }
 
-TEST_CASE("a track is a run's samples in their order, its span the highest set-point", "[dynamic]") {
+TEST_CASE("track: lists a run's samples in order, and its span is the highest set-point", "[dynamic]") {
   const Dataset data = walked_run({}, {{0.0, 0.1, 1.0, 0.0}, {0.5, 0.1, 1.0, 0.0}},
                                   {{"a", {{{0, 10}, 1.0}, {{5}, 2.0}}}, {"b", {{{30, 20}, 1.0, 20.0, 0.25}}}}, 30.0);
   const Track track = track_of(data);
@@ -258,7 +257,7 @@ TEST_CASE("a track is a run's samples in their order, its span the highest set-p
   CHECK(psi[3][0] == Approx(target + (worked - target) * std::exp(-1.0 / 3.0)));
 }
 
-TEST_CASE("time passed: what no command accounts for was conditioning, the first sample has what its command tells") {
+TEST_CASE("elapsed time: time beyond hold and settling is conditioning, the first sample uses its own hold time") {
   const auto passed = [](double time_s, double held_s, double before_s) {
     const TimePassed own = time_passed({0.0, 0.0, time_s, held_s}, before_s);
     return std::vector<double>{own.worked_s, own.step_s};
@@ -352,7 +351,7 @@ const std::vector<double> kRisesAndFalls{0, 20, 60, 30, 10};
 
 }  // namespace
 
-TEST_CASE("a run with lag and creep undone has straight outputs at the pressures that have arrived", "[dynamic]") {
+TEST_CASE("creep removal from a run: straight films give straight outputs at the delayed pressures", "[dynamic]") {
   const Dynamics d = some_dynamics();
   const std::vector<WalkedTaxel> taxels = {{0.1, 0.05, 2.0, d.lag_share}, {0.3, 0.02, 0.5, d.lag_share}};
   const Dataset run = walked_run(
@@ -378,7 +377,7 @@ TEST_CASE("a run with lag and creep undone has straight outputs at the pressures
   CHECK(undone.sequences[0].repeats[0].steps[1].reference_psi == Approx(20.0 - 0.2 * 20.0 * std::exp(-2.0 / 1.5)));
 }
 
-TEST_CASE("histories of a run are undone one after the other, conditioning included, those of a table each from rest",
+TEST_CASE("creep removal from histories: those of a run continue each other, those of a table start from rest",
           "[dynamic]") {
   const Dynamics d = some_dynamics();
   ModelTaxel taxel = film_taxel(3, two_interval_film({0.1, 0.0}, 10.0, 0.05));
@@ -459,7 +458,7 @@ FitOptions three_cells() {
 
 }  // namespace
 
-TEST_CASE("relaxation times lie evenly over the logarithm of time, from 3 s to the slowest", "[dynamic]") {
+TEST_CASE("creep of one run: relaxation times are spaced evenly in log time, from 3 s to the slowest", "[dynamic]") {
   const auto times = creep_times(300.0);
   CHECK(times[0] == 3.0);
   CHECK(times[1] == Approx(30.0));
@@ -467,7 +466,7 @@ TEST_CASE("relaxation times lie evenly over the logarithm of time, from 3 s to t
   CHECK(creep_times(12.0)[1] == Approx(6.0));
 }
 
-TEST_CASE("slowest times are tried that end within half of the run", "[dynamic]") {
+TEST_CASE("creep of one run: slowest times up to half of the run's duration are tried", "[dynamic]") {
   const auto tried = [](double last_s) {
     Dataset data = walked_run({}, {{0.0, 0.1, 1.0, 0.0}}, {{"a", {{{0, 60, 0}, 1.0}, {{0, 60, 0}, 1.0}}}}, 60.0);
     data.sequences[0].repeats[1].steps.back().time_s = last_s;
@@ -481,7 +480,8 @@ TEST_CASE("slowest times are tried that end within half of the run", "[dynamic]"
   CHECK(tried(20000.0) == std::vector<double>{300.0, 1000.0, 3000.0, 10000.0});
 }
 
-TEST_CASE("a run's misfit is none where its creep is undone, and the same whatever the volts", "[dynamic]") {
+TEST_CASE("creep of one run: the misfit vanishes for the true creep, and does not depend on the output scale",
+          "[dynamic]") {
   const Dataset data = passes(0.04, 300.0, {{0.1, 0.05, 1.0, 0.0}, {5.0, 3.0, 1.0, 0.0}, {0.3, 0.03, 1.0, 0.0}});
   const CreepMisfit misfit(data, {0.1, 5.0, 0.3}, {true, false, true}, 60.0, three_cells());
   Dynamics truth;
@@ -499,7 +499,7 @@ TEST_CASE("a run's misfit is none where its creep is undone, and the same whatev
         std::numeric_limits<double>::infinity());
 }
 
-TEST_CASE("a run tells its creep: the share, no more than 0.16, and none where it helps little", "[dynamic]") {
+TEST_CASE("creep of one run: the share is recovered, limited to 0.16, and zero without creep", "[dynamic]") {
   const auto told = [](double share) {
     const Dataset data = passes(share, 300.0, {{0.1, 0.05, 1.0, 0.0}});
     return creep_of_one_run(CreepMisfit(data, {0.1}, {true}, 60.0, three_cells()));

@@ -56,7 +56,7 @@ Histories of_table(const std::vector<TableSeries>& series) {
 
 }  // namespace
 
-TEST_CASE("runs of lag and creep that are of another sensor or origin are refused, each by what differs", "[dynamic]") {
+TEST_CASE("fit_dynamic: rate and creep runs of another sensor or origin are refused", "[dynamic]") {
   CHECK(refused_run([](ThreeRuns&) {}).empty());
   const auto other_rate = [&](auto change) { return refused_run([&](ThreeRuns& runs) { change(runs.rate); }); };
   CHECK(other_rate([](Dataset& run) { run.rows = 2; }) == "TB-ANALYSIS-OTHER-SENSOR");
@@ -67,7 +67,7 @@ TEST_CASE("runs of lag and creep that are of another sensor or origin are refuse
   CHECK(refused_run([](ThreeRuns& runs) { runs.creep.origin = "hardware"; }) == "TB-ANALYSIS-ORIGIN");
 }
 
-TEST_CASE("runs that tell nothing of lag or creep are refused", "[dynamic]") {
+TEST_CASE("fit_dynamic: runs that contain no information on lag or creep are refused", "[dynamic]") {
   CHECK(refused_run([](ThreeRuns& runs) { runs.creep.sequences = runs.fitted.sequences; }) == "TB-ANALYSIS-DYNAMICS");
   CHECK(refused_run([](ThreeRuns& runs) { runs.rate.sequences = runs.fitted.sequences; }) == "TB-ANALYSIS-DYNAMICS");
   CHECK(refused_run([](ThreeRuns& runs) {
@@ -87,7 +87,7 @@ TEST_CASE("runs that tell nothing of lag or creep are refused", "[dynamic]") {
   CHECK(model.fitted().size() == 2);
 }
 
-TEST_CASE("data that carry no model are refused: one direction, no rise, sequences that are not there") {
+TEST_CASE("fit_models: data with one direction, without a rise or without a named sequence are refused") {
   const Histories up = of_table({{"a", 0, {0, 1, 2, 3}, {0, 1, 2, 4}}});
   CHECK(refused_fit("preisach", up) == "TB-ANALYSIS-MODEL");
   CHECK(refused_fit("elam", up) == "TB-ANALYSIS-NO-LOOP");
@@ -110,7 +110,7 @@ TEST_CASE("data that carry no model are refused: one direction, no rise, sequenc
 
 using namespace tactbench::analysis;
 
-TEST_CASE("what of lag and creep a dynamic model undoes", "[dynamic]") {
+TEST_CASE("SensorDynamics: reports whether creep, lag or both are removed", "[dynamic]") {
   const auto with = [](std::array<double, 3> creep, double lag) {
     SensorDynamics dynamics;
     dynamics.shared.creep_share = creep;
@@ -143,7 +143,7 @@ std::unique_ptr<Compensator> stream_of(const HysteresisModel& model, const Dynam
 
 }  // namespace
 
-TEST_CASE("a stream gives a creeping film's pressures back behind its divider", "[dynamic]") {
+TEST_CASE("dynamic Preisach: the compensator recovers the pressures of a creeping film behind a divider", "[dynamic]") {
   const DynamicArray array = dynamic_array(4);
   for (std::size_t t = 0; t < array.films.size(); ++t) {
     const LinearisedModel model(array.taxels[t].divider, std::make_shared<PreisachModel>(array.films[t]));
@@ -167,7 +167,7 @@ TEST_CASE("a stream gives a creeping film's pressures back behind its divider", 
   }
 }
 
-TEST_CASE("beyond a nearly level piece of a branch the creep's target is not guessed along its slope", "[dynamic]") {
+TEST_CASE("dynamic Preisach: the error stays below 1 psi beyond a nearly flat piece of a branch", "[dynamic]") {
   const PreisachModel film(0.0, 60.0, 0.0, {2.0, 0.0, 0.01, 0.0, 0.0, 2.0});  // 10 mV from 20 to 40 psi
   DynamicArray array = dynamic_array(1);
   array.dynamics.creep_share = {0.3, 0.0, 0.0};

@@ -18,7 +18,8 @@
 
 using namespace synthetic;
 
-TEST_CASE("the dynamic model of an array finds its plants, is kept whole, and reads a way of its own", "[dynamic]") {
+TEST_CASE("fit_dynamic: recovers known plants, is stored without loss, and reads another path within 0.25 psi",
+          "[dynamic]") {
   const DynamicArray array = dynamic_array(kTaxels);
   const Runs runs = runs_of(array);
   const SensorModel model = fit_dynamic(runs.fitted, runs.rate, runs.creep);
@@ -64,7 +65,7 @@ TEST_CASE("the dynamic model of an array finds its plants, is kept whole, and re
   CHECK(error < 0.5 * still_error);
 }
 
-TEST_CASE("a falling sensor and an adjusted model stream like the one that they come from", "[dynamic]") {
+TEST_CASE("fit_dynamic: a falling sensor and an adjusted model give the same errors as the original", "[dynamic]") {
   const DynamicArray array = dynamic_array(kTaxels);
   const Runs runs = runs_of(array), falling = runs_of(array, -1.0);
   const SensorModel model = fit_dynamic(runs.fitted, runs.rate, runs.creep);
@@ -84,7 +85,7 @@ TEST_CASE("a falling sensor and an adjusted model stream like the one that they 
   CHECK(evaluate(scaled, moved).mean_error_psi == Approx(error).epsilon(1e-6));
 }
 
-TEST_CASE("a dynamic model is scored, checked and adjusted with creep and lag undone", "[dynamic]") {
+TEST_CASE("dynamic model: scoring, drift check and adjustment remove creep and lag first", "[dynamic]") {
   const DynamicArray array = dynamic_array(kTaxels);
   const Runs runs = runs_of(array);
   const SensorModel model = fit_dynamic(runs.fitted, runs.rate, runs.creep);
@@ -114,9 +115,8 @@ TEST_CASE("a dynamic model is scored, checked and adjusted with creep and lag un
   CHECK(after < 0.25);
 }
 
-TEST_CASE(
-    "without runs of lag and creep the dynamic model is made of one run, which needs no times if it tells no creep",
-    "[dynamic]") {
+TEST_CASE("dynamic model of one run: without creep in the run it needs no times, and errs less than ELAM",
+          "[dynamic]") {
   DynamicArray array = dynamic_array(kTaxels);
   array.dynamics.creep_share = {};
   const Runs runs = runs_of(array);
@@ -170,8 +170,7 @@ double plain_error(const Dataset& fitted, const Dataset& other) {
 
 }  // namespace
 
-TEST_CASE("a run that passes the same levels again and again tells its creep, and the slowest of its times",
-          "[dynamic]") {
+TEST_CASE("dynamic model of one run: repeated levels yield the creep and its slowest time constant", "[dynamic]") {
   for (const double slowest : {300.0, 1000.0}) {
     const DynamicArray array = creeping(0.05, slowest);
     const Dataset fitted = long_run(array);
@@ -198,7 +197,7 @@ TEST_CASE("a run that passes the same levels again and again tells its creep, an
   }
 }
 
-TEST_CASE("a run of two paces and a hold tells lag and each taxel's creep", "[dynamic]") {
+TEST_CASE("dynamic model of one run: two rates and a hold yield the lag and each taxel's creep", "[dynamic]") {
   const DynamicArray array = dynamic_array(kTaxels);
   const std::vector<double> loop = way_along({0, 60, 0}, 4.0);
   const std::vector<double> inner = way_along({0, 60, 10, 60, 30, 60, 50, 60, 0, 10, 0, 30, 0, 50, 0}, 2.0);
@@ -220,7 +219,8 @@ TEST_CASE("a run of two paces and a hold tells lag and each taxel's creep", "[dy
   CHECK(scales == Approx(1.0).margin(0.1));  // over the array's
 }
 
-TEST_CASE("creep is left in where a run tells none, no times, or is too short", "[dynamic]") {
+TEST_CASE("dynamic model of one run: removes no creep if there is none, no times, a short run or a start above 0",
+          "[dynamic]") {
   const DynamicArray still = creeping(0.0, 300.0), array = creeping(0.05, 300.0);
   CHECK_FALSE(in_time(*fit_dynamic_alone(long_run(still)).dynamics));
   Dataset timeless = long_run(array);
@@ -245,7 +245,7 @@ TEST_CASE("creep is left in where a run tells none, no times, or is too short", 
   CHECK_FALSE(undoes_creep(*fit_dynamic_alone(above).dynamics));
 }
 
-TEST_CASE("an array under an object is read with its creep undone, which goes on while the object is off",
+TEST_CASE("contact_result: frame times let creep be removed under an object, which halves the force error",
           "[dynamic]") {
   const DynamicArray array = creeping(0.05, 300.0);
   const SensorModel fit = fit_dynamic_alone(long_run(array));
@@ -306,7 +306,7 @@ ResidualSum residual_sum(const Dataset& data, const SensorModel& model, std::siz
 
 }  // namespace
 
-TEST_CASE("the residual of a dynamic model is that of ways that it was not fitted to", "[dynamic]") {
+TEST_CASE("dynamic model: the stated residual agrees with the error on paths that were not fitted", "[dynamic]") {
   const DynamicArray array = dynamic_array(kTaxels);
   const Runs runs = runs_of(array);
   // Two inner branches, which 120 weights follow wherever they go; many; and none.
@@ -334,7 +334,7 @@ TEST_CASE("the residual of a dynamic model is that of ways that it was not fitte
   }
 }
 
-TEST_CASE("twice the uncertainty of a dynamic model holds most pressures on a path of its own", "[dynamic]") {
+TEST_CASE("dynamic model: twice the uncertainty covers over 90 % of the pressures on another path", "[dynamic]") {
   const DynamicArray array = dynamic_array(kTaxels);
   const Runs runs = runs_of(array);
   const SensorModel model = fit_dynamic(runs.fitted, runs.rate, runs.creep);
@@ -379,7 +379,7 @@ Dataset straight_run(std::int64_t number) {
 
 }  // namespace
 
-TEST_CASE("the residual's shape has two numbers an interval, larger where the stream errs by more", "[dynamic]") {
+TEST_CASE("residual shape: has two values per interval, larger near the top of the falling branch", "[dynamic]") {
   const DynamicArray array = dynamic_array(kTaxels);
   const Runs runs = runs_of(array);
   const SensorModel model = fit_dynamic(runs.fitted, runs.rate, runs.creep);
@@ -392,7 +392,7 @@ TEST_CASE("the residual's shape has two numbers an interval, larger where the st
   CHECK(shape[2 * n - 1] > shape[n + n / 4]);
 }
 
-TEST_CASE("of one run: no more intervals than levels tell apart, zeros that are means, a dead taxel as the array",
+TEST_CASE("dynamic model of one run: limits intervals to distinct levels, averages zeros and leaves dead taxels out",
           "[dynamic]") {
   const Dataset run = straight_run(1);
   for (const auto& [cells, intervals] : {std::pair{20, 3U}, {3, 3U}, {2, 2U}}) {
@@ -416,8 +416,7 @@ TEST_CASE("of one run: no more intervals than levels tell apart, zeros that are 
   }
 }
 
-TEST_CASE("with runs of lag and creep, too: no more intervals than levels tell apart, and no larger error than without",
-          "[dynamic]") {
+TEST_CASE("fit_dynamic: limits intervals to distinct levels, and errs no more than the model of one run", "[dynamic]") {
   const DynamicArray array = dynamic_array(kTaxels);
   const Runs runs = runs_of(array);
   const Dataset coarse = run_of(array, {{"coarse", {{way_along({0, 60, 0, 40, 0, 60, 20, 60, 0}, 10.0)}}}}, 1);
@@ -426,7 +425,7 @@ TEST_CASE("with runs of lag and creep, too: no more intervals than levels tell a
   CHECK(evaluate(runs.other, model).mean_error_psi <= evaluate(runs.other, fit_dynamic_alone(coarse)).mean_error_psi);
 }
 
-TEST_CASE("a film that moves in a hold without creeping from pass to pass keeps its outputs", "[dynamic]") {
+TEST_CASE("fit_dynamic: creep seen in a hold but not between passes of the fitted run is not removed", "[dynamic]") {
   DynamicArray array = dynamic_array(kTaxels);
   const Dataset creep = runs_of(array).creep;
   array.dynamics.creep_share = {};

@@ -38,7 +38,7 @@ ArrayDynamics lag_of(const Dynamics& d, const std::vector<WalkedTaxel>& taxels,
 
 }  // namespace
 
-TEST_CASE("lag: its time and each taxel's share are those of the films, whatever their slopes and zeros", "[dynamic]") {
+TEST_CASE("lag search: recovers the time constant and each taxel's share, for any slopes and zeros", "[dynamic]") {
   for (const int k : {0, 12, 24, 45}) {
     Dynamics d;
     d.lag_s = lag_time(k);
@@ -54,8 +54,7 @@ TEST_CASE("lag: its time and each taxel's share are those of the films, whatever
   }
 }
 
-TEST_CASE("lag: pressures that differ between the two rates, conditioning and creep are taken into account",
-          "[dynamic]") {
+TEST_CASE("lag search: accounts for unequal pressures at the two rates, conditioning and creep", "[dynamic]") {
   Dynamics d;
   d.creep_share = {0.05, 0.03, 0.02};
   d.creep_half = 6.0;
@@ -78,7 +77,7 @@ TEST_CASE("lag: pressures that differ between the two rates, conditioning and cr
   CHECK(found.lag_share[1] == Approx(0.09).epsilon(1e-6));
 }
 
-TEST_CASE("lag: the fastest and the slowest repeat are compared, the first of equal ones", "[dynamic]") {
+TEST_CASE("lag search: compares the fastest with the slowest repeat, the first of equal ones", "[dynamic]") {
   Dynamics d;
   d.lag_s = lag_time(24);
   const std::vector<WalkedTaxel> taxels = {{0.0, 0.1, 1.0, 0.06}};
@@ -100,7 +99,7 @@ TEST_CASE("lag: the fastest and the slowest repeat are compared, the first of eq
   CHECK(found.lag_share[0] == Approx(0.06).epsilon(1e-6));
 }
 
-TEST_CASE("lag: two rates are those of which one takes more than twice as long", "[dynamic]") {
+TEST_CASE("lag search: two rates must differ by more than a factor of two", "[dynamic]") {
   Dynamics d;
   d.lag_s = 0.5;
   const std::vector<WalkedTaxel> taxels = {{0.0, 0.1, 1.0, 0.06}};
@@ -119,7 +118,7 @@ TEST_CASE("lag: two rates are those of which one takes more than twice as long",
             .rate_samples == 1);
 }
 
-TEST_CASE("lag: a turn has no slope, and neither has a step that is held", "[dynamic]") {
+TEST_CASE("lag search: samples at a turning point or on a held level are not used", "[dynamic]") {
   Dynamics d;
   d.lag_s = 0.5;
   const std::vector<WalkedTaxel> taxels = {{0.0, 0.1, 1.0, 0.06}};
@@ -127,7 +126,7 @@ TEST_CASE("lag: a turn has no slope, and neither has a step that is held", "[dyn
   CHECK(lag_of(d, taxels, {{"rate", {{held, 1.0}, {held, 4.0}}}}).rate_samples == 1);  // that at 20 on the way up
 }
 
-TEST_CASE("lag: shares stay within 0 and a half, times within 0.1 and 12 seconds", "[dynamic]") {
+TEST_CASE("lag search: shares are limited to 0.5, and the time constant to between 0.1 and 12 s", "[dynamic]") {
   Dynamics d;
   d.lag_s = lag_time(24);
   const auto found_of = [&](double one, double other, double fast, double slow) {
@@ -156,7 +155,7 @@ TEST_CASE("lag: shares stay within 0 and a half, times within 0.1 and 12 seconds
   CHECK(found_of(0.1, 0.1, 0.05, 5.0).shared.lag_s == lag_time(0));
 }
 
-TEST_CASE("lag: outputs that are the same at both rates have none", "[dynamic]") {
+TEST_CASE("lag search: equal outputs at both rates give no lag", "[dynamic]") {
   const ArrayDynamics found =
       lag_of({}, {{0.0, 0.1, 1.0, 0.0}, {0.0, 0.2, 1.0, 0.0}}, {{"rate", {{kUpAndDown, 1.0}, {kUpAndDown, 20.0}}}});
   CHECK(found.rate_samples == 4);
@@ -167,7 +166,8 @@ TEST_CASE("lag: outputs that are the same at both rates have none", "[dynamic]")
   CHECK(none.lag_share == std::vector<double>{0.0, 0.0});
 }
 
-TEST_CASE("lag: a taxel's share is drawn toward the array's by its doubt, one left out has the array's", "[dynamic]") {
+TEST_CASE("lag search: an uncertain taxel's share is pulled toward the array's, an unusable taxel gets the array's",
+          "[dynamic]") {
   Dynamics d;
   d.lag_s = lag_time(24);
   const std::vector<WalkedTaxel> taxels = {{0.0, 0.1, 1.0, 0.04}, {0.0, 0.1, 1.0, 0.08}, {0.0, 0.1, 1.0, 0.2}};

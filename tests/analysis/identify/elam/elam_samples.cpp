@@ -7,7 +7,7 @@
 
 using namespace synthetic;
 
-TEST_CASE("samples at one place of one curve become their mean, and J keeps its value at any model") {
+TEST_CASE("ELAM samples: those at one point of one curve are merged without changing J") {
   const ElamModel model = model_of(paper_loop(), kPrinted);
   std::vector<TaxelBranch> branches{{false, {60, 40, 20, 0}, {3.49, 3.1, 2.4, 0.1}},
                                     {false, {60, 20, 40, 0}, {3.48, 2.2, 3.3, 0.0}},  // external: the same curve
@@ -29,7 +29,7 @@ TEST_CASE("samples at one place of one curve become their mean, and J keeps its 
   CHECK(told_apart == Approx(plain).epsilon(1e-12));
 }
 
-TEST_CASE("thinning keeps the requested share of samples, the same for every period of the data") {
+TEST_CASE("thinning: keeps the requested share of samples, for any period of the data") {
   std::vector<CurveSamples> curves;
   for (int c = 0; c < 1000; ++c) {
     CurveSamples& curve = curves.emplace_back();

@@ -4,7 +4,7 @@
 using namespace exhaustive_comparison;
 
 // Grid sizes were chosen on the seeds above and others; never on these.
-TEST_CASE("identification finds the best on seeds that nothing was chosen on") {
+TEST_CASE("identify_elam: finds the optimum of an exhaustive search on seeds that were not used for tuning") {
   for (unsigned seed = 30001; seed <= 30005; ++seed)
     for (const double noise : {0.0015, 0.004, 0.012, 0.030, 0.060})
       for (const double clip : {0.0, 0.5 + 0.09 * (seed % 5)})
@@ -17,6 +17,6 @@ TEST_CASE("identification finds the best on seeds that nothing was chosen on") {
                 1);
 }
 
-TEST_CASE("identification finds the best of an exhaustive search of the whole box, on larger arrays") {
+TEST_CASE("identify_elam: finds the optimum of an exhaustive search on larger arrays") {
   for (const Kind& kind : kKinds) compare(kind, 4);
 }

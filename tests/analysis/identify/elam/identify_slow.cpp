@@ -14,7 +14,7 @@
 
 using namespace exhaustive_comparison;
 
-TEST_CASE("identification finds the best of an exhaustive search of the whole box, clipped taxels included") {
+TEST_CASE("identify_elam: finds the optimum of an exhaustive search, also for clipped taxels") {
   for (const Kind& kind : kKinds) compare(kind, 2);
 }
 
@@ -36,7 +36,7 @@ void check_in_box(const ElamModel& model) {
 
 }  // namespace
 
-TEST_CASE("genetic algorithm: its J on the paper taxel with noise is never below the exact one's") {
+TEST_CASE("genetic algorithm: never finds a lower J than the exact method on the noisy paper taxel") {
   if (!has_genetic()) return;
   for (unsigned seed = 1; seed <= 6; ++seed) {
     const FitData data = paper_both(0.032, 0.0205, seed);
@@ -50,7 +50,7 @@ TEST_CASE("genetic algorithm: its J on the paper taxel with noise is never below
   }
 }
 
-TEST_CASE("genetic algorithm: a range about 0 is searched as one that begins there") {
+TEST_CASE("genetic algorithm: a range centred on 0 is searched within the parameter bounds") {
   if (!has_genetic()) return;
   const FitData data = paper_both(0.032, 0.0205, 1);
   const double middle = 0.5 * (data.ascending.x().front() + data.ascending.x().back());
@@ -68,12 +68,12 @@ TEST_CASE("genetic algorithm: a range about 0 is searched as one that begins the
   check_in_box(genetic.model);
 }
 
-TEST_CASE("genetic algorithm: it is found where it was built") {
+TEST_CASE("genetic algorithm: is available if its module was built") {
   const auto built = std::filesystem::path(tactbench::tests::program_path()).replace_filename(kGeneticModule);
   CHECK(has_genetic() == std::filesystem::exists(built));
 }
 
-TEST_CASE("genetic algorithm: the same seed gives the same fit, and the fit option selects it") {
+TEST_CASE("genetic algorithm: equal seeds give equal fits, and the fit option selects it") {
   const FitData data = paper_both(0.032, 0.0205, 1);
   if (!has_genetic()) {
     CHECK_THROWS_WITH(identify("elam", data, {.genetic = true}), Catch::Contains("libpagmo-dev"));
@@ -154,7 +154,7 @@ std::map<std::string, Figures> mean_of_seeds(const Set& set) {
 
 }  // namespace
 
-TEST_CASE("paper taxel: GPI with its printed parameters errs as known on the noiseless taxel") {
+TEST_CASE("paper taxel: GPI with its printed parameters has mean errors of 1.07 and 1.24 % of full scale") {
   // Eq. (49) over all 211 or 451 samples.
   const auto error = [](const GpiParameters& parameters, const std::vector<double>& turns) {
     const FitData data = paper_data(turns);
@@ -168,7 +168,7 @@ TEST_CASE("paper taxel: GPI with its printed parameters errs as known on the noi
   CHECK(error(kGpiTable2, kDescendingTurns) == Approx(1.24).margin(0.02));
 }
 
-TEST_CASE("paper taxel: refits of the descending set lie within their bounds and in the paper's order") {
+TEST_CASE("paper taxel: refits of the descending set are within their bounds and ranked as in the paper") {
   const auto figures = mean_of_seeds(kDescending);
   CHECK(figures.at("elam").mean < figures.at("gpi").mean);
   CHECK(figures.at("gpi").mean < figures.at("poly").mean);
@@ -177,7 +177,7 @@ TEST_CASE("paper taxel: refits of the descending set lie within their bounds and
   CHECK(figures.at("poly").max > 12.0);
 }
 
-TEST_CASE("paper taxel: refits of the ascending set lie within their bounds and in the paper's order") {
+TEST_CASE("paper taxel: refits of the ascending set are within their bounds and ranked as in the paper") {
   const auto figures = mean_of_seeds(kAscending);
   CHECK(figures.at("elam").mean < std::min(figures.at("gpi").mean, figures.at("poly").mean));
   CHECK(std::max(figures.at("gpi").mean, figures.at("poly").mean) < figures.at("mpi").mean);
@@ -193,7 +193,7 @@ TEST_CASE("paper taxel: Preisach fits both sets together to 0.7 % of full scale"
   CHECK(mean < 0.7);
 }
 
-TEST_CASE("paper taxel: 16 starts of GPI find the J that 128 find") {
+TEST_CASE("paper taxel: 16 starts of GPI find the same J as 128") {
   for (const Set* set : {&kDescending, &kAscending}) {
     for (unsigned seed = 1; seed <= kSeeds; ++seed) {
       const FitData data = paper_data(set->turns, set->noise, seed);

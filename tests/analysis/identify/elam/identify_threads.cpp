@@ -44,7 +44,7 @@ Array small_array() {
 
 }  // namespace
 
-TEST_CASE("a noiseless refit of the paper's taxel recovers the printed parameters") {
+TEST_CASE("identify_elam: noiseless data of the paper's taxel return the printed parameters") {
   const ElamModel truth = model_of(paper_loop(), kPrinted);
   const auto branches = both(branches_from(truth, kDescendingTurns), branches_from(truth, kAscendingTurns));
   const ElamFit fit = identify_elam(truth.ascending, truth.descending, branches);
@@ -59,7 +59,7 @@ TEST_CASE("a noiseless refit of the paper's taxel recovers the printed parameter
   CHECK(fit.full_scale_v == 3.49);
 }
 
-TEST_CASE("an array's fit does not depend on the number of threads") {
+TEST_CASE("fit_array: the result does not depend on the number of threads") {
   const Dataset data = run(small_array(), {});
   FitOptions options;
   options.threads = 1;
@@ -79,7 +79,7 @@ TEST_CASE("an array's fit does not depend on the number of threads") {
   CHECK(one.mean_taxel().noise == Approx(data.noise_v[0] / 4.0));
 }
 
-TEST_CASE("dead, stuck, saturated and unfit taxels are named and left out of the mean") {
+TEST_CASE("fit_array: dead, stuck, saturated and unfit taxels are marked and left out of the mean") {
   Dataset data = run(small_array(), {});
   std::mt19937 random(1);
   std::normal_distribution<double> normal;
@@ -111,7 +111,7 @@ TEST_CASE("dead, stuck, saturated and unfit taxels are named and left out of the
   CHECK(fit.mean_taxel().ascending(30.0) == Approx(mean).epsilon(1e-9));
 }
 
-TEST_CASE("a first repeat that differs from the others is reported, and can be left out") {
+TEST_CASE("fit_array: a first repeat that differs from the others is reported, and can be left out") {
   Dataset data = run(small_array(), {});
   for (double& volts : data.sequences[0].repeats[0].volts) volts -= 0.02;  // never loaded before
   const SensorModel fit = fit_array(data);
@@ -125,7 +125,7 @@ TEST_CASE("a first repeat that differs from the others is reported, and can be l
   CHECK(fit_array(data, options).mean_taxel().y0() > fit.mean_taxel().y0());
 }
 
-TEST_CASE("duplicated pressures, missing branches, branches that stop short and another origin are fitted") {
+TEST_CASE("identify_elam: duplicate pressures, missing or short branches and an offset origin are fitted") {
   // From (12 psi, 0.7 V) on: held levels, turns that only go half way, no branch from 50 psi.
   Loop loop = paper_loop();
   for (double& x : loop.x) x += 12.0;
@@ -152,7 +152,7 @@ TEST_CASE("duplicated pressures, missing branches, branches that stop short and 
   CHECK(fit.model.parameters.beta_a == Approx(p.beta_a).epsilon(1e-2));
 }
 
-TEST_CASE("fitting at the measured pressures agrees with fitting on the set-point grid") {
+TEST_CASE("fit_array: fits at the measured pressures and on the set-point grid agree") {
   const Dataset data = run(small_array(), {});
   FitOptions options;
   options.common.move_to_setpoint = false;
@@ -169,7 +169,7 @@ TEST_CASE("fitting at the measured pressures agrees with fitting on the set-poin
 using namespace synthetic;
 
 // Outputs are moved to the set-point by the measured reference.
-TEST_CASE("a regulator with 0.5 % of hysteresis leaves the fit as it is") {
+TEST_CASE("fit_array: a regulator hysteresis of 0.5 % does not change the fit") {
   ArrayOptions options;
   options.rows = 2;
   options.columns = 4;

@@ -81,7 +81,7 @@ struct Unforce {
 
 }  // namespace
 
-TEST_CASE("lanes give the plain model's values, with the same bits at every vector level") {
+TEST_CASE("ELAM lanes: match the scalar model, with equal bits at every vector level") {
   const Unforce unforce;
   for (const bool uniform : {true, false}) {
     for (const double top : {9.0, 2.9}) {
@@ -129,7 +129,7 @@ TEST_CASE("lanes give the plain model's values, with the same bits at every vect
   }
 }
 
-TEST_CASE("a fit is the same bit for bit on every level") {
+TEST_CASE("ELAM search: the fit has equal bits at every vector level") {
   const Unforce unforce;
   for (const double top : {9.0, 2.9}) {
     const Example e = lanes_example(true, top);
@@ -145,7 +145,7 @@ TEST_CASE("a fit is the same bit for bit on every level") {
   }
 }
 
-TEST_CASE("searches accept sparse data: no curves, one sample, a branch that stops short") {
+TEST_CASE("ELAM search: accepts no curves, a single sample, or a branch that stops short") {
   Example e = lanes_example(true, 9.0);
   CHECK(fit_descending(e.model, {}) == 0.0);
   CHECK(fit_ascending(e.model, {}) == 0.0);
@@ -165,7 +165,7 @@ TEST_CASE("searches accept sparse data: no curves, one sample, a branch that sto
 
 using namespace tactbench::analysis;
 
-TEST_CASE("the base vector level is always available, and the processor's best one is used") {
+TEST_CASE("vector levels: base is always available, and the processor's best one is used") {
   CHECK(dispatches().front() == Dispatch::kBase);
   CHECK(std::ranges::is_sorted(dispatches()));
   CHECK(best_dispatch() == dispatches().back());
@@ -175,7 +175,7 @@ TEST_CASE("the base vector level is always available, and the processor's best o
 }
 
 #if defined(__x86_64__)
-TEST_CASE("the vector levels are those that the processor's flags name") {
+TEST_CASE("vector levels: match the CPU flags of the processor") {
   std::ifstream file("/proc/cpuinfo");
   std::string line, flags;
   while (flags.empty() && std::getline(file, line))

@@ -39,7 +39,7 @@ struct Rises {
 
 }  // namespace
 
-TEST_CASE("ELAM: a search lowers J, and candidates beside each other end where each does alone") {
+TEST_CASE("ELAM search: descent lowers J, and parallel candidates end where each ends alone") {
   Random random(12);
   for (int problem = 0; problem < 6; ++problem) {
     CAPTURE(problem);
@@ -65,7 +65,7 @@ TEST_CASE("ELAM: a search lowers J, and candidates beside each other end where e
   }
 }
 
-TEST_CASE("ELAM: a search takes as many candidates as it has lanes") {
+TEST_CASE("ELAM search: more candidates than lanes are refused") {
   Random random(13);
   const Rises rises(random, 0.1);
   const LaneProblem lanes = lane_problem(rises.model, rises.curves, true);
@@ -78,7 +78,7 @@ TEST_CASE("ELAM: a search takes as many candidates as it has lanes") {
   CHECK_NOTHROW(eight.evaluate(std::span(many).first(8)));
 }
 
-TEST_CASE("ELAM: searches rest where J depends on nothing, or not on the split of the shortest rises") {
+TEST_CASE("ELAM search: parameters on which J does not depend stay unchanged") {
   Random random(14);
   const Rises rises(random, 0.1);
   Value start;
@@ -141,7 +141,7 @@ double j_of(const ElamModel& like, const ElamParameters& parameters, const std::
 
 }  // namespace
 
-TEST_CASE("identification of few noisy samples: no place of a grid over all parameters has a lower J") {
+TEST_CASE("identify_elam: on few noisy samples no point of a parameter grid has a lower J") {
   Random random(7);
   for (int problem = 0; problem < 12; ++problem) {
     INFO("problem " << problem);
@@ -176,7 +176,7 @@ TEST_CASE("identification of few noisy samples: no place of a grid over all para
 
 using namespace tactbench::analysis;
 
-TEST_CASE("ELAM's searches by hand: units of an even grid, ends that no parameter moves, curves of one turn") {
+TEST_CASE("ELAM lanes: scaling, separated end samples and curves per turning point match hand-computed values") {
   const std::vector<double> x{10, 20, 30, 40}, y{1, 2, 4, 5};
   const ElamModel model{PatternCurve(x, y, 1.0, 5.0), PatternCurve(x, y, 1.0, 5.0), {}, {}};
   // Down from (30, 3): at 10 psi the end, 1 V, at 30 and above the turn; between them in order.

@@ -19,7 +19,7 @@ const std::vector<double> kLoops{0, 60, 0, 60, 0, 60, 0};
 
 }  // namespace
 
-TEST_CASE("determined: external loops alone leave all of ELAM open, and its split is the pattern's own in the middle") {
+TEST_CASE("undetermined parameters: external loops alone leave all of ELAM open, at the pattern's middle") {
   for (const double noise : {0.0, 0.003, 0.02}) {
     const FitData data = paper_data(kLoops, noise);
     const ModelFit fit = identify("elam", data);
@@ -35,7 +35,7 @@ TEST_CASE("determined: external loops alone leave all of ELAM open, and its spli
   }
 }
 
-TEST_CASE("determined: a recording of full cycles that begins in mid-range leaves all of ELAM open") {
+TEST_CASE("undetermined parameters: full cycles recorded from mid-range leave all of ELAM open") {
   // Its first branch has no measured turn: it is no inner one.
   for (const bool rises : {true, false}) {
     FitData late = paper_data(kLoops, 0.003);
@@ -49,7 +49,7 @@ TEST_CASE("determined: a recording of full cycles that begins in mid-range leave
   }
 }
 
-TEST_CASE("determined: inner branches determine all parameters, and settling changes none") {
+TEST_CASE("undetermined parameters: inner branches leave none open, and settling changes none") {
   const FitData data = paper_both(0.032, 0.0205);
   CHECK(identify("elam", data).undetermined.empty());
   CHECK(identify("preisach", data).undetermined.empty());
@@ -67,7 +67,7 @@ TEST_CASE("determined: inner branches determine all parameters, and settling cha
   CHECK(model.parameters.beta_a == found.beta_a);
 }
 
-TEST_CASE("determined: Preisach on external loops alone spreads its weights, wherever the recording begins") {
+TEST_CASE("undetermined parameters: Preisach on external loops alone spreads its weights, from any start") {
   const PreisachModel truth = random_preisach();
   FitData data = paper_data(kLoops);
   History& loops = data.histories.front();
@@ -94,7 +94,7 @@ TEST_CASE("determined: Preisach on external loops alone spreads its weights, whe
   CHECK(identify("preisach", late).undetermined == std::vector<std::string>{"w"});
 }
 
-TEST_CASE("scores: every model is scored from measured turns and free running, whatever the mode of its fit") {
+TEST_CASE("score: every model is scored from measured turning points and in free run, in any fit mode") {
   const FitData data = paper_both(0.032, 0.0205);
   const ScoreOptions options{.noise = 0.016, .x_low = 0.0, .y_low = 0.0, .x_high = 60.0, .y_high = 3.49};
   for (const char* name : {"elam", "gpi", "mpi", "poly", "preisach", "monotone"}) {
@@ -146,7 +146,7 @@ struct OneSlope {
 
 }  // namespace
 
-TEST_CASE("determined by hand: the middle is taken while J there is above the best by chance alone") {
+TEST_CASE("undetermined parameters: the middle is chosen if chance explains its J, else the nearest fitting point") {
   // 6 a parameter of J over degrees of freedom: 2 of 14 and 26 samples falling, 3 of 21 rising.
   for (const auto& [ascending, samples, share] :
        {std::tuple(false, 14, 12.0 / 12.0), std::tuple(false, 26, 12.0 / 24.0), std::tuple(true, 21, 18.0 / 18.0)}) {
@@ -175,7 +175,7 @@ TEST_CASE("determined by hand: the middle is taken while J there is above the be
   }
 }
 
-TEST_CASE("determined by hand: where J is 0 along a whole edge, the place next to the middle is taken") {
+TEST_CASE("undetermined parameters: if J is 0 along a whole edge, the point nearest the middle is chosen") {
   // With beta 0 the piece below the split is flat, wherever the split lies above 2 psi: alpha is open, beta is not.
   ElamModel model{kStraight, kStraight, {0.9, 0.0, 0.0, 0.5, 0.5}, {}};
   const std::vector<CurveSamples> curves{{8, 8, {2}, {0}, {1}}};

@@ -9,7 +9,7 @@
 
 using namespace synthetic;
 
-TEST_CASE("GPI: no fit of 20 taxels a seed has a J above what 200 starts of another search find") {
+TEST_CASE("GPI: no fit of 20 taxels per seed has a larger J than 200 starts of an independent search") {
   constexpr std::size_t kTaxels = 20;
   for (const unsigned seed : {7101U, 7102U, 7103U}) {
     const std::vector<FitData> taxels = specimen_taxels(seed, kTaxels, 0.0005);

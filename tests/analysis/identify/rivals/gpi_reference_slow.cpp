@@ -30,7 +30,7 @@ GpiParameters parameters_of(const ModelFit& fit) {
 
 }  // namespace
 
-TEST_CASE("GPI: the fits of two taxels are not above what another search finds") {
+TEST_CASE("GPI: fits of two taxels are no worse than an independent search, and name what is undetermined") {
   const std::vector<FitData> taxels = specimen_taxels(7112, 2, 0.0005);
   const auto prepared = prepare("gpi", taxels.front());
   for (const FitData& data : taxels) {

@@ -66,8 +66,7 @@ constexpr double kOneRidge = 1.0001;  // external branches alone: the one diagon
 
 }  // namespace
 
-TEST_CASE(
-    "Preisach by hand: one cell's weight is the least squares' of its shares, with a ridge on external branches") {
+TEST_CASE("Preisach: one cell's weight is the least squares of its shares, with a ridge for external branches") {
   // Shares of a half, 1, a half and 0 at outputs of 2, 6, 5 and 0: 9.5 of 1.5.
   const FitData loop = few_samples({0, 5, 10, 5, 0}, {0, 2, 6, 5, 0});
   CHECK(one_weight(loop, false, {"w"}) == Approx(9.5 / 1.5 / kOneRidge).epsilon(1e-9));
@@ -88,7 +87,7 @@ TEST_CASE(
   CHECK_NOTHROW(prepare("preisach", loop, {.cells = 100, .by_input = true}));
 }
 
-TEST_CASE("Preisach by hand: by inputs a sample counts with the square of the inverse slope about it on its branch") {
+TEST_CASE("Preisach: fitting by input weights a sample by the inverse square of the local slope of its branch") {
   // Slopes 6 / 10 at the second sample, 1 / 5 at the turn (of the way down), 6 / 10 and 1 beyond.
   const double middle = 1.0 / 0.36, turn = 1.0 / 0.04;
   CHECK(one_weight(few_samples({0, 5, 10, 5, 0}, {0, 2, 6, 5, 0}), true, {"w"}) ==
@@ -99,7 +98,7 @@ TEST_CASE("Preisach by hand: by inputs a sample counts with the square of the in
         Approx((middle * (1.0 + 3.0) + flat * 6.0) / (0.5 * middle + flat) / kOneRidge).epsilon(1e-9));
 }
 
-TEST_CASE("non-negative least squares by hand: of columns in small and large units as of others") {
+TEST_CASE("non-negative least squares: the result does not depend on the unit of the columns") {
   for (const double unit : {1e-7, 1e-3, 1e3, 1e7}) {
     CAPTURE(unit);
     Eigen::MatrixXd gram(2, 2);
@@ -111,7 +110,7 @@ TEST_CASE("non-negative least squares by hand: of columns in small and large uni
   }
 }
 
-TEST_CASE("GPI by hand: unknowns within their bounds, and the parameters that they stand for") {
+TEST_CASE("GPI: unknowns are limited to their bounds and convert to the model's parameters") {
   GpiVector far;
   far << 100, 2e3, 100, -100, -2e3, -100, 100, 100;
   const GpiPoint high = gpi_within(far), low = gpi_within(-far);
@@ -148,7 +147,7 @@ TEST_CASE("GPI by hand: unknowns within their bounds, and the parameters that th
   CHECK(found.tau == Approx(1.4));
 }
 
-TEST_CASE("GPI: the errors of its unknowns are those of the normal equations, by the variance of a sample") {
+TEST_CASE("GPI: standard errors of the unknowns follow from the normal equations and the sample variance") {
   std::mt19937 random(6);
   FitData data = paper_both(0.03, 0.02);
   const std::vector<double> inputs = random_inputs(random, 40, 0.0, 60.0, 3);
@@ -164,7 +163,7 @@ TEST_CASE("GPI: the errors of its unknowns are those of the normal equations, by
   }
 }
 
-TEST_CASE("GPI: its evolution strategy ends at its last generation, or when steps no longer matter") {
+TEST_CASE("GPI: the evolution strategy stops at its last generation, or when steps become negligible") {
   GpiProblem problem;
   GpiEvolution small(problem.lanes, problem.target, problem.start, 1e-5);
   small.go(problem.lanes, problem.target, 100);
@@ -238,7 +237,7 @@ std::size_t check_tree(const FitData& data) {
 
 }  // namespace
 
-TEST_CASE("GPI's tree by hand: loops that close, and repeats, are compared once") {
+TEST_CASE("GPI tree: closed loops and repeats are compared once") {
   // Up, down, up again: three steps, and two more loops between the same turns add none.
   CHECK(check_tree(played({{0, 0.8, 0.4, 0.8}})) == 3);
   CHECK(check_tree(played({{0, 0.8, 0.4, 0.8, 0.4, 0.8, 0.4}})) == 3);
@@ -254,7 +253,7 @@ TEST_CASE("GPI's tree by hand: loops that close, and repeats, are compared once"
   CHECK(check_tree(played({{0, 0.8, 0, 0.8, 0, 0.8}})) == 3);
 }
 
-TEST_CASE("GPI's tree: inputs at random are compared where play operators have one value") {
+TEST_CASE("GPI tree: samples of random inputs are merged only where the play operators have one value") {
   std::mt19937 random(4);
   for (int n = 0; n < 40; ++n) {
     std::uniform_int_distribution<int> twelfth(0, 12), length(3, 40);
@@ -296,7 +295,7 @@ std::vector<double> shares_of(const FitSamples& samples, const FitData& data) {
 
 }  // namespace
 
-TEST_CASE("GPI: J along the tree of states is that of the model walked along the histories, slopes are its own") {
+TEST_CASE("GPI tree: J equals that of the model evaluated along the histories, and its gradient is right") {
   std::mt19937 random(4);
   FitData data = paper_both(0.03, 0.02);
   const std::vector<double> inputs = random_inputs(random, 60, 0.0, 60.0, 3);
@@ -333,7 +332,7 @@ TEST_CASE("GPI: J along the tree of states is that of the model walked along the
   }
 }
 
-TEST_CASE("GPI: the fit has the same bits on every vector level") {
+TEST_CASE("GPI: the fit has equal bits at every vector level") {
   const Unforced unforced;
   const FitData data = paper_data(kDescendingTurns, 0.03);
   force_lane_dispatch(Dispatch::kBase);
@@ -344,7 +343,7 @@ TEST_CASE("GPI: the fit has the same bits on every vector level") {
   }
 }
 
-TEST_CASE("GPI: of more samples than the search looks at the fit is at least as near to all as the truth is") {
+TEST_CASE("GPI: a fit to more samples than the search uses is at least as close to the data as the true model") {
   const GpiModel truth(kGpiTable2, 0.0, 60.0, 0.0);
   std::mt19937 random(4);
   const std::vector<double> inputs = random_inputs(random, 60, 0.0, 60.0, 50), ends{0.0, 60.0};

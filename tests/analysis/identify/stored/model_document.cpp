@@ -94,7 +94,7 @@ std::string refused_with_member(const char* pointer, const DocumentJson& value) 
 
 }  // namespace
 
-TEST_CASE("a document goes to text and back, each member of it") {
+TEST_CASE("model document: each member is read back as it was written") {
   const SensorModel back = document_from_text(to_text(whole_document()), "m.json"), was = whole_document();
   CHECK(to_text(back) == to_text(was));
   CHECK((back.model == "monotone" && back.source == "run 3" && back.origin == "simulated"));
@@ -124,7 +124,7 @@ TEST_CASE("a document goes to text and back, each member of it") {
   CHECK_FALSE(written()["options"].contains("linearise"));
 }
 
-TEST_CASE("a document's members that are not what they have to be are refused by their names") {
+TEST_CASE("model document: each invalid or missing member is refused by name") {
   CHECK(refused_document(written()).empty());
   CHECK(refused_with_member("/options/splits", -1e9).empty());
   CHECK(refused_with_member("/taxels/0/noise", 0.0).empty());
@@ -173,7 +173,7 @@ TEST_CASE("a document's members that are not what they have to be are refused by
   CHECK(id_of_refusal([] { return document_from_text("{", "m.json"); }) == "TB-MODEL-DOCUMENT");
 }
 
-TEST_CASE("models by their labels, and MODEL of the command line: a file's path, or a run that needs a store") {
+TEST_CASE("load_model: reads a file by its path, and refuses a run number without a store") {
   SensorModel model = whole_document();
   CHECK(label_of(model) == "monotone");
   model.options.free_run = model.options.genetic = model.options.linearise = true;
@@ -223,7 +223,7 @@ bool taxel_taken(const std::string& member, double value) {
 
 }  // namespace
 
-TEST_CASE("a document's lag and creep are read as they were written") {
+TEST_CASE("dynamics JSON: lag and creep are read back as they were written") {
   const SensorDynamics back = dynamics_from(dynamics_json(stored_dynamics()));
   CHECK(back.shared.creep_s == stored_dynamics().shared.creep_s);
   CHECK(back.shared.creep_share == stored_dynamics().shared.creep_share);
@@ -241,7 +241,7 @@ TEST_CASE("a document's lag and creep are read as they were written") {
   CHECK((read.creep_scale == 1.25 && read.lag_share == 0.5 && read.residual_psi == 0.75));
 }
 
-TEST_CASE("a document's lag and creep are refused beyond their bounds, by name") {
+TEST_CASE("dynamics JSON: lag and creep beyond their bounds are refused by name") {
   for (const char* const member : {"creep_half", "lag_s"}) {
     CHECK(refused_dynamics(member, 1e-9).empty());
     CHECK(refused_dynamics(member, 1e9).empty());

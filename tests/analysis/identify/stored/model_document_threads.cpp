@@ -20,7 +20,7 @@ Dataset run_of_two() {
 
 }  // namespace
 
-TEST_CASE("a model of every kind goes to text and back bit for bit, and predicts the same bits") {
+TEST_CASE("model document: every model kind is read back bit for bit, and predicts the same") {
   Histories histories = histories_of(run_of_two());
   histories.content_sha256 = "0123456789abcdef";
   for (const std::string name : model_names()) {
@@ -36,12 +36,12 @@ TEST_CASE("a model of every kind goes to text and back bit for bit, and predicts
   }
 }
 
-TEST_CASE("the result does not depend on the number of threads") {
+TEST_CASE("fit_models: the result does not depend on the number of threads") {
   const Histories histories = histories_of(run_of_two());
   CHECK(to_text(fit_models("poly", histories, {}, {}, 1)) == to_text(fit_models("poly", histories, {}, {}, 3)));
 }
 
-TEST_CASE("cross-validation of ELAM on data of its own kind is nearly as good as its fit") {
+TEST_CASE("cross-validation: ELAM on data of its own kind is nearly as good as its fit") {
   const Histories histories = histories_of(run_of_two());
   const FitData data = fit_data_of(histories.taxels[0], {});
   const ModelFit fit = identify("elam", data);

@@ -37,7 +37,7 @@ SensorModel fit_of_stored_run(std::int64_t run) {
 
 }  // namespace
 
-TEST_CASE("MODEL as a run of the store is its standing fit, or the fit that is named") {
+TEST_CASE("load_model: a run number loads the run's default fit, run:fit the named one") {
   const tests::TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("s.db"));
   const std::int64_t run = tests::store_example(store);
@@ -63,7 +63,7 @@ TEST_CASE("MODEL as a run of the store is its standing fit, or the fit that is n
   CHECK_THROWS_AS(load_model("1:3", &store), db::StoreError);
 }
 
-TEST_CASE("which fits stand for a run: the dynamic model, and ELAM in the paper's mode of the whole array") {
+TEST_CASE("stored fits: dynamic models and paper-mode ELAM of the whole array become the run's default") {
   const tests::TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("s.db"));
   const std::int64_t run = tests::store_example(store);
@@ -99,7 +99,7 @@ TEST_CASE("which fits stand for a run: the dynamic model, and ELAM in the paper'
   }
 }
 
-TEST_CASE("a stored fit whose document is damaged, or lacks a taxel where it stands for the run, is refused by id") {
+TEST_CASE("load_fit: a damaged document, or a default fit that lacks a taxel, is refused by error id") {
   const tests::TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("s.db"));
   const std::int64_t run = tests::store_example(store);
@@ -129,7 +129,7 @@ TEST_CASE("a stored fit whose document is damaged, or lacks a taxel where it sta
   CHECK(refused([](Json& json) { json["taxels"][2]["noise"] = nullptr; }).empty());  // dead: nothing is known of it
 }
 
-TEST_CASE("every class of double comes back from the store bit for bit, and the hash beside it holds") {
+TEST_CASE("stored fit: every class of double is read back bit for bit, and its hash stays valid") {
   const tests::TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("s.db"));
   const std::int64_t run = tests::store_example(store);
@@ -190,7 +190,7 @@ std::string differs(const char* pointer, const nlohmann::json& stored, double to
 
 }  // namespace
 
-TEST_CASE("numbers are equal within the tolerance that is given, which is of the larger one") {
+TEST_CASE("model comparison: numbers are equal within a tolerance relative to the larger one") {
   const double infinite = INFINITY, none = std::nan("");
   struct Row {
     double a, b, tolerance;
@@ -216,7 +216,7 @@ TEST_CASE("numbers are equal within the tolerance that is given, which is of the
   }
 }
 
-TEST_CASE("of two documents the first member that differs is named, those of a taxel with its number") {
+TEST_CASE("model comparison: the first member that differs is named, for a taxel with its number") {
   CHECK(first_difference(std::string(kDocument), kDocument, 0.0).empty());
   struct Row {
     const char* pointer;
@@ -241,7 +241,7 @@ TEST_CASE("of two documents the first member that differs is named, those of a t
   CHECK_THAT(first_difference(std::string("{}"), kDocument, 0.0), Catch::Contains("model."));
 }
 
-TEST_CASE("documents are compared by the bits of their numbers, or within a tolerance") {
+TEST_CASE("model comparison: numbers are compared bit by bit, or within a tolerance") {
   const char* const parameter = "/taxels/0/model/parameters/alpha_d";
   CHECK_FALSE(differs(parameter, std::nextafter(-0.003, 0.0)).empty());
   CHECK(differs(parameter, std::nextafter(-0.003, 0.0), kRelativeTolerance).empty());
@@ -249,7 +249,7 @@ TEST_CASE("documents are compared by the bits of their numbers, or within a tole
   CHECK(differs("/taxels/0/model/x/0", -0.0, kRelativeTolerance).empty());
 }
 
-TEST_CASE("verdicts are compared member by member") {
+TEST_CASE("verdict comparison: each member of the verdicts is compared") {
   db::VerdictRecord own;
   own.criterion = "mpe";
   own.value = 1.0;

@@ -57,7 +57,7 @@ History scored(const std::string& name, const std::vector<double>& outputs, doub
 
 }  // namespace
 
-TEST_CASE("compensation by hand: the uncertainty is the wider of both sides, flat and out of range at their limits") {
+TEST_CASE("compensator of a film: uncertainty is the larger of both directions, flags switch at their limits") {
   const auto film = loop_film();
   CompensatorSetup setup;
   setup.noise = 0.01;
@@ -79,7 +79,7 @@ TEST_CASE("compensation by hand: the uncertainty is the wider of both sides, fla
   }
 }
 
-TEST_CASE("compensation by hand: an unknown start lies midway, half the distance is its doubt beside what is left") {
+TEST_CASE("compensator of a film: an unknown start reads midway, and half the distance adds to the uncertainty") {
   ModelTaxel taxel = streamed_taxel(loop_film(), 3.0);
   taxel.residual_psi = 2.0;  // everywhere, of a straight loop
   const SensorModel none = model_of_taxels("preisach", {});
@@ -98,7 +98,7 @@ TEST_CASE("compensation by hand: an unknown start lies midway, half the distance
   CHECK(quiet->step(1.0, 0.0).pressure_psi == Approx(30.0));
 }
 
-TEST_CASE("compensation by hand: at rest within the dead band and a hundredth of the span, of adjusted outputs") {
+TEST_CASE("compensator of a film: rests within the dead band and 1 % of the span, of adjusted outputs") {
   ModelTaxel taxel = streamed_taxel(loop_film(), 3.0);
   taxel.zero = 0.5;
   taxel.gain = 2.0;
@@ -117,8 +117,7 @@ TEST_CASE("compensation by hand: at rest within the dead band and a hundredth of
   CHECK(rests(0.0, 1.0, -1.0));
 }
 
-TEST_CASE(
-    "residual by hand: of a loop without width what the stream leaves, of a run the last repeat of each sequence") {
+TEST_CASE("residual: uses the last repeat of each sequence of a run, and all sequences of a table") {
   const std::vector<double> way{0, 0.5, 1, 1.5, 2, 1.5, 1, 0.5, 0};
   Histories histories;
   TaxelHistories own;
@@ -144,7 +143,7 @@ TEST_CASE(
   CHECK(residual(0, {}) == Approx(one * std::sqrt((81.0 + 0.25 + 1.0) / 3.0)));
 }
 
-TEST_CASE("residual by hand: inner branches are left out in parts, each once, those of the external loop never") {
+TEST_CASE("residual: each inner branch is held out once, branches of the external loop never") {
   const std::vector<double> turns{0, 60, 20, 60, 30, 60, 40, 60, 0, 20, 0, 30, 0, 60, 0};
   const auto film = loop_film();
   Histories histories;
@@ -187,7 +186,7 @@ TEST_CASE("residual by hand: inner branches are left out in parts, each once, th
   CHECK(std::ranges::find(others.places, 2U) == others.places.end());
 }
 
-TEST_CASE("residual by hand: from what a model leaves of branches that it did not see, and of those that it did") {
+TEST_CASE("residual: combines the errors on held-out branches with those on fitted ones") {
   CHECK(between_branches({4.0, 1.0}) == Approx(2.0));
   CHECK(between_branches({4.0, 3.0}) == Approx(3.0));
   CHECK(residual2_of_taxel(2.0, 9.0, 3.0) == Approx(4.0));
@@ -202,8 +201,7 @@ TEST_CASE("residual by hand: from what a model leaves of branches that it did no
 using namespace tactbench::analysis;
 using tactbench::creeping::creeping_film;
 
-TEST_CASE("streams of dynamic models: outputs are given as they rise, and only fitted taxels have lag and creep",
-          "[dynamic]") {
+TEST_CASE("dynamic streams: expect outputs as rising, and use lag and creep only for fitted taxels", "[dynamic]") {
   const SensorModel rising = creeping_film(), falling = creeping_film(true);
   const auto one = compensator_of(rising, rising.taxels[0]), other = compensator_of(falling, falling.taxels[0]);
   for (const auto& [volts, seconds] :
@@ -224,7 +222,7 @@ TEST_CASE("streams of dynamic models: outputs are given as they rise, and only f
   CHECK(still->step(volts, 0.0).pressure_psi == Approx(20.0));
 }
 
-TEST_CASE("streams of dynamic models: a taxel is read alone, whatever the ranges of those beside it", "[dynamic]") {
+TEST_CASE("dynamic streams: a taxel's readings do not depend on the ranges of other taxels", "[dynamic]") {
   SensorModel model = creeping_film();
   for (const double high : {60.0, 70.0}) {
     model.taxels.push_back(model.taxels[0]);
@@ -250,9 +248,7 @@ TEST_CASE("streams of dynamic models: a taxel is read alone, whatever the ranges
   }
 }
 
-TEST_CASE(
-    "streams of models without time: a sample is within range to a twentieth or its dead band beyond the film's "
-    "outputs") {
+TEST_CASE("static streams: samples are out of range beyond the outputs by over 5 % of them or the dead band") {
   SensorModel model = creeping_film();
   model.dynamics.reset();
   ModelTaxel& taxel = model.taxels[0];
@@ -318,7 +314,7 @@ double counted_of(SensorModel model, const std::vector<History>& scored) {
 
 }  // namespace
 
-TEST_CASE("residual samples: of a recording that begins in mid-branch those count whose history is known") {
+TEST_CASE("residual samples: of a recording that starts in mid-branch those with known state count") {
   // 1 V is 30 psi of a rise and 15 of a fall; from the top on 2 V are 30 psi: 6 psi off.
   const History middle{"a", {99, 60, 36}, {1, 3, 2}, {}, {}, {}};
   CHECK(counted_of(film_alone(), {middle}) == Approx(36.0 / 2.0));
@@ -332,7 +328,7 @@ TEST_CASE("residual samples: of a recording that begins in mid-branch those coun
   CHECK(counted_of(film_alone(), {}) == 0.0);
 }
 
-TEST_CASE("residual samples: the first 20,000 of a taxel count, of all its recordings") {
+TEST_CASE("residual samples: the first 20000 of a taxel count, over all its recordings") {
   History first{"a", {}, {}, {}, {}, {}};
   for (int i = 0; i < 19'999; ++i) {
     first.x.push_back(i % 2 == 0 ? 2.0 : 60.0);  // 2 psi off at the lowest output
@@ -342,7 +338,7 @@ TEST_CASE("residual samples: the first 20,000 of a taxel count, of all its recor
   CHECK(counted_of(film_alone(), {first, second}) == Approx((10'000 * 4.0 + 81.0) / 20'000));
 }
 
-TEST_CASE("residual samples: a stream that has no answer leaves nothing known, and other taxels their own") {
+TEST_CASE("residual samples: without a stream result the residual is unknown, other taxels keep theirs") {
   SensorModel model = film_alone();
   model.taxels.push_back(model.taxels[0]);
   Histories histories;

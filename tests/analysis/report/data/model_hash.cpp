@@ -38,7 +38,7 @@ SensorModel small_model() {
 
 }  // namespace
 
-TEST_CASE("the hash of models by hand: every parameter, pattern, status and dynamic number counts, a rerun does not") {
+TEST_CASE("model hash: depends on every parameter, pattern, status and dynamic value, and not on a rerun") {
   const SensorModel fit = small_model();
   const std::string hash = model_sha256(fit);
   CHECK(hash.size() == 64);

@@ -47,8 +47,7 @@ ReportInput read_at_levels() {
 
 }  // namespace
 
-TEST_CASE(
-    "readings by hand: the worst kind of history is quoted, quantiles are values, the worst taxel is of any kind") {
+TEST_CASE("reading errors: the worst kind of history is quoted, the worst taxel is over all kinds") {
   const ReadingFigures found = reading_figures(read_at_levels()).value();
   CHECK(found.kind == name_of(UseCondition::kHeld));
   REQUIRE(found.levels.size() == 13);
@@ -62,8 +61,7 @@ TEST_CASE(
   CHECK(found.worst.kind == name_of(UseCondition::kFullSweeps));
 }
 
-TEST_CASE(
-    "readings by hand: the measuring interval is the longest row of levels in a direction, the headline in both") {
+TEST_CASE("reading errors: the measuring interval is the longest run of levels per direction, the headline of both") {
   ReportInput input = read_at_levels();
   ReadingFigures found = reading_figures(input).value();
   CHECK((found.tolerance_psi == Approx(1.2) && !found.by_mpe));
@@ -79,7 +77,7 @@ TEST_CASE(
   CHECK((found.by_mpe && found.tolerance_psi == 0.5 && !found.span_up.any && !found.headline.any));
 }
 
-TEST_CASE("readings without a valid kind of history have errors and no U, and without an assessment there are none") {
+TEST_CASE("reading errors: without a valid kind of history there is no U, without an assessment nothing") {
   ReportInput input = read_at_levels();
   for (ConditionUncertainty& kind : input.uncertainty->conditions) kind.not_valid = "too few";
   input.uncertainty->levels[0].error_psi = {0.25, -0.5, std::nan("")};

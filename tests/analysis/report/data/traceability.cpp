@@ -22,7 +22,7 @@ ReportInput run_of_may() {
 
 }  // namespace
 
-TEST_CASE("a pressure is traceable by an instrument with a certificate, in date or not dated") {
+TEST_CASE("traceability: pressure needs a separate reference with a certificate that is not overdue") {
   ReportInput input = run_of_may();
   const auto traceable = [&](const char* calibration) {
     input.run.devices = {instrument("regulator", "VPPM", "R-1", "{}"),
@@ -44,7 +44,7 @@ TEST_CASE("a pressure is traceable by an instrument with a certificate, in date 
   CHECK_FALSE(traceability_of(input, {})[0].traceable);
 }
 
-TEST_CASE("a run that presses states force and place, and pressure where it was evaluated too") {
+TEST_CASE("traceability: a press run states force and place, and pressure if it was evaluated") {
   ReportInput input = run_of_may();
   const auto quantities = [&] {
     std::string words;

@@ -84,7 +84,7 @@ double figure_of(const char* key, const ReportInput& input) { return overview_fi
 
 }  // namespace
 
-TEST_CASE("figures of a run by hand, and none where the run has no such figure") {
+TEST_CASE("overview values: match hand-computed values, and are NaN if the run has none") {
   ReportInput input = seen_run(3, "S");
   const std::map<std::string, double> expected = {
       {"excluded_taxels", 1.0},        {"median_noise_v", 0.0012344},
@@ -106,7 +106,7 @@ TEST_CASE("figures of a run by hand, and none where the run has no such figure")
   CHECK(plotted_figure(overview_figure("mean_error_psi"), 2.0, PressureUnit::kKilopascal) == Approx(13.789514586));
 }
 
-TEST_CASE("a figure's limit is that of the first verdict on its criterion, and none for a figure without one") {
+TEST_CASE("overview limit: is that of the first verdict on the value's criterion, else NaN") {
   ReportInput input = seen_run(3, "S");
   for (const double limit : {0.015, 0.025}) {
     JudgedFigure& figure = input.judgement.figures.emplace_back();
@@ -118,7 +118,7 @@ TEST_CASE("a figure's limit is that of the first verdict on its criterion, and n
   CHECK(std::isnan(limit_of(overview_figure("gain_std"), input)));
 }
 
-TEST_CASE("modified z-scores: known values, no scores of few or equal ones") {
+TEST_CASE("modified z-scores: match known values, and are NaN for few or equal values") {
   const std::vector<double> scores = modified_z_scores({1, 2, 3, 4, 5, 100});
   CHECK(scores[5] == Approx(0.6745 * (100 - 3.5) / 1.5));  // median 3.5, deviations 0.5 0.5 1.5 1.5 2.5 96.5
   CHECK(modified_z_scores({1, 2, 3, 4, 10})[0] == Approx(-0.6745 * 2));  // of five, median 3, deviations 2 1 0 1 7
@@ -128,7 +128,7 @@ TEST_CASE("modified z-scores: known values, no scores of few or equal ones") {
   CHECK(std::isnan(modified_z_scores({1, 2, 3, 4, 5, std::nan("")})[5]));
 }
 
-TEST_CASE("two runs compared are one inert page with the differences of their figures") {
+TEST_CASE("run comparison: is one inert page with the differences of the runs' values") {
   ReportInput first = numbered(3, "S-1", 0.5), second = numbered(4, "S-1", 0.75);
   const Report report = render_comparison(first, second);
   CHECK(report.html == render_comparison(first, second).html);
@@ -145,7 +145,7 @@ TEST_CASE("two runs compared are one inert page with the differences of their fi
   CHECK(contains(render_comparison(first, second).html, "class=\"banner\""));
 }
 
-TEST_CASE("the ratio of two runs' outputs, taxel by taxel, at a level within half a psi of both") {
+TEST_CASE("run comparison: output ratios per taxel need a common level within 0.5 psi") {
   const ReportInput first = seen_run(3, "S-1");
   ReportInput second = seen_run(4, "S-2");
   second.behaviour.loops = {mean_loop_of({0.0, 3.0, 4.0}, {0.0, 3.5, 4.0})};
@@ -171,7 +171,7 @@ TEST_CASE("the ratio of two runs' outputs, taxel by taxel, at a level within hal
   CHECK(ratio() == 0.0);
 }
 
-TEST_CASE("a batch ranks by verdict before error, and has one row a sensor") {
+TEST_CASE("batch report: ranks by verdict before error, with one row per sensor") {
   std::vector<ReportInput> named = {numbered(1, "S-fail", 0.1, "fail"),
                                     numbered(2, "S-none", 0.2, ""),
                                     numbered(3, "S-doubt", 0.3, "conditional pass"),
@@ -203,7 +203,7 @@ TEST_CASE("a batch ranks by verdict before error, and has one row a sensor") {
   CHECK(batch_rows(two) == std::vector<std::size_t>{1});
 }
 
-TEST_CASE("a batch page of hostile names is well-formed and inert, with every run in its data") {
+TEST_CASE("batch report: hostile names give a well-formed inert page with every run in its data") {
   std::vector<ReportInput> runs;
   for (int i = 0; i < 7; ++i) runs.push_back(numbered(10 + i, fmt::format("S-{}", i), 0.50 + 0.01 * i));
   runs.push_back(numbered(20, "</td><script>", 3.0, "fail"));
@@ -215,7 +215,7 @@ TEST_CASE("a batch page of hostile names is well-formed and inert, with every ru
   CHECK(json_of(report)["content"].size() == 8);
 }
 
-TEST_CASE("runs without models, loops or noise are compared and listed as far as they go") {
+TEST_CASE("overview pages: accept runs without models, loops or noise") {
   ReportInput bare;
   bare.run.run = 5;
   bare.run.origin = "hardware";

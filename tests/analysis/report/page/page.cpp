@@ -34,7 +34,7 @@ std::string utf8_of(std::uint32_t c) {
 
 }  // namespace
 
-TEST_CASE("text and attributes are escaped and always valid XML characters") {
+TEST_CASE("HTML text: text and attributes are escaped and contain only valid XML characters") {
   CHECK(Text("<a href='x'>&\"</a>").value == "&lt;a href=&#39;x&#39;&gt;&amp;&quot;&lt;/a&gt;");
   CHECK(Text("]]>").value == "]]&gt;");
   CHECK(Text("+5 °C 漢 𝄞").value == "+5 °C 漢 𝄞");
@@ -51,7 +51,7 @@ TEST_CASE("text and attributes are escaped and always valid XML characters") {
   CHECK(JsonInHtml("{\"a\":\"</script>&\"}").value == "{\"a\":\"\\u003c/script\\u003e\\u0026\"}");
 }
 
-TEST_CASE("coordinates are as short as they can be, and finite") {
+TEST_CASE("CSS numbers: are printed as short as possible, and non-finite ones are refused") {
   for (const auto& [number, text] :
        {std::pair{-0.001, "0"}, {100.0, "100"}, {1.50, "1.5"}, {-12.05, "-12.05"}, {0.07, "0.07"}})
     CHECK(CssNumber(number).value == text);
@@ -59,7 +59,7 @@ TEST_CASE("coordinates are as short as they can be, and finite") {
   CHECK_THROWS_AS(CssNumber(std::nan("")), std::invalid_argument);
 }
 
-TEST_CASE("a list of numbers in the JSON is what printf would write") {
+TEST_CASE("JSON number lists: are printed as printf would, non-finite values as null") {
   CHECK(json_text(number_list(std::vector{0.0, -1.5, 3.49, 60.0, std::nan(""), HUGE_VAL})) ==
         "[0,-1.5,3.49,60,null,null]");
   CHECK(json_text(number_list({})) == "[]");
@@ -78,7 +78,7 @@ TEST_CASE("a list of numbers in the JSON is what printf would write") {
     CHECK(std::stod(json_text(number_list(std::vector{number})).substr(1)) == Approx(number).epsilon(1e-7));
 }
 
-TEST_CASE("characters by hand: each bound of what is shown, and what is replaced") {
+TEST_CASE("HTML text: characters are shown or replaced correctly at each bound of the valid ranges") {
   for (const std::uint32_t shown : {0x09U, 0x0AU, 0x20U, 0x7EU, 0xA0U, 0x2029U, 0x202FU, 0x2065U, 0x206AU, 0xFDCFU,
                                     0xFDF0U, 0xFFFDU, 0x10000U, 0x1FFFDU, 0x10FFFDU}) {
     INFO(shown);
@@ -95,7 +95,7 @@ TEST_CASE("characters by hand: each bound of what is shown, and what is replaced
   CHECK(html::Text("").value.empty());
 }
 
-TEST_CASE("the style sheet by hand: letters and spaces name a document, digits, a to f and hyphens number it") {
+TEST_CASE("style sheet: accepts letters and spaces as document name, hex digits and hyphens as number") {
   const auto sheet = [](const char* document, const char* number, const char* state) {
     return style_sheet({document, number, state, false, PaperSize::kA4});
   };

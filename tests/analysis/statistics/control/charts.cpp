@@ -27,7 +27,7 @@ double in_sixty(double one_run, int runs) {
 
 }  // namespace
 
-TEST_CASE("charts: between the table's entries, linear in half decades and in one over the runs, constant beyond") {
+TEST_CASE("EWMA chart: table probabilities are interpolated in half decades and 1/runs, and constant beyond") {
   // A quarter of a decade below 1 of 8 runs: half way from 6.149 to 8.650 at 10^-1.25.
   CHECK(in_sixty(std::pow(10.0, -1.25), 8) / std::pow(10.0, -1.25) == Approx((6.149 + 8.650) / 2));
   // 1 / 9 lies between 1 / 8 and 1 / 10 by 5 / 9 of the way.
@@ -39,7 +39,7 @@ TEST_CASE("charts: between the table's entries, linear in half decades and in on
   CHECK(in_sixty(1e-9, 8) / 1e-9 == Approx(14.89).epsilon(1e-4));
 }
 
-TEST_CASE("charts: a mean's level is its average in its own unit, gross values alone leave no chart") {
+TEST_CASE("EWMA chart: a mean's level is its average in its own unit, gross values alone give no chart") {
   const FigureChart chart = chart_figure("mean_error_psi", kEightRuns, std::vector<double>{12.0, 13.0});
   REQUIRE(chart.ewma);
   CHECK((chart.kind == FigureKind::kMean && !chart.logarithmic && !chart.constant));
@@ -58,7 +58,7 @@ TEST_CASE("charts: a mean's level is its average in its own unit, gross values a
   CHECK(chart_figure("max_error_psi", with_zero, std::vector<double>{12.0}).kind == FigureKind::kMaximum);
 }
 
-TEST_CASE("charts: the slope is that of the last fourteen runs") {
+TEST_CASE("EWMA chart: the slope is that of the last 14 runs") {
   const std::vector<double> later{90, 3, 14, 15, 9, 26, 5, 35, 8, 97, 93, 23, 84, 62, 64, 33};
   const auto slope_of = [&](std::size_t last) { return theil_sen_slope(std::span(later).last(last)); };
   const auto slope = chart_figure("mean_error_psi", kEightRuns, later).slope;
@@ -70,7 +70,7 @@ TEST_CASE("charts: the slope is that of the last fourteen runs") {
   CHECK_FALSE(chart_figure("mean_error_psi", kEightRuns, std::span(later).first(3)).slope);
 }
 
-TEST_CASE("charts: a deviation of less than a billionth of the mean is none") {
+TEST_CASE("EWMA chart: a deviation below 1e-9 of the mean counts as none") {
   const auto with_deviation = [](double share) {
     std::vector<double> runs = kEightRuns;
     for (double& run : runs) run = 1000.0 + 1000.0 * share * (run - 10.0);
@@ -92,7 +92,7 @@ TEST_CASE("charts: a deviation of less than a billionth of the mean is none") {
 
 using namespace tactbench::analysis;
 
-TEST_CASE("Student quantiles are those of the tables") {
+TEST_CASE("Student quantiles: match the published tables") {
   CHECK(student_quantile(0.975, 10.0) == Approx(2.228139).epsilon(1e-6));
   CHECK(student_quantile(0.995, 1.0) == Approx(63.65674).epsilon(1e-6));
   CHECK(student_quantile(0.025, 4.0) == Approx(-2.776445).epsilon(1e-6));
@@ -114,7 +114,7 @@ TEST_CASE("Student quantiles are those of the tables") {
   CHECK(std::isnan(student_quantile(0.0, 4.0)));
 }
 
-TEST_CASE("a control band is the prediction interval of a normal sample") {
+TEST_CASE("control band: is the prediction interval of a normal sample") {
   const auto band = control_band(std::array{1.0, 2.0, 3.0, 4.0, 5.0}, 0.05);
   REQUIRE(band);
   CHECK(band->mean == 3.0);
@@ -129,7 +129,7 @@ TEST_CASE("a control band is the prediction interval of a normal sample") {
   CHECK((alike->holds(7.0 + 1e-9) && !alike->holds(7.0 + 1e-7)));
 }
 
-TEST_CASE("values from the baseline's distribution fall outside at the stated rate") {
+TEST_CASE("control band: values from the baseline's distribution fall outside at the stated rate") {
   std::mt19937 random(11);
   std::normal_distribution<double> normal(3.0, 0.2);
   int outside = 0;
@@ -142,7 +142,7 @@ TEST_CASE("values from the baseline's distribution fall outside at the stated ra
   CHECK(outside / double(kTrials) == Approx(0.02).margin(0.004));  // four standard errors
 }
 
-TEST_CASE("the Theil-Sen slope is the median of the slopes between any two values") {
+TEST_CASE("Theil-Sen slope: is the median of the slopes between any two values") {
   CHECK(theil_sen_slope(std::array{1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0}) == 1.0);
   CHECK(theil_sen_slope(std::array{4.0, 3.0, 2.0, 1.0}) == -1.0);
   CHECK(*theil_sen_slope(std::array{1.0, 4.0, 2.0, 3.0}) == Approx(7.0 / 12.0));  // -2, -0.5, 0.5, 2/3, 1, 3
@@ -162,7 +162,7 @@ const std::array kStartUp = {9.0, 11.0, 9.0, 11.0, 10.0 - std::sqrt(1.5), 10.0 +
 
 }  // namespace
 
-TEST_CASE("EWMA chart: the first three runs by hand") {
+TEST_CASE("EWMA chart: the first three runs match hand-computed values") {
   std::optional<EwmaChart> chart = EwmaChart::begin(kStartUp);
   REQUIRE(chart);
   CHECK(chart->state().mean == Approx(10.0));
@@ -179,7 +179,7 @@ TEST_CASE("EWMA chart: the first three runs by hand") {
   CHECK(chart->state().later == 3);
 }
 
-TEST_CASE("EWMA chart: a gross value stays out of the average, and what cannot be charted") {
+TEST_CASE("EWMA chart: gross values stay out of the average, short and constant baselines give no chart") {
   std::optional<EwmaChart> chart = EwmaChart::begin(kStartUp);
   const double limit = student_quantile(1.0 - 0.5e-5, 7.0) * std::sqrt(1.125);
   chart->add(10.0 - 1.001 * limit);
@@ -190,7 +190,7 @@ TEST_CASE("EWMA chart: a gross value stays out of the average, and what cannot b
   CHECK_FALSE(EwmaChart::begin(std::vector<double>(8, 4.0)));
 }
 
-TEST_CASE("EWMA chart: the probability in sixty runs lies between that of one and sixty times it") {
+TEST_CASE("EWMA chart: the probability over 60 runs lies between that of one run and 60 times it") {
   for (const int n : {8, 9, 25, 60, 500})
     for (double one = 0.9; one > 1e-12; one *= 0.37) {
       const double t = student_quantile(1.0 - one / 2.0, n - 1.0), sixty = chart_probability(t, n);
@@ -205,7 +205,7 @@ TEST_CASE("EWMA chart: the probability in sixty runs lies between that of one an
   CHECK(chart_probability(INFINITY, 8) == 0.0);
 }
 
-TEST_CASE("of eight runs' baselines a step of two deviations is found in 80 % at today's 4.6 % of false alarms") {
+TEST_CASE("EWMA chart: eight baseline runs find a step of two deviations in 80 %, at 4.6 % false alarms") {
   std::mt19937_64 random(20261123);
   std::normal_distribution<double> normal;
   constexpr int kDrawnHistories = 12000;
@@ -230,7 +230,7 @@ TEST_CASE("of eight runs' baselines a step of two deviations is found in 80 % at
   CHECK(shifted >= 80.0);
 }
 
-TEST_CASE("figures are means or maxima by their names") {
+TEST_CASE("EWMA chart: the name of a value decides whether it is a mean or a maximum") {
   for (const char* name : {"hysteresis_max_percent_fs", "max_error_psi", "worst_taxel_error_psi", "noisiest_taxel_mv",
                            "overshoot_psi", "repeatability_psi", "stage_repeatability_um"})
     CHECK(figure_kind(name) == FigureKind::kMaximum);
@@ -240,7 +240,7 @@ TEST_CASE("figures are means or maxima by their names") {
   CHECK(figure_kind("nobody_knows") == FigureKind::kMean);
 }
 
-TEST_CASE("a maximum is charted by its logarithm, as long as it is above zero") {
+TEST_CASE("EWMA chart: a maximum is charted by its logarithm if all values are above zero") {
   std::vector<double> start_up, later = {std::exp(12.0), std::exp(13.0)};
   for (const double value : kStartUp) start_up.push_back(std::exp(value));
   FigureChart chart = chart_figure("max_error_psi", start_up, later);
@@ -257,7 +257,7 @@ TEST_CASE("a maximum is charted by its logarithm, as long as it is above zero") 
   CHECK_FALSE(chart_figure("max_error_psi", start_up, later).logarithmic);
 }
 
-TEST_CASE("constants are compared exactly and not charted, counts that varied are") {
+TEST_CASE("EWMA chart: constants are compared exactly and not charted, counts that varied are charted") {
   const std::vector<double> same(8, 3310.0), later = {3310.0, 3309.0};
   FigureChart chart = chart_figure("frames", same, later);
   CHECK((chart.constant && !chart.ewma));
@@ -271,7 +271,7 @@ TEST_CASE("constants are compared exactly and not charted, counts that varied ar
   CHECK_FALSE(chart_figure("mean_error_psi", kStartUp, {}).ewma);
 }
 
-TEST_CASE("Benjamini and Hochberg: their own example, and edges") {
+TEST_CASE("Benjamini and Hochberg: their published example and the edge cases are reproduced") {
   // Benjamini and Hochberg 1995, section 4: of fifteen comparisons four are rejected at 0.05.
   const std::array p = {0.0001, 0.0004, 0.0019, 0.0095, 0.0201, 0.0278, 0.0298, 0.0344,
                         0.0459, 0.3240, 0.4262, 0.5719, 0.6528, 0.7590, 1.0000};

@@ -10,7 +10,7 @@
 
 using namespace tactbench::analysis;
 
-TEST_CASE("false alarms over sixty runs are as often as the charts' probabilities say") {
+TEST_CASE("EWMA chart: false alarms over 60 runs occur at the stated probability") {
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal;
   constexpr int kDrawnHistories = 40000;

@@ -55,7 +55,7 @@ CreepEffect straight_effect(const std::vector<Dataset>& runs, double after_s = 2
 
 }  // namespace
 
-TEST_CASE("creep by hand: the last five frames' mean over the output at the calibration's time") {
+TEST_CASE("creep effect: is the mean of the last five frames over the output at the calibration's time") {
   std::vector<double> volts = steps_to(2.1);
   volts[14] = 7.0;  // the sixth from the end does not count
   const CreepEffect effect = straight_effect({held_once({.first_v = volts})});
@@ -71,7 +71,7 @@ TEST_CASE("creep by hand: the last five frames' mean over the output at the cali
   CHECK(straight_effect({held_once({.first_v = steps_to(1.9)})}).levels[0].share[0] == Approx(0.05));
 }
 
-TEST_CASE("creep by hand: between frames linear, a reference that moves is taken off by the model's slope") {
+TEST_CASE("creep effect: is interpolated between frames, and corrected for a reference that moves") {
   // 2 V at 2 s and 2.2 V from 4 s on: 2.05 V at 2.5 s.
   const CreepEffect between = straight_effect({held_once({.first_v = steps_to(2.2, 20, 2.2)})}, 2.5);
   CHECK(between.levels[0].share[0] == Approx(0.15 / 2.05));
@@ -81,8 +81,7 @@ TEST_CASE("creep by hand: between frames linear, a reference that moves is taken
   CHECK(moved.levels[0].share[1] == Approx(0.05 / 4.0));
 }
 
-TEST_CASE(
-    "creep bounds: a hold lasts for twice the dwell, begins before half of its end, and is on the models' range") {
+TEST_CASE("creep effect: a hold must last twice the dwell, start before half its end, and be in the models' range") {
   // Twenty frames from 2 s to 40 s.
   CHECK(straight_effect({held_once({.first_v = steps_to(2.1)})}, 20.0).assessed());
   CHECK_FALSE(straight_effect({held_once({.first_v = steps_to(2.1)})}, 20.1).not_assessed.empty());
@@ -101,7 +100,7 @@ TEST_CASE(
   CHECK(late.levels[0].share[0] == Approx(0.05 * std::log(21.0) / std::log(10.5)));
 }
 
-TEST_CASE("creep by hand: of two holds of one level and branch the larger share, the later begin and the earlier end") {
+TEST_CASE("creep effect: two holds of one level and branch give the larger share, the later start and earlier end") {
   const Dataset long_one = held_once({.first_v = steps_to(2.1, 30)}),
                 later = held_once({.from_s = 3.0, .first_v = steps_to(2.2)});
   const CreepEffect both = straight_effect({long_one, later});
@@ -120,7 +119,7 @@ TEST_CASE("creep by hand: of two holds of one level and branch the larger share,
   CHECK_THAT(branches.in_words(), Catch::Contains("40.0 psi"));
 }
 
-TEST_CASE("creep by hand: of several levels the earliest end and the latest begin count for the effect") {
+TEST_CASE("creep effect: over several levels the earliest end and the latest start count") {
   const Dataset short_one = held_once({.first_v = steps_to(2.1)}),
                 long_one = held_once({.psi = 20.0, .first_v = steps_to(2.1, 30), .reference_end_psi = 20.0}),
                 late = held_once({.psi = 30.0, .from_s = 3.0, .first_v = steps_to(2.1), .reference_end_psi = 30.0});
@@ -134,8 +133,7 @@ TEST_CASE("creep by hand: of several levels the earliest end and the latest begi
   CHECK(straight_effect({late, short_one}).extrapolated_back);
 }
 
-TEST_CASE(
-    "creep shares by hand: between held levels, beyond them, of a branch or the other, of a taxel that has none") {
+TEST_CASE("creep share: is linear between held levels, constant beyond, and from the other branch if missing") {
   CreepEffect effect;
   const auto level = [&](double psi, bool up, double first, double second) {
     HeldLevel held;
@@ -160,7 +158,7 @@ TEST_CASE(
   CHECK(effect.share(1, 25, false) == 0.0);
 }
 
-TEST_CASE("creep: the calibration's dwell is that of sequences without holds, above half a psi, where it is stated") {
+TEST_CASE("creep effect: the calibration's dwell is from sequences without holds, above 0.5 psi, if stated") {
   Dataset calibration = read_once(3.0);
   const Dataset hold = held_once({.from_s = 9.0, .first_v = steps_to(2.1)});
   calibration.sequences.push_back(hold.sequences.front());

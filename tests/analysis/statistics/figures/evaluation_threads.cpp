@@ -31,7 +31,7 @@ SensorModel noisy_fit() {
 
 }  // namespace
 
-TEST_CASE("figures of a run by hand: averages over levels, taxels and frames") {
+TEST_CASE("evaluate: averages over levels, taxels and frames match hand-computed values") {
   const Evaluation e = evaluate(known_loop(), straight_fit());
   CHECK(e.full_scale_v == Approx(4.5));
   CHECK(e.full_scale_psi == 60.0);
@@ -57,7 +57,7 @@ TEST_CASE("figures of a run by hand: averages over levels, taxels and frames") {
   CHECK(e.max_error_observable_psi == Approx(7.0));
 }
 
-TEST_CASE("a taxel that is weak everywhere is left out of the observable figures, and of no other") {
+TEST_CASE("evaluate: a taxel that is flat everywhere is left out of the observable values only") {
   const Evaluation e = evaluate(known_loop(), noisy_fit());
   CHECK(e.flat_share == Approx(0.5));
   CHECK(e.comp_distance == Approx(5.5 / 60 / 4));
@@ -81,7 +81,7 @@ TEST_CASE("a taxel that is weak everywhere is left out of the observable figures
   CHECK(none.levels[2].comp_distance_observable == 0.0);
 }
 
-TEST_CASE("the mean taxel's trace by hand: measured, by the model, and compensated") {
+TEST_CASE("evaluate: measured, modelled and compensated trace of the mean taxel match hand-computed values") {
   const Evaluation e = evaluate(known_loop(), straight_fit());
   REQUIRE(e.traces.size() == 1);
   const Trace& trace = e.traces.front();
@@ -92,7 +92,7 @@ TEST_CASE("the mean taxel's trace by hand: measured, by the model, and compensat
   check_values(trace.compensated_psi, {0, 20, 41, 60, 41, 23.5, 0});
 }
 
-TEST_CASE("models made before, by hand: without the taxels that the run omits") {
+TEST_CASE("as found: earlier models are used without the taxels that the run leaves out") {
   const Dataset data = known_loop();
   const SensorModel fit = straight_fit();
   SensorModel before = fit;
@@ -102,7 +102,7 @@ TEST_CASE("models made before, by hand: without the taxels that the run omits") 
   CHECK(found.evaluation.mean_error_psi == Approx(11.0 / 14.0));
 }
 
-TEST_CASE("errors of the sweeps and the zero's return by hand") {
+TEST_CASE("sweep errors: errors and the zero return match hand-computed values") {
   Dataset data = known_loop();
   data.sequences[0].repeats[0].volts[6 * 3] = 0.004;  // ends 4 mV up, the second repeat 7 mV down
   data.sequences[0].repeats[1].volts[6 * 3] = -0.007;
@@ -141,7 +141,7 @@ const LevelFigures& level(const Evaluation& evaluation, double pressure) {
 
 }  // namespace
 
-TEST_CASE("figures do not depend on the number of threads") {
+TEST_CASE("evaluate: the result does not depend on the number of threads") {
   const Dataset data = run(Array(small()), {});
   const SensorModel fit = fit_array(data);
   const Evaluation one = evaluate(data, fit, 1), three = evaluate(data, fit, 3);
@@ -150,7 +150,7 @@ TEST_CASE("figures do not depend on the number of threads") {
   CHECK(one.taxel_mean_error_psi == three.taxel_mean_error_psi);
 }
 
-TEST_CASE("the regulator's own hysteresis is not counted as the sensor's") {
+TEST_CASE("evaluate: the regulator's own hysteresis is not counted as the sensor's") {
   const Array array(small());
   const SensorModel fit = fit_array(run(array, {}));
   RunOptions options;
@@ -163,7 +163,7 @@ TEST_CASE("the regulator's own hysteresis is not counted as the sensor's") {
   CHECK(std::abs(lagging.comp_distance_of_mean - straight.comp_distance_of_mean) < 0.003);
 }
 
-TEST_CASE("other sensors, scanners, geometries and origins are refused") {
+TEST_CASE("evaluate: other sensors, scanners, geometries and origins are refused") {
   const Dataset data = run(Array(small()), {});
   const SensorModel fit = fit_array(data);
   const auto id_of = [&](auto change) {
@@ -203,7 +203,7 @@ SensorModel falling(SensorModel fit) {
 
 }  // namespace
 
-TEST_CASE("a falling sensor: errors, hysteresis, permissible errors and straight line as with outputs that rise") {
+TEST_CASE("falling sensor: errors, hysteresis and permissible errors equal those of a rising sensor") {
   const SensorModel fit = straight_array::straight_fit();
   const Dataset data = straight_array::known_loop();
   const Evaluation rising = evaluate(data, fit), found = evaluate(negated(data), falling(fit));
@@ -217,7 +217,7 @@ TEST_CASE("a falling sensor: errors, hysteresis, permissible errors and straight
   CHECK(mpe_figures(negated(data), falling(fit), nullptr, whole, 1).front().value_psi == Approx(6.0));
 }
 
-TEST_CASE("a falling sensor: errors of rates and holds, and the effect of the pace on the output") {
+TEST_CASE("falling sensor: errors and output effect of rates and holds equal those of a rising sensor") {
   const auto paced = [](double seconds, double more) {
     Repeat repeat;
     for (const int step : {0, 1, 2}) {
@@ -236,7 +236,7 @@ TEST_CASE("a falling sensor: errors of rates and holds, and the effect of the pa
   CHECK(found.error.sum == Approx(rising.error.sum));
 }
 
-TEST_CASE("a falling sensor: creep of holds and what a kelvin changes as with outputs that rise") {
+TEST_CASE("falling sensor: creep and temperature effects equal those of a rising sensor") {
   using namespace effect_runs;
   const Example example;
   const Dataset calibration = read_after(at_temperature(example, 23.0, 0.0, 0.0), 2.0);
@@ -255,7 +255,7 @@ TEST_CASE("a falling sensor: creep of holds and what a kelvin changes as with ou
   CHECK(fallen.read_after_s == creep.read_after_s);
 }
 
-TEST_CASE("a falling sensor: an array under an object as with outputs that rise, its volts as measured") {
+TEST_CASE("falling sensor: forces under an object are computed as for a rising sensor, volts stay as measured") {
   SensorModel fit = straight_array::straight_fit();
   PressRun run;
   run.origin = "simulated";
@@ -280,7 +280,7 @@ TEST_CASE("a falling sensor: an array under an object as with outputs that rise,
   CHECK(found.levels[0].raw_v == std::vector<double>{-1.0, -2.0, -9.0});
 }
 
-TEST_CASE("a falling sensor: U of each condition of use as with outputs that rise, whichever runs tell it") {
+TEST_CASE("falling sensor: U of each condition of use equals that of a rising sensor") {
   using namespace straight_array;
   const std::vector<double> loop{0, 20, 40, 60, 40, 20, 0};
   const auto run_of = [](std::int64_t number, SequenceData sequence) {

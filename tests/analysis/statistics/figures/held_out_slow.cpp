@@ -6,7 +6,7 @@
 
 using namespace synthetic;
 
-TEST_CASE("held-out runs of 256 taxels: up and down of the mean pressure lie within 1.5 % of full scale") {
+TEST_CASE("held-out runs: mean pressure of 256 taxels up and down agrees within 1 % of full scale") {
   struct Case {
     const char* name;
     unsigned sensor_seed;

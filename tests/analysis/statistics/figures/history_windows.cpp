@@ -33,7 +33,7 @@ const std::vector<double> kWandering{0, 20, 40, 60, 36, 44, 30, 0};
 
 }  // namespace
 
-TEST_CASE("frame errors by hand: every frame with its branch, in time order, whether its branch is full, up or down") {
+TEST_CASE("frame errors: each frame is listed in time order with branch, direction and whether it is a full sweep") {
   const Dataset data =
       dataset_of({erring_way("a", kWandering, {{0, 1, 2, -3, 4, 5, 6, 1}}), erring_way("b", {0, 20, 0}, {{0, 7, 0}})});
   const FrameErrors errors = frame_errors(data, straight_fit(), 1);
@@ -50,7 +50,7 @@ TEST_CASE("frame errors by hand: every frame with its branch, in time order, whe
   CHECK(std::isnan(errors.error_psi[2]));
 }
 
-TEST_CASE("windows by hand: 4 psi to each side, the very edge included, frames and ways, means and mean squares") {
+TEST_CASE("error windows: cover 4 psi to each side including the edge, with frame counts and mean squares") {
   const FrameErrors all =
       frame_errors(dataset_of({erring_way("a", {0, 15.9, 16, 24, 24.1, 60}, {{0, 9, 1, 3, 9, 0}, {0, 9, 5, 3, 9, 0}})}),
                    straight_fit(), 1);
@@ -72,8 +72,7 @@ TEST_CASE("windows by hand: 4 psi to each side, the very edge included, frames a
   CHECK_FALSE(any_way(pooled_errors({}, straight_fit())));
 }
 
-TEST_CASE(
-    "windows by hand: ways of several branches, sequences and runs add up, a run is left out, errors are corrected") {
+TEST_CASE("error windows: branches, sequences and runs add up, one run can be left out, errors can be corrected") {
   const Dataset data = dataset_of(
       {erring_way("a", {0, 20, 40, 20, 40, 0}, {{0, 1, 2, 1, 3, 0}}), erring_way("b", {0, 20, 0}, {{0, 5, 0}})});
   const FrameErrors run = frame_errors(data, straight_fit(), 1);
@@ -94,7 +93,7 @@ TEST_CASE(
   CHECK(less.square_psi[1] == Approx((0.25 + 6.25) / 2));
 }
 
-TEST_CASE("corrections by hand: linear between levels, constant beyond them, of the direction asked for, none is 0") {
+TEST_CASE("corrections: are linear between levels of one direction, constant beyond, and 0 if there is none") {
   const SensorModel fit = straight_fit();
   CHECK(correction_at({}, fit, 0, 30.0, true) == 0.0);
   LevelCorrections corrections(2 * 4 * 3, 0.0);
@@ -146,7 +145,7 @@ Dataset paced_at_dwells(const std::vector<double>& dwell_s) {
 
 }  // namespace
 
-TEST_CASE("dwell effect by hand: mean squares in the windows, the largest of the repeats, against the nearest pace") {
+TEST_CASE("dwell effect: is the largest mean square of the repeats against the one with the nearest dwell") {
   // Dwell times of 1, 3 and 8 s; the calibration's 2 s are nearer to 3 s by factor. Against that the repeats differ by
   // (1, 2, 3) and (-2, -2, 0) psi at 16, 20, 24 psi upward: mean squares 14/3 and 8/3; at 40 psi downward by 0 and 1.
   const Dataset paced = dataset_of({erring_way(
@@ -175,7 +174,7 @@ TEST_CASE("dwell effect by hand: mean squares in the windows, the largest of the
   CHECK(dwell_of(paced, 4.8).base_s == 3.0);
 }
 
-TEST_CASE("dwell effect: paces differ by a factor of two, each repeat has to state its dwell, one repeat is none") {
+TEST_CASE("dwell effect: dwells must differ by a factor of two, and each of at least two repeats must state one") {
   CHECK(dwell_of(paced_at_dwells({1, 2}), 1.0).assessed());
   CHECK_FALSE(dwell_of(paced_at_dwells({1, 1.99}), 1.0).assessed());
   CHECK_FALSE(dwell_of(paced_at_dwells({4}), 1.0).assessed());
@@ -192,7 +191,7 @@ TEST_CASE("dwell effect: paces differ by a factor of two, each repeat has to sta
   CHECK(effect.high_s == 4.0);
 }
 
-TEST_CASE("a run's dwell is the median of its repeats' medians, above half a psi and where it is stated") {
+TEST_CASE("median dwell: is the median over repeats of their medians, above 0.5 psi, where stated") {
   Dataset data = dataset_of({erring_way("a", {0, 0.5, 0.51, 20, 40}, {{0, 0, 0, 0, 0}}, {1})});
   std::vector<Sample>& steps = data.sequences[0].repeats[0].steps;
   for (std::size_t i = 0; i < 5; ++i) steps[i].held_s = 100.0 / static_cast<double>(i + 1);  // 100 50 33.3 25 20

@@ -29,7 +29,7 @@ CompensatedStreams three_levels() {
 
 }  // namespace
 
-TEST_CASE("levels by hand: distances, spreads and flat taxels of each level, means over levels, the worst taxels") {
+TEST_CASE("level statistics: distances, spreads, flat taxels and worst taxels match hand-computed values") {
   Evaluation e;
   gather_levels(e, three_levels(), Fitted(straight_fit()));
   CHECK(e.full_scale_psi == 60.0);
@@ -74,7 +74,7 @@ TEST_CASE("levels by hand: distances, spreads and flat taxels of each level, mea
   CHECK(e.comp_distance_observable == Approx((3.0 + 1.2 + 0.6) / 60.0 / 4.0));
 }
 
-TEST_CASE("levels by hand: where all taxels are flat no distance is observed, and compensation may be worse") {
+TEST_CASE("level statistics: if all taxels are flat no distance is observable, and a worse result is marked") {
   CompensatedStreams streams = three_levels();
   streams.sequences[0].flat.values.assign(15, 1.0);
   streams.sequences[0].pressure.values[9] = 50.0;  // 20 psi against a quarter of full scale
@@ -96,7 +96,7 @@ TEST_CASE("levels by hand: where all taxels are flat no distance is observed, an
   CHECK(one.flat_share == Approx(5.0 / 6.0));
 }
 
-TEST_CASE("levels by hand: of one taxel there is no spread over the taxels") {
+TEST_CASE("level statistics: a single taxel has no spread") {
   SensorModel fit = straight_fit();
   fit.taxels[1].status = TaxelStatus::kDead;
   Evaluation e;
@@ -155,8 +155,7 @@ Repeat one_way(const std::vector<double>& setpoints, const std::vector<double>& 
 
 }  // namespace
 
-TEST_CASE(
-    "kinds of steps by hand: a turning point belongs to the branch that ends there, the first step to the first") {
+TEST_CASE("step kinds: a turning point belongs to the branch that ends there, the first step to the first branch") {
   check_kinds({0, 20, 40, 60, 40, 20, 40, 0, 60}, 0, 60,
               {{true, true, 0},
                {true, true, 0},
@@ -172,7 +171,7 @@ TEST_CASE(
   CHECK(step_kinds({"none", {}}, 0, 60).empty());
 }
 
-TEST_CASE("kinds of steps: a branch is full within 1 % of the range at both of its ends, in either direction") {
+TEST_CASE("step kinds: a branch is full if both ends are within 1 % of the range, in either direction") {
   for (const bool turned : {false, true}) {
     const auto full = [turned](double bottom, double top, double low, double high) {
       return turned ? is_full(top, bottom, low, high) : is_full(bottom, top, low, high);
@@ -187,7 +186,7 @@ TEST_CASE("kinds of steps: a branch is full within 1 % of the range at both of i
   }
 }
 
-TEST_CASE("sweep errors by hand: readings of each level in time order, with the group of their sweep") {
+TEST_CASE("sweep errors: readings of each level come in time order, with the group of their sweep") {
   const std::vector<double> loop{0, 20, 40, 60, 40, 20, 0}, rough{0, 20, 60, 20, 0}, inner{0, 20, 40, 20, 0};
   const Dataset data =
       dataset_of({{"inner", {one_way(inner, {0, 9, 9, 9, 0})}},
@@ -221,7 +220,7 @@ TEST_CASE("sweep errors by hand: readings of each level in time order, with the 
   CHECK(errors.repeats_with_zero == 4);
 }
 
-TEST_CASE("sweep errors: a set-point is a level within a millionth of a psi, and a repeat of three steps has a zero") {
+TEST_CASE("sweep errors: a set-point matches a level within 1e-6 psi, and a zero return needs three steps") {
   const auto readings_at = [](double psi) {
     return sweep_errors(dataset_of({{"s", {one_way({0, psi, 60}, {0, 1, 0})}}}), straight_fit(), 1).levels[1].readings;
   };
@@ -243,7 +242,7 @@ TEST_CASE("sweep errors: a set-point is a level within a millionth of a psi, and
   CHECK(std::isnan(sweep_errors(dataset_of({{"s", {one_way({20, 40}, {0, 0})}}}), straight_fit(), 1).zero_return_v[0]));
 }
 
-TEST_CASE("estimates of full loading sweeps by hand: of those alike, moved to the set-points, the mean of the sweeps") {
+TEST_CASE("sweep estimates: use equal full loading sweeps, moved to the set-points, and their mean") {
   // Twice up in a repeat, the second time right from the turn at 0 psi; another sequence has other levels.
   const std::vector<double> twice{0, 20, 40, 60, 0, 20, 40, 60};
   Dataset data = dataset_of(
@@ -279,7 +278,7 @@ TEST_CASE("estimates of full loading sweeps by hand: of those alike, moved to th
   CHECK(sweep_estimates(data, falling, 1).mean(1, 0) == Approx(found.mean(1, 0)));
 }
 
-TEST_CASE("estimates of full loading sweeps: none is an error") {
+TEST_CASE("sweep estimates: a run without a full loading sweep is refused") {
   const auto sweeps_of = [](double from, double to) {
     try {
       return sweep_estimates(dataset_of({{"s", {one_way({from, 30, to}, {0, 0, 0})}}}), straight_fit(), 1).sweeps;
@@ -295,7 +294,7 @@ TEST_CASE("estimates of full loading sweeps: none is an error") {
   CHECK_THROWS_AS(sweep_estimates(other, straight_fit(), 1), AnalysisError);
 }
 
-TEST_CASE("compensated streams by hand: sums and maxima of a taxel's errors, and the means of the repeats") {
+TEST_CASE("compensated streams: error sums, maxima and means of the repeats match hand-computed values") {
   const Dataset data =
       dataset_of({{"s", {one_way({0, 20, 40, 0}, {0, 1, -4, 0}, 0.5), one_way({0, 20, 40, 0}, {0, 3, 4, 0}, 0.5)}}});
   const CompensatedStreams streams = compensate_all(data, straight_fit(), 1);

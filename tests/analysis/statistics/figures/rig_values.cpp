@@ -75,7 +75,7 @@ db::BranchRecord press_branch(std::int64_t number, int ordinal, double from_n, d
 
 }  // namespace
 
-TEST_CASE("the chamber by hand: zeros, offsets, what settles and vents, repeats and both ways to a level") {
+TEST_CASE("chamber values: zeros, offsets, settling, venting and repeatability match hand-computed values") {
   // The first hold of a repeat was not come to: it settles, repeats and overshoots nothing.
   const std::map<std::string, double> f = chamber_of_holds({{0, 0, {0.1, 0.3}, 0.05, 9.0, {}},
                                                             {0, 30, {30.2, 30.4}, -0.08, 1.0, {}},
@@ -100,7 +100,7 @@ TEST_CASE("the chamber by hand: zeros, offsets, what settles and vents, repeats 
   CHECK(f.count("overshoot_psi") == 0);
 }
 
-TEST_CASE("the chamber by hand: drift and noise of holds of four frames and more") {
+TEST_CASE("chamber values: drift and noise come from holds of at least four frames") {
   const std::vector<double> rising{20.0, 20.01, 20.02, 20.03}, noisy{40.1, 39.9, 39.9, 40.1}, short_one{30, 31, 35};
   const std::map<std::string, double> f =
       chamber_of_holds({{0, 20, rising, 0, 0, {}}, {0, 40, noisy, 0, 0, {}}, {0, 30, short_one, 0, 0, {}}});
@@ -111,7 +111,7 @@ TEST_CASE("the chamber by hand: drift and noise of holds of four frames and more
         Approx(-1.2));
 }
 
-TEST_CASE("the chamber by hand: the lag behind a ramp, up and down, without its first polls and the level itself") {
+TEST_CASE("chamber values: ramp lag counts up and down, without the first polls and the level itself") {
   using Points = std::vector<db::TracePoint>;
   // Seconds before the frame, set-point, feedback, reference.
   // Up by 10 psi/s: 1.5 and 2.5 psi behind are 0.15 and 0.25 s.
@@ -128,7 +128,7 @@ TEST_CASE("the chamber by hand: the lag behind a ramp, up and down, without its 
   CHECK(chamber_of_holds({{0, 60, {60}, 0, 0, up}}).count("ramp_lag_s") == 0);  // the first: no way to it
 }
 
-TEST_CASE("the chamber by hand: overshoot beyond the level in the direction of the way, of levels under pressure") {
+TEST_CASE("chamber values: overshoot counts beyond the level in the direction of travel, not at zero") {
   using Points = std::vector<db::TracePoint>;
   const Points both{{0.2F, 10, 0, 9.0F}, {0.1F, 10, 0, 10.75F}};
   const auto overshoot = [&](double from, double to, const Points& points) {
@@ -141,8 +141,7 @@ TEST_CASE("the chamber by hand: overshoot beyond the level in the direction of t
   CHECK(overshoot(20, 0, {{0.1F, 0, 0, -3.0F}}) == -1.0);
 }
 
-TEST_CASE(
-    "the chamber: frames without a reference, of presses and void branches do not count, zeros alone are no run") {
+TEST_CASE("chamber values: void, press and unreferenced frames do not count, zeros alone give no values") {
   StoredRun run = run_holding(
       {{0, 0, {0.1}, 0, 0, {}}, {0, 30, {30.5, 99}, 0, 0, {}}, {0, 40, {45}, 0, 0, {}}, {0, 50, {55}, 0, 0, {}}});
   run.frames[2].reference_psi = kNotMeasured;
@@ -153,7 +152,7 @@ TEST_CASE(
   CHECK(chamber_figures({}).empty());
 }
 
-TEST_CASE("presses by hand: what relaxes, how stiff the contact is, how well the stage comes back") {
+TEST_CASE("press values: relaxation, stiffness and stage repeatability match hand-computed values") {
   StoredRun run;
   run.branches = {press_branch(1, 0, 0, 20), press_branch(2, 1, 20, 0), press_branch(3, 0, 0, 20),
                   press_branch(4, 2, 0, 20)};
@@ -170,8 +169,7 @@ TEST_CASE("presses by hand: what relaxes, how stiff the contact is, how well the
   CHECK(f.count("force_zero_drift_n") == 0);
 }
 
-TEST_CASE(
-    "presses: a branch that does not go down into the array has no stiffness, of tares the largest drift counts") {
+TEST_CASE("press values: a branch without penetration has no stiffness, and the largest tare drift counts") {
   StoredRun run;
   run.branches = {press_branch(1, 0, 0, 20), press_branch(2, 0, 20, 20)};
   run.frames = {press_at(1, 10, 0, -9, 40.0), press_at(1, 20, 0, -18, 40.0), press_at(2, 10, 0, -9, 40.0, 1),

@@ -35,7 +35,7 @@ Dataset holding(const Repeat& repeat) { return dataset_of({{"creep-hold", {repea
 
 }  // namespace
 
-TEST_CASE("figures of a run by hand: percents, millivolts, means of the fitted taxels, the noisiest of all") {
+TEST_CASE("run values: percents, millivolts, means of fitted taxels and largest noise match hand-computed values") {
   SensorModel fit = straight_fit();
   fit.taxels[2].noise = 0.003;  // not fitted, and the noisiest
   const std::vector<double> ends{0.0, 60.0}, first_v{0.02, 3.0}, second_v{0.05, 3.0};
@@ -80,7 +80,7 @@ TEST_CASE("figures of a run by hand: percents, millivolts, means of the fitted t
   CHECK((none.count("zero_mv") == 0 && none.count("elam_alpha_d") == 0 && none.at("noisiest_taxel_mv") == 0.0));
 }
 
-TEST_CASE("gains are taken at the level next to two thirds of the range, of two as near the lower one") {
+TEST_CASE("taxel gains: are those at the level nearest to two thirds of the range, the lower of two equally near") {
   const auto level_of = [](const std::vector<double>& rising) {
     std::vector<double> loop = rising;
     for (std::size_t i = rising.size() - 1; i-- > 0;) loop.push_back(rising[i]);
@@ -102,7 +102,7 @@ TEST_CASE("gains are taken at the level next to two thirds of the range, of two 
   CHECK(level_of({0, 39, 41, 60}) == 39.0);
 }
 
-TEST_CASE("loops by hand: full scale and hysteresis of a taxel, whichever branch is the larger and whatever its sign") {
+TEST_CASE("raw loops: full scale and hysteresis of a taxel are right for either branch and sign") {
   // Outputs fall: -4 V is the full scale. Off by 1 and 0.5 V of it at 20 and 40 psi, by nothing at the ends.
   Repeat repeat;
   const std::vector<double> psi{0, 20, 40, 60, 40, 20, 0}, volts{0, -1, -2, -4, -2.5, -2, 0};
@@ -126,7 +126,7 @@ TEST_CASE("loops by hand: full scale and hysteresis of a taxel, whichever branch
   CHECK_THROWS_AS(behaviour_of(dataset_of({{"loop", {repeat}}}), {}), std::invalid_argument);
 }
 
-TEST_CASE("repeatability needs two repeats, and takes the repeats that each sequence has") {
+TEST_CASE("repeatability: needs two repeats, and uses those that each sequence has") {
   const auto loop = [](double more) {
     Repeat repeat;
     for (const double psi : {0.0, 20.0, 60.0, 20.0, 0.0}) {
@@ -144,7 +144,7 @@ TEST_CASE("repeatability needs two repeats, and takes the repeats that each sequ
   CHECK(behaviour_of(dataset_of({{"a", {loop(1)}}, {"b", {loop(2)}}}), {0}).repeats == 1);
 }
 
-TEST_CASE("holds: twenty frames at one set-point above half a psi, commanded once, with times that go on") {
+TEST_CASE("holds: need twenty frames at one set-point above 0.5 psi, one command, and times that increase") {
   const auto holds_in = [](const Repeat& repeat, std::size_t fewest = kFewestHeld) {
     return held_frames_of(holding(repeat), fewest);
   };
@@ -171,7 +171,7 @@ TEST_CASE("holds: twenty frames at one set-point above half a psi, commanded onc
   CHECK(holds[1].held_s(several, 25) == Approx(10.0));  // 2 s and four frames of 2 s
 }
 
-TEST_CASE("creep by hand: slope over decades with its uncertainty, of the output that was there first") {
+TEST_CASE("creep: slope per decade and its uncertainty are relative to the first output") {
   // 2 V, and 1 mV more and less in turn about 20 mV a decade: what the line leaves is worked out by its normal
   // equations.
   std::vector<double> volts, x;

@@ -27,7 +27,7 @@ Samples ramp(std::size_t count) {
 
 }  // namespace
 
-TEST_CASE("difference noise by hand: one difference, two of the first order, the median of three") {
+TEST_CASE("difference noise: of two to five samples matches hand-computed values, and is 0 for fewer") {
   CHECK(noise_of({5.0, 6.0}) == Approx(as_noise(1.0 / std::sqrt(2.0))));
   CHECK(noise_of({0.0, 1.0, 2.0}) == Approx(as_noise(1.0 / std::sqrt(2.0))));  // the second order is one difference
   // First differences 4, -1, 6, -6; second -5, 7, -12: of sqrt 6 the middle one 7; first of sqrt 2 the upper middle 6.
@@ -37,14 +37,14 @@ TEST_CASE("difference noise by hand: one difference, two of the first order, the
   CHECK(noise_of({3.0}) == 0.0);
 }
 
-TEST_CASE("difference noise by hand: an order counts from twenty differences on, else from two") {
+TEST_CASE("difference noise: an order counts from twenty differences on, or from two if no order has twenty") {
   CHECK(noise_of(ramp(4)) == Approx(0.0).margin(1e-12));  // two of the second order
   CHECK(noise_of(ramp(20)) == Approx(0.0).margin(1e-12));
   CHECK(noise_of(ramp(21)) == Approx(as_noise(1.0 / std::sqrt(2.0))));  // twenty of the first, nineteen of the second
   CHECK(noise_of(ramp(22)) == Approx(0.0).margin(1e-12));
 }
 
-TEST_CASE("difference noise by hand: orders up to the sixth, of alternate samples") {
+TEST_CASE("difference noise: the smallest of the orders up to the sixth counts") {
   // 1 -1 1 -1 ...: the difference of order k is the sum of its weights' sizes, 2^k over the root of the sum of squares,
   // C(2k, k): 1.41, 1.63, 1.79, 1.91, 2.02, 2.11. The first is least.
   Samples y;
@@ -60,8 +60,7 @@ TEST_CASE("difference noise by hand: orders up to the sixth, of alternate sample
   CHECK(noise_of(sixth) == Approx(as_noise(720.0 / std::sqrt(924.0))));  // 6! of C(12, 6)
 }
 
-TEST_CASE(
-    "difference noise by hand: with inputs, differences are divided where that is less, equal inputs are passed") {
+TEST_CASE("difference noise: differences are divided by inputs if that is smaller, equal inputs are skipped") {
   CHECK(placed_noise({0, 1, 3, 7}, {0, 1, 3, 7}) == Approx(0.0).margin(1e-12));
   CHECK(noise_of({0, 1, 3, 7}) == Approx(as_noise(2.0 / std::sqrt(6.0))));  // 1 and 2; the third order is one, 1
   CHECK(placed_noise({0, 0, 1, 3, 7}, {5, 0, 1, 3, 7}) == Approx(0.0).margin(1e-12));
@@ -73,7 +72,7 @@ TEST_CASE(
         Approx(as_noise(2.0 / std::sqrt(2.0))));
 }
 
-TEST_CASE("pooled scatter by hand: what parts have in common and their own, three rows of two parts") {
+TEST_CASE("pooled scatter: common and own parts of three rows match hand-computed values") {
   // 1 2 3 and 2 1 6: variances 1 and 7, mean 4; their means 1.5 1.5 4.5: 3, so that 1 is own.
   const std::vector<std::vector<double>> rows{{1, 2}, {2, 1}, {3, 6}};
   const PooledScatter scatter = pooled_scatter(rows);
@@ -83,7 +82,7 @@ TEST_CASE("pooled scatter by hand: what parts have in common and their own, thre
   CHECK(pooled_scatter(std::vector<std::vector<double>>{{1}, {2}, {3}}).dof == 2.0);
 }
 
-TEST_CASE("coverage by hand: effective degrees of freedom of two shares, those of no size left out") {
+TEST_CASE("coverage: degrees of freedom ignore zero shares, and the factor is that of whole degrees") {
   // u 1 and 2 with 3 and 12 degrees: 25 / (1 / 3 + 16 / 12).
   CHECK(effective_dof(std::vector<VarianceShare>{{1.0, 3.0}, {2.0, 12.0}}) == Approx(15.0));
   CHECK(effective_dof(std::vector<VarianceShare>{{1.0, 3.0}, {0.0, 1.0}, {2.0}}) == Approx(75.0));

@@ -16,7 +16,7 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-TEST_CASE("moments: means of all, of chosen ones and of none") {
+TEST_CASE("moments: means of all and of selected values match hand-computed values, without values they are NaN") {
   CHECK(mean_of(Doubles{1.0, 2.0, 6.0}) == 3.0);
   CHECK(mean_by_shares(Doubles{1.0, 2.0, 5.0, 8.0}) == 4.0);
   CHECK(mean_of(Doubles{0.1, 0.2, 0.3}) == 0.20000000000000004);
@@ -31,7 +31,7 @@ TEST_CASE("moments: means of all, of chosen ones and of none") {
   CHECK(finite_of(Doubles{kNan, 2.0, kInfinite, 1.0, -kInfinite}) == Doubles{2.0, 1.0});
 }
 
-TEST_CASE("moments: deviations about the mean and about a given value") {
+TEST_CASE("moments: deviations about the mean and about a given value match hand-computed values") {
   const Doubles values{2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0};  // mean 5, squares 32
   CHECK(squares_about(values, 5.0) == 32.0);
   CHECK(squares_about(values, 1.0) == 32.0 + 8.0 * 16.0);
@@ -42,7 +42,7 @@ TEST_CASE("moments: deviations about the mean and about a given value") {
   CHECK(std::isnan(sample_variance(Doubles{})));
 }
 
-TEST_CASE("moments: medians and quantiles name a value that is there, or lie between two") {
+TEST_CASE("moments: medians and quantiles are one of the values, or lie between two") {
   CHECK(median_of({9.0, 1.0, 5.0}) == 5.0);
   CHECK(median_of({9.0, 1.0, 5.0, 2.0}) == 3.5);
   CHECK(median_of({kNan, 4.0, kInfinite}) == 4.0);
@@ -62,7 +62,7 @@ TEST_CASE("moments: medians and quantiles name a value that is there, or lie bet
   CHECK(quantile_between(Doubles{7.0}, 0.9) == 7.0);
 }
 
-TEST_CASE("moments: the line of least squares, what it leaves, and the correlation") {
+TEST_CASE("moments: least-squares line, its residual and the correlation match hand-computed values") {
   const Doubles x{0.0, 1.0, 2.0, 3.0, 4.0}, y{1.0, 3.0, 5.0, 7.0, 9.0};
   for (const LineFit& line : {line_fit(x, y), line_fit_by_shares(x, y)}) {
     CHECK(line.slope() == Approx(2.0));
@@ -86,7 +86,7 @@ TEST_CASE("moments: the line of least squares, what it leaves, and the correlati
 
 using namespace tactbench::analysis;
 
-TEST_CASE("pooled scatter: parts that move as one have no more than n - 1 degrees of freedom") {
+TEST_CASE("pooled scatter: fully correlated parts have n - 1 degrees of freedom") {
   const std::vector<std::vector<double>> rows = {{1.0, 11.0, 21.0}, {3.0, 13.0, 23.0}};
   const PooledScatter scatter = pooled_scatter(rows);
   CHECK(scatter.s == Approx(std::sqrt(2.0)));
@@ -94,7 +94,7 @@ TEST_CASE("pooled scatter: parts that move as one have no more than n - 1 degree
   CHECK(scatter.parts == 3);
 }
 
-TEST_CASE("pooled scatter: parts that move against each other add up their degrees of freedom") {
+TEST_CASE("pooled scatter: parts that cancel in the mean add up their degrees of freedom") {
   // Each part has the variance 2, their mean stands still: (n - 1)(parts - 1) = 3.
   const std::vector<std::vector<double>> rows = {{1.0, 2.0, 5.0, 8.0}, {3.0, 0.0, 7.0, 6.0}};
   const PooledScatter scatter = pooled_scatter(rows);
@@ -102,7 +102,7 @@ TEST_CASE("pooled scatter: parts that move against each other add up their degre
   CHECK(scatter.dof == Approx(3.0));
 }
 
-TEST_CASE("pooled scatter: a part that is not finite is left out, and one row or no part tells nothing") {
+TEST_CASE("pooled scatter: a non-finite part is left out, and one row or no part gives no result") {
   const double none = std::numeric_limits<double>::quiet_NaN();
   const std::vector<std::vector<double>> rows = {{1.0, none, 2.0}, {2.0, 9.0, 2.0}, {3.0, 9.0, 2.0}};
   const PooledScatter scatter = pooled_scatter(rows);

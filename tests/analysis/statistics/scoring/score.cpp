@@ -62,7 +62,7 @@ std::string refused(const SensorModel& document, const Histories& histories) {
 
 }  // namespace
 
-TEST_CASE("bins by hand: 1, 2 and 5 of each decade, the lower bound included but for a millionth") {
+TEST_CASE("score bins: start at 1, 2 and 5 of each decade, the lower bound included within 1e-6") {
   for (const auto& [hold_s, low] :
        {std::pair{0.1, 0.1}, std::pair{0.15, 0.1}, std::pair{0.1999, 0.1}, std::pair{0.2, 0.2}, std::pair{0.4999, 0.2},
         std::pair{0.5, 0.5}, std::pair{0.9999, 0.5}, std::pair{1.0, 1.0}, std::pair{1.9999999, 2.0},
@@ -76,7 +76,7 @@ TEST_CASE("bins by hand: 1, 2 and 5 of each decade, the lower bound included but
   CHECK(lower_bound_of(-1.0) == -1.0);
 }
 
-TEST_CASE("bins by hand: in their order with sum, largest and number, and two scores together") {
+TEST_CASE("score bins: come in order with sum, maximum and count, and two scores add up") {
   Score score;
   score.add_sample(3.0, 7.0, 0.0);
   score.add_sample(1.0, 0.3, 20.0);
@@ -104,7 +104,7 @@ TEST_CASE("bins by hand: in their order with sum, largest and number, and two sc
   CHECK(ErrorSum().mean() == 0.0);
 }
 
-TEST_CASE("a score by hand: samples without time between them have no rate, histories without times no bins") {
+TEST_CASE("score: samples without elapsed time have no rate, histories without times have no bins") {
   const SensorModel line = line_of("model");
   const HysteresisModel& model = *line.taxels[0].fit.model;
   ScoreOptions options;
@@ -124,7 +124,7 @@ TEST_CASE("a score by hand: samples without time between them have no rate, hist
   CHECK((untimed.by_hold.empty() && untimed.by_rate.empty() && untimed.direct.samples == 2));
 }
 
-TEST_CASE("a model is not scored on data of another origin, sensor, scanner, unit or sign") {
+TEST_CASE("score: data of another origin, sensor, scanner, unit or sign are refused") {
   const SensorModel document = line_of("model");
   const auto id_with = [&](auto change) {
     Histories other = measured_as(document);
@@ -141,7 +141,7 @@ TEST_CASE("a model is not scored on data of another origin, sensor, scanner, uni
   CHECK(id_with([](Histories& other) { other.falling = true; }) == "TB-ANALYSIS-FALLING");
 }
 
-TEST_CASE("a stored model's score by hand: the array's taxels are summed, their mean stands beside them") {
+TEST_CASE("score: the array's taxels are summed, and the mean taxel is scored separately") {
   const SensorModel document = line_of("model", 3);  // taxels 0 and 1, and their mean
   Histories histories = measured_as(document);
   for (const auto& [taxel, off] : {std::pair{0, 1.0}, std::pair{1, 2.0}, std::pair{-1, 0.5}}) {
@@ -187,7 +187,7 @@ Histories two_ways_up(std::int64_t run) {
 
 }  // namespace
 
-TEST_CASE("a dynamic model's score by hand: a run's time goes on, a table's sequences begin anew", "[dynamic]") {
+TEST_CASE("dynamic score: a run's time continues over sequences, sequences of a table are separate", "[dynamic]") {
   SensorModel document = tactbench::creeping::creeping_film();
   document.input_unit = "psi";
   document.output_unit = "V";

@@ -59,7 +59,7 @@ Histories later_data() {
 
 }  // namespace
 
-TEST_CASE("drift by hand: zero and gain with their uncertainties, and what each adjustment leaves") {
+TEST_CASE("drift: zero, gain, their uncertainties and the error after each adjustment match hand-computed values") {
   const Drift drift = drift_of(two_taxels(), later_data(), 0.02);
   REQUIRE(drift.taxels.size() == 2);
   const TaxelDrift& first = drift.taxels[0];
@@ -87,7 +87,7 @@ TEST_CASE("drift by hand: zero and gain with their uncertainties, and what each 
   CHECK(drift.gain_u == Approx(2.0 * std::hypot(0.5 * std::sqrt(0.02 / 16.0), 0.5, 0.005 / std::sqrt(3.0))));
 }
 
-TEST_CASE("the drift's verdict follows what is left within the tolerance, whose default is twice the fit's error") {
+TEST_CASE("drift: the verdict follows from the error left within the tolerance, by default twice the fit's error") {
   const Histories data = later_data();  // 17.5 % as it is, 10 % with zero, 0.5 % with zero and gain
   CHECK(drift_of(two_taxels(), data, 0.18).verdict == DriftVerdict::kGood);
   CHECK(drift_of(two_taxels(), data, 0.17).verdict == DriftVerdict::kZero);
@@ -123,7 +123,7 @@ TEST_CASE("the drift's verdict names the part that moved, though a zero could st
   }
 }
 
-TEST_CASE("a gain is fitted only where the inputs cover a tenth of the model's range") {
+TEST_CASE("drift: a gain is fitted only if the inputs cover a tenth of the model's range") {
   Histories narrow;
   narrow.taxels.push_back(later(0, {0, 0, 0.9, 0.9}, {1.0, 1.0, 2.8, 2.8}));
   const TaxelDrift drift = drift_of(two_taxels(), narrow).taxels.front();
@@ -143,7 +143,7 @@ TEST_CASE("a gain is fitted only where the inputs cover a tenth of the model's r
   CHECK(of_two.zeroed == Approx(0.05));
 }
 
-TEST_CASE("adjusting takes each taxel's own zero and gain, and the mean of them for the mean taxel") {
+TEST_CASE("drift adjustment: uses each taxel's own zero and gain, and their means for the mean taxel") {
   const Histories data = later_data();
   const Drift drift = drift_of(two_taxels(), data);
   const SensorModel both = adjusted(two_taxels(), drift, data, true);

@@ -9,7 +9,7 @@
 
 using namespace synthetic;
 
-TEST_CASE("outputs up to 1 % lower or 0.5 % higher leave up and down within 1.2 % of full scale") {
+TEST_CASE("drift: outputs 1 % lower to 0.5 % higher keep up and down within 1.2 % of full scale") {
   const Array array(ArrayOptions{});
   const Dataset first = run(array, RunOptions{});
   FitOptions exact;

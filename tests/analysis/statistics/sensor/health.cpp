@@ -55,7 +55,7 @@ std::vector<double> two_lines(std::vector<double> first, const std::vector<doubl
 
 }  // namespace
 
-TEST_CASE("health by hand: dead, stuck and saturated to each side of 50 mV") {
+TEST_CASE("health: dead, stuck and saturated taxels are recognised to either side of 50 mV") {
   const Health health = health_of(taxels_between({{0.0, 0.0499},      // dead
                                                   {0.0, 0.0501},      // moves
                                                   {-0.0499, -0.001},  // dead
@@ -74,7 +74,7 @@ TEST_CASE("health by hand: dead, stuck and saturated to each side of 50 mV") {
   CHECK(health_of(taxels_between({{0.0, 0.01}, {1.0, 2.0, true}}), {}, false).count("dead") == 0);
 }
 
-TEST_CASE("health by hand: noise four times as large as the median, none without noise") {
+TEST_CASE("health: noise of more than four times the median is reported as noisy") {
   const Dataset data = taxels_between({{0, 1, false, 0.001},
                                        {0, 1, false, 0.001},
                                        {0, 1, false, 0.004},
@@ -90,7 +90,7 @@ TEST_CASE("health by hand: noise four times as large as the median, none without
   CHECK(health_of(data, {}, true, options).count("noisy") == 2);
 }
 
-TEST_CASE("health by hand: what a fit says of its taxels, with the error of those that do not fit") {
+TEST_CASE("health: states from a fit are listed, with the error of unfit taxels") {
   const Dataset data = taxels_between({{0, 1}, {0, 1}, {0, 1}, {0, 1}});
   SensorModel fit;
   const std::vector<double> ends{0.0, 60.0}, volts{0.0, 2.0};
@@ -106,7 +106,7 @@ TEST_CASE("health by hand: what a fit says of its taxels, with the error of thos
   CHECK_THROWS_AS(health_of(data, fit, true), std::invalid_argument);
 }
 
-TEST_CASE("swapped lines: they fit each other's place by 0.8 at least") {
+TEST_CASE("swapped lines: must correlate by at least 0.8 with each other's place") {
   // Each line is the other one of before, and a third at right angles to both.
   const auto found = [](double correlation) {
     const double rest = std::sqrt(1.0 - correlation * correlation);
@@ -122,7 +122,7 @@ TEST_CASE("swapped lines: they fit each other's place by 0.8 at least") {
   CHECK(swap.as_is == Approx(0.0).margin(1e-12));
 }
 
-TEST_CASE("swapped lines: they fit better by 0.2, in rows and in columns, from eight taxels on") {
+TEST_CASE("swapped lines: must fit better by 0.2, in rows and columns, with at least eight taxels") {
   // Two lines that resemble each other by `alike`, exchanged.
   const auto exchanged = [](double alike, bool rows, std::size_t length = 8) {
     std::vector<double> a = kHalf, b = mixed(alike, kHalf, std::sqrt(1.0 - alike * alike), kQuarter);
@@ -146,8 +146,7 @@ TEST_CASE("swapped lines: they fit better by 0.2, in rows and in columns, from e
   }
 }
 
-TEST_CASE(
-    "swapped lines: each is the other's best place, three that went round are no pair, eight that tell are enough") {
+TEST_CASE("swapped lines: each must be the other's best place, by at least eight finite taxels") {
   const std::vector<double> before = two_lines(two_lines(kHalf, kQuarter), kEighth);
   CHECK(swapped_lines(3, 8, before, before).empty());
   CHECK(swapped_lines(3, 8, two_lines(two_lines(kQuarter, kEighth), kHalf), before).empty());

@@ -40,7 +40,7 @@ TEST_CASE("seating: noise five times larger gives no finding") {
   CHECK(check_seating(16, 16, seated(mounted_again(3), 2, 0.0075), first).verdict == "pass");
 }
 
-TEST_CASE("seating: dead rows and columns are named, with their output") {
+TEST_CASE("seating: dead rows and columns are found and named") {
   SpecimenOptions options = sensor(2);
   break_line(options, true, 5);
   break_line(options, true, 9, TaxelDefect::Kind::kSaturated);
@@ -53,7 +53,7 @@ TEST_CASE("seating: dead rows and columns are named, with their output") {
   CHECK(result.dead_taxels.empty());
 }
 
-TEST_CASE("seating: a block of lines at one end is a half-inserted connector, elsewhere it is not") {
+TEST_CASE("seating: a block of dead lines at one end is a half-inserted connector, elsewhere it is dead lines") {
   const bool row = GENERATE(true, false);
   const bool last = GENERATE(true, false);
   const int lines = GENERATE(2, 7, 14);
@@ -70,7 +70,7 @@ TEST_CASE("seating: a block of lines at one end is a half-inserted connector, el
   CHECK(kinds(check(inner)) == (row ? "dead-rows" : "dead-columns"));
 }
 
-TEST_CASE("seating: an edge outside the membrane is found against the last seating") {
+TEST_CASE("seating: an edge outside the membrane is found by comparison with the last seating") {
   const auto edge =
       GENERATE(MountEdge::kFirstRow, MountEdge::kLastRow, MountEdge::kFirstColumn, MountEdge::kLastColumn);
   const int lines = GENERATE(2, 3, 4);
@@ -91,7 +91,7 @@ TEST_CASE("seating: an edge outside the membrane is found against the last seati
   if (lines == 4) CHECK(check(options).verdict == "fail");
 }
 
-TEST_CASE("seating: every rotation and mirror image of a square array is distinguished") {
+TEST_CASE("seating: every rotation and mirror image of a square array is identified") {
   const int turn = GENERATE(range(1, 8));
   SpecimenOptions options = mounted_again(6);
   options.mount_turn = static_cast<MountTurn>(turn);
@@ -106,7 +106,7 @@ TEST_CASE("seating: every rotation and mirror image of a square array is disting
   CHECK_THAT(result.findings.front().text, Catch::Contains(positions[static_cast<std::size_t>(turn)].name + " since"));
 }
 
-TEST_CASE("seating: another sensor is a deviation") {
+TEST_CASE("seating: another sensor is reported as a deviation") {
   const SeatingResult other = check(sensor(9), seated(sensor(8)));
   CHECK(other.verdict == "fail");
   CHECK(kinds(other) == "deviation");
@@ -123,7 +123,7 @@ constexpr std::size_t kAsBefore = 0, kBy180 = 1, kRowsMirrored = 2;
 
 }  // namespace
 
-TEST_CASE("seating by hand: correlations of small patterns, whatever their mean, and none where nothing differs") {
+TEST_CASE("seating positions: correlations do not depend on the mean, and are 0 without variation") {
   struct Pattern {
     const char* what;
     std::vector<double> now, before;
@@ -150,7 +150,7 @@ TEST_CASE("seating by hand: correlations of small patterns, whatever their mean,
   }
 }
 
-TEST_CASE("seating by hand: each of the eight positions fits the pattern that was moved so, and no other") {
+TEST_CASE("seating positions: each of the eight fits only the pattern that was moved accordingly") {
   // 1 to 9 by rows, then where each of them lies after the sensor was moved.
   const std::vector<double> before{1, 2, 3, 4, 5, 6, 7, 8, 10};
   const std::vector<std::vector<double>> moved = {before,
@@ -172,7 +172,7 @@ TEST_CASE("seating by hand: each of the eight positions fits the pattern that wa
   }
 }
 
-TEST_CASE("seating by hand: a taxel counts where it answered in both seatings, at its place in either") {
+TEST_CASE("seating positions: only taxels that responded in both seatings count, at their place in each") {
   // Turned by 180 degrees: what lay first lies last. The last of now and the first of before are one taxel.
   const std::vector<double> before{9, 1, 2, 3, 4, 5}, now{5, 4, 3, 2, 1, -9};
   std::vector<bool> all(6, true), not_first = all, not_last = all;
@@ -237,7 +237,7 @@ SeatingResult resembling(double correlation, double sign = 1.0) {
 
 }  // namespace
 
-TEST_CASE("seating bounds: a pattern that resembles the last one by 0.9 passes, by 0.8 warns, by less fails") {
+TEST_CASE("seating bounds: correlation with the last pattern passes from 0.9, warns from 0.8 and fails below") {
   const SeatingResult passes = resembling(0.91), warns = resembling(0.89), still = resembling(0.81),
                       fails = resembling(0.79);
   CHECK(passes.verdict == "pass");
@@ -253,7 +253,7 @@ TEST_CASE("seating bounds: a pattern that resembles the last one by 0.9 passes, 
   CHECK_THAT(fails.findings[0].text, Catch::Contains("0.79"));
 }
 
-TEST_CASE("seating bounds: another position fits by 0.8 at least") {
+TEST_CASE("seating bounds: another position must correlate by at least 0.8") {
   const SeatingResult turned = resembling(0.81, -1.0), other = resembling(0.79, -1.0);
   REQUIRE(findings_of(turned) == "fail turned");
   CHECK_THAT(turned.findings[0].text, Catch::Contains("180") && Catch::Contains(" 0.81") && Catch::Contains("-0.81"));
@@ -261,7 +261,7 @@ TEST_CASE("seating bounds: another position fits by 0.8 at least") {
   CHECK(findings_of(other) == "fail deviation");
 }
 
-TEST_CASE("seating bounds: another position fits better by 0.2 than the last one") {
+TEST_CASE("seating bounds: another position must correlate better than the last one by 0.2") {
   // Turned by half a turn, a pattern of `share` sides and the rest halves fits itself as it is by 2 share - 1.
   const auto half_turned = [](double share) {
     const auto by = [share](double sign) {
@@ -275,7 +275,7 @@ TEST_CASE("seating bounds: another position fits better by 0.2 than the last one
   CHECK(*half_turned(0.91).correlation == Approx(0.82));
 }
 
-TEST_CASE("seating bounds: patterns are compared from a spread of 5 % on, of sixteen taxels that answer") {
+TEST_CASE("seating bounds: patterns are compared from a spread of 5 % and sixteen responding taxels on") {
   const auto compared = [](double spread) {
     const SeatingFrames before = pattern_of([&](int c) { return 1.0 + spread * halves(c); });
     return check_seating(kHigh, kLong, before, before).correlation.has_value();
@@ -294,7 +294,7 @@ TEST_CASE("seating bounds: patterns are compared from a spread of 5 % on, of six
   CHECK_FALSE(answering(3, 5));
 }
 
-TEST_CASE("seating bounds: the mean may differ by a fifth, by half it fails, and only at pressures within half a psi") {
+TEST_CASE("seating bounds: a mean off by a fifth warns, by half fails, if pressures agree within 0.5 psi") {
   const auto by = [](double factor, double pressure_psi = 8.0) {
     return check_seating(10, 10, even_frames(factor, pressure_psi), even_frames(1.0));
   };
@@ -315,7 +315,7 @@ TEST_CASE("seating bounds: the mean may differ by a fifth, by half it fails, and
   CHECK(check_seating(2, 2, even_frames(0.15, 8.0, 4), even_frames(0.2, 8.0, 4)).mean_ratio.value() == Approx(0.75));
 }
 
-TEST_CASE("seating bounds: taxels below 10 mV are dead one by one, and more than 2 % of them are a warning") {
+TEST_CASE("seating bounds: taxels below 10 mV are dead, and more than 2 % newly dead ones give a warning") {
   const auto with_dead = [](int count, double response_v, bool known = false) {
     SeatingFrames now = even_frames(1.0), before = even_frames(1.0);
     for (int i = 0; i < count; ++i) {
@@ -338,7 +338,7 @@ TEST_CASE("seating bounds: taxels below 10 mV are dead one by one, and more than
   CHECK(with_dead(3, 0.009, true).dead_taxels.size() == 3);
 }
 
-TEST_CASE("seating bounds: an array answers when a tenth of its taxels does by 20 mV") {
+TEST_CASE("seating bounds: an array responds if a tenth of its taxels exceeds 20 mV") {
   const auto answered_by = [](std::size_t taxels, double response_v) {
     SeatingFrames frames = even_frames(0.001);
     for (std::size_t i = 0; i < taxels; ++i) frames.loaded_v[10 * i] = 0.3 + response_v;
@@ -357,7 +357,7 @@ TEST_CASE("seating bounds: an array answers when a tenth of its taxels does by 2
   CHECK_THROWS_AS(check_seating(10, 10, uneven, std::nullopt), std::invalid_argument);
 }
 
-TEST_CASE("seating bounds: of several findings the worst counts, in whatever order they come") {
+TEST_CASE("seating bounds: the worst of several findings decides") {
   // A mean of 45 % fails, three new dead taxels warn.
   SeatingFrames now = even_frames(0.45);
   for (const std::size_t at : {3U, 14U, 25U}) now.loaded_v[at] = 0.3;
@@ -428,7 +428,7 @@ LineVerdict inner(double volts) {
 
 }  // namespace
 
-TEST_CASE("lines: one below 8 % of what lines answer is dead, and all of its taxels are lost") {
+TEST_CASE("seating lines: one below 8 % of the other lines' response is dead, with all of its taxels") {
   CHECK(inner(0.081).kinds.empty());
   CHECK(inner(0.081).lost == 0);
   const LineVerdict dead = inner(0.079);
@@ -443,7 +443,7 @@ TEST_CASE("lines: one below 8 % of what lines answer is dead, and all of its tax
   CHECK(among(0.31) == "dead-rows");  // of 1 1 2 2 3 4 4 the value at place 5 is 4 V: 0.32 V
 }
 
-TEST_CASE("lines alone: an edge is outside below 15 % of the median line, with the lines below 20 % that rise inward") {
+TEST_CASE("seating lines alone: an edge below 15 % of the median is outside, with rising lines below 20 %") {
   for (const bool along_rows : {true, false}) {
     for (const bool last : {false, true}) {
       INFO((along_rows ? "rows " : "columns ") << (last ? "last" : "first"));
@@ -467,7 +467,7 @@ TEST_CASE("lines alone: an edge is outside below 15 % of the median line, with t
   }
 }
 
-TEST_CASE("lines alone: a fall-off has a line above 3 % of the others, without one the lines are dead") {
+TEST_CASE("seating lines alone: an edge outside needs a line above 3 % of the others, else the lines are dead") {
   CHECK(at_edge({0.031}).kinds == "edge-outside");
   CHECK(at_edge({0.029}).kinds == "dead-rows");
   CHECK(at_edge({0.0, 0.031}).kinds == "edge-outside");
@@ -486,12 +486,12 @@ TEST_CASE("lines alone: a fall-off has a line above 3 % of the others, without o
   CHECK(both.lost == 30);
 }
 
-TEST_CASE("lines alone: three lines are too few for an edge") {
+TEST_CASE("seating lines alone: three lines are too few for an edge outside") {
   CHECK(judged(lines_answering({0.1, 1, 1, 1}, true), true).kinds == "edge-outside");
   CHECK(judged(lines_answering({0.1, 1, 1}, true), true).kinds.empty());
 }
 
-TEST_CASE("lines against the last seating: an edge is outside below 50 % of it, with the lines below 80 %") {
+TEST_CASE("seating lines and the last seating: an edge below 50 % is outside, with lines below 80 %") {
   // Then the lines answered by 1 to 2 V; now all by half of that, which is the mount's, and the edge by less.
   std::vector<double> before, now;
   for (int i = 0; i < 10; ++i) before.push_back(1.0 + 0.1 * i);
@@ -511,7 +511,7 @@ TEST_CASE("lines against the last seating: an edge is outside below 50 % of it, 
   CHECK(found({}).kinds.empty());
 }
 
-TEST_CASE("lines: taxels known to be dead, and those in open lines across, say nothing, a quarter has to be left") {
+TEST_CASE("seating lines: known dead taxels and crossing open lines are ignored, a quarter must be left") {
   std::vector<double> all(10, 1.0);
   all[4] = 0.0;
   SeatingTaxels taxels = lines_answering(all, true);
@@ -533,7 +533,7 @@ TEST_CASE("lines: taxels known to be dead, and those in open lines across, say n
   CHECK(judged(half, false).kinds == "dead-columns");
 }
 
-TEST_CASE("open lines are those with nine of ten taxels silent, below the least response of either sign") {
+TEST_CASE("open lines: have nine of ten taxels below the least response of either sign") {
   SeatingTaxels taxels;
   taxels.rows = 20;
   taxels.columns = 10;

@@ -7,7 +7,7 @@ using namespace tactbench;
 using namespace tactbench::analysis;
 using bench::SpecimenOptions;
 
-TEST_CASE("seating: 200 well seated arrays pass, new, seen again, mounted again, a month older and warmer") {
+TEST_CASE("seating: 200 well seated arrays pass, when new and when mounted again a month later and warmer") {
   int alarms = 0;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
     const SeatingFrames first = seated(sensor(seed), seed);

@@ -62,7 +62,7 @@ PressRun press_run() {
 
 }  // namespace
 
-TEST_CASE("forces of an array under an object by hand: sums, errors of level and run, taxels at their end") {
+TEST_CASE("contact: forces, their errors per level and run, and clamped taxels match hand-computed values") {
   const ContactResult result = contact_result(press_run(), press_fit(), kOneNewtonAPsi);
   CHECK(result.positions == 2);
   CHECK(result.repeats == 1);
@@ -96,7 +96,7 @@ TEST_CASE("forces of an array under an object by hand: sums, errors of level and
   CHECK_THROWS_AS(contact_result(other, press_fit(), kOneNewtonAPsi), AnalysisError);
 }
 
-TEST_CASE("the centre of pressure under an object by hand: place, moment, wander, distance from the axis") {
+TEST_CASE("contact: centre of pressure, moment, wander and distance from the axis match hand-computed values") {
   PressRun run = press_run();
   MountTransform mount;  // stage coordinates are taxel coordinates: the first taxel's centre at (0, 0)
   mount.run = 5;
@@ -125,7 +125,7 @@ TEST_CASE("the centre of pressure under an object by hand: place, moment, wander
   CHECK(std::isnan(unknown.levels[0].raw_place_error_mm));
 }
 
-TEST_CASE("an array that stands upright gives the same places along y, and moments about x") {
+TEST_CASE("contact: an upright array gives the same places along y, and moments about x") {
   PressRun run = press_run();
   run.rows = 3;
   run.columns = 1;
@@ -144,7 +144,7 @@ TEST_CASE("an array that stands upright gives the same places along y, and momen
   CHECK(ten.raw_place_error_mm == Approx((0.5 + 2.5) / 2));
 }
 
-TEST_CASE("frames and mismatch under an object by hand: of the first position, over the fitted taxels") {
+TEST_CASE("contact: frames and non-uniformity are those of the first position, over the fitted taxels") {
   const ContactResult result = contact_result(press_run(), press_fit(), kOneNewtonAPsi);
   const ContactLevel& ten = result.levels[0];
   CHECK(ten.raw_v == std::vector<double>{0.5, 1.5, 9.0});
@@ -215,7 +215,7 @@ StoredRun stored_presses() {
 
 }  // namespace
 
-TEST_CASE("presses by hand: by sequence, with repeat, place, direction, force and the mean of the scans in volts") {
+TEST_CASE("press runs: sequence, repeat, position, direction, force and mean volts match hand-computed values") {
   const std::vector<PressRun> presses = load_press_runs(stored_presses());
   REQUIRE(presses.size() == 2);
   const PressRun& ring = presses[0];
@@ -250,7 +250,7 @@ TEST_CASE("presses by hand: by sequence, with repeat, place, direction, force an
   CHECK(points[0].volts == first.volts);
 }
 
-TEST_CASE("presses: a pull stays negative, and a force that was never taken out keeps its sign") {
+TEST_CASE("press runs: a pull stays negative, and a force that starts at 0 keeps its sign") {
   StoredRun run = stored_presses();
   run.frames = {pressed_frame(21, 10, 0.25), pressed_frame(21, 10, -0.5)};
   run.frames[0].wrench->force_start_n = -1.0;  // pulls at the dwell's start, too: the sensor shows presses as negative
@@ -260,7 +260,7 @@ TEST_CASE("presses: a pull stays negative, and a force that was never taken out 
   CHECK(ring.frames[1].force_n == -0.5);
 }
 
-TEST_CASE("presses: void branches, frames without a force and of unknown branches do not count") {
+TEST_CASE("press runs: void branches, frames without a force and frames of unknown branches do not count") {
   StoredRun run = stored_presses();
   run.branches[0].is_void = true;
   run.frames[1].wrench.reset();
@@ -273,7 +273,7 @@ TEST_CASE("presses: void branches, frames without a force and of unknown branche
   CHECK(load_press_runs(run).empty());
 }
 
-TEST_CASE("presses: a frame that does not hold its scans is refused") {
+TEST_CASE("press runs: a frame whose counts do not match its scans is refused") {
   const auto refused = [](int scans, std::size_t counts) {
     StoredRun run = stored_presses();
     run.frames[0].scans = scans;
@@ -292,7 +292,7 @@ TEST_CASE("presses: a frame that does not hold its scans is refused") {
   CHECK(refused(-1, 0) == "TB-ANALYSIS-FRAME");
 }
 
-TEST_CASE("a registration is the last complete one that was stored, with its defaults") {
+TEST_CASE("registration: the last complete one stored is used, with its defaults") {
   StoredRun run = stored_presses();
   const auto check_of = [](const char* kind, const char* json) {
     db::CheckRecord check;
@@ -319,7 +319,7 @@ TEST_CASE("a registration is the last complete one that was stored, with its def
   CHECK(mount_of(run).empty());
 }
 
-TEST_CASE("a registration by hand: turned by 30 degrees, twice as large, moved and mirrored") {
+TEST_CASE("registration: rotation by 30 degrees, scale 2, offset and mirroring match hand-computed values") {
   // stage = 2 R(30) taxel + (10, 20). Taxel (2, 1): R gives (sqrt 3 - 1/2, 1 + sqrt 3 / 2).
   MountTransform mount;
   mount.angle_deg = 30.0;

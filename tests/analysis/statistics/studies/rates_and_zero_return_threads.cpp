@@ -23,7 +23,7 @@ Repeat paced(double seconds, const std::vector<double>& mean_v) {
 
 }  // namespace
 
-TEST_CASE("effect of rate on the output by hand: each faster repeat against the slowest") {
+TEST_CASE("rate study: each faster repeat is compared with the slowest") {
   // Full scale 4.5 V. The fast repeat is off by 0, 0.09 and 0.27 V; one of 52 s is no other pace than one of 60 s.
   const Dataset data = dataset_of({{"rate", {paced(30, {1, 2.09, 2.73}), paced(60, {1, 2, 3}), paced(52, {1, 4, 4})}}});
   const std::vector<RateHoldRun> runs = rate_hold_of(data, straight_fit());
@@ -35,7 +35,7 @@ TEST_CASE("effect of rate on the output by hand: each faster repeat against the 
   CHECK(rate_hold_of(alike, straight_fit())[0].output_max_share == 0.0);
 }
 
-TEST_CASE("compensation errors by rate and hold by hand") {
+TEST_CASE("rate study: compensation errors by rate and by hold match hand-computed values") {
   // Slow: 20 psi in 30 s, held 3 s at the middle level. The first taxel reads 0.75, 1.75, 2.75 V as 15, 35, 55 psi at
   // 0, 20 and 40 psi, the second 1.25, 2.25, 3.25 V as 12.5, 22.5, 32.5 psi: off by 15, 15, 15 and 12.5, 2.5, 7.5.
   const RateHoldRun run = rate_hold_of(dataset_of({{"rate", {paced(60, {1, 2, 3})}}}), straight_fit()).front();
@@ -52,7 +52,7 @@ TEST_CASE("compensation errors by rate and hold by hand") {
   CHECK(run.by_hold[0].error.mean() == Approx((15.0 + 2.5) / 2));
 }
 
-TEST_CASE("zero return by hand: the mean of the repeats, the largest of one, the worst taxel") {
+TEST_CASE("zero return: mean of the repeats, largest one and worst taxel match hand-computed values") {
   // The live taxels end +3 and +1, -4 and -6, +1 and +1 mV off their start: +2, -5 and +1 mV in the mean.
   const std::vector<Sample> steps{{0, 0}, {20, 20}, {0, 0}};
   SequenceData sequence{"loop", {}};
@@ -70,7 +70,7 @@ TEST_CASE("zero return by hand: the mean of the repeats, the largest of one, the
   CHECK(b.zero_returns[0].worst_taxel_v == Approx(-0.004 / 3));
 }
 
-TEST_CASE("zero return by hand: from the first time at the lowest pressure to the last, wherever the sequence begins") {
+TEST_CASE("zero return: is from the first to the last time at the lowest pressure, wherever the sequence begins") {
   // Both taxels' outputs are 1 V and 2 V at the lowest pressure; each time there has its own excess in mV.
   struct Way {
     const char* what;

@@ -52,7 +52,7 @@ std::vector<TurnedRun> turned(const std::vector<int>& angles, double noise_psi =
 
 }  // namespace
 
-TEST_CASE("four quarter turns give the chamber's map back but for what a quarter turn does not change") {
+TEST_CASE("uniformity: four quarter turns recover the chamber map except its rotation-invariant part") {
   const Uniformity u = uniformity_of(turned({0, 90, 180, 270}), kSide, kSide);
   REQUIRE(u.assessed());
   CHECK(u.pressure_psi == std::vector<double>{10.0, 20.0, 40.0});  // at 60 psi estimates come to the models' end
@@ -81,7 +81,7 @@ TEST_CASE("four quarter turns give the chamber's map back but for what a quarter
   CHECK(u.residual_other_sense_psi > 0.05);
 }
 
-TEST_CASE("the chamber's constant part is separated from the part that grows with pressure") {
+TEST_CASE("uniformity: the chamber's constant part is separated from the part that grows with pressure") {
   const Uniformity u = uniformity_of(turned({0, 90, 180, 270}, 0.0, 0.2), kSide, kSide);
   REQUIRE(u.assessed());
   CHECK(u.residual_rms_psi < 1e-9);
@@ -89,13 +89,13 @@ TEST_CASE("the chamber's constant part is separated from the part that grows wit
   CHECK(u.u_offset_psi == Approx(0.2 * std::sqrt(36.0 / 35.0)).epsilon(1e-6));
 }
 
-TEST_CASE("noise comes out as the residual") {
+TEST_CASE("uniformity: noise appears as the residual") {
   const Uniformity u = uniformity_of(turned({0, 90, 180, 270}, 0.05), kSide, kSide);
   REQUIRE(u.assessed());
   CHECK(u.residual_rms_psi == Approx(0.05).epsilon(0.15));
 }
 
-TEST_CASE("half a turn alone leaves twice as many constants undetermined, and taxels without a model are skipped") {
+TEST_CASE("uniformity: half a turn leaves twice as many constants open, and taxels without a model are skipped") {
   std::vector<TurnedRun> runs = turned({0, 180});
   const Uniformity half = uniformity_of(runs, kSide, kSide);
   REQUIRE(half.assessed());
@@ -113,12 +113,12 @@ TEST_CASE("half a turn alone leaves twice as many constants undetermined, and ta
   CHECK(u.chamber_share[7] == Approx(share_of_tilt(7)).margin(1e-12));  // other taxels came to its place
 }
 
-TEST_CASE("without a turn nothing can be separated") {
+TEST_CASE("uniformity: without a rotation nothing can be separated") {
   CHECK_FALSE(uniformity_of(turned({0, 0}), kSide, kSide).assessed());
   CHECK_FALSE(Uniformity().assessed());
 }
 
-TEST_CASE("mounts that differ less than their own sweeps count as equal") {
+TEST_CASE("mounts: those that differ less than their own sweeps count as equal") {
   SweepEstimates estimates;
   estimates.pressure_psi = {10.0};
   estimates.sweeps = 2;
@@ -147,7 +147,7 @@ MountedRun mount_with(std::int64_t run, std::vector<double> levels, int sweeps, 
 
 }  // namespace
 
-TEST_CASE("mounts by hand: one, two and three sweeps weigh by their number") {
+TEST_CASE("mounts: one, two and three sweeps are weighted by their number") {
   // 10 psi: 10 | 11 13 | 8 9 10. Means 10, 12, 9; of all six 61 / 6. Within: 2 + 2 = 4 with three degrees of freedom.
   const std::vector<MountedRun> mounts{mount_with(1, {10}, 1, 1, {10}), mount_with(2, {10}, 2, 1, {11, 13}),
                                        mount_with(3, {10}, 3, 1, {8, 9, 10})};
@@ -164,7 +164,7 @@ TEST_CASE("mounts by hand: one, two and three sweeps weigh by their number") {
   CHECK(found.own_degrees == 2);  // one taxel: of its own there is nothing, and the number is not 0
 }
 
-TEST_CASE("mounts by hand: what two taxels have in common and what is a taxel's own, one without a reading left out") {
+TEST_CASE("mounts: common and own parts of two taxels match hand-computed values, unread taxels are left out") {
   // One sweep a mount; at 20 psi the taxels move by +3 and +1 psi: variances 4.5 and 0.5, of their mean 2. The third is
   // not fitted.
   const std::vector<MountedRun> mounts{mount_with(1, {20}, 1, 3, {20, 20, kNan}),
@@ -182,7 +182,7 @@ TEST_CASE("mounts by hand: what two taxels have in common and what is a taxel's 
   CHECK(found.own_degrees == 1);  // one further mount, two taxels less one
 }
 
-TEST_CASE("mounts: the common part is no more than the whole, and single taxels' figures are over all levels") {
+TEST_CASE("mounts: the common part is at most the whole, and values of single taxels are over all levels") {
   // At 10 psi the first taxel moves by +2, at 20 psi by +4; the other stands still: variances 2, 8 and 0.
   const std::vector<MountedRun> mounts{mount_with(1, {10, 20}, 1, 2, {10, 10, 20, 20}),
                                        mount_with(2, {10, 20}, 1, 2, {12, 10, 24, 20})};
@@ -194,8 +194,7 @@ TEST_CASE("mounts: the common part is no more than the whole, and single taxels'
   CHECK(found.common_share == Approx(std::sqrt(0.5) / 10));  // 7.07 % at both
 }
 
-TEST_CASE(
-    "mounts: levels within 0.05 psi are one, those from 0.5 psi down are none, shares from a tenth of the highest") {
+TEST_CASE("mounts: levels match within 0.05 psi and count above 0.5 psi, shares from a tenth of the highest") {
   const auto levels_found = [](std::vector<double> second, double lowest = 1.0) {
     const std::vector<MountedRun> mounts{mount_with(1, {lowest, 10}, 1, 1, {1, 10}),
                                          mount_with(2, std::move(second), 1, 1, {1, 11})};
@@ -213,7 +212,7 @@ TEST_CASE(
   CHECK(levels_found({0.99, 10}, 0.99).s_share == Approx(std::sqrt(0.005)));
 }
 
-TEST_CASE("contacts at their threshold: a tenth of the peak or half a psi, the taxel at it included") {
+TEST_CASE("contact: taxels count from a tenth of the peak or 0.5 psi on, the threshold included") {
   const ArrayGeometry geometry{2.0, 1.0 / kNewtonPerPsiMm2};  // 1 psi on a taxel is 1 N
   const ContactFigures ten = contact_figures(std::vector<double>{20, 2, 1.99, -1}, 1, 4, geometry);
   CHECK(ten.threshold_psi == 2.0);
@@ -235,7 +234,7 @@ TEST_CASE("contacts at their threshold: a tenth of the peak or half a psi, the t
   CHECK(contact_figures(std::vector<double>{infinite, 3.0, kNan}, 1, 3, geometry).force_n == Approx(3.0));
 }
 
-TEST_CASE("contacts: each rise begins unloaded, after another repeat or place and after a fall") {
+TEST_CASE("contact: each rise starts unloaded, after another repeat, another position or a fall") {
   // One taxel of 20 psi a volt going up, and of 30 V / (V + 1) psi or so coming down: 1 V is 20 psi on the way up
   // alone.
   SensorModel fit;
@@ -275,7 +274,7 @@ TEST_CASE("contacts: each rise begins unloaded, after another repeat or place an
   CHECK(last_reading(0, 0, false) < 18.0);  // still on its way down
 }
 
-TEST_CASE("rate study: repeats 1.2 times as quick are of another pace, rates of levels that are held are none") {
+TEST_CASE("rate study: repeats 1.2 times faster are another rate, and held levels have none") {
   const auto paced_at = [](double seconds, double volts) {
     Repeat repeat;
     for (int i = 0; i < 2; ++i) {
@@ -369,7 +368,7 @@ Crosstalk crosstalk_on(const std::vector<PrintShares>& shares) {
 
 }  // namespace
 
-TEST_CASE("crosstalk bounds: a taxel makes the print's centre from a tenth of the peak on") {
+TEST_CASE("crosstalk: taxels from a tenth of the peak on define the centre of the print") {
   // A neighbour of 3/32 counts for nothing; one of 1/8 pulls the centre by 1/9 of a pitch: the column two to the left
   // is then beyond the reach, and the one to the left no loaded one any more.
   PrintShares below, above;
@@ -384,7 +383,7 @@ TEST_CASE("crosstalk bounds: a taxel makes the print's centre from a tenth of th
   CHECK(pulled.elsewhere.samples == 4 * (17 * 17 - 5 * 4 - 3 * 13 - 2 * 12));
 }
 
-TEST_CASE("crosstalk bounds: the print's centre is weighted by the shares along both directions") {
+TEST_CASE("crosstalk: the centre of the print is weighted by the shares in both directions") {
   // 1 and 0.5 at one pitch down and to the right: the centre is a third of a pitch off. Rows and columns at -1/3 and
   // +2/3 are loaded; -4/3 to +5/3 are within reach.
   PrintShares two;
@@ -400,7 +399,7 @@ TEST_CASE("crosstalk bounds: the print's centre is weighted by the shares along 
   CHECK(c.along_column_share[1] == Approx(0.125));
 }
 
-TEST_CASE("crosstalk bounds: a frame whose peak is below 50 mV shows no print, and four positions are needed") {
+TEST_CASE("crosstalk: a peak below 50 mV is no print, and four positions are needed") {
   PrintShares full, weak, enough;
   weak.peak_v = 0.049;
   enough.peak_v = 0.051;
@@ -413,7 +412,7 @@ TEST_CASE("crosstalk bounds: a frame whose peak is below 50 mV shows no print, a
   CHECK(none.run == 7);
 }
 
-TEST_CASE("crosstalk by hand: the uncertainty of a zone's share is that of the mean over the positions") {
+TEST_CASE("crosstalk: the uncertainty of a zone's share is that of the mean over the positions") {
   std::vector<PrintShares> shares(4);
   for (std::size_t i = 0; i < 4; ++i) shares[i].row = 0.002 * static_cast<double>(i + 1);
   const Crosstalk c = crosstalk_on(shares);
@@ -425,7 +424,7 @@ TEST_CASE("crosstalk by hand: the uncertainty of a zone's share is that of the m
   CHECK(c.force_n == Approx(5.0));
 }
 
-TEST_CASE("crosstalk bounds: a ghost line shows half a percent more than elsewhere") {
+TEST_CASE("crosstalk: a ghost line must exceed the rest by 0.5 %") {
   PrintShares below, above;
   below.row = below.column = 0.0049;
   above.row = above.column = 0.0051;
@@ -442,7 +441,7 @@ TEST_CASE("crosstalk bounds: a ghost line shows half a percent more than elsewhe
   }
 }
 
-TEST_CASE("crosstalk bounds: a ghost line stands out of elsewhere by three standard deviations of it") {
+TEST_CASE("crosstalk: a ghost line must exceed the rest by three standard deviations") {
   // Elsewhere shows 8 thousandths at one of four positions: 2 in the mean, u = 4 / sqrt(4) = 2 (variance 16).
   const auto ghosts = [](double row) {
     std::vector<PrintShares> shares(4);
@@ -456,7 +455,7 @@ TEST_CASE("crosstalk bounds: a ghost line stands out of elsewhere by three stand
   CHECK(ghosts(0.0085).ghost_rows.size() == 3);
 }
 
-TEST_CASE("crosstalk bounds: a ghost line's own scatter over its positions counts") {
+TEST_CASE("crosstalk: the scatter of a ghost line over its positions counts") {
   // Row 2 lies under two prints, 12 thousandths in the mean; +-6 leave u = 6, +-2 leave u = 2.
   const auto ghosts = [](double half) {
     std::vector<PointFrame> frames;
@@ -473,7 +472,7 @@ TEST_CASE("crosstalk bounds: a ghost line's own scatter over its positions count
   CHECK(ghosts(0.002)[1].mean_share == Approx(0.012));
 }
 
-TEST_CASE("crosstalk: a zone that no taxel lies in tells nothing, and its lines are no ghosts") {
+TEST_CASE("crosstalk: a zone without taxels has no result, and its lines are no ghost lines") {
   // Five columns: all of a print's rows lie within its reach along them.
   std::vector<PointFrame> frames;
   for (int i = 0; i < 4; ++i) {
@@ -491,7 +490,7 @@ TEST_CASE("crosstalk: a zone that no taxel lies in tells nothing, and its lines 
   CHECK(c.elsewhere.samples == 4 * 2 * (17 - 5));
 }
 
-TEST_CASE("crosstalk of an array that is longer than high: distances as far as its longer side, none where none is") {
+TEST_CASE("crosstalk: a non-square array has distances up to its longer side, NaN where there is none") {
   std::vector<PointFrame> frames;
   for (int i = 0; i < 4; ++i) {
     PrintShares own;
@@ -512,7 +511,7 @@ TEST_CASE("crosstalk of an array that is longer than high: distances as far as i
   CHECK(c.column.samples == 4 * 3 * (9 - 5));
 }
 
-TEST_CASE("crosstalk: only rising frames of the highest force count, within a tenth of it") {
+TEST_CASE("crosstalk: only rising frames within a tenth of the highest force count") {
   std::vector<PointFrame> frames = on_the_diagonal(std::vector<PrintShares>(4));
   struct More {
     int position;

@@ -45,7 +45,7 @@ std::vector<TurnedRun> half_turn(const std::vector<double>& second_levels = {0, 
 
 }  // namespace
 
-TEST_CASE("turned places by hand: every taxel of two by two and of three by three, and of a rectangle") {
+TEST_CASE("rotated places: each taxel of square and rectangular arrays has the expected place") {
   CHECK(turned_places(2, 2, 0) == kAsItLay);
   CHECK(turned_places(2, 2, 90) == std::vector<int>{2, 0, 3, 1});
   CHECK(turned_places(2, 2, 180) == kHalfTurned);
@@ -58,7 +58,8 @@ TEST_CASE("turned places by hand: every taxel of two by two and of three by thre
   CHECK_THROWS_AS(turned_places(3, 2, 270), std::invalid_argument);
 }
 
-TEST_CASE("maps by hand: a half turn of two by two, two sets of two places, what is left over and its degrees") {
+TEST_CASE(
+    "uniformity maps: of two half-turned runs, with residual and degrees of freedom, match hand-computed values") {
   const TurnedMaps maps = separate_maps(kTwoRuns, Places{kAsItLay, kHalfTurned});
   check_map(maps.sensor, {2, 2.5, 4.5, 7});
   check_map(maps.chamber, {-1.5, 0, 0, 1.5});
@@ -67,8 +68,7 @@ TEST_CASE("maps by hand: a half turn of two by two, two sets of two places, what
   CHECK(maps.residual == Approx(1.0));  // eight times 0.25
 }
 
-TEST_CASE(
-    "maps by hand: without one reading its set is exact, without two its places are apart and the chamber's none") {
+TEST_CASE("uniformity maps: one missing reading makes its set exact, two leave the chamber unknown there") {
   Maps one = kTwoRuns;
   one[1][3] = kNan;  // 1 = s + c, 9 = s' + c', 3 = s + c' with c' = -c: c = -1, s = 2, s' = 8
   const TurnedMaps three = separate_maps(one, Places{kAsItLay, kHalfTurned});
@@ -90,7 +90,7 @@ TEST_CASE(
   CHECK(none.undetermined == 2);
 }
 
-TEST_CASE("maps by hand: two runs that lie alike tell the chamber nothing, and one run leaves nothing over") {
+TEST_CASE("uniformity maps: runs at the same angle give no chamber map, and a single run no residual") {
   const TurnedMaps alike = separate_maps(Maps{{1, 3}, {2, 5}}, Places{{0, 1}, {0, 1}});
   check_map(alike.sensor, {1.5, 4});
   check_map(alike.chamber, {kNan, kNan});
@@ -105,7 +105,7 @@ TEST_CASE("maps by hand: two runs that lie alike tell the chamber nothing, and o
   CHECK((empty.sensor.empty() && empty.undetermined == 0 && std::isnan(empty.residual)));
 }
 
-TEST_CASE("uniformity by hand: each level's spread and rest, slopes and constant parts over the levels") {
+TEST_CASE("uniformity: spread, residual, slopes and constant parts of the levels match hand-computed values") {
   const Uniformity u = uniformity_of(half_turn(), 2, 2);
   REQUIRE(u.assessed());
   CHECK(u.runs == std::vector<std::int64_t>{11, 12});
@@ -128,7 +128,7 @@ TEST_CASE("uniformity by hand: each level's spread and rest, slopes and constant
   CHECK(u.degrees == 2.0);
 }
 
-TEST_CASE("uniformity by hand: several sweeps count by their mean, and a run's own constant is in no map") {
+TEST_CASE("uniformity: several sweeps count by their mean, and a run's own constant enters no map") {
   std::vector<TurnedRun> runs = half_turn();
   for (TurnedRun& run : runs) {  // two sweeps, 0.25 psi to either side, the second run 3 psi higher
     const std::vector<double> one = run.estimates.psi;
@@ -145,7 +145,7 @@ TEST_CASE("uniformity by hand: several sweeps count by their mean, and a run's o
   CHECK(u.residual_psi[0] == Approx(0.1 * std::sqrt(2.0)));
 }
 
-TEST_CASE("uniformity: the angles taken the other way round are the angles less a whole turn") {
+TEST_CASE("uniformity: the residual for the opposite sense of rotation is that of the negated angles") {
   const auto quarter = [](int angle) {
     return std::vector<TurnedRun>{{1, 0, turned_estimates({10, 20, 60}, {0.1, 0.4, 0}, {1, 2, 4, 9})},
                                   {2, angle, turned_estimates({10, 20, 60}, {0.1, 0.4, 0}, {3, 8, 5, 5})},
@@ -158,7 +158,7 @@ TEST_CASE("uniformity: the angles taken the other way round are the angles less 
   CHECK(right.residual_other_sense_psi == Approx(left.residual_rms_psi));
 }
 
-TEST_CASE("uniformity: levels count within 0.05 psi of one another and above 0.5 psi, and two of them are needed") {
+TEST_CASE("uniformity: levels match within 0.05 psi and count above 0.5 psi, and two are needed") {
   CHECK(uniformity_of(half_turn({0, 10.04, 20, 60}), 2, 2).pressure_psi == std::vector<double>{10, 20});
   const Uniformity other = uniformity_of(half_turn({0, 10.06, 20, 60}), 2, 2);
   CHECK_FALSE(other.assessed());
@@ -172,7 +172,7 @@ TEST_CASE("uniformity: levels count within 0.05 psi of one another and above 0.5
   CHECK(uniformity_of(lowest(0.51), 2, 2).pressure_psi.size() == 3);
 }
 
-TEST_CASE("uniformity: a level is cut off when more than 5 % of one run's taxels come within 0.3 psi of the end") {
+TEST_CASE("uniformity: a level is dropped if over 5 % of a run's taxels are within 0.3 psi of the range's end") {
   // Twenty taxels: one of them is 5 %. 20 psi, and 50 psi where some read `psi`, in the second run alone.
   const auto near_the_end = [](int taxels, double psi) {
     std::vector<double> plain(20);
@@ -188,7 +188,7 @@ TEST_CASE("uniformity: a level is cut off when more than 5 % of one run's taxels
   CHECK(near_the_end(2, 59.69) == 3);
 }
 
-TEST_CASE("uniformity: without one reading the run's constant is still found, and no degree of freedom is left") {
+TEST_CASE("uniformity: with one reading missing the run's constant is found, with no degree of freedom left") {
   // sensor 1, 2, -2, -1, chamber 0.5, -0.25, 0.25, -0.5, the second run 3 psi higher and without its last taxel.
   std::vector<double> first{1.5, 1.75, -1.75, -1.5}, second{1 - 0.5 + 3, 2 + 0.25 + 3, -2 - 0.25 + 3, kNan};
   const std::vector<TurnedRun> runs{{1, 0, turned_estimates({10, 20, 60}, {1, 1, 1}, first)},

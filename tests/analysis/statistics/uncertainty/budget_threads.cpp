@@ -34,7 +34,7 @@ double u_of(const Budget& budget, UncertaintySource source) {
 
 }  // namespace
 
-TEST_CASE("noise row by hand: of a frame's mean, times 20 and 10 psi a volt, with the scans as degrees of freedom") {
+TEST_CASE("noise row: is that of a frame's mean times the sensitivity, with degrees of freedom from the scans") {
   StraightBudget made = exact_budget(3);
   made.calibration.noise_v = {0.001, 0.004, 0.0};
   const BudgetMaker maker = made.maker();
@@ -54,7 +54,7 @@ TEST_CASE("noise row by hand: of a frame's mean, times 20 and 10 psi a volt, wit
   CHECK_FALSE(one.maker().missing()[static_cast<std::size_t>(UncertaintySource::kNoise)].empty());
 }
 
-TEST_CASE("converter row by hand: half a count to each side, a rectangle") {
+TEST_CASE("converter row: is rectangular with half a count to each side") {
   const StraightBudget made = exact_budget();
   const BudgetMaker maker(made.calibration, made.fit, made.errors, made.reference, 0.004, made.inputs, 1);
   const Budget budget = maker.budget(0, kFortyUp);
@@ -65,8 +65,7 @@ TEST_CASE("converter row by hand: half a count to each side, a rectangle") {
   CHECK_FALSE(made.maker().missing()[static_cast<std::size_t>(UncertaintySource::kConverterStep)].empty());
 }
 
-TEST_CASE(
-    "zero return row by hand: a rectangle of the mean return and the mean's own scatter, less the frames' noise") {
+TEST_CASE("zero return row: combines the mean return with its scatter, less the noise of the frames") {
   StraightBudget made = exact_budget();
   made.calibration.noise_v = {0.001, 0.001, 0.0};
   made.errors.repeats_with_zero = 4;
@@ -87,7 +86,7 @@ TEST_CASE(
         Approx(0.001 * std::sqrt(7.0 / 3.0 + 2.0)));
 }
 
-TEST_CASE("creep row by hand: half of it known, up and down") {
+TEST_CASE("creep row: half of the creep is a known error, positive up and negative down") {
   StraightBudget made = exact_budget();
   HeldLevel held;
   held.pressure_psi = 40.0;
@@ -106,7 +105,7 @@ TEST_CASE("creep row by hand: half of it known, up and down") {
   CHECK(maker.budget(1, kFortyUp).error_psi == Approx(4.0));  // 0.2 of 4 V: 0.4 V of 10 psi a volt, half of it
 }
 
-TEST_CASE("temperature row by hand: the coefficient over half the range, in volts, a rectangle") {
+TEST_CASE("temperature row: is rectangular with the coefficient times half the range, in volts") {
   StraightBudget made = exact_budget();
   made.inputs.temperature.not_assessed.clear();
   made.inputs.temperature.per_kelvin = {0.001, 0.002};
@@ -124,7 +123,7 @@ TEST_CASE("temperature row by hand: the coefficient over half the range, in volt
   CHECK(row_of(made.maker().budget(0, kLowestUp), UncertaintySource::kTemperature)->width == Approx(0.002));
 }
 
-TEST_CASE("rows of studies by hand: psi and share together, in common or a taxel's own") {
+TEST_CASE("study rows: add psi and share, as a common part or as a taxel's own") {
   StraightBudget made = exact_budget();
   made.inputs.uniformity = GivenUncertainty{0.3, 0.01, 27.0, "turned"};
   made.inputs.mounting = GivenUncertainty{0.0, 0.02, 3.0, "mounts"};
@@ -148,7 +147,7 @@ TEST_CASE("rows of studies by hand: psi and share together, in common or a taxel
   CHECK((stated.taxel == 0 && stated.pressure_psi == 40.0 && stated.up && stated.readings == 2));
 }
 
-TEST_CASE("a budget is not linear at an end of the curve, or where the slope changes by a quarter, if voltage counts") {
+TEST_CASE("budget: is not linear at an end of the curve or a slope change by a quarter, if voltage matters") {
   StraightBudget made = exact_budget(2);
   made.calibration.noise_v = {0.001, 0.001, 0.0};
   CHECK(made.maker().budget(0, kFortyUp).linear);
@@ -179,7 +178,7 @@ TEST_CASE("a budget is not linear at an end of the curve, or where the slope cha
   CHECK_FALSE(bent(0.59));
 }
 
-TEST_CASE("what is missing of a bare run is named, source by source") {
+TEST_CASE("budget: each source that a bare run does not provide is reported as missing") {
   StraightBudget made = exact_budget();
   made.calibration.sequences[0].repeats.resize(1);
   made.errors = sweep_errors(made.calibration, made.fit, 1);
@@ -201,7 +200,7 @@ TEST_CASE("what is missing of a bare run is named, source by source") {
   CHECK(made.maker().missing()[static_cast<std::size_t>(UncertaintySource::kConditioning)].empty());
 }
 
-TEST_CASE("U of the array by hand: common parts whole, own parts over the number, the centre by own parts alone") {
+TEST_CASE("U of an array: common parts count whole, own parts over the number, the centre by own parts alone") {
   StraightBudget made = exact_budget();
   made.inputs.mounting = GivenUncertainty{0.3, 0.0, kInfiniteDof, "five mounts"};
   made.inputs.mounting_own = GivenUncertainty{0.4, 0.0, kInfiniteDof, "five mounts"};
@@ -232,7 +231,7 @@ TEST_CASE("U of the array by hand: common parts whole, own parts over the number
   CHECK_THROWS_AS(assess_uncertainty(made.calibration, none, {}, {}, 1), AnalysisError);
 }
 
-TEST_CASE("U of a column of taxels: its centre moves along it, the median is the lower of two, the worst the other") {
+TEST_CASE("U of a column array: the centre moves along it, the median is the lower and the worst the higher taxel") {
   StraightBudget made = exact_budget(2);
   made.calibration.rows = made.fit.rows = 3;
   made.calibration.columns = made.fit.columns = 1;
@@ -277,7 +276,7 @@ double common_of(const Budget& budget, UncertaintySource source) {
 
 }  // namespace
 
-TEST_CASE("common scatter by hand: the variance of the array's mean over the mean of the taxels' own, none or all") {
+TEST_CASE("common scatter: is the variance of the array's mean over the mean variance of the taxels") {
   struct Case {
     double first, second, common;
   };
@@ -300,7 +299,7 @@ TEST_CASE("common scatter by hand: the variance of the array's mean over the mea
   }
 }
 
-TEST_CASE("common scatter by hand: of the groups of sweeps, too, and U of the array's mean is from it") {
+TEST_CASE("common scatter: counts for groups of sweeps, too") {
   // Two sequences of two repeats each: groups of sweeps that differ by 0.4 and 0.2 psi.
   StraightBudget made({{"low", {offset_way(kUpAndDown, 0.1, 0.1), offset_way(kUpAndDown, -0.1, -0.1)}},
                        {"high", {offset_way(kUpAndDown, 0.5, 0.3), offset_way(kUpAndDown, 0.3, 0.1)}}});
@@ -319,7 +318,7 @@ TEST_CASE("common scatter by hand: of the groups of sweeps, too, and U of the ar
   CHECK(row_of(budget, UncertaintySource::kModel)->u_psi == Approx(std::sqrt(0.02 / 4 + 0.07 / 2)));
 }
 
-TEST_CASE("readings in groups of two and of four by hand: scatter within, between and of the mean, noise taken off") {
+TEST_CASE("grouped readings: scatter within, between and of the mean match hand-computed values, less noise") {
   StraightBudget made = two_sides(0.0, 0.0);
   // Group 0 reads 1 and 3, group 2 5, 5, 7 and 7; no reading is of group 1. The second taxel reads half of it.
   const std::vector<double> first{1, 5, 3, 7, 5, 7};
@@ -365,7 +364,7 @@ TEST_CASE("readings in groups of two and of four by hand: scatter within, betwee
         Approx(std::sqrt(of_mean_of(within, between))));
 }
 
-TEST_CASE("a budget is linear as long as twice u of the voltage meets the curve's end and does not pass it") {
+TEST_CASE("budget: is linear up to where twice u of the voltage reaches the end of the curve") {
   StraightBudget made = two_sides(0.0, 0.0);
   made.calibration.scans = 2;
   const auto linear = [&](double noise_v, std::size_t level) {
@@ -379,7 +378,7 @@ TEST_CASE("a budget is linear as long as twice u of the voltage meets the curve'
   CHECK_FALSE(linear(0.50001, kAtFortyUp));
 }
 
-TEST_CASE("a run without a full sweep has no level with U, and the first is the one whose budget would be printed") {
+TEST_CASE("uncertainty: a run without a full sweep has no level with U") {
   const StraightBudget made({{"inner", {offset_way({0, 20, 40, 20, 0}, 0.1, 0.1)}}});
   const Uncertainty found = assess_uncertainty(made.calibration, made.fit, {}, {}, 1);
   CHECK(found.levels.empty());

@@ -35,7 +35,7 @@ StraightBudget calibrated() {
 
 }  // namespace
 
-TEST_CASE("counted U: histories that err alike are held by k of 1, and U is what they err by") {
+TEST_CASE("counted U: histories with equal errors have k = 1, and U equals their error") {
   StraightBudget made = calibrated();
   const Dataset one = run_that_errs(5, kReversing, 0.5), two = run_that_errs(6, kReversing, 0.5);
   made.inputs.history.same = {&one, &two};
@@ -54,7 +54,7 @@ TEST_CASE("counted U: histories that err alike are held by k of 1, and U is what
   CHECK_FALSE(of(all, UseCondition::kHeld).valid());
 }
 
-TEST_CASE("counted U: each history against the others, by hand, and one alone says nothing") {
+TEST_CASE("counted U: each history is compared with the others, and a single one gives no U") {
   StraightBudget made = calibrated();
   const Dataset one = run_that_errs(5, kReversing, 0.50), two = run_that_errs(6, kReversing, 0.55);
   made.inputs.history.same = {&one};
@@ -71,7 +71,7 @@ TEST_CASE("counted U: each history against the others, by hand, and one alone sa
         Approx(found.factor * std::sqrt((0.50 * 0.50 + 0.55 * 0.55) / 2.0)).epsilon(0.001));
 }
 
-TEST_CASE("counted U: histories that differ too much leave it open, and more of them help") {
+TEST_CASE("counted U: histories that differ too much give no U, more of them do") {
   StraightBudget made = calibrated();
   std::vector<Dataset> runs;
   for (int i = 0; i < 16; ++i) runs.push_back(run_that_errs(5 + i, kReversing, i % 2 == 0 ? 0.5 : 1.1));
@@ -83,7 +83,7 @@ TEST_CASE("counted U: histories that differ too much leave it open, and more of 
   CHECK(of(counted_of(made), UseCondition::kReversals).valid());
 }
 
-TEST_CASE("counted U: a run in another state is one history, whatever it went through, and tells of that state alone") {
+TEST_CASE("counted U: a run in another state is one history, and counts for that state only") {
   StraightBudget made = calibrated();
   Dataset one = run_that_errs(5, kReversing, 0.5);
   one.sequences.push_back(one.sequences.front());
@@ -140,8 +140,7 @@ SweepErrors thirty_readings(const SweepErrors& like, double mean, double s) {
 
 }  // namespace
 
-TEST_CASE(
-    "the audit's worst taxel: its known error is taken off, 1.8 psi to each side are left, from -0.2 to 3.4 psi") {
+TEST_CASE("budget: a known error of 1.6 psi is corrected, and U of 1.83 psi remains") {
   StraightBudget made({calibrated(0.0)});
   made.errors = thirty_readings(made.errors, 1.6, 0.8614);
   const Budget budget = made.maker().budget(0, kUpAt40);
@@ -153,7 +152,7 @@ TEST_CASE(
   CHECK(budget.upper_psi() == Approx(3.4).margin(0.05));
 }
 
-TEST_CASE("the audit's creeping taxel: half of its creep is taken off, half of it is a rectangle beside the rest") {
+TEST_CASE("budget: half of a taxel's creep is corrected, the other half is a rectangular part") {
   // 30 psi loading in the audit, 40 psi here: creep of up to 2.64 psi, a known error of 0.23, the rest 0.45 psi.
   StraightBudget made({calibrated(0.0)});
   made.errors = thirty_readings(made.errors, 0.23, 0.45 / std::sqrt(31.0 / 30.0));
@@ -168,7 +167,7 @@ TEST_CASE("the audit's creeping taxel: half of its creep is taken off, half of i
   CHECK(budget.combined_psi == Approx(std::hypot(1.32 / std::sqrt(3.0), 0.45)));
 }
 
-TEST_CASE("history row: mean square of held-out reversals less what the own rows have, by hand, its ways as degrees") {
+TEST_CASE("history row: is the mean square of held-out reversals less the own rows, with their number as degrees") {
   StraightBudget made({calibrated(0.1)});
   // After full pressure down to 20, up to 50 and down again; twice at 40 psi on the way up.
   const auto run_with = [](std::int64_t number, double first, double second) {
@@ -196,7 +195,7 @@ TEST_CASE("history row: mean square of held-out reversals less what the own rows
   }
 }
 
-TEST_CASE("dwell row: the change between dwell times, an even distribution from none to the whole, by hand") {
+TEST_CASE("dwell row: is rectangular from zero to the change between dwell times") {
   StraightBudget made({calibrated(0.1)});
   // The repeat at 1 s, as in the calibration, is the base; at 4 s the first taxel reads 0.6 psi more at 40 psi upward.
   const Dataset paced =

@@ -31,7 +31,7 @@ std::string kinds_of(const std::vector<double>& setpoints, bool pressed = false)
 
 }  // namespace
 
-TEST_CASE("kinds of histories by trajectory: frame by frame") {
+TEST_CASE("history kinds: each frame of a trajectory has the expected kind") {
   struct Row {
     const char* what;
     std::vector<double> setpoints;
@@ -60,8 +60,7 @@ TEST_CASE("kinds of histories by trajectory: frame by frame") {
   }
 }
 
-TEST_CASE(
-    "histories of a run: each sweep is one, repeats of other ways are one, the calibration's inner ways are none") {
+TEST_CASE("history kinds: each sweep is one history, repeats of another path are one, fitted inner paths none") {
   const std::vector<double> loop{0, 20, 40, 60, 40, 20, 0}, reversals{0, 60, 0, 50, 10, 40, 20, 55, 0};
   const Dataset calibration = dataset_of({along(loop)});
   const auto histories = [&](const Dataset& run, const Dataset& fitted) {
@@ -87,7 +86,7 @@ TEST_CASE(
   CHECK(histories(conditioned, calibration).size() == 1);
 }
 
-TEST_CASE("arrival times are those of the first frame at a level above the lowest") {
+TEST_CASE("arrival times: are those of the first frame at each level above the lowest") {
   Dataset run = dataset_of({along({0, 20, 20, 20, 40, 60})});
   std::vector<Sample>& steps = run.sequences[0].repeats[0].steps;
   steps[1].held_s = 1.0;

@@ -30,7 +30,7 @@ constexpr const char* kStated =
 
 }  // namespace
 
-TEST_CASE("dates are those of the calendar, written year, month, day, and days are counted between them") {
+TEST_CASE("dates: only calendar dates as year, month, day are accepted, and days between them are counted") {
   for (const char* date : {"2026-01-31", "2024-02-29", "2000-12-01"}) CHECK(is_date(date));
   for (const char* none :
        {"",           "soon",       "31.01.2025", "2025-02-29", "2025-02-30", "2026-13-01", "2026-00-10",
@@ -50,7 +50,7 @@ TEST_CASE("dates are those of the calendar, written year, month, day, and days a
   CHECK(days("2019-08-27", "2029-08-27") == 3653);
 }
 
-TEST_CASE("the run's stored values take precedence, and a laboratory file fills the gaps") {
+TEST_CASE("instrument calibration: the run's stored values come first, a laboratory file fills the gaps") {
   const std::vector<InstrumentNote> notes = {
       {"OTHER", "C-9", "somebody", "2020-01-01", "2021-01-01", "of another instrument"},
       {"P-22", "C-1", "PTB", "2025-01-31", "", "in its case"}};
@@ -70,7 +70,7 @@ TEST_CASE("the run's stored values take precedence, and a laboratory file fills 
   CHECK_FALSE(calibration_of(reference_with("{}")).traceable());
 }
 
-TEST_CASE("contradictions are named, and the run's certificate and the earlier due date count") {
+TEST_CASE("instrument calibration: contradictions are reported, the run's certificate and the earlier due date count") {
   const auto resolved = [](const std::string& certificate, const std::string& calibrated, const std::string& due) {
     return calibration_of(reference_with(kStated),
                           std::vector<InstrumentNote>{{"P-22", certificate, "PTB", calibrated, due, ""}});
@@ -87,7 +87,7 @@ TEST_CASE("contradictions are named, and the run's certificate and the earlier d
   CHECK(resolved("C-1", "2025-01-31", "2026-01-31").remarks.empty());
 }
 
-TEST_CASE("invalid dates and FILL-IN values count as not stated, and are reported") {
+TEST_CASE("instrument calibration: invalid dates and FILL-IN count as not stated, and are reported") {
   const InstrumentCalibration odd =
       calibration_of(reference_with(R"({"certificate":"FILL-IN","calibrated":"last spring","due":"31.01.2025"})"),
                      std::vector<InstrumentNote>{{"P-22", "FILL-IN", "", "", "", ""}});
@@ -105,7 +105,7 @@ TEST_CASE("invalid dates and FILL-IN values count as not stated, and are reporte
   CHECK(without_placeholders(kStated) == kStated);
 }
 
-TEST_CASE("the last day of validity is in date, the next one is overdue") {
+TEST_CASE("instrument calibration: the last day of validity is in date, the next one is overdue") {
   const InstrumentCalibration calibration = dated("", "2026-01-31");
   CHECK(due_state(calibration, "2026-01-31T23:59:59Z") == DueState::kInDate);
   CHECK(due_state(calibration, "2026-02-01") == DueState::kOverdue);
@@ -113,7 +113,7 @@ TEST_CASE("the last day of validity is in date, the next one is overdue") {
   CHECK(due_state(dated("2025-01-31", ""), "2030-01-01") == DueState::kNotStated);
 }
 
-TEST_CASE("a stated limit of drift grows with the time since the calibration, and is never less than stated") {
+TEST_CASE("drift limit: grows with the time since the calibration, and is never less than stated") {
   // 2024-01-01 to 2025-12-31: 730 days. Twice that, and a day after the due date.
   CHECK(drift_growth(dated("2024-01-01", "2025-12-31"), "2025-12-31") == 1.0);
   CHECK(drift_growth(dated("2024-01-01", "2025-12-31"), "2024-06-01") == 1.0);
@@ -128,7 +128,7 @@ TEST_CASE("a stated limit of drift grows with the time since the calibration, an
   CHECK(drift_growth(dated("2024-01-01", "2025-12-31"), "") == 1.0);
 }
 
-TEST_CASE("the reference's drift follows the same dates") {
+TEST_CASE("drift limit: of the reference grows when overdue, also by the due date of a laboratory file") {
   using namespace uncertainty_example;
   const auto reference = [](const std::string& due, const std::string& more = {}) {
     return reference_uncertainty(record_with_reference(kWithCertificate + more, due));  // run of 2026-05-06
@@ -149,7 +149,7 @@ TEST_CASE("the reference's drift follows the same dates") {
   CHECK(noted.drift_psi > 0.3);
 }
 
-TEST_CASE("the scanner is the one that answered, else the one registered then, else now") {
+TEST_CASE("scanner serial: is that of the scanner that answered, else the run's, else the sensor's present one") {
   db::RunRecord run;
   const db::SensorRecord sensor{"S-1", "", "", "", "NOW", "", ""};
   CHECK(scanner_serial_of(run).empty());
@@ -188,7 +188,7 @@ constexpr const char* kForceSensorText =
 
 }  // namespace
 
-TEST_CASE("force sensor by hand: certificate over 2, drift and input over sqrt 3, and their root sum of squares") {
+TEST_CASE("force sensor: certificate, drift and input are divided as normal or rectangular and combined") {
   const InstrumentUncertainty budget =
       instrument_uncertainty(run_with("force sensor", kForceSensorText), "force sensor");
   CHECK(budget.unit == "N");
@@ -209,7 +209,7 @@ TEST_CASE("force sensor by hand: certificate over 2, drift and input over sqrt 3
   CHECK(budget.expanded() == Approx(2.0 * std::sqrt(0.0285)));
 }
 
-TEST_CASE("force sensor by hand: beyond the due date its drift grows, a laboratory's earlier date counts") {
+TEST_CASE("force sensor: drift grows beyond the due date, and a laboratory's earlier date counts") {
   // 365 days from calibration to due date; 730 days after the calibration it is twice the limit.
   const db::RunRecord late = run_with("force sensor", kForceSensorText, "2028-01-31T00:00:00Z");
   CHECK(row_named(instrument_uncertainty(late, "force"), "drift").width == Approx(0.24));
@@ -218,7 +218,7 @@ TEST_CASE("force sensor by hand: beyond the due date its drift grows, a laborato
         Approx(0.12 * 95.0 / 30.0));
 }
 
-TEST_CASE("instruments: what is not stated is named with its table and key, and is in no sum") {
+TEST_CASE("instruments: values that are not stated are reported as missing, and enter no sum") {
   const InstrumentUncertainty bare = instrument_uncertainty(run_with("force sensor", "{}"), "force sensor");
   REQUIRE(bare.rows.size() == 3);
   for (const InstrumentRow& row : bare.rows) CHECK_FALSE(row.part.missing.empty());
@@ -244,7 +244,7 @@ TEST_CASE("instruments: what is not stated is named with its table and key, and 
     CHECK(of_force(odd).u() == 0.0);
 }
 
-TEST_CASE("thermometer by hand: kelvins, its own table, and only the device that was asked for") {
+TEST_CASE("thermometer: its budget is in kelvin, and only the requested device is used") {
   const db::RunRecord run = run_with("temperature_c ambient",
                                      R"({"expanded_uncertainty_c":0.2,"drift_c":0.06,"certificate_covers":"chain"})");
   const InstrumentUncertainty budget = instrument_uncertainty(run, "temperature_c");
@@ -258,7 +258,7 @@ TEST_CASE("thermometer by hand: kelvins, its own table, and only the device that
   CHECK(instrument_uncertainty({}, "temperature_c").unit.empty());
 }
 
-TEST_CASE("what a certificate covers, by its word, and what that makes of a part of the chain") {
+TEST_CASE("certificate coverage: is read from its text, and decides whether a missing part is allowed") {
   const auto covers = [](const std::string& json) { return covers_of({"force", "", "", "", "", json}); };
   CHECK(covers(R"({"certificate_covers":"chain"})") == CertificateCovers::kChain);
   CHECK(covers(R"({"certificate_covers":"transducer"})") == CertificateCovers::kTransducer);

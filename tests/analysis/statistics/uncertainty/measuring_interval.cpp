@@ -21,7 +21,7 @@ constexpr std::size_t kBoth[] = {0, 1}, kFirst[] = {0};
 
 }  // namespace
 
-TEST_CASE("measuring interval: the longest run of levels, from either end, a single one, none") {
+TEST_CASE("measuring interval: is the longest run of levels, from either end, a single one, or none") {
   const ConditionUncertainty known = stated();
   const auto of = [&](double mpe, bool up = true) { return measuring_interval(known, up, mpe, kBoth); };
   // Level 20 has U of 3 psi of one taxel, level 10 of 2.
@@ -34,7 +34,7 @@ TEST_CASE("measuring interval: the longest run of levels, from either end, a sin
   CHECK_FALSE(measuring_interval({}, true, 9.0, kBoth).any);
 }
 
-TEST_CASE("measuring interval: the known error adds to U, a share of the taxels suffices, who has no U is outside") {
+TEST_CASE("measuring interval: known error adds to U, a share of taxels suffices, taxels without U are outside") {
   ConditionUncertainty known = stated();
   known.error_psi[2 * 4] = -0.5;  // at 40 psi of the first taxel
   const MeasuringInterval both = measuring_interval(known, true, 1.4, kBoth);

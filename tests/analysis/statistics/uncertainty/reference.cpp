@@ -35,7 +35,7 @@ std::string correction(const std::string& readings, const std::string& expanded,
 
 }  // namespace
 
-TEST_CASE("reference: the certificate's points, its factor, and what lies between and beyond them") {
+TEST_CASE("reference: U of the certificate is linear between its points, constant beyond, with its factor") {
   const ReferenceUncertainty found = reference_of(correction("[10,20,40]", "[0.3,0.6,0.3]", R"(,"coverage_factor":3)"));
   CHECK(found.coverage_factor == 3.0);
   CHECK(found.certificate_u(-5) == Approx(0.1));
@@ -54,7 +54,7 @@ TEST_CASE("reference: the certificate's points, its factor, and what lies betwee
   CHECK(ReferenceUncertainty().largest_certificate_u() == 0.0);
 }
 
-TEST_CASE("reference: a certificate holds between its ends, and a run beyond them is not traceable there") {
+TEST_CASE("reference: a certificate is valid between its ends, and a run beyond them is not traceable there") {
   const std::string stated = R"("expanded_uncertainty_psi":0.1)", range = R"("certificate_range_psi":[0,50])";
   const auto corrected = [](const std::string& readings, const std::string& corrections) {
     return correction(readings, "[0.1,0.1]", R"(,"correction_psi":)" + corrections);
@@ -93,7 +93,7 @@ TEST_CASE("reference: a certificate holds between its ends, and a run beyond the
   }
 }
 
-TEST_CASE("reference: a correction whose points do not rise, do not match or are not positive is none") {
+TEST_CASE("reference: a correction with unsorted, unequal or non-positive points is ignored") {
   CHECK(reference_of(correction("[10]", "[0.3]")).certificate_missing.empty());
   for (const std::string& odd :
        {correction("[10,10]", "[0.3,0.3]"), correction("[20,10]", "[0.3,0.3]"), correction("[10,20]", "[0.3]"),
@@ -107,7 +107,7 @@ TEST_CASE("reference: a correction whose points do not rise, do not match or are
   CHECK(reference_of(correction("[10]", "[0.3]", R"(,"coverage_factor":-1)")).coverage_factor == 2.0);
 }
 
-TEST_CASE("reference: what is no number is as if it were not there, member by member") {
+TEST_CASE("reference: a member that is not a number counts as missing") {
   const ReferenceUncertainty found = reference_of(
       R"("drift_psi":"0.05","resolution_psi":"0.25","hysteresis_psi":"0.1","zero_psi":[0.1],"temperature_psi":null)");
   CHECK((found.drift_stated_psi == 0.0 && found.resolution_psi == Approx(20.0 * 10.0 / 40000.0)));
@@ -123,7 +123,7 @@ TEST_CASE("reference: what is no number is as if it were not there, member by me
   }
 }
 
-TEST_CASE("reference: one step of the converter that reads it is its volts times the span's psi a volt") {
+TEST_CASE("reference: one step of its converter is the step's volts times the span's psi per volt") {
   const auto step = [](const std::string& module, const std::string& members = "") {
     return reference_uncertainty(read_by(members, module)).resolution_psi;
   };
@@ -148,7 +148,7 @@ TEST_CASE("reference: one step of the converter that reads it is its volts times
   CHECK_THAT(reference_uncertainty(two).resolution_missing, Catch::Contains("resolution_psi"));
 }
 
-TEST_CASE("reference: limits of the chain, the input's in volts, each with the word for what is missing") {
+TEST_CASE("reference: limits of the chain convert to psi, and those that are missing are reported") {
   const ReferenceUncertainty all =
       reference_of(R"("expanded_uncertainty_psi":0.1,"input_limit_v":0.005,"hysteresis_psi":0.2,)"
                    R"("zero_psi":0.3,"temperature_psi":0.4)");
@@ -177,7 +177,7 @@ TEST_CASE("reference: limits of the chain, the input's in volts, each with the w
   CHECK(bare.limit(ReferencePart::kTemperature).part.missing == bare.certificate_missing);
 }
 
-TEST_CASE("reference: which device it is, and the scanner's volts a count") {
+TEST_CASE("reference: the device is found by its role, and the scanner's volts per count by the scanner's") {
   db::RunRecord run = read_by(R"("expanded_uncertainty_psi":0.1)");
   run.devices[1].role = "force reference";
   CHECK_FALSE(reference_uncertainty(run).certificate_missing.empty());
@@ -202,7 +202,7 @@ TEST_CASE("reference: which device it is, and the scanner's volts a count") {
 
 using namespace straight_array;
 
-TEST_CASE("U between levels by hand: linear between levels of its branch, constant beyond them, none where none is") {
+TEST_CASE("U of a reading: is linear between levels of its branch, constant beyond, and NaN without a level") {
   ConditionUncertainty condition;
   condition.pressure_psi = {20, 40, 60, 30, 50};
   condition.up = {true, true, true, false, false};
@@ -229,7 +229,7 @@ TEST_CASE("U between levels by hand: linear between levels of its branch, consta
   CHECK(std::isnan(reading_uncertainty({}, 0, 30, true).expanded_psi));
 }
 
-TEST_CASE("each condition of use and source has a name of its own") {
+TEST_CASE("conditions of use: each one and each source of uncertainty has its own name") {
   std::set<std::string> conditions, sources;
   for (std::size_t condition = 0; condition < kUseConditions; ++condition)
     conditions.insert(name_of(static_cast<UseCondition>(condition)));
@@ -269,7 +269,7 @@ TemperatureEffect of_runs(const Dataset& calibration, const std::vector<Dataset>
 
 }  // namespace
 
-TEST_CASE("temperature bounds: five levels in common within a millionth, and two kelvin between the means") {
+TEST_CASE("temperature effect: needs five common levels within 1e-6, and means two kelvin apart") {
   const auto assessed = [](double celsius, const std::vector<double>& rising) {
     return of_runs(loop_at(20, 0, 0, kFive, 0.01), {loop_at(celsius, 0.02, 0, rising, 0.01)}).assessed();
   };

@@ -58,7 +58,7 @@ double of_verdict(const ReferenceUncertainty& reference) {
 
 }  // namespace
 
-TEST_CASE("the reference's error by hand: of a reading at 40 psi, of a verdict with the certificate's largest U") {
+TEST_CASE("reference error: budget and verdict use the same sum of its parts, a verdict with the largest U") {
   ReferenceUncertainty reference = whole_chain();
   const auto check_sums = [&](double rectangles) {
     CHECK(reference.combined_u(40.0) == Approx(by_hand_psi(0.12, rectangles)));
@@ -88,7 +88,7 @@ TemperatureEffect temperature_effect_in(const Example& example, const std::vecto
 
 }  // namespace
 
-TEST_CASE("changes, coefficients and their uncertainties by hand: five levels, two taxels, two repeats, 5 K") {
+TEST_CASE("temperature effect: changes, coefficients and their uncertainties match hand-computed values") {
   // 0.5 V at 0 psi, 0.1 V a psi. At 28 degC the taxels' zeros are 0.4 and 0.2 V higher, their gains 3 and 1 % (2 and 0
   // % and 4 and 2 % in the two repeats; the zeros 20 mV less and more).
   const auto loops = [](double celsius, double warm,
@@ -160,7 +160,7 @@ TEST_CASE("changes, coefficients and their uncertainties by hand: five levels, t
                   .not_assessed.empty());
 }
 
-TEST_CASE("temperature: three runs off a line leave the coefficient's uncertainty, with one degree of freedom") {
+TEST_CASE("temperature effect: three runs off a line give the coefficient's uncertainty, with one degree of freedom") {
   const Example example(0.0);
   // Off by e, -2 e, e: residual standard deviation sqrt(6) e, over the root of the temperatures' squares about their
   // mean.
@@ -173,7 +173,7 @@ TEST_CASE("temperature: three runs off a line leave the coefficient's uncertaint
   CHECK(bent.u.share == Approx(std::sqrt(6.0) * kOff / std::sqrt(50.0)).epsilon(0.02));
 }
 
-TEST_CASE("temperature is not assessed from other sensors, one temperature, no readings, holds, or single repeats") {
+TEST_CASE("temperature effect: needs the same sensor, two temperatures, readings, full loops and two repeats") {
   const Example example;
   const Dataset warm = at_temperature(example, 28.0, -0.01, 0.0);
   Dataset other = warm, silent = warm, held = hold_run(example, {});

@@ -100,7 +100,7 @@ Agreement agreement(const Uncertainty& uncertainty, const std::vector<double>& h
 
 }  // namespace
 
-TEST_CASE("U holds against Monte Carlo where the inverse is linear, and is marked where it is not") {
+TEST_CASE("U of a reading: agrees with Monte Carlo if the inverse is linear, and is marked if it is not") {
   // The falling curve of this taxel is nearly flat at the top, as the paper's is.
   Example example(0.006, 1);
   const Uncertainty uncertainty =
@@ -111,7 +111,7 @@ TEST_CASE("U holds against Monte Carlo where the inverse is linear, and is marke
   CHECK(off >= 2);
 }
 
-TEST_CASE("U holds against Monte Carlo with creep and temperature in it") {
+TEST_CASE("U of a reading: agrees with Monte Carlo with creep and temperature included") {
   const Example example(0.006, 1);
   HoldOptions hold;
   hold.per_decade = 0.006;

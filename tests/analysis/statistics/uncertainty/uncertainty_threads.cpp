@@ -21,7 +21,7 @@ std::string missing(const Uncertainty& uncertainty, UncertaintySource source) {
 
 }  // namespace
 
-TEST_CASE("Student's factors are those of JCGM 100, Table G.2") {
+TEST_CASE("coverage factors: match JCGM 100, Table G.2") {
   const struct {
     double dof, k95, k95_45, k99;
   } table[] = {{1, 12.71, 13.97, 63.66}, {2, 4.30, 4.53, 9.92},  {3, 3.18, 3.31, 5.84},  {4, 2.78, 2.87, 4.60},
@@ -42,7 +42,7 @@ TEST_CASE("Student's factors are those of JCGM 100, Table G.2") {
   CHECK_THROWS_AS(coverage_factor(5, 1.0), std::invalid_argument);
 }
 
-TEST_CASE("the end gauge of JCGM 100, H.1: u_c, effective degrees of freedom, U99") {
+TEST_CASE("coverage factors: u_c, effective degrees of freedom and U99 match the end gauge of JCGM 100, H.1") {
   // Table H.1 in nm: standard's certificate, measured difference, difference of expansion, of temperature.
   const std::vector<VarianceShare> shares = {{25, 18}, {9.7, 25.6}, {2.9, 50}, {16.6, 2}};
   const double combined = combined_uncertainty(shares);
@@ -53,7 +53,7 @@ TEST_CASE("the end gauge of JCGM 100, H.1: u_c, effective degrees of freedom, U9
   CHECK(coverage_factor(dof, 0.99) * combined == Approx(93).margin(0.5));
 }
 
-TEST_CASE("a budget of an identified array: its levels, readings, degrees of freedom and sums by hand") {
+TEST_CASE("budget: levels, readings, degrees of freedom and sums of a fitted array match hand-computed values") {
   const Example example;
   const Uncertainty uncertainty =
       assess_uncertainty(example.dataset, example.fit, record_with_reference(kWithCertificate));
@@ -103,8 +103,7 @@ TEST_CASE("a budget of an identified array: its levels, readings, degrees of fre
   CHECK(budget.expanded_psi == Approx(budget.factor * std::sqrt(variance)));
 }
 
-TEST_CASE(
-    "contributions that cannot be assessed have no row and a reason, one sweep of single scans has U all the same") {
+TEST_CASE("budget: sources that cannot be assessed have a reason and no row, and a single sweep still has U") {
   Example example;
   const Uncertainty without = assess_uncertainty(example.dataset, example.fit, record_with_reference(""));
   CHECK_FALSE(missing(without, UncertaintySource::kCertificate).empty());
@@ -121,7 +120,7 @@ TEST_CASE(
   CHECK(one.levels[3].median.expanded_psi > 0.0);
 }
 
-TEST_CASE("beyond the certificate no level has a U, and within it each has the same as before") {
+TEST_CASE("uncertainty: levels beyond the certificate have no U, and those within keep theirs") {
   const Example example;
   db::RunRecord run = record_with_reference(kWithCertificate);
   const Uncertainty whole = assess_uncertainty(example.dataset, example.fit, run);
@@ -140,7 +139,7 @@ TEST_CASE("beyond the certificate no level has a U, and within it each has the s
   CHECK(none.levels.empty());
 }
 
-TEST_CASE("taxels without a model have no uncertainty, and threads change nothing") {
+TEST_CASE("uncertainty: taxels without a model have no U, and threads change nothing") {
   Example example;
   example.fit.taxels[1].status = TaxelStatus::kDead;
   const db::RunRecord run = record_with_reference(kWithCertificate);
@@ -158,7 +157,7 @@ TEST_CASE("taxels without a model have no uncertainty, and threads change nothin
   CHECK_THROWS_AS(assess_uncertainty(other, example.fit, run), AnalysisError);
 }
 
-TEST_CASE("U of readings and judged figures never falls when a due date passes") {
+TEST_CASE("uncertainty: U of readings and judged values never falls when a due date passes") {
   const Example example;
   const Evaluation evaluation = evaluate(example.dataset, example.fit);
   // Runs of 2026-05-06. The due date moves back: in date, on its last day, a day past it, and further and further.
@@ -190,7 +189,7 @@ TEST_CASE("U of readings and judged figures never falls when a due date passes")
   CHECK(drift_before > 10.0 * 0.05 / std::sqrt(3.0));  // 26 years past a limit for one
 }
 
-TEST_CASE("a kind that was not measured states why, and U is not valid for it") {
+TEST_CASE("conditions of use: one that was not measured has no valid U") {
   const Example example;
   const Uncertainty alone = assess_uncertainty(example.dataset, example.fit, record_with_reference(kWithCertificate));
   REQUIRE(alone.conditions.size() == kUseConditions);

@@ -34,7 +34,7 @@ void check_each_refused(AddVerb add, const WordsOfVerb& begin, const std::vector
 
 }  // namespace
 
-TEST_CASE("calibrate: runs of another sensor, runs that did not complete, and recipes that make no models") {
+TEST_CASE("calibrate: rejects runs of another sensor, incomplete runs, and recipes that yield no model") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
   {
@@ -67,7 +67,8 @@ TEST_CASE("calibrate: runs of another sensor, runs that did not complete, and re
                      {{{}, "TB-USAGE", "--operator"}});
 }
 
-TEST_CASE("calibrate: a new sensor of a real bench needs the file of its type, and every named file is read first") {
+TEST_CASE(
+    "calibrate: rejects an unregistered sensor on a hardware bench, and invalid files or keys, before measuring") {
   const TemporaryFolder folder;
   const std::string type = folder.path("type.toml"), lab = folder.path("none.toml");
   check_each_refused(
@@ -96,7 +97,7 @@ TEST_CASE("calibrate: a new sensor of a real bench needs the file of its type, a
   for (const char* option : {"--run", "--held-out"}) CHECK_THAT(said({option, "0"}), Catch::StartsWith("parse: "));
 }
 
-TEST_CASE("page: a missing night, and an address that others could listen on") {
+TEST_CASE("page: rejects a missing nightly page, an empty operator, and a non-loopback address without TLS") {
   const TemporaryFolder folder;
   const std::string night = folder.path("none.html");
   check_each_refused(bench::add_page, {"page"},

@@ -38,7 +38,7 @@ Finished calibrated(const TemporaryFolder& folder, const std::vector<std::string
 
 }  // namespace
 
-TEST_CASE("calibrate: both runs are told the operator's words, the second another seed") {
+TEST_CASE("calibrate: both runs get the options of the command line, the second run gets a different seed") {
   const CalibrationFolder of;
   well(of.calibrate({"--no-seating", "--lot", "A7", "--order", "55", "--meta", "film=B12", "--seed", "40",
                      "--sensor-seed", "8", "--set", "recipe.step=20", "--set", "simulation.temperature_c=24",
@@ -66,7 +66,7 @@ TEST_CASE("calibrate: both runs are told the operator's words, the second anothe
   CHECK(read_file(of.folder.path("events")) == "done\ndone\n");
 }
 
-TEST_CASE("calibrate: the document alone, of a sensor that is known, with limits that only list figures") {
+TEST_CASE("calibrate: --json prints only the document, for a registered sensor and limits without requirements") {
   const CalibrationFolder of;
   REQUIRE(call(of.folder, {"sensors", "add", "MY-1"}).code == 0);
   const nlohmann::json document = nlohmann::json::parse(well(of.calibrate({"--json"}, "./only.toml")).out);
@@ -80,7 +80,7 @@ TEST_CASE("calibrate: the document alone, of a sensor that is known, with limits
   CHECK(of.calibrate({"--run", "1", "--held-out", "2", "--units", "kPa"}, "./only.toml").code == 0);
 }
 
-TEST_CASE("calibrate: a run that failed ends it with its code, vented, the first and the second") {
+TEST_CASE("calibrate: a failed first or second run ends it with the exit code of that run, vented") {
   const CalibrationFolder of;
   const std::string fault = R"(simulation.faults=[{kind="scanner_unplugged",at_s=20}])";
   const Finished first = of.calibrate({"--no-seating", "--set", fault});
@@ -94,7 +94,7 @@ TEST_CASE("calibrate: a run that failed ends it with its code, vented, the first
   CHECK(of.calibrate({"--set", turn, "--run", "2"}).code == 1);
 }
 
-TEST_CASE("calibrate: a report that cannot be written ends it, with runs of its own and with those named") {
+TEST_CASE("calibrate: an unwritable report ends it with exit code 2, with new runs and with existing runs") {
   const CalibrationFolder of;
   write_file(of.folder.path("reports"), "no folder");
   const Finished written = of.calibrate({});
@@ -104,7 +104,7 @@ TEST_CASE("calibrate: a report that cannot be written ends it, with runs of its 
   CHECK(of.calibrate({"--run", "1"}).code == 2);
 }
 
-TEST_CASE("calibrate: its model is bit for bit what fit makes of the same run without verification") {
+TEST_CASE("calibrate: its model equals the model that fit makes of the same run without verification, bit for bit") {
   const TemporaryFolder with, without;
   for (const TemporaryFolder* folder : {&with, &without}) well(call(*folder, {"init", "--operator", "tester"}));
   (void)calibrated(with, {"--minutes", "13", "--no-seating"});  // the shorter form, whatever its verdict
@@ -130,8 +130,7 @@ TEST_CASE("calibrate: a good sensor passes by the shipped limits, with a report"
   CHECK_THAT(done.out, Catch::Contains(report.at("number").get<std::string>()));
 }
 
-TEST_CASE(
-    "calibrate: a dead taxel fails and is named by row and column, and the known sensor is not registered again") {
+TEST_CASE("calibrate: a dead taxel fails, listed by row and column, and a registered sensor is not registered again") {
   const TemporaryFolder folder;
   well(call(folder, {"init", "--operator", "tester"}));
   REQUIRE(call(folder, {"sensors", "add", "MY-1"}).code == 0);
@@ -147,9 +146,7 @@ TEST_CASE(
   CHECK(nlohmann::json::parse(call(folder, {"runs", "list", "--json"}).out).at("runs").size() == 2);
 }
 
-TEST_CASE(
-    "calibrate: the shipped recipe and limits pass good sensors, not only conditionally, and few repeats keep k "
-    "small") {
+TEST_CASE("calibrate: with the shipped recipe and limits good sensors pass, and two repeats keep k small") {
   // Sensors that nothing was chosen on.
   for (const char* seed : {"71", "72"}) {
     const TemporaryFolder folder;

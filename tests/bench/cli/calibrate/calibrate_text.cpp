@@ -44,7 +44,7 @@ JudgedFit small_fit() {
 
 }  // namespace
 
-TEST_CASE("calibrate words: bad taxels by row and column, the worst one only where its criterion fails") {
+TEST_CASE("calibrate text: bad taxels are listed by row and column, the worst one only if its criterion fails") {
   CHECK(bad_taxels(small_fit(), judgement_of({kDead})).size() == 2);
   const std::vector<BadTaxel> bad = bad_taxels(small_fit(), judgement_of({kDead, kWorst}));
   REQUIRE(bad.size() == 3);
@@ -60,7 +60,7 @@ TEST_CASE("calibrate words: bad taxels by row and column, the worst one only whe
   CHECK(bad_taxels(first, judgement_of({kWorst})).size() == 2);
 }
 
-TEST_CASE("calibrate words: the words that carry on leave out what the profile and the defaults give") {
+TEST_CASE("calibrate text: the command to continue omits values that come from the profile or the defaults") {
   const tests::TemporaryFolder folder;
   tests::write_file(folder.path("tactbench.toml"), "bench = \"rig.toml\"\noperator = \"me\"\n");
   Session session;

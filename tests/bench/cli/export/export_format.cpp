@@ -52,7 +52,7 @@ struct KindOfExport {
 
 }  // namespace
 
-TEST_CASE("export CSV: times in seconds with all their digits, and nothing for NaN") {
+TEST_CASE("export CSV: times are in seconds with all digits, NaN is an empty cell") {
   StoreToExport store;
   db::RunRecord run = example_run();
   run.devices.clear();  // volts of a count are not known
@@ -77,7 +77,7 @@ TEST_CASE("export CSV: times in seconds with all their digits, and nothing for N
   CHECK(table.substr(table.find("counts_r0_c0\n") + 13) == rows);
 }
 
-TEST_CASE("export CSV: the lines before the table, of a run with remarks, and fields that hold commas and quotes") {
+TEST_CASE("export CSV: fields with commas or quotes are quoted, also in a void run with tags") {
   StoreToExport store;
   db::RunRecord run = example_run();
   run.operator_name = "A\nB";
@@ -100,7 +100,7 @@ TEST_CASE("export CSV: the lines before the table, of a run with remarks, and fi
                         Catch::Contains(",\"x,y\",0,7,0.7\n") && Catch::Contains(",plain,0,7,0.7\n"));
 }
 
-TEST_CASE("export CSV: a name that a spreadsheet would carry out is a text there") {
+TEST_CASE("export CSV: a name that a spreadsheet would run as a formula is exported as text") {
   StoreToExport store;
   db::RunRecord run = example_run();
   run.sequences[1].name = "=cmd|'/C calc'!A0";
@@ -111,7 +111,7 @@ TEST_CASE("export CSV: a name that a spreadsheet would carry out is a text there
   CHECK_THAT(store.text(), Catch::Contains("\n1,1,'=cmd|"));
 }
 
-TEST_CASE("export: a frame of a branch that the run lacks is damage, and said so") {
+TEST_CASE("export: a frame whose branch is missing is reported as a damaged store") {
   StoreToExport store;
   const Begun begun = begin_example(store.store);
   store.store.append_frame(begun.run, plain_frame(begun.branch));
@@ -124,7 +124,7 @@ TEST_CASE("export: a frame of a branch that the run lacks is damage, and said so
   }
 }
 
-TEST_CASE("export JSON: every list of a run, item by item") {
+TEST_CASE("export JSON: contains every list of a run with all its items") {
   StoreToExport store;
   (void)store_example(store.store);
   db::VerdictRecord verdict{1, 0, "unfit_taxels", "array", 1.0, 1.5, "taxels", "simple", "pass", "limits", "sha"};
@@ -172,7 +172,7 @@ TEST_CASE("export JSON: every list of a run, item by item") {
   CHECK(json.at("bytes") == store.text().size());
 }
 
-TEST_CASE("runs copy: a run more into a store that is there") {
+TEST_CASE("runs copy: adds a run to an existing store") {
   StoreToExport store;
   for (int i = 0; i < 3; ++i) (void)store_example(store.store);
   db::FitRecord fit;
@@ -191,7 +191,7 @@ TEST_CASE("runs copy: a run more into a store that is there") {
   check_refusal(store.say(bench::add_runs, {"runs", "copy", "x", "--to", to}), 2, "TB-USAGE", "command line");
 }
 
-TEST_CASE("export: a file of the same kind is written anew, one of another kind is left as it is") {
+TEST_CASE("export: overwrites a file of the same kind, leaves a file of another kind unchanged") {
   const StoreOfKinds of;
   const std::map<std::string, KindOfExport> kinds = {
       {"frames", {"1", "csv"}}, {"series", {"2", "csv"}}, {"json", {"1", "json"}}};
@@ -209,7 +209,7 @@ TEST_CASE("export: a file of the same kind is written anew, one of another kind 
     }
 }
 
-TEST_CASE("export CSV: the names of the columns stand once, also for one frame and for none") {
+TEST_CASE("export CSV: the column names appear once, also for one frame or none") {
   const StoreOfKinds of;
   const auto table = [&](const std::string& run) {
     REQUIRE(of.exported(run, "csv", "run-" + run).code == 0);
@@ -226,8 +226,7 @@ TEST_CASE("export CSV: the names of the columns stand once, also for one frame a
   }
 }
 
-TEST_CASE(
-    "export CSV: a line for each scan of a frame under force, with the wrench, its place and volts of each count") {
+TEST_CASE("export CSV: a frame under force has one row per scan, with wrench, position and the volts of each count") {
   const StoreOfKinds of;
   REQUIRE(of.exported("4", "csv", "one").code == 0);
   const std::string text = read_file(of.folder.path("one")),

@@ -59,7 +59,7 @@ double peak_memory(const TemporaryFolder& folder, std::vector<std::string> words
 
 }  // namespace
 
-TEST_CASE("an export takes no more memory for a run of ten times as many frames") {
+TEST_CASE("export: a run with ten times as many frames needs no more memory") {
   const TemporaryFolder folder;
   {
     db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);

@@ -39,7 +39,7 @@ std::string loop_rows(const std::string& head) {
 
 }  // namespace
 
-TEST_CASE("fit: models are named by their words, and the dynamic one alone with its own options") {
+TEST_CASE("fit: rejects unknown model names, and options that do not belong to the model") {
   const std::vector<std::pair<FitWords, std::string>> refused = {
       {{"1", "--model", "elamm"}, "--model"},
       {{"1", "--model", ","}, "--model"},
@@ -67,7 +67,7 @@ TEST_CASE("fit: models are named by their words, and the dynamic one alone with 
     CHECK_THAT(verb_here(bench::add_compare, words).err, Catch::Contains("[TB-USAGE]"));
 }
 
-TEST_CASE("fit: several runs are numbers and ranges with commas between, and not judged") {
+TEST_CASE("fit: a list of runs is numbers and ranges with commas, void and incomplete runs are left out") {
   for (const char* runs : {"1-2", "1,2", "3-3", "1,", "10-12,3", "1-1,1-1"}) {
     INFO(runs);
     CHECK(bench::names_runs(runs));
@@ -98,7 +98,7 @@ TEST_CASE("fit: several runs are numbers and ranges with commas between, and not
   }
 }
 
-TEST_CASE("fit: a table is not judged, not scored on itself, and each target is named once") {
+TEST_CASE("fit: a table is not scored on itself, and each score target is named only once") {
   const TemporaryFolder folder;
   const std::string table = folder.path("t.csv"), other = folder.path("u.csv"), store = folder.path("runs.db");
   write_file(table, loop_rows("input,output"));
@@ -115,7 +115,7 @@ TEST_CASE("fit: a table is not judged, not scored on itself, and each target is 
   CHECK_THAT(said({"--model", "elam", "--score", folder.path("none.csv")}), Catch::Contains("[TB-TABLE-OPEN]"));
 }
 
-TEST_CASE("sources: a run is named by up to eighteen digits, and a list by its commas") {
+TEST_CASE("sources: a run number has up to 18 digits, a list is split at its commas") {
   for (const char* run : {"0", "12", "007", "999999999999999999"}) CHECK(bench::names_run(run));
   for (const char* other : {"", "1a", "-1", "1:2", "1.csv", "1000000000000000000"})
     CHECK_FALSE(bench::names_run(other));
@@ -170,7 +170,7 @@ analysis::SensorModel array_model() {
 
 }  // namespace
 
-TEST_CASE("fit words: the JSON of a fit") {
+TEST_CASE("fit text: the JSON document of a fit has all its members") {
   analysis::SensorModel model = array_model();
   model.repeats = {{"up", 0.001, 0.0002, 0.003, 0.0004, true}};
   FittedRun fitted;
@@ -239,7 +239,7 @@ void check_edges(AddVerb add, const std::vector<std::string>& words, const std::
 
 }  // namespace
 
-TEST_CASE("options of fit, live, compensate: the least and the most that is taken") {
+TEST_CASE("options of fit, live and compensate: smallest and largest accepted values") {
   const TemporaryFolder folder;
   const std::string none = folder.path("none.csv");
   check_edges(bench::add_fit, {"fit", none, "--model", "elam"},
@@ -257,7 +257,7 @@ TEST_CASE("options of fit, live, compensate: the least and the most that is take
               {{"--conditioned", {"0", "1e9"}, {"-1", "1.1e9"}}, {"--taxel", {"0", "1", "mean"}, {"-1", "means"}}});
 }
 
-TEST_CASE("options of the fleet: the least and the most that is taken") {
+TEST_CASE("options of fleet: smallest and largest accepted values") {
   const TemporaryFolder folder;
   db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   check_edges(bench::add_fleet,

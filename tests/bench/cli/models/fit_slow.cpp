@@ -49,7 +49,7 @@ std::vector<std::vector<std::string>> rows_of(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("all models are fitted on one sequence of a table and scored on the other") {
+TEST_CASE("compare: all models are fitted on one sequence of a table and scored on another") {
   const TemporaryFolder folder;
   write_file(folder.path("t.csv"), table());
   const json document = json::parse(well(call(folder, {"compare", "t.csv", "--fit", "full", "--json"})).out);
@@ -66,7 +66,7 @@ TEST_CASE("all models are fitted on one sequence of a table and scored on the ot
   }
 }
 
-TEST_CASE("a stored model predicts and compensates in a pipe, full precision in and out") {
+TEST_CASE("predict and compensate: a stored model works in a pipe, compensate restores the inputs of predict") {
   const TemporaryFolder folder;
   write_file(folder.path("t.csv"), table());
   REQUIRE(call(folder, {"fit", "t.csv", "--model", "preisach", "-o", "m.json"}).code == 0);
@@ -92,7 +92,7 @@ TEST_CASE("a stored model predicts and compensates in a pipe, full precision in 
   CHECK(near > 440);
 }
 
-TEST_CASE("a falling sensor is fitted and predicted with its own sign") {
+TEST_CASE("fit: a sensor with falling output is fitted and predicted with its own sign") {
   const TemporaryFolder folder;
   write_file(folder.path("t.csv"), table(-1.0));
   REQUIRE(call(folder, {"fit", "t.csv", "-o", "m.json"}).code == 0);
@@ -102,7 +102,7 @@ TEST_CASE("a falling sensor is fitted and predicted with its own sign") {
   CHECK(std::stod(rows[40][4]) == Approx(std::stod(rows[40][3])).margin(0.3));
 }
 
-TEST_CASE("bad tables and models are refused with fault, place and remedy") {
+TEST_CASE("fit: bad tables and models are rejected with an error id and exit code") {
   const TemporaryFolder folder;
   write_file(folder.path("t.csv"), table());
   write_file(folder.path("nan.csv"), "input,output\n1,2\n2,nan\n");
@@ -143,7 +143,8 @@ TEST_CASE("bad tables and models are refused with fault, place and remedy") {
 using namespace tactbench::tests;
 using nlohmann::json;
 
-TEST_CASE("every model is judged, verified, adjusted, streamed and stands as found in a report") {
+TEST_CASE(
+    "models: every kind is judged, verified, adjusted, streamed live and used as the as-found model of a report") {
   const TemporaryFolder folder;
   init_small_array(folder);
   well(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}));
@@ -220,7 +221,7 @@ struct FolderOfRuns {
 
 }  // namespace
 
-TEST_CASE("fit and judge of runs: one model, its verdict as JSON and by the exit code") {
+TEST_CASE("fit and judge: of a run one model is stored, its verdict is given as JSON and exit code") {
   const FolderOfRuns of;
   CHECK(of.fit({"1", "--model", "mpi", "-o", "m.json"}).code == 0);
   CHECK(of.models() == 1);
@@ -247,7 +248,7 @@ TEST_CASE("fit and judge of runs: one model, its verdict as JSON and by the exit
   CHECK(of.models() == 1);
 }
 
-TEST_CASE("compare of runs: several models, stored, with scores") {
+TEST_CASE("compare: of a run several models are stored and scored") {
   const FolderOfRuns of;
   const FitRunWords words = {"compare", "1", "--models", "mpi,poly", "--score", "2,3"};
   CHECK(call(of.folder, joined_words(words, {"--html", "c.html"})).code == 0);
@@ -266,7 +267,7 @@ TEST_CASE("compare of runs: several models, stored, with scores") {
   CHECK_THAT(of.fit({"1", "--model", "mpi", "--score", "2,02"}).err, Catch::Contains("[TB-RUN-TWICE]"));
 }
 
-TEST_CASE("fit of runs: the dynamic model where none is named, ELAM without inner branches, and the runs of its time") {
+TEST_CASE("fit: of a run the default is the dynamic model, or ELAM if the run has no inner branches") {
   const FolderOfRuns of;
   CHECK(of.fit({"1", "-o", "m.json"}).code == 0);
   const nlohmann::json document = nlohmann::json::parse(read_file(of.folder.path("m.json")));
@@ -284,7 +285,7 @@ TEST_CASE("fit of runs: the dynamic model where none is named, ELAM without inne
   CHECK_THAT(of.fit({"1", "--rate", "9", "--creep", "2"}).err, Catch::Contains("[TB-STORE-NOT-FOUND]"));
 }
 
-TEST_CASE("fit of many runs: each with its own model, and what cannot be fitted") {
+TEST_CASE("fit: of several runs each run gets its own model, and a run that cannot be fitted gets an error") {
   const FolderOfRuns of;
   CHECK(of.fit({"1-3", "--model", "mpi"}).code == 0);
   const nlohmann::json told = of.told({"1,3", "--model", "mpi"});
@@ -362,7 +363,7 @@ class FolderOfSamples {
 
 }  // namespace
 
-TEST_CASE("compensate: a row without an output is passed on and flagged, and the others are as without it") {
+TEST_CASE("compensate: a row without an output is passed through and flagged, the other rows are unchanged") {
   const FolderOfSamples of("input,output", 1);
   constexpr std::size_t kPlace = 30;
   Rows without = of.rows();
@@ -383,7 +384,7 @@ TEST_CASE("compensate: a row without an output is passed on and flagged, and the
   }
 }
 
-TEST_CASE("compensate: an output that the taxel cannot give is no input, and the next is as before") {
+TEST_CASE("compensate: an output outside the range of the taxel is flagged and ignored, the next rows are unchanged") {
   const FolderOfSamples of("input,output", 1);
   constexpr std::size_t kPlace = 30;
   Rows rows = of.rows(), without = rows;
@@ -397,7 +398,7 @@ TEST_CASE("compensate: an output that the taxel cannot give is no input, and the
   CHECK(lines == clean);
 }
 
-TEST_CASE("compensate: of a table with a column a taxel only the taxel without an output has none") {
+TEST_CASE("compensate: in a table with one column per taxel a missing output affects only its own taxel") {
   const FolderOfSamples of("input,s0,s1", 2, {"--map", "output=s*"});
   Rows rows = of.rows();
   const std::string row = rows[30];
@@ -416,7 +417,7 @@ TEST_CASE("compensate: of a table with a column a taxel only the taxel without a
   CHECK(of.verb(words, rows).code == 0);  // the other has outputs
 }
 
-TEST_CASE("compensate: a table in which no row has an output is refused, and predict refuses a row without an input") {
+TEST_CASE("compensate: rejects a table without any output, predict rejects a row without an input") {
   const FolderOfSamples of("input,output", 1);
   const Finished none = of.verb({"compensate", "m.json", "x.csv"}, {"1,a", "2,b", "3,c"});
   CHECK(none.code == 2);
@@ -426,7 +427,7 @@ TEST_CASE("compensate: a table in which no row has an output is refused, and pre
   CHECK_THAT(predicted.err, Catch::Contains("TB-TABLE-ROW") && !Catch::Contains("--skip-bad-rows"));
 }
 
-TEST_CASE("fit: a wild output is named with its line and makes the taxel unfit, or its row is left out on request") {
+TEST_CASE("compare: an outlier is reported with its line and makes the taxel unfit, or its row is skipped on request") {
   const FolderOfSamples of("input,output", 1);
   Rows rows = of.rows();
   const auto cell = [](const std::string& row) { return row.substr(0, row.find(',')) + ",83886.07"; };

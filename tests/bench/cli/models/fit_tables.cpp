@@ -53,7 +53,7 @@ struct FolderOfTables {
 
 }  // namespace
 
-TEST_CASE("fit of a table: the models' numbers and scores in the order of their names") {
+TEST_CASE("fit of a table: the document lists the models with their values and scores in the requested order") {
   const FolderOfTables of;
   const nlohmann::json told =
       of.told({"s.csv", "--fit", "full", "--model", "poly,monotone", "--input-unit", "psi", "--output-unit", "V"});
@@ -83,7 +83,7 @@ TEST_CASE("fit of a table: the models' numbers and scores in the order of their 
   CHECK(whole.at("models").at(0).at("scores").empty());
 }
 
-TEST_CASE("fit of a table: a model that it cannot carry is left out, and what is kept says how it was made") {
+TEST_CASE("fit of a table: a model that the data do not support is left out, a stored model states how it was made") {
   const FolderOfTables of;
   write_file(of.folder.path("inner.csv"), "input,output\n" + rows_of_play("", {0, 10, 4, 8, 3, 9, 5, 7, 2, 8, 4}));
   const nlohmann::json told = of.told({"inner.csv", "--model", "elam,monotone"});
@@ -107,7 +107,7 @@ TEST_CASE("fit of a table: a model that it cannot carry is left out, and what is
   CHECK(mean.at("models").at(0).at("shown_taxel").at("taxel") == -1);
 }
 
-TEST_CASE("fit of an imported run: its number and its models are stored, and the dynamic model is not made of it") {
+TEST_CASE("fit of an imported run: models are stored under its number, the dynamic model is rejected") {
   const FolderOfTables of;
   REQUIRE(
       verb_here(bench::add_runs, {"runs", "import", of.folder.path("t.csv"), "--db", of.folder.path("runs.db")}).code ==
@@ -121,7 +121,7 @@ TEST_CASE("fit of an imported run: its number and its models are stored, and the
   CHECK(model_verb(of.folder, {"model", "show", "1:3"}).code == 0);
 }
 
-TEST_CASE("fit --plot draws the measured loop and each model, and another kind of file is not written over") {
+TEST_CASE("fit --plot: draws the measured loop and each model, and does not overwrite a file of another kind") {
   const FolderOfTables of;
   const std::string plot = of.folder.path("loop.svg");
   (void)of.told({"t.csv", "--model", "poly,monotone", "--plot", plot});
@@ -132,7 +132,7 @@ TEST_CASE("fit --plot draws the measured loop and each model, and another kind o
   CHECK(of.fit({"t.csv", "--plot", of.folder.path("s.csv")}).code == 2);
 }
 
-TEST_CASE("an imported table has a report of its loop and its models' errors, without and with models") {
+TEST_CASE("report: an imported table is reported without models, or with the errors of each model") {
   const FolderOfTables of;
   const std::string db = of.folder.path("runs.db");
   REQUIRE(verb_here(bench::add_runs, {"runs", "import", of.folder.path("t.csv"), "--db", db}).code == 0);
@@ -156,7 +156,7 @@ TEST_CASE("an imported table has a report of its loop and its models' errors, wi
   CHECK(verb_here(bench::add_report, {"report", "sign", "1", "--db", db, "--by", "K. Lee"}).code == 2);
 }
 
-TEST_CASE("fit: options reach the models that they are of") {
+TEST_CASE("fit: options apply to the model that they belong to") {
   const FolderOfTables of;
   const auto label = [&](const FitTableWords& more) {
     return of.told(joined_words({"t.csv"}, more)).at("models").at(0).at("model").get<std::string>();
@@ -170,7 +170,7 @@ TEST_CASE("fit: options reach the models that they are of") {
   CHECK(starts.at("models").at(0).at("shown_taxel").at("starts") == 2);
 }
 
-TEST_CASE("fit of a table: options for tables without names, with lines above them, and with a column a taxel") {
+TEST_CASE("fit of a table: accepts tables without header, with lines above it, and with one column per taxel") {
   const FolderOfTables of;
   std::string bare, wide = "force,a,b\n";
   for (const PlaySample& sample : play_samples(kLoops)) {
@@ -204,7 +204,7 @@ TEST_CASE("fit of a table: options for tables without names, with lines above th
   check_refusal(model_verb(of.folder, {"compensate", "m.json", "wide.csv", "--map", "output=2-3"}), 2, "TB-TABLE-MAP");
 }
 
-TEST_CASE("fit of a table: a model that errs more than a straight line on what was held out is told") {
+TEST_CASE("fit of a table: reports a model with larger errors than a straight line on the scored sequence") {
   const FolderOfTables of;
   std::string straight;
   for (int i = 0; i <= 40; ++i) straight += "line," + std::to_string(0.25 * i) + "," + std::to_string(0.3 * i) + "\n";

@@ -61,7 +61,7 @@ double mean_compensated(const nlohmann::json& fit) {
 }  // namespace
 
 TEST_CASE(
-    "fit of a table with times: the dynamic model is better compensated than Preisach's, whatever rises or falls") {
+    "fit of a table with times: the dynamic model compensates better than Preisach, for both signs of the output") {
   for (const bool harsh : {false, true}) {
     for (const auto& [sign, factor] : {std::pair(1.0, 1.0), std::pair(-1.0, 0.1)}) {
       const TemporaryFolder folder;
@@ -80,8 +80,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE(
-    "fit of a table: what has no times, or no unloaded sensor, has no dynamic model, and its stream wants times") {
+TEST_CASE("fit of a table: the dynamic model needs times and an unloaded sensor, and compensate with it needs times") {
   const TemporaryFolder folder;
   const std::string table = recorded(false, kScored, 1);
   write_file(folder.path("fit.csv"), table);
@@ -125,7 +124,7 @@ std::string play_rows(const std::vector<double>& turns, const std::string& separ
 
 }  // namespace
 
-TEST_CASE("a table with decimal commas and a line of units gives the plain table's fit, and keeps its format") {
+TEST_CASE("fit of a table: decimal commas and a units row give the same fit as the plain table") {
   const TemporaryFolder folder;
   write_file(folder.path("plain.csv"), "input,output\n" + play_rows(kManyTurns));
   write_file(folder.path("comma.csv"), "\"force, N\";\"signal, V\"\n[N];[V]\n" + play_rows(kManyTurns, ";", true));
@@ -146,7 +145,7 @@ TEST_CASE("a table with decimal commas and a line of units gives the plain table
   CHECK(call(folder, {"compensate", "m.json", "p.csv", "--map", "output=predicted"}).code == 0);
 }
 
-TEST_CASE("bad rows end a fit with their line, or --skip-bad-rows goes on without them") {
+TEST_CASE("fit of a table: bad rows end a fit with their line, --skip-bad-rows continues without them") {
   const TemporaryFolder folder;
   std::string text = "input,output\n" + play_rows(kManyTurns);
   const std::size_t third = text.find('\n', text.find('\n') + 1) + 1;
@@ -162,7 +161,7 @@ TEST_CASE("bad rows end a fit with their line, or --skip-bad-rows goes on withou
   check_refusal(call(folder, {"fit", "none.csv", "--skip-bad-rows"}), 2, "TB-TABLE-SKIPPED");
 }
 
-TEST_CASE("turns can be stated, in units of the input") {
+TEST_CASE("fit of a table: --turn sets the smallest reversal, in units of the input") {
   const TemporaryFolder folder;
   write_file(folder.path("t.csv"), "input,output\n" + play_rows(kManyTurns));
   const auto turn = [&](const std::vector<std::string>& more) {
@@ -210,7 +209,7 @@ std::vector<Read> reads_of(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("compensate: a recording from mid-fall is flagged unknown, and twice its uncertainty holds the truth") {
+TEST_CASE("compensate: a recording that starts in mid-unloading is flagged unknown, and 2 u covers the true input") {
   const TemporaryFolder folder;
   write_file(folder.path("fitted.csv"),
              rows_from(play_samples({0, 10, 0, 10, 5, 10, 3, 10, 1, 10, 0, 8, 0, 6, 0, 4, 0}), 0));
@@ -279,7 +278,7 @@ struct TwoModels {
 
 }  // namespace
 
-TEST_CASE("model diff: parameters of powers of the input are told in the unit of pressure that is asked for") {
+TEST_CASE("model diff: polynomial parameters are given in powers of the requested pressure unit") {
   const TwoModels models;
   const auto psi = models.parameters({"--json"}), kpa = models.parameters({"--json", "--units", "kPa"});
   constexpr double kKilopascals = 6.894757293168361;
@@ -294,7 +293,7 @@ TEST_CASE("model diff: parameters of powers of the input are told in the unit of
   }
 }
 
-TEST_CASE("model diff: a model is the same as itself, and two kinds are not compared") {
+TEST_CASE("model diff: a model equals itself, models of two kinds are not compared") {
   const TwoModels models;
   CHECK(models.diff("a", "a").code == 0);
   CHECK(nlohmann::json::parse(models.diff("b", "b", {"--json"}).out).at("same") == true);

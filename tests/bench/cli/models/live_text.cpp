@@ -20,7 +20,7 @@ struct FrameByHand {
 
 }  // namespace
 
-TEST_CASE("live: a frame is summed up over the taxels that are not dead, the highest of them is the first such one") {
+TEST_CASE("live: a frame is summarised over the taxels that are not dead, the first of equal maxima is the highest") {
   const FrameByHand of = {{99.0F, -4.0F, 2.0F, 8.0F, 8.0F, 6.0F},
                           {0.5F, 0.25F, 0.125F, 0.5F, 0.5F, 0.5F},
                           {analysis::kTaxelDead, analysis::kTaxelFlat, analysis::kTaxelValid,
@@ -47,7 +47,7 @@ TEST_CASE("live: a frame is summed up over the taxels that are not dead, the hig
   CHECK(summed(dead.frame()).highest == 0);
 }
 
-TEST_CASE("live: what it ends with, as JSON") {
+TEST_CASE("live: the JSON document has the summary and the last frame") {
   LiveSummary summary;
   summary.frames = 1;
   summary.lost = 2;

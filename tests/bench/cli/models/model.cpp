@@ -72,7 +72,7 @@ struct FolderOfLines {
 
 }  // namespace
 
-TEST_CASE("fit --check: the mean over the taxels, and the five worst of six, worst first") {
+TEST_CASE("model check: gives the mean over the taxels, and the zero and gain of each taxel") {
   const FolderOfLines of(moved_table(0.08));  // 1 % of full scale for the first taxel to 6 % for the last
   well(of.say({"model", "check", "m.json", "t.csv"}));
   const nlohmann::json as_json = nlohmann::json::parse(of.say({"model", "check", "m.json", "t.csv", "--json"}).out);
@@ -95,7 +95,7 @@ TEST_CASE("fit --check: the mean over the taxels, and the five worst of six, wor
   }
 }
 
-TEST_CASE("fit --check: what no zero and no gain makes good ends with exit code 1, a gain that does with 0") {
+TEST_CASE("model check: exit code 1 if no zero and gain correct the deviation, 0 if a gain does") {
   const FolderOfLines noisy(moved_table(0.0, 0.4));  // 5 % of full scale, now up, now down
   CHECK(noisy.say({"model", "check", "m.json", "t.csv"}).code == 1);
   CHECK(noisy.say({"model", "check", "m.json", "t.csv", "--json"}).code == 1);
@@ -105,7 +105,7 @@ TEST_CASE("fit --check: what no zero and no gain makes good ends with exit code 
   CHECK(gain.out.find("validity") == std::string::npos);
 }
 
-TEST_CASE("model adjust: zero and gain of every taxel, what it leaves, and a file that is there already") {
+TEST_CASE("model adjust: stores zero and gain of every taxel, and does not overwrite a file of another kind") {
   const FolderOfLines of(moved_table(0.08));
   const Finished zero = of.say({"model", "adjust", "m.json", "t.csv", "--zero", "-o", "c.json"});
   CHECK(zero.code == 0);
@@ -132,7 +132,7 @@ TEST_CASE("model adjust: zero and gain of every taxel, what it leaves, and a fil
   CHECK(analysis::load_model(steeper.folder.path("c.json"), nullptr).taxel(3).gain == Approx(1.25));
 }
 
-TEST_CASE("model show --json prints the model's document, and model export writes the same") {
+TEST_CASE("model show: --json prints the model document, and model export writes the same document") {
   const FolderOfLines of(moved_table(0.08));
   const std::string document = model_verb(of.folder, {"model", "show", "m.json", "--json"}).out;
   REQUIRE(model_verb(of.folder, {"model", "export", "m.json", "-o", "c.json"}).code == 0);
@@ -172,14 +172,14 @@ TEST_CASE("model export --format c: a folder of ELAM, replaced only when asked, 
   check_refusal(read_by("mean"), 2, "TB-MODEL-TAXEL", "--taxel");
 }
 
-TEST_CASE("model adjust needs --zero or --gain, and fit --check tells what lies outside the validity") {
+TEST_CASE("model adjust: needs --zero or --gain, and model check reports samples outside the validity range") {
   const FolderOfLines of(moved_table(0.08) + "0,70,8.8\n");
   check_refusal(of.say({"model", "adjust", "m.json", "t.csv", "-o", "c.json"}), 2, "TB-USAGE", "model adjust");
   const nlohmann::json told = nlohmann::json::parse(of.say({"model", "check", "m.json", "t.csv", "--json"}).out);
   CHECK(told.at("outside_validity").size() == 1);
 }
 
-TEST_CASE("model diff: a divider that one model lacks is 0 there, and creep and lag of two that have them") {
+TEST_CASE("model diff: a missing divider counts as 0, creep and lag are compared if both models have them") {
   const TemporaryFolder folder;
   // The mean difference, the largest one and its taxel.
   const auto difference = [&](const std::string& first, const std::string& second, const std::string& name) {
@@ -274,7 +274,7 @@ struct StoreOfModels : OpenStoreHere {
 
 }  // namespace
 
-TEST_CASE("runs show: each model of the run with its number, kind and taxels") {
+TEST_CASE("runs show: lists each model of the run with its number, kind and number of fitted taxels") {
   const StoreOfModels of;
   const auto models = [&](const char* run) {
     return nlohmann::json::parse(of.say(bench::add_runs, {"runs", "show", run, "--json"}).out).at("models");
@@ -350,7 +350,7 @@ ModelRow row_of_array() {
 
 }  // namespace
 
-TEST_CASE("a row of models as JSON: the shown taxel, its parameters and its scores") {
+TEST_CASE("model table: a row as JSON has the shown taxel, its parameters and its scores") {
   const analysis::Histories histories = one_taxel();
   const nlohmann::ordered_json row = model_row_json(row_of_array(), {{"run 2", &histories, {}}});
   CHECK(row["model"] == "mpi");
@@ -377,7 +377,8 @@ TEST_CASE("a row of models as JSON: the shown taxel, its parameters and its scor
   CHECK_FALSE(model_row_json(alone, {{"run 2", &histories, {}}})["shown_taxel"].contains("cross_validated"));
 }
 
-TEST_CASE("rows of models: what the data cannot carry is left out as long as another model is there, no other error") {
+TEST_CASE(
+    "model table: a model that the data do not support is left out if another one fits, other errors are thrown") {
   const analysis::Histories loops = histories_of({0, 10, 0, 10, 5, 10, 0});
   std::vector<ModelRefusal> refusals;
   std::vector<std::string> begun;
@@ -406,7 +407,7 @@ TEST_CASE("rows of models: what the data cannot carry is left out as long as ano
   CHECK((other != "TB-ANALYSIS-MODEL" && other != "TB-ANALYSIS-NO-LOOP"));
 }
 
-TEST_CASE("tables of models keep to the terminal, however large their numbers are") {
+TEST_CASE("model table: fits the width of the terminal, however large the numbers are") {
   const analysis::Histories histories = one_taxel();
   for (const double factor : {1.0, 1e3, 1e20, 1e300}) {
     ModelRow row = row_of_array();

@@ -73,7 +73,7 @@ struct FolderOfModel {
 
 }  // namespace
 
-TEST_CASE("predict: which taxel a table without a column of taxels speaks of") {
+TEST_CASE("predict: a table without a taxel column is for the only fitted taxel, else --taxel is needed") {
   const FolderOfModel one(straight_model());
   const std::string table = "input\n8\n16\n", predicted = "input,predicted\n8,1\n16,2\n";
   CHECK(one.of_table("predict", table).out == predicted);
@@ -98,7 +98,7 @@ TEST_CASE("predict: which taxel a table without a column of taxels speaks of") {
   }
 }
 
-TEST_CASE("predict: inputs at the ends of the validity, a fiftieth beyond them, and farther") {
+TEST_CASE("predict: inputs up to a fiftieth of the span outside the validity range give no warning") {
   SensorModel narrow = straight_model();
   narrow.validity.input = analysis::Range{14.0, 64.0};
   const FolderOfModel of(narrow);
@@ -106,7 +106,7 @@ TEST_CASE("predict: inputs at the ends of the validity, a fiftieth beyond them, 
   CHECK(of.of_table("compensate", "output,input\n1,99\n").err.empty());  // inputs are not looked at there
 }
 
-TEST_CASE("predict and compensate: a line of units, semicolons with decimal commas, a file in place of the output") {
+TEST_CASE("predict and compensate: accept a units row and decimal commas, and keep a file of another kind") {
   const FolderOfModel of(straight_model());
   const Finished predicted = of.of_table("predict", "input;remark\n[N];[-]\n8,5;a\n16,0;b\n");
   CHECK(predicted.code == 0);
@@ -128,7 +128,8 @@ TEST_CASE("predict and compensate: a line of units, semicolons with decimal comm
   check_refusal(model_verb(of.folder, {"predict", "m.json", "none.csv"}), 2, "TB-TABLE-OPEN");
 }
 
-TEST_CASE("compensate: the noise over the slope, the ends of the loop, and an output that falls") {
+TEST_CASE(
+    "compensate: uncertainty is noise over slope, outputs outside the loop are flagged, falling outputs are read") {
   const FolderOfModel of(straight_model(0.0625));
   const Finished rising = of.of_table("compensate", "output\n0\n2\n4\n");
   CHECK(rising.code == 0);
@@ -144,7 +145,7 @@ TEST_CASE("compensate: the noise over the slope, the ends of the loop, and an ou
   CHECK_THAT(falling.of_table("compensate", "output\n0\n2\n").out, Catch::EndsWith("\n2,0,nan,range\n"));
 }
 
-TEST_CASE("compensate and predict: sequences and taxels have histories of their own") {
+TEST_CASE("predict and compensate: each sequence and each taxel has its own history of inputs") {
   SensorModel document = known_model(0.1, 0.0);
   document.taxels.pop_back();
   const FolderOfModel of(document);
@@ -159,7 +160,7 @@ TEST_CASE("compensate and predict: sequences and taxels have histories of their 
   CHECK(values[2] == values[3]);
 }
 
-TEST_CASE("compensate: of one column a taxel each is compensated as alone, and an export's frames are its rows") {
+TEST_CASE("compensate: with one column per taxel each taxel is compensated as if alone, an export is read as frames") {
   const FolderOfModel of(known_model(0.1, 0.5));  // taxel 1 is dead
   const std::string rows = "0,1,0,0.6\n0,2,0,1.5\n0,1.4,0,2.5\n0,1,0,1.1\n";
   const Finished wide = of.of_table("compensate", "x,a,b,c\n" + rows, {"--map", "output=2-4"});
@@ -184,7 +185,7 @@ TEST_CASE("compensate: of one column a taxel each is compensated as alone, and a
     check_refusal(of.of_table("compensate", "x,a,b,c\n" + rows, more), 2, "TB-TABLE-MAP");
 }
 
-TEST_CASE("compensate: a model of lag and creep asks for times that rise, and takes their differences") {
+TEST_CASE("compensate: a model with lag and creep needs increasing times, and uses their differences") {
   SensorModel film = creeping::creeping_film();
   film.model = "dynamic";
   film.input_unit = "psi";
@@ -231,7 +232,7 @@ TEST_CASE("compensate: a model of lag and creep asks for times that rise, and ta
   CHECK(of.of_table("predict", "input\n10\n50\n").code == 0);
 }
 
-TEST_CASE("predict and compensate read standard input where no file is named, and where - is") {
+TEST_CASE("predict and compensate: read standard input if no file is given, or if it is -") {
   const FolderOfModel of(straight_model(0.004));
   const Finished predicted = of.typed("input\n8\n16\n", {"predict", "m.json"});
   CHECK(predicted.code == 0);
@@ -248,7 +249,7 @@ TEST_CASE("predict and compensate read standard input where no file is named, an
   CHECK(of.typed("input,output\n1,x\n", {"predict", "m.json"}).code == 0);  // the outputs are not looked at
 }
 
-TEST_CASE("live: frames that cannot be written end it before a device is opened") {
+TEST_CASE("live: an unwritable frame file ends it before a device is opened") {
   const FolderOfModel of(straight_model());
   const Finished refused =
       verb_here(bench::add_live, {"live", "--bench", "simulated.toml", "--model", of.folder.path("m.json"), "--csv",

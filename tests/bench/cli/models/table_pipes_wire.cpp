@@ -14,7 +14,7 @@ const char* const kLoopTable = "input,output\n0,0\n1,1.5\n2,2.5\n3,4\n2,3.5\n1,2
 
 }  // namespace
 
-TEST_CASE("a table read through a pipe gives the same hash and the same results as the file") {
+TEST_CASE("table input: a table read through a pipe gives the same hash and results as the file") {
   const TemporaryFolder folder;
   write_file(folder.path("t.csv"), kLoopTable);
   const auto shell = [&](const std::string& line) { return run_program("/bin/bash", {"-c", line}, folder.path()); };

@@ -33,7 +33,7 @@ ScenarioResult result_with(const std::vector<std::string>& wrong, const std::vec
 
 }  // namespace
 
-TEST_CASE("night results: red or not carried out is 1, moved alone 6, and one red outranks what moved") {
+TEST_CASE("night results: exit code is 1 for a failed or missing scenario, 6 for changes only, and 1 outranks 6") {
   const ScenarioResult green = result_with({}, {}), moved = result_with({}, {"a"}), red = result_with({"b"}, {}),
                        both = result_with({"b"}, {"a"});
   CHECK(code_of_night(suite_of(2), {green, green}) == ExitCode::kPass);
@@ -44,7 +44,7 @@ TEST_CASE("night results: red or not carried out is 1, moved alone 6, and one re
   CHECK(code_of_night(suite_of(0), {}) == ExitCode::kPass);
 }
 
-TEST_CASE("night results: the JSON document counts what is red and what did not run") {
+TEST_CASE("night results: the JSON document counts the failed scenarios and those that did not run") {
   const nlohmann::ordered_json json =
       night_json(suite_of(4), {result_with({"b"}, {}), result_with({}, {"a"}), result_with({"c"}, {})});
   tests::check_members(json, R"({"suite": "small", "origin": "simulated", "red": 2, "not_run": 1})");
@@ -54,7 +54,7 @@ TEST_CASE("night results: the JSON document counts what is red and what did not 
   CHECK(json.at("scenarios").at(1).at("seconds") == 12.34);
 }
 
-TEST_CASE("night results: only the files that are named are written, and one of another kind on request alone") {
+TEST_CASE("night results: only requested files are written, a file of another kind is overwritten on request only") {
   const tests::TemporaryFolder folder;
   Session session;
   const Suite suite = suite_of(1);

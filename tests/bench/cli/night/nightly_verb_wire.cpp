@@ -36,7 +36,7 @@ struct SmallNight {
 
 }  // namespace
 
-TEST_CASE("nightly: its page, a line a scenario meanwhile, and no store that stays") {
+TEST_CASE("nightly: writes the requested lists and page, and leaves no scenario store") {
   const SmallNight of;
   CHECK(of.night({"--jobs", "1", "--junit", "night.xml", "--html", "night.html"}).code == 1);
   CHECK_THAT(read_file(of.folder.path("night.xml")),
@@ -52,7 +52,7 @@ TEST_CASE("nightly: its page, a line a scenario meanwhile, and no store that sta
   CHECK(document.at("scenarios").size() == 1);
 }
 
-TEST_CASE("nightly: kept with --db it is compared and has its words, as one part it waits for the others") {
+TEST_CASE("nightly: --db keeps each night in one store, --stores keeps the stores and logs of the scenarios") {
   const SmallNight of;
   CHECK(of.night({"--only", "whole", "--db", "n.db", "--junit", "night.xml", "--html", "night.html"}).code == 0);
   CHECK(of.night({"--only", "whole", "--db", "n.db", "--stores", "kept"}).code == 0);
@@ -68,7 +68,7 @@ TEST_CASE("nightly: kept with --db it is compared and has its words, as one part
   CHECK(of.night({"--shard", "1/2", "--db", "p.db"}).code == 0);
 }
 
-TEST_CASE("nightly: the parts of a night are put together, printed as one and counted") {
+TEST_CASE("nightly: the parts of a night are merged, reported as one and counted") {
   const SmallNight of;
   CHECK(of.night({"--shard", "1/2", "--db", "p1.db", "-q"}).code == 0);
   CHECK(of.night({"--shard", "2/2", "--db", "p2.db", "-q"}).code == 1);
@@ -80,7 +80,7 @@ TEST_CASE("nightly: the parts of a night are put together, printed as one and co
   CHECK(merge({}).code == 1);
 }
 
-TEST_CASE("nightly: files that cannot be written end it before a scenario begins") {
+TEST_CASE("nightly: an unwritable output file ends it before a scenario starts") {
   const SmallNight of;
   write_file(of.folder.path("blocked"), "no folder");
   for (const char* file : {"--junit", "--metrics", "--html"}) {
@@ -92,7 +92,7 @@ TEST_CASE("nightly: files that cannot be written end it before a scenario begins
   }
 }
 
-TEST_CASE("nightly: the lists say after each scenario how far the night is") {
+TEST_CASE("nightly: the list files are updated after each scenario") {
   const SmallNight of;
   std::string suite = read_file(of.folder.path("s.toml"));
   suite +=
@@ -110,7 +110,7 @@ TEST_CASE("nightly: the lists say after each scenario how far the night is") {
                 143, "TB-NIGHTLY-STOPPED");
 }
 
-TEST_CASE("nightly: one scenario in a process that a night started writes its result, and prints nothing") {
+TEST_CASE("nightly: a scenario in its own process writes its result file and prints nothing") {
   const SmallNight of;
   const Finished one = of.night({"--only", "whole", "--db", "one.db", "--result", "r.json"});
   CHECK(one.code == 0);
@@ -121,7 +121,7 @@ TEST_CASE("nightly: one scenario in a process that a night started writes its re
   CHECK(db::RunStore::open_read_only(of.folder.path("one.db")).runs().size() == 1);
 }
 
-TEST_CASE("nightly: a scenario whose process cannot be started ends the night and is named") {
+TEST_CASE("nightly: a scenario whose process cannot be started ends the night with an error") {
   const SmallNight of;
   // An environment that the night's own process can be started with, and none whose words are longer.
   write_file(of.folder.path("full.sh"),

@@ -30,7 +30,7 @@ std::string option_refusal(const ReportOptions& options) {
 
 }  // namespace
 
-TEST_CASE("report options: models are named by a run, or by a run and a fit") {
+TEST_CASE("report options: a model is named by its run, or by run and fit") {
   const auto named = [](const char* text) {
     const ModelNamed model = model_named(text, 7);
     return std::to_string(model.run) + ":" + std::to_string(model.fit);
@@ -46,7 +46,7 @@ TEST_CASE("report options: models are named by a run, or by a run and a fit") {
   }
 }
 
-TEST_CASE("report options: which go together") {
+TEST_CASE("report options: combinations that are accepted and rejected") {
   ReportOptions options;
   options.runs = {1, 2};
   CHECK(option_refusal(options).empty());
@@ -84,7 +84,7 @@ TEST_CASE("report options: which go together") {
   CHECK_THAT(option_refusal(dated), Catch::StartsWith("TB-USAGE at "));
 }
 
-TEST_CASE("report: runs by number, and for a batch those of a range or a lot that have models and count") {
+TEST_CASE("report: runs are chosen by number, a batch by range or lot, without void runs or runs without models") {
   const tests::TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   for (int run = 1; run <= 6; ++run) {
@@ -124,7 +124,7 @@ TEST_CASE("report: runs by number, and for a batch those of a range or a lot tha
     CHECK(report_refusal([&] { (void)chosen(named, lot, batch); }).starts_with("TB-USAGE at "));
 }
 
-TEST_CASE("report signing: a reason where another is replaced, and none otherwise") {
+TEST_CASE("report signing: needs a reason if it replaces a report, and rejects a reason otherwise") {
   const db::ReportRecord first{1, "1-a", "h", "K. Lee", "2026-01-01T00:00:00Z", "", ""};
   const db::ReportRecord second{1, "1-b", "i", "K. Lee", "2026-01-02T00:00:00Z", "1-a", "x"};
   const auto reason = [](const std::vector<db::ReportRecord>& before, const char* number, const char* text,
@@ -142,7 +142,7 @@ TEST_CASE("report signing: a reason where another is replaced, and none otherwis
   CHECK_THAT(reason({first, second}, "1-c", "", true), Catch::StartsWith("TB-REPORT-REASON at "));
 }
 
-TEST_CASE("report signing: without a verdict it is to be confirmed") {
+TEST_CASE("report signing: without a verdict it needs confirmation") {
   Session session;
   session.json = true;
   const auto sign = [&](const analysis::Judgement& judgement, bool without_verdict) {
@@ -152,7 +152,7 @@ TEST_CASE("report signing: without a verdict it is to be confirmed") {
   CHECK(sign({}, true).empty());
 }
 
-TEST_CASE("report options: runs that lag and creep were made from are no independent data") {
+TEST_CASE("report options: runs used for lag and creep are rejected as independent data") {
   const tests::TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   for (int i = 0; i < 4; ++i) (void)tests::store_example(store);

@@ -48,7 +48,7 @@ json data_of_run(const TemporaryFolder& folder, const std::vector<std::string>& 
 
 }  // namespace
 
-TEST_CASE("figures of health and raw behaviour are those recomputed from the stored counts") {
+TEST_CASE("report: health and raw behaviour values equal those recomputed from the stored counts") {
   const TemporaryFolder& folder = reported();
   const json data = data_of_run(folder, {"1"});
   CHECK(data["schema"] == "tactbench.report");
@@ -116,7 +116,7 @@ TEST_CASE("figures of health and raw behaviour are those recomputed from the sto
 }
 
 // What else becomes of signed reports: report_slow.cpp.
-TEST_CASE("the same run gives the same bytes, and a signature keeps the number") {
+TEST_CASE("report: the same run gives the same bytes, and signing keeps the report number") {
   const TemporaryFolder& folder = reported();
   for (const char* name : {"a.html", "b.html"}) REQUIRE(call(folder, {"report", "2", "-o", name}).code == 0);
   CHECK(read_file(folder.path("a.html")) == read_file(folder.path("b.html")));
@@ -125,7 +125,7 @@ TEST_CASE("the same run gives the same bytes, and a signature keeps the number")
   CHECK(json::parse(call(folder, sign).out)["number"] == first["number"]);
 }
 
-TEST_CASE("a report goes into a pipe, and to a full device it is an error") {
+TEST_CASE("report: is written into a pipe, a full device is an error") {
   const TemporaryFolder& folder = reported();
   const auto piped = [&](const std::string& words) {
     return run_program("/bin/sh", {"-c", "timeout 60 '" + program_path() + "' " + words}, folder.path());
@@ -143,7 +143,7 @@ TEST_CASE("a report goes into a pipe, and to a full device it is an error") {
   CHECK(piped("report 1 -q -o /dev/full").code == 2);
 }
 
-TEST_CASE("a batch has the figures of each sensor's newest run") {
+TEST_CASE("report: a batch has the values of the newest run of each sensor") {
   const TemporaryFolder& folder = reported();
   const json batch = data_of_run(folder, {"--batch", "1", "2", "3"});
   CHECK(batch["runs"] == json::array({2, 3}));  // one a sensor, the newest
@@ -151,7 +151,7 @@ TEST_CASE("a batch has the figures of each sensor's newest run") {
         data_of_run(folder, {"2"})["results"]["evaluation"]["mean_error_psi"]);
 }
 
-TEST_CASE("a PDF is made by what is installed, with the run's date, else it is an error") {
+TEST_CASE("report: a PDF is made by an installed program and has no foreign date, without a program it is an error") {
   const TemporaryFolder& folder = reported();
   const auto with_path = [&](const std::string& path, const std::string& name) {
     return run_program("/usr/bin/env", {"PATH=" + path, program_path(), "report", "1", "--format", "pdf", "-o", name},
@@ -212,7 +212,7 @@ struct RunsToReport {
 
 }  // namespace
 
-TEST_CASE("report: the verdicts of a judged run, its judgement and its file, also by models of another run") {
+TEST_CASE("report: states verdicts, judgement and file of a judged run, also with models of another run") {
   const RunsToReport of;
   CHECK(of.report({"1"}).code == 6);
   const std::string number = of.told({"1"}).at("number");
@@ -240,7 +240,7 @@ TEST_CASE("report: the verdicts of a judged run, its judgement and its file, als
   CHECK(both.at("judgement").at("runs").size() == 2);
 }
 
-TEST_CASE("report: two runs compared and a batch, with the judgement of each") {
+TEST_CASE("report: a comparison of two runs and a batch each state one judgement per run") {
   const RunsToReport of;
   CHECK(of.report({"--compare", "1", "2"}).code == 6);
   const std::string number = of.told({"--compare", "1", "2"}).at("number");
@@ -269,7 +269,7 @@ TEST_CASE("report: two runs compared and a batch, with the judgement of each") {
   CHECK(of.report({"1", "--format", "json", "-o", "b.json"}).code == 6);
 }
 
-TEST_CASE("report: signed once it keeps its number, its file and what replaced it") {
+TEST_CASE("report: a signed report keeps its number and file, and a later one states which report it replaces") {
   const RunsToReport of;
   of.refused({"sign", "3", "--by", "K. Lee"}, "[TB-REPORT-NO-VERDICT]");  // nobody is asked: no terminal
   // A file of somebody else ends it before anything is signed.
@@ -301,7 +301,7 @@ TEST_CASE("report: signed once it keeps its number, its file and what replaced i
   CHECK(listed.at(1).at("by") == "M. Ito");
 }
 
-TEST_CASE("report: without a verdict a person at the terminal is asked whether to sign") {
+TEST_CASE("report: if a run has no verdict, signing asks the operator at the terminal") {
   const RunsToReport of;
   const auto answer = [&](const std::string& typed) {
     InTerminal terminal(of.folder.path(), {"report", "sign", "3", "--by", "K. Lee"}, 100, 30);
@@ -315,7 +315,7 @@ TEST_CASE("report: without a verdict a person at the terminal is asked whether t
   CHECK(Told::parse(call(of.folder, {"report", "list", "--json"}).out).at("reports").size() == 1);
 }
 
-TEST_CASE("report: models and further runs that it cannot use") {
+TEST_CASE("report: rejects unusable models and further runs") {
   const RunsToReport of;
   for (const auto& words : std::vector<std::vector<std::string>>{
            {"9"}, {"1", "--previous", "9"}, {"1", "--studies", "9"}, {"1", "9"}, {"1", "--model", "9"}})
@@ -388,7 +388,7 @@ const std::vector<DemoRunStored>& runs_of_seed_three() {
 
 }  // namespace
 
-TEST_CASE("demo: six runs, each with its seeds, recipes, settings and frames") {
+TEST_CASE("demo: stores six runs with their seeds, recipes, settings and number of frames") {
   const TemporaryFolder folder;
   write_file(folder.path("mine.txt"), "a letter\n");
   const Finished refused = call(folder, {"demo", "-o", "mine.txt"});

@@ -49,7 +49,7 @@ struct SignedStore : OpenStoreHere {
 
 }  // namespace
 
-TEST_CASE("report list: each signed report with its run, who signed it, what it replaces and why") {
+TEST_CASE("report list: shows each signed report with run, signer, replaced report and reason") {
   SignedStore store;
   CHECK_THAT(store.reports({"list", "3"}).err, Catch::Contains("[TB-STORE-NOT-FOUND]"));
   const std::string file = store.write_report_file(2, "run-2-0000000c.pdf", "2-0000000c");
@@ -70,7 +70,7 @@ TEST_CASE("report list: each signed report with its run, who signed it, what it 
   CHECK(nlohmann::json::parse(store.reports({"list", "1", "--json"}).out).at("reports").size() == 2);
 }
 
-TEST_CASE("report verify: what is neither a file nor a number, and numbers that nobody signed") {
+TEST_CASE("report verify: rejects text that is neither file nor number, and reports unsigned numbers") {
   SignedStore store;
   for (const char* word : {"what", "1-0000000", "1-0000000aa", "-0000000a", "a-0000000a", "1-0000000g", "1-0000000A",
                            "10000000a", "", "1-"}) {
@@ -85,7 +85,7 @@ TEST_CASE("report verify: what is neither a file nor a number, and numbers that 
   CHECK_FALSE(told.contains("run"));
 }
 
-TEST_CASE("report verify: a file that is unchanged, changed, of another time, or not there") {
+TEST_CASE("report verify: reports a file as unchanged, changed, of an earlier report, or missing") {
   SignedStore store;
   // The states of the files of a report, and the exit code.
   const auto states = [&](const std::string& named) {
@@ -118,7 +118,7 @@ TEST_CASE("report verify: a file that is unchanged, changed, of another time, or
         "serial corrected");
 }
 
-TEST_CASE("report verify: a void run and a changed store outweigh an unchanged file") {
+TEST_CASE("report verify: a void run or a changed store outranks an unchanged file") {
   SignedStore store;
   const std::string page = store.write_report_file(2, "run-2-0000000c.html", "2-0000000c");
   store.store.void_run(2, "gauge closed", "K. Lee", kUtc);
@@ -130,8 +130,7 @@ TEST_CASE("report verify: a void run and a changed store outweigh an unchanged f
   CHECK(store.reports({"verify", page}).code == 1);
 }
 
-TEST_CASE(
-    "voiding a run that a signed report was judged on: void names the report, verify says that its evidence fell") {
+TEST_CASE("report verify: after voiding a run used as evidence, void names the signed reports and verify fails them") {
   SignedStore store;
   const std::string page = store.write_report_file(2, "run-2-0000000c.html", "2-0000000c");
   const auto evidence = [&](const std::string& in) {
@@ -156,7 +155,7 @@ TEST_CASE(
   CHECK(evidence(copy) == "unknown");
 }
 
-TEST_CASE("the hash of a report's file is kept once, and of signed reports alone") {
+TEST_CASE("report signing: the hash of a report file is stored once, and only for signed reports") {
   SignedStore store;
   bench::Session session;
   session.db = store.path;

@@ -59,7 +59,7 @@ std::vector<Recorded> recorded(const std::string& file) {
 
 }  // namespace
 
-TEST_CASE("calibrate-reference: each level is read on the way up and down") {
+TEST_CASE("calibrate-reference: each level is read with increasing and decreasing pressure") {
   const TypedReadings of;
   const Finished done =
       of.calibrate("0.1\nabc\n30.2\n60.3\n60.2\n206.8427kPa\n0\n", "--levels 0,30,60 --resolution 0.2 -o ref.toml");
@@ -78,7 +78,7 @@ TEST_CASE("calibrate-reference: each level is read on the way up and down") {
   }
 }
 
-TEST_CASE("calibrate-reference: a reading that neither instrument can have seen is asked for again") {
+TEST_CASE("calibrate-reference: an implausible gauge reading is asked for again") {
   const TypedReadings of;
   // Ten times too much, another level's, the wrong unit, the wrong sign; then the right one.
   REQUIRE(of.calibrate("0\n100.1\n20.1\n69kPa\n10.1\n206.8\n20.1\n-20.1\n20.1\n1.01\n68.9\n10.1\n0\n",
@@ -96,7 +96,7 @@ TEST_CASE("calibrate-reference: a reading that neither instrument can have seen 
     CHECK(one.reference == Approx(1.04 * one.gauge).margin(0.3));
 }
 
-TEST_CASE("calibrate-reference: in kPa it reads kPa, and the file keeps psi") {
+TEST_CASE("calibrate-reference: with --units kPa readings are typed in kPa, the file stays in psi") {
   const TypedReadings of;
   constexpr double kKilopascals = 6.894757293168361;
   REQUIRE(of.calibrate("0\n206.8\n30psi\n0\n", "--levels 0,30 --units kPa -o k.toml").code == 0);
@@ -107,7 +107,7 @@ TEST_CASE("calibrate-reference: in kPa it reads kPa, and the file keeps psi") {
   CHECK(readings[2].gauge == 30.0);
 }
 
-TEST_CASE("calibrate-reference: what ends it leaves it vented, and no file") {
+TEST_CASE("calibrate-reference: an error or an abort leaves the chamber vented and writes no file") {
   const TypedReadings of;
   for (const char* typed : {"0\nq\n", "0\n"}) of.ended(typed, "--levels 0,30", 4, "TB-CALIBRATION-STOPPED");
   // Levels far closer than the reference's noise.
@@ -120,7 +120,8 @@ TEST_CASE("calibrate-reference: what ends it leaves it vented, and no file") {
            "TB-SAFE-UNVERIFIED");
 }
 
-TEST_CASE("calibrate-reference: the file's name comes from the reference's serial, and no other file is overwritten") {
+TEST_CASE(
+    "calibrate-reference: the default file name has the serial of the reference, other files are not overwritten") {
   const TypedReadings of;
   CHECK(of.calibrate("0\n60\n60\n0\n", "--levels 0,60").code == 0);  // the ends of the command limit
   CHECK(std::filesystem::exists(of.folder.path("reference-SIM-REF-1.toml")));
@@ -131,7 +132,7 @@ TEST_CASE("calibrate-reference: the file's name comes from the reference's seria
   CHECK(recorded(of.file("notes")).size() == 4);
 }
 
-TEST_CASE("calibrate-reference: a signal while it waits for a reading ends it vented, without a file") {
+TEST_CASE("calibrate-reference: a signal during the wait for a reading ends it vented, without a file") {
   const TypedReadings of;
   const Finished ended = run_program(
       "/bin/sh",
@@ -147,7 +148,7 @@ TEST_CASE("calibrate-reference: a signal while it waits for a reading ends it ve
   CHECK_FALSE(std::filesystem::exists(of.folder.path("none.toml")));
 }
 
-TEST_CASE("calibrate-reference: as JSON it tells what the file has") {
+TEST_CASE("calibrate-reference: the JSON document has the corrections of the written file") {
   const TypedReadings of;
   const nlohmann::json told = nlohmann::json::parse(
       well(of.calibrate("0.1\n30.2\n60.3\n60.2\n30\n0\n", "--levels 0,30,60 -o ref.toml --json")).out);

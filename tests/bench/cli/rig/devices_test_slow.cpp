@@ -64,7 +64,7 @@ class CheckedRig {
 
 }  // namespace
 
-TEST_CASE("devices test: what is concluded of rig and standard together") {
+TEST_CASE("devices test: states the result of rig and check standard together") {
   CheckedRig rig;
   const Told first = Told::parse(rig.check({"--press", "--json"}).out);
   check_members(first, R"({"schema": "tactbench.rig.check", "bench": "simulated-rig", "origin": "simulated"})");
@@ -123,7 +123,7 @@ TEST_CASE("devices test: what is concluded of rig and standard together") {
 }
 
 // By eight checks as they are, and by faults of the rig and of the standard itself.
-TEST_CASE("devices test separates a changed rig from a changed standard") {
+TEST_CASE("devices test: distinguishes a changed rig from a changed check standard") {
   const TemporaryFolder folder;
   REQUIRE(call(folder, {"sensors", "add", "STD-1", "--type", "sensor.toml"}).code == 0);
   // The state of the chamber and of the standard.

@@ -27,7 +27,7 @@ std::string values_of_file(const std::string& path) { return sequences::TomlDocu
 
 }  // namespace
 
-TEST_CASE("init writes the files of each kind of bench, and none over another") {
+TEST_CASE("init: writes the files of each kind of bench, and overwrites none") {
   const TemporaryFolder folder;
   const auto init = [&](const std::string& name, const std::vector<std::string>& more) {
     return verb_here(bench::add_init, joined_words({"init", folder.path(name)}, more));
@@ -59,7 +59,7 @@ TEST_CASE("init writes the files of each kind of bench, and none over another") 
   check_refusal(init("file/sub", {}), 2, "TB-FILE-WRITE");
 }
 
-TEST_CASE("plan --copy: names of letters, digits, hyphens and underscores, and a copy with all comments") {
+TEST_CASE("plan --copy: accepts letters, digits, hyphens and underscores in the name, and keeps all comments") {
   const TemporaryFolder folder;
   const auto copy = [&](const std::string& recipe, const std::string& file, std::vector<std::string> more = {}) {
     more.insert(more.begin(), {"plan", recipe, "--copy", folder.path(file)});
@@ -82,7 +82,7 @@ TEST_CASE("plan --copy: names of letters, digits, hyphens and underscores, and a
   CHECK_THAT(copy(folder.path("odd.toml"), "c").err, Catch::Contains("[TB-USAGE]"));
 }
 
-TEST_CASE("plan: a recipe's steps and frames, and its file") {
+TEST_CASE("plan: reports steps and frames of a recipe, and prints its file") {
   const TemporaryFolder folder;
   // 2 steps of conditioning, and a frame at 0, 5, 10, 5 and 0 psi, twice.
   const std::string path = folder.path("two.toml");
@@ -97,7 +97,7 @@ TEST_CASE("plan: a recipe's steps and frames, and its file") {
         read_file(path));
 }
 
-TEST_CASE("plan knows the shipped recipes, and leaves out the suite beside them") {
+TEST_CASE("plan: lists the shipped recipes without the nightly suite") {
   const nlohmann::json recipes =
       nlohmann::json::parse(verb_here(bench::add_plan, {"plan", "--json"}).out).at("recipes");
   const auto named = [&](const char* name) {
@@ -111,7 +111,7 @@ TEST_CASE("plan knows the shipped recipes, and leaves out the suite beside them"
   CHECK(verb_here(bench::add_plan, {"plan", "produktion", "--print"}).code == 2);
 }
 
-TEST_CASE("config: each value, and where it comes from") {
+TEST_CASE("config: prints each value and where it comes from") {
   const auto show = [](const std::vector<std::string>& more) {
     return verb_here(bench::add_config, joined_words({"config", "--bench", "simulated.toml"}, more));
   };
@@ -126,7 +126,7 @@ TEST_CASE("config: each value, and where it comes from") {
   CHECK(found);
 }
 
-TEST_CASE("devices reset tells the trip that it removes, and that there is none") {
+TEST_CASE("devices reset: reports the trip that it removes, or that there is none") {
   const std::string id = "bench-to-reset";
   const auto reset = [&](const std::vector<std::string>& more) {
     return verb_here(bench::add_devices, joined_words({"devices", "reset", "--bench", "simulated.toml", "--set",
@@ -161,7 +161,7 @@ std::string without_numbers(std::string key) {
 
 }  // namespace
 
-TEST_CASE("each row of a table of keys has a type, a unit and a meaning, and each key one row") {
+TEST_CASE("key tables: each row has type, unit and meaning, and no key occurs twice") {
   for (const bench::FileKind& kind : bench::file_kinds()) {
     INFO(kind.title);
     std::set<std::string> keys;
@@ -174,7 +174,7 @@ TEST_CASE("each row of a table of keys has a type, a unit and a meaning, and eac
   }
 }
 
-TEST_CASE("each shipped file is read, and of a bench file each value that is read is a row") {
+TEST_CASE("key tables: every shipped file is read, and each value of a bench file has a row") {
   std::set<std::string> rows;
   for (const sequences::KeyFacts& row : bench::bench_keys()) rows.insert(without_numbers(row.key));
   for (const char* name : {"simulated.toml", "simulated-serial.toml", "paper-rig.example.toml"})
@@ -196,7 +196,7 @@ TEST_CASE("each shipped file is read, and of a bench file each value that is rea
   }
 }
 
-TEST_CASE("a file with the meanings of its keys holds each meaning once and keeps its values") {
+TEST_CASE("key tables: a file commented with key meanings has each meaning once and keeps its values") {
   const std::string toml =
       "schema = 1\n[settling]\npoll_s = 0.2\n# trace_s = 0\n[stage.x]\ndevice = 1\n[stage.y]\ndevice = 2\n[other]\nx = "
       "1\n";

@@ -52,7 +52,7 @@ std::string named_run_refusal(const Choose& choose) {
 
 }  // namespace
 
-TEST_CASE("named run: the one run that answers is meant, and beside silent benches only when it is named") {
+TEST_CASE("named run: a command goes to the only live run, or if a bench is silent only to a run that is named") {
   const NamedRun unnamed;
   NamedRun by_bench, by_store, by_number;
   by_bench.bench = "b-1";
@@ -76,7 +76,7 @@ TEST_CASE("named run: the one run that answers is meant, and beside silent bench
     CHECK(named_run_refusal([&] { (void)only_one(found, by_bench, "pause", urgent); }) == "TB-RUN-AMBIGUOUS");
 }
 
-TEST_CASE("named run: what does not answer is told before that nothing is live") {
+TEST_CASE("named run: a silent bench is reported before the absence of a live run") {
   const NamedRun unnamed;
   NamedRun by_number;
   by_number.run = 12;
@@ -94,7 +94,7 @@ TEST_CASE("named run: what does not answer is told before that nothing is live")
   }
 }
 
-TEST_CASE("named run: two paths of one store are one, and a bench is named by its file or its id") {
+TEST_CASE("named run: two paths of one store are equal, a bench is named by its file or its id") {
   const tests::TemporaryFolder folder;
   std::filesystem::create_directory(folder.path("in"));
   tests::write_file(folder.path("runs.db"), "x");

@@ -41,7 +41,7 @@ struct PlanFolder {
 
 }  // namespace
 
-TEST_CASE("plan as JSON has every figure, and each step where steps are asked for") {
+TEST_CASE("plan: the JSON document has every value, and each step on request") {
   const PlanFolder here;
   const nlohmann::json told = here.json({"two"});
   CHECK(told.at("schema") == "tactbench.plan");
@@ -85,7 +85,7 @@ TEST_CASE("plan as JSON has every figure, and each step where steps are asked fo
   CHECK(both.at("step_list").at(12).at("frame") == false);  // the prompt
 }
 
-TEST_CASE("plan names the levels of limits that no recipe measures, and their neighbours if there are any") {
+TEST_CASE("plan: reports the levels of the limits that no recipe measures, with the nearest measured levels") {
   const PlanFolder here;
   const auto limits_at = [&](const std::string& psi) {
     write_file(here.folder.path("limits.toml"),
@@ -103,7 +103,7 @@ TEST_CASE("plan names the levels of limits that no recipe measures, and their ne
         nlohmann::json::parse(R"([{"pressure_psi": 7.0, "nearest_psi": [5.0, 10.0]}])"));
 }
 
-TEST_CASE("plan lists parameters with their values, defaults and ranges") {
+TEST_CASE("plan: lists parameters with value, default and range") {
   const PlanFolder here;
   write_file(here.folder.path("free.toml"),
              "schema = 1\nname = \"free\"\nunit = \"psi\"\nturning_points = [0, \"$level\", 0]\nstep = 5\n"
@@ -116,7 +116,7 @@ TEST_CASE("plan lists parameters with their values, defaults and ranges") {
       "default": 10.0, "low": 5.0, "high": 40.0, "unit": "psi", "help": "the top"}])"));
 }
 
-TEST_CASE("plan learns times from completed runs of the bench") {
+TEST_CASE("plan: estimates times from completed runs of the same bench") {
   const PlanFolder here;
   const sequences::Recipe recipe = recipe_named("known");
   write_file(here.folder.path("known.toml"), recipe.text);

@@ -15,7 +15,7 @@ using namespace tactbench::tests;
 using namespace tactbench;
 using nlohmann::json;
 
-TEST_CASE("plan lists the very steps that the compiler makes") {
+TEST_CASE("plan: lists the same steps as the compiler") {
   const TemporaryFolder folder;
   for (const std::vector<std::string>& names :
        std::vector<std::vector<std::string>>{{"production", "ring"}, {"rate-ramp"}, {"random-reversal"}}) {
@@ -33,7 +33,7 @@ TEST_CASE("plan lists the very steps that the compiler makes") {
   }
 }
 
-TEST_CASE("plan lists what is shipped, and refuses another name") {
+TEST_CASE("plan: lists the shipped recipes, and rejects an unknown name") {
   const TemporaryFolder folder;
   CHECK(call(folder, {"plan"}).code == 0);
   std::set<std::string> names, shipped;
@@ -46,7 +46,7 @@ TEST_CASE("plan lists what is shipped, and refuses another name") {
   CHECK(call(folder, {"run", "produktion", "--bench", "simulated.toml", "--sensor", "S", "--operator", "o"}).code == 2);
 }
 
-TEST_CASE("plan refuses at once a step that would use all memory") {
+TEST_CASE("plan: rejects a step size that would exhaust memory") {
   const TemporaryFolder folder;
   CHECK(call(folder, {"plan", "noise", "--set", "recipe.step=0.00001"}).code == 2);
 }

@@ -49,7 +49,7 @@ struct StoreToResume : OpenStoreHere {
 
 }  // namespace
 
-TEST_CASE("run: a film's state and a pace are of a bench that is simulated in this process") {
+TEST_CASE("run: --specimen-state and --rate are accepted only for a bench simulated in this process") {
   const RunToRefuse of;
   check_refusal(of.run(of.folder.path("far.toml"), {"--specimen-state", "film.bin"}), 2, "TB-USAGE",
                 "--specimen-state");
@@ -60,7 +60,7 @@ TEST_CASE("run: a film's state and a pace are of a bench that is simulated in th
     CHECK_THAT(of.run("simulated.toml", more).err, Catch::Contains("[TB-SENSOR-UNKNOWN]"));
 }
 
-TEST_CASE("run: an instrument that is overdue is warned of before all else, one that is in date is not") {
+TEST_CASE("run: warns about an overdue instrument before any other error, and not about a valid one") {
   const RunToRefuse of;
   const auto said = [&](const std::string& due) {
     return of.run("simulated.toml", {"--set", "reference.due=\"" + due + "\""}).err;
@@ -69,7 +69,7 @@ TEST_CASE("run: an instrument that is overdue is warned of before all else, one 
   CHECK_THAT(said("2999-01-31"), !Catch::Contains("2999") && Catch::Contains("[TB-SENSOR-UNKNOWN]"));
 }
 
-TEST_CASE("calibrate-reference: what is refused before a device is opened") {
+TEST_CASE("calibrate-reference: invalid options are rejected before a device is opened") {
   const RunToRefuse of;
   const auto refused = [&](const std::vector<std::string>& more) {
     const Finished done = of.calibrate(more);
@@ -99,11 +99,11 @@ TEST_CASE("calibrate-reference: what is refused before a device is opened") {
               .code == 2);
 }
 
-TEST_CASE("dead-man: it serves a socket that is named") {
+TEST_CASE("dead-man: rejects a call without a socket name") {
   CHECK(verb_here(bench::add_dead_man, {"dead-man"}).code == 2);
 }
 
-TEST_CASE("resume: broken settings, and a bench that is another") {
+TEST_CASE("resume: rejects invalid stored settings, and another bench") {
   for (const char* broken : {"{", "7", R"([{"key":"a"}])", R"([{"key":1,"value":"1"}])"}) {
     INFO(broken);
     const StoreToResume store(broken);

@@ -17,7 +17,7 @@ const std::string kProgram = program_path();
 
 }  // namespace
 
-TEST_CASE("simulate: another process finds every instrument, watches them and carries out a run") {
+TEST_CASE("simulate: another process finds every instrument, reads them and completes a run") {
   const ServedRig simulator(10.0);
   const json devices =
       json::parse(well(simulator.run({"devices", "check", "--bench", "bench.toml", "--json"})).out)["devices"];
@@ -32,7 +32,7 @@ TEST_CASE("simulate: another process finds every instrument, watches them and ca
   check_members(row, R"({"frames": 5, "origin": "simulated", "safe_state": "verified"})");
 }
 
-TEST_CASE("simulate: a killed sequencer leaves a chamber that the module's own watchdog vents") {
+TEST_CASE("simulate: after the sequencer is killed the watchdog of the module vents the chamber") {
   ServedRig simulator(1.0, {"dead_man.enabled=false"});
   write_file(simulator.folder.path("hold.toml"),
              "schema = 1\nname = \"hold\"\nunit = \"psi\"\nturning_points = [40, 60, 40]\nstep = 20\ndwell_s = 600\n");

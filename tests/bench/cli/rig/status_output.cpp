@@ -28,7 +28,7 @@ struct StoreOfStatus : OpenStoreHere {
 
 }  // namespace
 
-TEST_CASE("status: the last run of the store, of a bench, or the one that is named") {
+TEST_CASE("status: shows the last run of the store, of a bench, or the run that is named") {
   const StoreOfStatus store;
   CHECK(store.status({"status"}).code == 0);
   check_refusal(store.status({"status", "9"}), 2, "TB-STORE-NOT-FOUND");
@@ -44,7 +44,7 @@ TEST_CASE("status: the last run of the store, of a bench, or the one that is nam
   CHECK(told({"--bench", "bench-c"}).at("last_run").is_null());
 }
 
-TEST_CASE("watch: of a named run that has ended it says how, with that run's exit code") {
+TEST_CASE("watch: for an ended run it ends with the exit code of that run") {
   const StoreOfStatus store;
   CHECK(store.status({"status", "--watch", "1"}).code == 0);
   CHECK(store.status({"status", "--watch", "2"}).code == 3);

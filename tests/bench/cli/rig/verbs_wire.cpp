@@ -55,7 +55,7 @@ struct CommandsGiven {
 
 }  // namespace
 
-TEST_CASE("commands: the answer of the one live run, or why it is refused") {
+TEST_CASE("commands: the only live run answers, other commands are rejected with an error id") {
   const CommandsGiven of;
   of.refused({"stop"}, "TB-RUN-NOT-LIVE");
   const AnsweringRun live("live", 3, of.store("live.db"));
@@ -71,7 +71,7 @@ TEST_CASE("commands: the answer of the one live run, or why it is refused") {
   of.refused({"pause", "4"}, "TB-RUN-NOT-LIVE");
 }
 
-TEST_CASE("resume: a number alone resumes no run of another store where this folder has one") {
+TEST_CASE("resume: a run number alone does not resume a run of another store if this folder has a store") {
   const CommandsGiven of;
   const AnsweringRun live("live", 3, of.store("live.db"));
   of.taken({"pause"});
@@ -84,14 +84,14 @@ TEST_CASE("resume: a number alone resumes no run of another store where this fol
   of.taken({"resume"});
 }
 
-TEST_CASE("resume: the run of this folder's own store is resumed by its number") {
+TEST_CASE("resume: a run of the store in this folder is resumed by its number") {
   const CommandsGiven of;
   const AnsweringRun live("live", 3, of.store("runs.db"));
   of.taken({"pause", "3"});
   of.taken({"resume", "3"});
 }
 
-TEST_CASE("commands: several live runs must be told apart, and a panic reaches all that are meant") {
+TEST_CASE("commands: several live runs are ambiguous, and panic reaches every run that matches") {
   const CommandsGiven of;
   const AnsweringRun live("live", 3, of.store("live.db")), other("other", 3, of.store("other.db"));
   for (const CommandWords& words : {CommandWords{"stop"}, CommandWords{"stop", "3"}, CommandWords{"panic"}})
@@ -104,7 +104,7 @@ TEST_CASE("commands: several live runs must be told apart, and a panic reaches a
   of.taken({"panic", "3", "--db", "other.db"});
 }
 
-TEST_CASE("panic: all runs must refuse for it to fail") {
+TEST_CASE("panic: fails only if every run refuses it") {
   const CommandsGiven of;
   const AnsweringRun ended("a", 3, of.store("a.db"), bench::RunState::kEnded);
   {
@@ -115,7 +115,7 @@ TEST_CASE("panic: all runs must refuse for it to fail") {
   check_refusal(of.give({"panic", "3"}), 2, "TB-RUN-WORD");
 }
 
-TEST_CASE("commands: a bench that does not answer is named, and holds up a stop but no panic") {
+TEST_CASE("commands: a bench that does not respond is named, and blocks a stop but not a panic") {
   const CommandsGiven of;
   const AnsweringRun live("live", 3, of.store("live.db"));
   const SilentRun silent("a-frozen", "/run/7");
@@ -127,7 +127,7 @@ TEST_CASE("commands: a bench that does not answer is named, and holds up a stop 
   of.taken({"stop", "--db", "live.db"});
 }
 
-TEST_CASE("status: each live run, and those of one bench or store alone") {
+TEST_CASE("status: lists every live run, or only those of one run number, bench or store") {
   const CommandsGiven of;
   const AnsweringRun live("live", 3, of.store("live.db")), other("other", 4, of.store("other.db"));
   const Finished both = of.give({"status"});
@@ -149,7 +149,7 @@ TEST_CASE("status: each live run, and those of one bench or store alone") {
   CHECK(told.at("last_run").is_null());
 }
 
-TEST_CASE("status: a bench that does not answer is named") {
+TEST_CASE("status: names a bench that does not respond") {
   const CommandsGiven of;
   const SilentRun silent("a-frozen", "/run/7");
   const nlohmann::json told = of.told({"status"});
@@ -166,7 +166,7 @@ TEST_CASE("status: a bench that does not answer is named") {
   CHECK(of.told({"status", "--db", "runs.db"}).at("last_run").at("run") == 1);
 }
 
-TEST_CASE("watch: an ended run is told only where nothing else is meant, and one that is carried out is not ended") {
+TEST_CASE("watch: shows how an ended run ended only if no silent run matches, a live run is not taken as ended") {
   const CommandsGiven of;
   const std::string path = of.folder.path("runs.db");
   {
@@ -189,7 +189,7 @@ TEST_CASE("watch: an ended run is told only where nothing else is meant, and one
   CHECK_THAT(carried_out.err, Catch::Contains("[TB-RUN-NOT-LIVE]"));
 }
 
-TEST_CASE("status: without --db the store of this folder is asked") {
+TEST_CASE("status: without --db it reads the store of this folder") {
   const CommandsGiven of;
   check_refusal(of.give({"status", "9"}), 5, "TB-STORE-OPEN");
   CHECK(of.give({"status", "--db", "none.db"}).code == 5);
@@ -207,7 +207,7 @@ TEST_CASE("status: without --db the store of this folder is asked") {
 using namespace tactbench;
 using namespace tactbench::tests;
 
-TEST_CASE("devices check: a calibration is good on the day when it is due, and overdue on the next") {
+TEST_CASE("devices check: a calibration is valid on its due date and overdue the next day") {
   const TemporaryFolder folder;
   const auto page_of = [&](const std::string& due) {
     return call(folder, {"devices", "check", "--bench", "simulated.toml", "--set", "reference.due=" + due}).out;
@@ -224,7 +224,7 @@ TEST_CASE("devices check: a calibration is good on the day when it is due, and o
   CHECK(overdue(bench::utc_days_ago(1).substr(0, 10)));
 }
 
-TEST_CASE("devices check: what was not filled in is warned of, and an instrument that is wrong told") {
+TEST_CASE("devices check: warns about values left to fill in, and reports an instrument out of range") {
   const TemporaryFolder folder;
   const Finished checked =
       call(folder, {"devices", "check", "--bench", "simulated.toml", "--set", "reference.certificate=\"FILL-IN\""});
@@ -242,13 +242,13 @@ TEST_CASE("devices check: what was not filled in is warned of, and an instrument
   CHECK_FALSE(reference.at("notes").empty());
 }
 
-TEST_CASE("devices reset: a person is named") {
+TEST_CASE("devices reset: needs the name of an operator") {
   const TemporaryFolder folder;
   check_refusal(call(folder, {"devices", "reset", "--bench", "simulated.toml", "--operator", " "}), 2, "TB-USAGE",
                 "--operator");
 }
 
-TEST_CASE("live prints the pressures, places, forces and the array once a look") {
+TEST_CASE("live: prints pressures, forces and the array once per frame") {
   const TemporaryFolder folder;
   const Finished seen = call(folder, {"live", "--bench", "simulated.toml", "--frames", "2", "--interval", "0.05"});
   CHECK(seen.code == 0);
@@ -269,7 +269,7 @@ TEST_CASE("live prints the pressures, places, forces and the array once a look")
   CHECK(told["devices"][4]["notes"].size() == 1);
 }
 
-TEST_CASE("devices scan: its devices as JSON, and a host that does not answer") {
+TEST_CASE("devices scan: lists devices as JSON, including a host that does not respond") {
   const TemporaryFolder folder;
   CHECK(call(folder, {"devices", "scan"}).code == 0);
   const auto told = nlohmann::json::parse(call(folder, {"devices", "scan", "--json"}).out);
@@ -334,7 +334,7 @@ class HeldPort {
 
 }  // namespace
 
-TEST_CASE("page: its address on a free port, for who reads alone and for who commands, and as JSON") {
+TEST_CASE("page: prints its address on a free port, with separate links for readers and operators, and as JSON") {
   const Finished reads = announced_page("--port 0");
   CHECK(reads.err.empty());
   const std::string secrets = reads.out.substr(reads.out.find('#') + 1);
@@ -351,12 +351,12 @@ TEST_CASE("page: its address on a free port, for who reads alone and for who com
   CHECK(nlohmann::json::parse(announced_page("--port 0 --json").out).at("operator") == "");
 }
 
-TEST_CASE("page: beside a run its address goes to standard error, and nothing to standard output") {
+TEST_CASE("page: next to a run it prints its address to standard error only") {
   const Finished beside = announced_page("--port 0 --beside " + std::to_string(::getpid()), "err");
   CHECK(beside.out.empty());
 }
 
-TEST_CASE("page: another page's usual port is left to it, a port that was asked for is not") {
+TEST_CASE("page: if the default port is in use it takes another one, an explicit port in use is rejected") {
   const HeldPort usual(8765);
   if (!usual.held()) return;  // somebody else has it
   const Finished other = announced_page("");
@@ -407,7 +407,7 @@ struct ServedOnce {
 
 }  // namespace
 
-TEST_CASE("simulate: each wire by its place, and the client's bench file") {
+TEST_CASE("simulate: prints the address of each wire, and writes the bench file of the client") {
   const ServedOnce served({"--rate", "2.5"});
   CHECK(served.value("simulation", "seed") == "none");
   CHECK(served.bench.find("[simulation") == std::string::npos);
@@ -425,7 +425,7 @@ TEST_CASE("simulate: each wire by its place, and the client's bench file") {
   CHECK(served.value("force", "host") == "'127.0.0.1'");
 }
 
-TEST_CASE("simulate: a frame source and a force sensor on a serial line are connected by their own addresses") {
+TEST_CASE("simulate: a frame source and a serial force sensor get their own addresses") {
   const ServedOnce served({"--set", "scanner.kind=\"frame-source\"", "--set", "force.kind=\"digital\""});
   CHECK(served.value("scanner", "kind") == "'frame-source'");
   CHECK(served.value("scanner", "address") == "'" + served.where("tactile scanner, frame-source") + "'");
@@ -436,7 +436,7 @@ TEST_CASE("simulate: a frame source and a force sensor on a serial line are conn
   CHECK(served.value("force", "http_port") == "none");
 }
 
-TEST_CASE("simulate: modules on a serial line, on a bench without stage and force sensor") {
+TEST_CASE("simulate: serves modules on a serial line, for a bench without stage and force sensor") {
   const TemporaryFolder folder;
   write_file(folder.path("rtu.toml"),
              "schema = 1\n[bench]\nid = \"b\"\norigin = \"simulated\"\n[module]\nprofile = "
@@ -465,7 +465,7 @@ TEST_CASE("simulate: a serial pressure controller is connected by its terminal, 
   CHECK(usual.value("regulator", "port") == "none");
 }
 
-TEST_CASE("simulate: a bench file that names no host gets the one that is served") {
+TEST_CASE("simulate: a bench file without a host gets the host that is served") {
   const TemporaryFolder folder;
   write_file(folder.path("least.toml"),
              "schema = 1\n[bench]\nid = \"b\"\norigin = \"simulated\"\n[module]\nprofile = \"beckhoff-ek9000\"\n"
@@ -475,7 +475,7 @@ TEST_CASE("simulate: a bench file that names no host gets the one that is served
   CHECK(served.value("settling", "band_psi") == "0.5");
 }
 
-TEST_CASE("simulate: as JSON, without a bench file, and what cannot be simulated") {
+TEST_CASE("simulate: works with --json and without a bench file, and rejects a hardware bench") {
   const TemporaryFolder folder;
   const auto told = nlohmann::ordered_json::parse(call(folder, {"simulate", "--for", "0.1", "--json"}).out);
   check_members(told, R"({"schema": "tactbench.simulate", "rate": 1.0, "bench": ""})");

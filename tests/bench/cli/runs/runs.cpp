@@ -37,7 +37,7 @@ struct StoreOfPages : OpenStoreHere {
 
 }  // namespace
 
-TEST_CASE("runs show: verdicts by several models and limits, and the word of all") {
+TEST_CASE("runs show: lists verdicts by several models and limits, and the overall verdict") {
   StoreOfPages store;
   store.add();
   store.add();
@@ -59,7 +59,7 @@ TEST_CASE("runs show: verdicts by several models and limits, and the word of all
   CHECK_FALSE(told.contains("specimen"));
 }
 
-TEST_CASE("runs show: remarks of people, a run without bench, and where its frames went") {
+TEST_CASE("runs show: shows the rule and number of pruned frames, also for a run without bench and operator") {
   StoreOfPages store;
   store.add([](db::RunRecord& run) {
     run.bench_id = "";
@@ -78,7 +78,7 @@ TEST_CASE("runs show: remarks of people, a run without bench, and where its fram
   CHECK(listed.at(0).at("frames_pruned") == 3);
 }
 
-TEST_CASE("runs list: void runs are counted, and of one that has not ended whether it lives") {
+TEST_CASE("runs list: counts void runs, and marks whether a run that has not ended has a live process") {
   StoreOfPages store;
   for (int i = 0; i < 3; ++i) store.add();
   (void)begin_example(store.store);
@@ -113,7 +113,7 @@ TEST_CASE("runs list: in a file or a pipe one whole line a run, with its lot, it
   CHECK_THAT(line, Catch::Contains(purpose) && Catch::EndsWith("[night]"));
 }
 
-TEST_CASE("runs diff: members by their path, settings by their key, and what is no difference") {
+TEST_CASE("runs diff: names members by path and settings by key, and ignores host and time") {
   StoreOfPages store;
   store.add();
   store.add([](db::RunRecord& run) {
@@ -146,7 +146,7 @@ TEST_CASE("runs diff: members by their path, settings by their key, and what is 
   CHECK(told.at("first_frame") == 0);
 }
 
-TEST_CASE("runs diff: verdicts stand beside each other, and a run with fewer frames") {
+TEST_CASE("runs diff: compares verdicts, and a run with fewer frames") {
   StoreOfPages store;
   store.add();
   store.add();
@@ -173,7 +173,7 @@ TEST_CASE("runs diff: verdicts stand beside each other, and a run with fewer fra
   CHECK(less.at("first_frame") == 0);
 }
 
-TEST_CASE("runs show: checks with their details, and events by their time") {
+TEST_CASE("runs show: lists checks with details, and events with time") {
   StoreOfPages store;
   const std::int64_t run = begin_example(store.store).run;
   const char* const detail = R"({"findings": [{"text": "first"}, {"text": "second"}], "n": 1})";
@@ -191,7 +191,7 @@ TEST_CASE("runs show: checks with their details, and events by their time") {
                                   {"time_s": 2.5, "kind": "command", "id": "", "detail": "two"}])"));
 }
 
-TEST_CASE("runs show: the specimen of a simulated run alone") {
+TEST_CASE("runs show: shows the specimen of simulated runs only") {
   StoreOfPages store;
   const auto simulated = [](db::RunRecord& run) {
     run.bench_toml = bench_text("simulated") + "[simulation]\nspecimen = \"harsh\"\n";
@@ -236,7 +236,7 @@ MetadataOptions with_pairs(const Tags& pairs) {
 
 }  // namespace
 
-TEST_CASE("metadata tags: lot and order first, then the pairs in their order") {
+TEST_CASE("metadata tags: lot and order come first, then the pairs in the given order") {
   MetadataOptions options = with_pairs({"film=B12", "a.b_c:/+-Z9=x=y"});
   CHECK_FALSE(metadata_refusal(options).empty());  // no sign of equality in a value
   options.pairs = {"film=B12", "a.b_c:/+-Z9=0aZ._:/+-"};
@@ -247,7 +247,7 @@ TEST_CASE("metadata tags: lot and order first, then the pairs in their order") {
   CHECK(bench::metadata_tags(with_pairs({"k=" + std::string(62, 'x')})).size() == 1);  // 64 characters
 }
 
-TEST_CASE("metadata tags: what cannot be kept, with its option") {
+TEST_CASE("metadata tags: rejects invalid values, and names the option") {
   for (const std::string& pair : Tags{"=x", "a=", "a b=x", "a=x y", "a=\xC3\xA4", "a@=x", "a[=x", "a`=x", "a{=x", "a=;",
                                       "a=,", "k=" + std::string(63, 'x'), "film"})
     CHECK(metadata_refusal(with_pairs({pair})) == "TB-USAGE at --meta");
@@ -265,7 +265,7 @@ TEST_CASE("metadata tags: what cannot be kept, with its option") {
   CHECK(metadata_refusal(both) == "TB-USAGE at --meta");
 }
 
-TEST_CASE("metadata as a filter: all that is asked for must be there, a key alone with any value") {
+TEST_CASE("metadata filter: all given pairs must match, a key alone matches any value") {
   db::RunRecord run;
   run.tags = {"film=B12", "lot=A7", "night", "order=55/26"};
   const auto fits = [&](const std::string& lot, const std::string& order, const Tags& pairs) {
@@ -312,7 +312,7 @@ struct StoreOfSensors : StoreHere {
 
 }  // namespace
 
-TEST_CASE("sensors list and show: as JSON") {
+TEST_CASE("sensors list and show: the JSON documents have their members") {
   const StoreOfSensors store;
   const Told told = Told::parse(store.sensors({"list", "--json"}).out);
   CHECK(told.at("schema") == "tactbench.sensors.list");
@@ -326,11 +326,11 @@ TEST_CASE("sensors list and show: as JSON") {
   CHECK(one.at("type_toml") == "rows = 3\n");
 }
 
-TEST_CASE("sensors show: a sensor that is not registered") {
+TEST_CASE("sensors show: rejects a sensor that is not registered") {
   check_refusal(StoreOfSensors().sensors({"show", "S-2"}), 2, "TB-SENSOR-UNKNOWN");
 }
 
-TEST_CASE("sensors add: the sensor is stored with its type file and when it came") {
+TEST_CASE("sensors add: stores the sensor with its type file and the time") {
   const StoreOfSensors store;
   const std::string type = source_path("bench/config/sensor.toml");
   CHECK(store.sensors({"add", "S-9", "--type", type, "--scanner", "SC-9", "--note", "from lot A7"}).code == 0);

@@ -32,7 +32,7 @@ struct StoreForDb : StoreHere {
 
 }  // namespace
 
-TEST_CASE("runs copy of a whole store: a copy with its length, never over a file that exists") {
+TEST_CASE("runs copy: copies a whole store and reports its size, and overwrites no file") {
   const StoreForDb of;
   const std::string copy = of.folder.path("copy.db"), second = of.folder.path("second.db");
   CHECK(of.copy_to(copy).code == 0);
@@ -47,7 +47,7 @@ TEST_CASE("runs copy of a whole store: a copy with its length, never over a file
                      {"bytes", std::filesystem::file_size(second)}});
 }
 
-TEST_CASE("db migrate: a store of this program's schema stays as it is") {
+TEST_CASE("db migrate: leaves a store of the current schema unchanged") {
   const StoreForDb of;
   CHECK(of.say(bench::add_db, {"db", "migrate"}).code == 0);
   const Told told = Told::parse(of.say(bench::add_db, {"db", "migrate", "--json"}).out);
@@ -56,7 +56,7 @@ TEST_CASE("db migrate: a store of this program's schema stays as it is") {
   CHECK(told.at("backup") == "");
 }
 
-TEST_CASE("db: a missing store is refused, and not made") {
+TEST_CASE("db: a missing store is rejected and not created") {
   const TemporaryFolder folder;
   const std::string none = folder.path("none.db");
   check_refusal(verb_here(bench::add_verify, {"verify", "--db", none}), 5, "TB-STORE-OPEN");
@@ -64,7 +64,7 @@ TEST_CASE("db: a missing store is refused, and not made") {
   CHECK_FALSE(std::filesystem::exists(none));
 }
 
-TEST_CASE("db migrate: a store whose making was cut off becomes one") {
+TEST_CASE("db migrate: completes a store whose creation was interrupted") {
   const TemporaryFolder folder;
   {  // as a process leaves it that is killed while it makes a store: the journal takes all of it back
     db::sqlite::Connection made(folder.path("made.db"), db::sqlite::Access::kReadWrite);
@@ -80,7 +80,7 @@ TEST_CASE("db migrate: a store whose making was cut off becomes one") {
   CHECK_FALSE(std::filesystem::exists(folder.path("cut.db") + ".schema-0.backup"));
 }
 
-TEST_CASE("verify: each run that differs, and runs that have not ended") {
+TEST_CASE("verify: reports each run that differs, and runs that have not ended") {
   const StoreForDb of;
   {
     db::RunStore store = of.open();
@@ -134,7 +134,7 @@ struct TableToImport {
 
 }  // namespace
 
-TEST_CASE("import: what is printed, and the run that is stored") {
+TEST_CASE("import: the run is stored with its sequences, and summarised") {
   const TableToImport table(kRowsOfTwo);
   CHECK(table.import({"--operator", "K. Lee", "--purpose", "as measured"}).code == 0);
   const db::RunStore store = table.store();
@@ -161,7 +161,7 @@ TEST_CASE("import: what is printed, and the run that is stored") {
   CHECK(verb_here(bench::add_verify, {"verify", "1", "--db", table.path}).code == 0);
 }
 
-TEST_CASE("import: units of the command line before those of the table, and which columns were meant") {
+TEST_CASE("import: units of the command line outrank those of the table, and the column mapping is stored") {
   const TableToImport table("sequence,force,volts\n,N,V\na,0,0\na,1,1\na,2,2\na,1,1.5\na,0,0.1\n");
   REQUIRE(table.import({"--map", "input=force,output=3,sequence=sequence"}).code == 0);
   REQUIRE(table.import({"--map", "input=force,output=volts,sequence=1", "--input-unit", "kN", "--output-unit", "mV"})
@@ -184,7 +184,7 @@ TEST_CASE("import: units of the command line before those of the table, and whic
                                        {"sha256", db::sha256_hex(read_file(table.file))}});
 }
 
-TEST_CASE("import: rows that are left out are counted") {
+TEST_CASE("import: counts the rows that are left out") {
   TableToImport table(kRowsOfTwo + "two,x,0,3\n");
   const Finished refused = table.import();
   CHECK(refused.code == 2);
@@ -195,7 +195,7 @@ TEST_CASE("import: rows that are left out are counted") {
   CHECK(nlohmann::json::parse(table.import({"--skip-bad-rows", "--json"}).out).at("left_out") == 1);
 }
 
-TEST_CASE("import: a table on which no model can be fitted is refused, and nothing is stored") {
+TEST_CASE("import: rejects a table that no model can be fitted to, and stores nothing") {
   const TableToImport table("sequence,input,output\na,0,0\n");
   check_refusal(table.import(), 2, "TB-TABLE-SHORT");
   CHECK_THROWS(table.store());
@@ -226,7 +226,7 @@ void add_night_run(db::RunStore& store, const std::string& started, const std::v
 
 }  // namespace
 
-TEST_CASE("db prune --keep takes days, weeks and dates, at their edges") {
+TEST_CASE("db prune: --keep accepts days, weeks and dates within their limits") {
   const StoreOfRules store;
   (void)store.open();
   for (const char* rule : {"1d", "36500d", "1w", "0000-00-00", "9999-99-99"}) {
@@ -248,7 +248,7 @@ TEST_CASE("db prune --keep takes days, weeks and dates, at their edges") {
   }
 }
 
-TEST_CASE("runs list --since takes a date, with or without a time, or a number of days") {
+TEST_CASE("runs list: --since accepts a date, a date with time, or a number of days") {
   const StoreOfRules store;
   {
     db::RunStore open = store.open();
@@ -273,7 +273,7 @@ TEST_CASE("runs list --since takes a date, with or without a time, or a number o
   }
 }
 
-TEST_CASE("db prune tells what would go, what went and what stays") {
+TEST_CASE("db prune: reports what would be removed, what was removed and what remains") {
   const StoreOfRules store;
   {
     db::RunStore open = store.open();
@@ -302,7 +302,7 @@ TEST_CASE("db prune tells what would go, what went and what stays") {
   CHECK(told.at("kept") == nlohmann::json::parse(R"([{"run": 2, "why": "pinned"}])"));
 }
 
-TEST_CASE("db prune leaves a damaged run whole") {
+TEST_CASE("db prune: does not prune a damaged run") {
   const StoreOfRules store;
   {
     db::RunStore open = store.open();

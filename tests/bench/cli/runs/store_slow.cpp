@@ -32,7 +32,7 @@ void change(const TemporaryFolder& folder, const std::string& sql) {
 
 }  // namespace
 
-TEST_CASE("verify recomputes content, models and verdicts, and names what was changed") {
+TEST_CASE("verify: recomputes content, models and verdicts, and names what was changed") {
   const TemporaryFolder folder;
   prepare_store(folder);
   well(call(folder, {"verify", "1"}));
@@ -73,7 +73,7 @@ TEST_CASE("verify recomputes content, models and verdicts, and names what was ch
   check_refusal(call(folder, {"verify", "2"}), 6, "TB-VERIFY-NOT-ENDED");
 }
 
-TEST_CASE("verify and verify report deleted verdicts, fits and approvals with exit code 5") {
+TEST_CASE("verify: reports deleted verdicts, fits and approvals with exit code 5") {
   const TemporaryFolder folder;
   prepare_store(folder);
   REQUIRE(call(folder, {"report", "sign", "1", "--by", "C. Chief"}).code == 0);
@@ -87,7 +87,7 @@ TEST_CASE("verify and verify report deleted verdicts, fits and approvals with ex
   CHECK(document["runs"][1]["beside"].size() == 1);
 }
 
-TEST_CASE("a store with foreign objects is checked and read, not written") {
+TEST_CASE("store: with foreign objects it is checked and read, but not written") {
   const TemporaryFolder folder;
   prepare_store(folder);
   check_refusal(call(folder, {"runs", "note", "1", std::string(10'001, 'x')}), 2, "TB-STORE-TOO-LONG");
@@ -101,7 +101,7 @@ TEST_CASE("a store with foreign objects is checked and read, not written") {
       "TB-STORE-FOREIGN");
 }
 
-TEST_CASE("a damaged stored model is reported as a store error, not as an internal error") {
+TEST_CASE("store: a damaged stored model is reported as a store error, not as an internal error") {
   const TemporaryFolder folder;
   prepare_store(folder);
   write_file(folder.path("t.csv"), "taxel,output\n5,1.0\n5,1.5\n");
@@ -135,7 +135,7 @@ TEST_CASE("a damaged stored model is reported as a store error, not as an intern
       "");
 }
 
-TEST_CASE("runs are tagged, noted, voided and found again") {
+TEST_CASE("runs: are tagged, noted, voided and found by these") {
   const TemporaryFolder folder;
   prepare_store(folder);
   const auto listed = [&](std::vector<std::string> words) {
@@ -167,7 +167,7 @@ TEST_CASE("runs are tagged, noted, voided and found again") {
   CHECK_FALSE(std::filesystem::exists(folder.path("none.db")));
 }
 
-TEST_CASE("runs are compared, and copied into another store") {
+TEST_CASE("runs: are compared, and copied into another store") {
   const TemporaryFolder folder;
   prepare_store(folder);
   CHECK(call(folder, {"runs", "diff", "1", "1"}).code == 0);
@@ -183,7 +183,7 @@ TEST_CASE("runs are compared, and copied into another store") {
   CHECK_FALSE(std::filesystem::exists(folder.path("new.db")));
 }
 
-TEST_CASE("lot, order and key=value are stored with a run, shown, found, exported and printed on its report") {
+TEST_CASE("metadata: lot, order and key=value are stored, shown, found, exported and printed in the report") {
   const TemporaryFolder folder;
   begin_bench(folder);
   run_recipe(folder, "small.toml", {"--lot", "A7", "--order", "55/26", "--meta", "film=B12", "--meta", "station=left"});
@@ -235,7 +235,8 @@ nlohmann::json json_printed_by(const Finished& finished) {
 
 }  // namespace
 
-TEST_CASE("the frames of old nights are removed by a rule, and verify, report and the next night know it") {
+TEST_CASE(
+    "db prune: removes frames of old nights, verify reports it, report and fit are rejected, trend is unchanged") {
   const TemporaryFolder folder;
   write_file(folder.path("small.toml"), kNight);
   const auto night = [&](const std::vector<std::string>& more) {
@@ -295,7 +296,7 @@ void add_judged_run(db::RunStore& store, const std::string& origin, const std::s
 
 }  // namespace
 
-TEST_CASE("runs list: --verdict accepts each word of a verdict and finds its runs") {
+TEST_CASE("runs list: --verdict accepts each verdict and finds the runs with it") {
   const TemporaryFolder folder;
   {
     db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);

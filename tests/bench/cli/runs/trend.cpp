@@ -45,7 +45,7 @@ struct StoreOfTrends : OpenStoreHere {
 
 }  // namespace
 
-TEST_CASE("trend: a figure from within its band to shifted, outside and missing") {
+TEST_CASE("trend: reports a statistic as within its band, shifted, outside or missing") {
   StoreOfTrends store;
   store.add_baseline("rig/a", "mean_error_psi");
   const auto figure = [&] { return Told::parse(store.trend({"--json"}).out).at("subjects").at(0).at("figures").at(1); };
@@ -73,7 +73,7 @@ TEST_CASE("trend: a figure from within its band to shifted, outside and missing"
   CHECK(told.at("figures").at(1).at("slope_per_run").get<double>() == Approx(0.2916667));
 }
 
-TEST_CASE("trend --check that compared nothing is inconclusive") {
+TEST_CASE("trend: --check without any comparison is inconclusive") {
   StoreOfTrends store;
   store.add("rig/b", {{"mean_error_psi", 10.0}});
   CHECK(store.trend({"--check"}).code == 6);  // no baseline
@@ -87,7 +87,7 @@ TEST_CASE("trend --check that compared nothing is inconclusive") {
   CHECK(store.trend({"--check", "--subject", "rig/a"}).code == 0);
 }
 
-TEST_CASE("trend: all that JSON has of a figure") {
+TEST_CASE("trend: the JSON document has all members of a statistic") {
   StoreOfTrends store;
   store.add_baseline("rig/a", "mean_error_psi");
   const auto told = [&] { return Told::parse(store.trend({"--json"}).out); };
@@ -127,7 +127,7 @@ TEST_CASE("trend: all that JSON has of a figure") {
   CHECK(frames.at("baseline").at("constant") == true);
 }
 
-TEST_CASE("trend: subjects that are chosen, and what is refused") {
+TEST_CASE("trend: selects subjects by sensor, subject or statistic, and rejects an empty selection") {
   StoreOfTrends store;
   const auto refused = [&](const std::vector<std::string>& more) {
     const Finished finished = store.trend(more);
@@ -193,7 +193,7 @@ struct StoreOfFigures : StoreHere {
 
 }  // namespace
 
-TEST_CASE("trend accept: what is no run or range is refused, and so are runs without figures") {
+TEST_CASE("trend accept: rejects invalid run ranges, and runs without values") {
   StoreOfFigures store;
   store.add("rig/a", 1);
   {
@@ -219,7 +219,7 @@ TEST_CASE("trend accept: what is no run or range is refused, and so are runs wit
   CHECK(store.told<nlohmann::json>(bench::add_trend, {"trend", "baselines"}).at("baselines").empty());
 }
 
-TEST_CASE("trend accept: each subject has its own runs of a range") {
+TEST_CASE("trend accept: each subject gets its own runs of a range") {
   StoreOfFigures store;
   store.add("rig/a", 8);          // runs 1 to 8
   store.add("nightly/short", 7);  // 9 to 15
@@ -244,7 +244,7 @@ TEST_CASE("trend accept: each subject has its own runs of a range") {
   CHECK(listed.at("baselines").at(0).at("reason") == "as made");
 }
 
-TEST_CASE("runs merge: stores without a night give no file of one, and what came is told") {
+TEST_CASE("runs merge: stores without a night give no night file, and the merged runs are reported") {
   StoreOfFigures store, other;
   store.add("rig/a", 2);
   other.add("rig/a", 1);
@@ -265,7 +265,7 @@ TEST_CASE("runs merge: stores without a night give no file of one, and what came
   CHECK(told.at("there") == 3);
 }
 
-TEST_CASE("nightly: one part of a night needs a store of its own, and no page") {
+TEST_CASE("nightly: one part of a night needs its own store, and no page") {
   StoreOfFigures store;
   store.add("rig/a", 1);
   const std::string suite = store.folder.path("suite.toml");

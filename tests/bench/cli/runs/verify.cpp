@@ -24,7 +24,7 @@ struct StoreToVerify : OpenStoreHere {
 
 }  // namespace
 
-TEST_CASE("verify: a stored run holds") {
+TEST_CASE("verify: an unchanged stored run passes") {
   const StoreToVerify store;
   CHECK(store.verify().code == 0);
   const nlohmann::json told = store.told_of_it();
@@ -39,7 +39,7 @@ TEST_CASE("verify: a stored run holds") {
   CHECK_THAT(verb_here(bench::add_verify, {"verify", "x", "--db", store.path}).err, Catch::Contains("[TB-USAGE]"));
 }
 
-TEST_CASE("verify: changed content is 5, and so is a changed approval, with the first difference") {
+TEST_CASE("verify: exit code 5 for changed content or a changed approval") {
   StoreToVerify store;
   store.store.add_report({1, "1-a", "h", "K. Lee", kUtc, "", ""});
   store.change("UPDATE reports SET approved_by = 'B'");
@@ -53,7 +53,7 @@ TEST_CASE("verify: changed content is 5, and so is a changed approval, with the 
   CHECK(told.at("content").at("computed_sha256") != store.hash());
 }
 
-TEST_CASE("verify: a run without its frames is 6, one that has not ended is refused") {
+TEST_CASE("verify: exit code 6 for a run with pruned frames, a run that has not ended is rejected") {
   StoreToVerify store;
   store.store.set_tags(1, {"nightly"}, {});
   (void)store.store.prune_frames(1, "old nights", kUtc);
@@ -115,7 +115,7 @@ struct PairOfRuns : OpenStoreHere {
 
 }  // namespace
 
-TEST_CASE("runs diff: a tree of one member beside nothing, beside a word, and lists beside words") {
+TEST_CASE("runs diff: compares settings of different types: object, list, text and none") {
   PairOfRuns runs;
   const std::int64_t none = runs.add_settings("[]");
   const std::int64_t tree = runs.add_settings(R"([{"key":"a","value":{"x":1}}])");
@@ -131,7 +131,7 @@ TEST_CASE("runs diff: a tree of one member beside nothing, beside a word, and li
   CHECK(runs.differences(none, other).empty());
 }
 
-TEST_CASE("runs diff: a tag or a check alone is a difference of the same content or frames") {
+TEST_CASE("runs diff: a tag or a check counts as a difference if content and frames are equal") {
   PairOfRuns runs;
   const auto same = [](db::RunRecord&) {};
   const std::int64_t first = runs.add(same), second = runs.add(same), third = runs.add(same, {}, "warning");
@@ -144,7 +144,7 @@ TEST_CASE("runs diff: a tag or a check alone is a difference of the same content
   CHECK(runs.diff(open, more).code == 1);  // without a hash
 }
 
-TEST_CASE("runs diff: each value of a frame is compared") {
+TEST_CASE("runs diff: compares each value of a frame") {
   PairOfRuns runs;
   const std::int64_t first = runs.add_frame([](db::FrameRecord&) {});
   CHECK(runs.diff(first, runs.add_frame([](db::FrameRecord&) {})).code == 0);

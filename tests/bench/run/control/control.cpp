@@ -33,7 +33,7 @@ RunStatus asked_status(RunState state, const std::string& question = {}) {
 
 }  // namespace
 
-TEST_CASE("run states: they follow the table and nothing else") {
+TEST_CASE("run states: only the transitions of the table are allowed") {
   using S = RunState;
   const std::vector<S> all = {S::kPrepared,  S::kRunning,  S::kPausing, S::kPaused,
                               S::kSuspended, S::kStopping, S::kEnded};
@@ -53,7 +53,7 @@ TEST_CASE("run states: they follow the table and nothing else") {
   }
 }
 
-TEST_CASE("control's answers: which command is taken in which state, and who asked") {
+TEST_CASE("control: which command is accepted in which state, and who sent it") {
   using S = RunState;
   const std::vector<S> alive = {S::kPrepared, S::kRunning, S::kPausing, S::kPaused, S::kSuspended};
   const std::map<Command, std::vector<S>> taken_in = {
@@ -86,7 +86,7 @@ TEST_CASE("control's answers: which command is taken in which state, and who ask
   for (std::size_t i = 0; i < words.size(); ++i) CHECK(to_string(static_cast<Command>(i)) == words[i]);
 }
 
-TEST_CASE("commands: the end is attributed to the first sender of the strongest command") {
+TEST_CASE("commands: the end of a run is attributed to the first sender of the strongest command") {
   const StopRequest signals;
   Control control;
   CHECK(control.ask(Command::kAbort, "alice").taken);
@@ -105,7 +105,7 @@ TEST_CASE("commands: the end is attributed to the first sender of the strongest 
   CHECK(lone.ask(Command::kPanic, "e").taken);
 }
 
-TEST_CASE("control's answers: after the last step a pause, a resume and a stop come too late, the others do not") {
+TEST_CASE("control: after the last step pause, resume and stop are too late, abort and panic are accepted") {
   const StopRequest signals;
   for (const Command command : {Command::kPause, Command::kResume, Command::kStop, Command::kAbort, Command::kPanic}) {
     Control control;
@@ -144,7 +144,7 @@ TEST_CASE("control's answers: after the last step a pause, a resume and a stop c
   CHECK(aborted.close(signals));
 }
 
-TEST_CASE("control's answers: pauses and resumes, as they are wanted") {
+TEST_CASE("control: pause and resume requests are pending until used or cancelled") {
   Control control;
   control.publish(asked_status(RunState::kRunning));
   CHECK_FALSE(control.take_resume());
@@ -159,7 +159,7 @@ TEST_CASE("control's answers: pauses and resumes, as they are wanted") {
   CHECK_FALSE(control.pause_wanted());
 }
 
-TEST_CASE("control's answers: one answer to a question, from the page or by a resume") {
+TEST_CASE("control: a question gets one answer, from a client or by resume") {
   Control control;
   CHECK_FALSE(control.answer(4, "yes", "ann").taken);
   control.publish(asked_status(RunState::kPaused, "Mounted?"));
@@ -193,7 +193,7 @@ TEST_CASE("control's answers: one answer to a question, from the page or by a re
   CHECK_FALSE(closed.answer(4, "yes", "ann").taken);
 }
 
-TEST_CASE("control's answers: each status, each reading and each answer is a piece of news, a command is none") {
+TEST_CASE("control: each status, reading and answer counts as an update, a command does not") {
   Control control;
   CHECK(control.news() == 0);
   control.publish(asked_status(RunState::kPaused, "Mounted?"));
@@ -212,7 +212,7 @@ TEST_CASE("control's answers: each status, each reading and each answer is a pie
 
 using namespace tactbench::bench;
 
-TEST_CASE("client words: what is written is read again, with whom it is for") {
+TEST_CASE("client messages: a written message is read back, including on whose behalf it is sent") {
   const ClientWords pause = read_words(command_words(Command::kPause, "bob of 127.0.0.1"));
   CHECK(pause.word == ClientWord::kCommand);
   CHECK(pause.command == Command::kPause);
@@ -228,7 +228,7 @@ TEST_CASE("client words: what is written is read again, with whom it is for") {
     CHECK(read_words(to_string(command)).command == command);
 }
 
-TEST_CASE("client words: what is no word asks for the status, and no text breaks the line") {
+TEST_CASE("client messages: unknown text counts as a status request, and text cannot add a line") {
   for (const char* text : {"", " ", "halt", "pausee", "PAUSE", "\npause", "answers 1"}) {
     INFO(text);
     CHECK(read_words(text).word == ClientWord::kCommand);
@@ -245,7 +245,7 @@ TEST_CASE("client words: what is no word asks for the status, and no text breaks
   CHECK(command_words(Command::kStop, std::string(5000, 'x')).size() < 500);
 }
 
-TEST_CASE("client words: texts are cut to their columns, and words end at the first blank") {
+TEST_CASE("client messages: text is cut to its maximum width, and a command ends at the first blank") {
   const std::string long_text(1000, 'x');
   const std::string cut_behalf = std::string(kLongestBehalf - 1, 'x') + "\u2026";
   const std::string cut_reply = std::string(kLongestReply - 1, 'x') + "\u2026";
@@ -266,7 +266,7 @@ TEST_CASE("client words: texts are cut to their columns, and words end at the fi
   CHECK(read_words("answer -3 x").question == -3);
 }
 
-TEST_CASE("peers: their names from the user database, or their numbers") {
+TEST_CASE("peers: are shown by user name, or by number if the name is unknown") {
   CHECK(peer_text({812, 0, false}) == "root (pid 812)");
   CHECK(peer_text({812, 3999999999U, false}) == "user 3999999999 (pid 812)");
   CHECK_FALSE(peer_of(-1));
@@ -279,7 +279,7 @@ using namespace tactbench::bench;
 using namespace tactbench::tests;
 using namespace std::chrono_literals;
 
-TEST_CASE("status: what a run tells is what a client reads, member by member") {
+TEST_CASE("status: a client reads every member of the status that a run sends") {
   RunStatus sent = example_status();
   sent.question_id = 4;
   sent.frames_void = 3;
@@ -314,7 +314,7 @@ TEST_CASE("status: what a run tells is what a client reads, member by member") {
   CHECK_THROWS_AS(told_status({{"readings", 3}}), nlohmann::json::exception);
 }
 
-TEST_CASE("status: an answer stays small and safe, however long a recipe's question is") {
+TEST_CASE("status: an answer is short and free of control characters, however long the question of a recipe is") {
   RunStatus status = example_status();
   status.question = "is\x1b[2J it \n" + std::string(100000, 'q');
   status.phase = status.reason = status.question;
@@ -324,7 +324,7 @@ TEST_CASE("status: an answer stays small and safe, however long a recipe's quest
   CHECK_THAT(told["question"].get<std::string>(), Catch::StartsWith("is\\x1b[2J it \\x0a"));
 }
 
-TEST_CASE("status: Control keeps the readings when the step changes, and tells how old they are") {
+TEST_CASE("status: Control keeps the readings when the step changes, and reports their age") {
   Control control;
   CHECK_FALSE(control.status().readings);
   control.see({1.0, 2.0, 3.0, 4.0, true, 5.0});
@@ -340,7 +340,7 @@ TEST_CASE("status: Control keeps the readings when the step changes, and tells h
   CHECK(status.age_s < 60.0);
 }
 
-TEST_CASE("progress: the first phase of a run in real time is due at once, of a simulation with its time only") {
+TEST_CASE("progress: the first phase is due at once in real time, but not as a plain line in virtual time") {
   RunStatus status;
   status.phase = "opening the devices";
   for (const Progress::Mode mode : {Progress::Mode::kPlain, Progress::Mode::kTerminal}) {
@@ -352,13 +352,13 @@ TEST_CASE("progress: the first phase of a run in real time is due at once, of a 
   CHECK_FALSE(Progress(Progress::Mode::kQuiet).due(status));
 }
 
-TEST_CASE("progress: in plain lines a step is no phase of its own, a cycle of conditioning is") {
+TEST_CASE("progress: in plain lines a step is not a separate phase, a conditioning cycle is") {
   CHECK(stage_of("small, step 7 of 22, repeat 1 of 2, loading") == "small");
   CHECK(stage_of("conditioning 2 of 6") == "conditioning 2 of 6");
   CHECK(stage_of("").empty());
 }
 
-TEST_CASE("status board: a phase reaches those who ask") {
+TEST_CASE("status board: a new phase is reported to clients") {
   Control control;
   Progress progress(Progress::Mode::kQuiet);
   StatusBoard board(control, progress);
@@ -382,7 +382,8 @@ TEST_CASE("status board: a phase reaches those who ask") {
   CHECK(control.status().left_s == 50.0);
 }
 
-TEST_CASE("pace: the time left by the pace so far, anew after a way back or a rest of more than a minute") {
+TEST_CASE(
+    "pace: the time left follows from the pace so far, and restarts after a return path or a rest over a minute") {
   const auto start = Pace::Clock::now();
   Pace pace(start);
   CHECK(pace.left_s(start, 0, 100) < 0.0);
@@ -399,7 +400,7 @@ TEST_CASE("pace: the time left by the pace so far, anew after a way back or a re
   CHECK(rested.left_s(start + 201s, 40, 40) == 0.0);
 }
 
-TEST_CASE("status: a step's phase has its number, its repeat, and where it goes") {
+TEST_CASE("status: the phase of a step has its number, its repeat and its direction") {
   sequences::Recipe recipe;
   recipe.name = "descending";
   recipe.repeats = 5;

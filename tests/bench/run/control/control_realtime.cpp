@@ -86,7 +86,7 @@ struct WordRig : ServedRig {
 
 }  // namespace
 
-TEST_CASE("control: pause waits vented at the end of the branch, and resume continues by the path back") {
+TEST_CASE("control: a pause waits vented at the end of the branch, and resume continues by the path back") {
   WordRig rig;
   const auto run = rig.start_small();
   REQUIRE(rig.wait_pressure());
@@ -125,7 +125,7 @@ TEST_CASE("control: pause waits vented at the end of the branch, and resume cont
   CHECK(rig.worst_answer_s < kMost);
 }
 
-TEST_CASE("control: stop, abort and panic end a run at once, and a panic latches a trip") {
+TEST_CASE("control: stop, abort and panic end a run at once, and panic latches a trip") {
   struct Row {
     std::string word, outcome, id;
   };
@@ -162,7 +162,7 @@ TEST_CASE("control: stop, abort and panic end a run at once, and a panic latches
   CHECK(judge_final_set(rig.store(), 1, kFrames, kRepeats).faults == std::vector<std::string>());
 }
 
-TEST_CASE("control: Ctrl-C once pauses, once more after a resume pauses again, and then ends the run") {
+TEST_CASE("control: Ctrl-C pauses, again after a resume it pauses again, and a second one ends the run") {
   WordRig rig;
   const auto run = rig.start_small();
   for (int i = 0; i < 2; ++i) {
@@ -178,7 +178,7 @@ TEST_CASE("control: Ctrl-C once pauses, once more after a resume pauses again, a
   CHECK(rig.row()["safe_state"] == "verified");
 }
 
-TEST_CASE("control: Ctrl-C twice and a request to terminate end a run under pressure, vented") {
+TEST_CASE("control: Ctrl-C twice, or SIGTERM, ends a run under pressure, vented") {
   const auto [signal, times, code] = GENERATE(table<int, int, int>({{SIGINT, 2, 130}, {SIGTERM, 1, 143}}));
   WordRig rig;
   const auto run = rig.start_small();
@@ -194,7 +194,7 @@ TEST_CASE("control: Ctrl-C twice and a request to terminate end a run under pres
   CHECK(rig.row()["safe_state"] == "verified");
 }
 
-TEST_CASE("control: commands without a run, to one of two runs and to another bench state a remedy") {
+TEST_CASE("control: commands without a run, with two runs and to another bench give an error with a remedy") {
   const TemporaryFolder folder;
   const std::string program = program_path();
   const auto say = [&](const std::vector<std::string>& words) { return run_program(program, words, folder.path()); };
@@ -261,7 +261,7 @@ Timed timed(const std::vector<std::string>& words, const std::string& folder) {
 
 }  // namespace
 
-TEST_CASE("commands: a stopped run with a full queue is named, and commands to another run are answered") {
+TEST_CASE("commands: a stopped run with a full queue is named, and other runs answer") {
   struct Row {
     bool full;
     std::vector<std::string> words;

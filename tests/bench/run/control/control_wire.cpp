@@ -108,7 +108,7 @@ const Met kRefused{"TB-MODBUS-EXCEPTION",
 
 }  // namespace
 
-TEST_CASE("control: a panic wins over the fault that follows it, and the record keeps both") {
+TEST_CASE("control: a panic outranks the fault that follows it, and both are recorded") {
   const Met met = GENERATE(kFiredDeadMan, kTripped, kZeroed, kRefused);
   INFO(met.id);
   Words words;
@@ -127,7 +127,7 @@ TEST_CASE("control: a panic wins over the fault that follows it, and the record 
   CHECK(words.store.run(1).content_sha256 == words.store.content_hash(1));
 }
 
-TEST_CASE("control: a stop or an abort wins over a device that fails after it, not over a trip") {
+TEST_CASE("control: a stop or an abort outranks a later device fault, but not a trip") {
   struct Row {
     Command command;
     db::Outcome outcome;
@@ -164,7 +164,7 @@ TEST_CASE("control: a fault before the panic remains the reason of the end, and 
   CHECK(words.reasons() == Reasons{"fault " + kTripped.id, "word TB-RUN-PANIC"});
 }
 
-TEST_CASE("control: after the last step a panic or an abort ends the run, and a stop is answered as too late") {
+TEST_CASE("control: after the last step a panic or an abort ends the run, a stop is answered as too late") {
   const Command command = GENERATE(Command::kPause, Command::kStop, Command::kAbort, Command::kPanic);
   const bool late = command == Command::kPause || command == Command::kStop;
   Words words;
@@ -232,7 +232,7 @@ double seconds_of(const std::function<void()>& work) {
 
 }  // namespace
 
-TEST_CASE("commands: a stopped run does not delay commands to another run, with its queue free or full") {
+TEST_CASE("commands: a stopped run with a free or a full queue does not delay commands to another run") {
   const bool full = GENERATE(false, true);
   Frozen frozen("a-frozen");
   if (full) frozen.fill();
@@ -253,7 +253,7 @@ TEST_CASE("commands: a stopped run does not delay commands to another run, with 
   CHECK_FALSE(heard.silent[0].stranger);
 }
 
-TEST_CASE("commands: a single run is waited for no longer than its timeout, and only the named bench is asked") {
+TEST_CASE("commands: one run is waited for no longer than the timeout, and only the named bench is contacted") {
   Frozen frozen("a-frozen");
   AnsweringRun live("live", 3, "live.db");
   ListenOptions options;
@@ -270,7 +270,7 @@ TEST_CASE("commands: a single run is waited for no longer than its timeout, and 
   CHECK(run_names("liv").empty());
 }
 
-TEST_CASE("commands: silent clients delay no command, whatever their number") {
+TEST_CASE("commands: silent clients do not delay commands, however many they are") {
   AnsweringRun live("live", 3, "live.db");
   std::vector<int> idle;
   for (int i = 0; i < 200; ++i) {
@@ -289,7 +289,7 @@ TEST_CASE("commands: silent clients delay no command, whatever their number") {
   CHECK(send_command("live", Command::kStatus));
 }
 
-TEST_CASE("commands: a client disconnected before its command was read succeeds at the next try") {
+TEST_CASE("commands: a client disconnected before its command was read succeeds at the next attempt") {
   Unserved run("crowded", RunState::kRunning);
   std::optional<LiveRun> answer;
   std::thread client([&] { answer = send_command("crowded", Command::kPanic); });
@@ -304,7 +304,7 @@ TEST_CASE("commands: a client disconnected before its command was read succeeds 
   CHECK(run.control.asked(signals)->command == Command::kPanic);
 }
 
-TEST_CASE("commands: a resume whose sender has hung up is ignored, a panic still ends the run") {
+TEST_CASE("commands: a resume from a disconnected sender is ignored, a panic still ends the run") {
   Unserved run("thawed", RunState::kPaused);
   const auto leave_behind = [&](const std::string& word) {
     const int client = connect_to_name("thawed");
@@ -326,7 +326,7 @@ TEST_CASE("commands: a resume whose sender has hung up is ignored, a panic still
   CHECK(asked->command == Command::kPanic);
 }
 
-TEST_CASE("commands: a bench whose id cannot be a file name is found by that id only") {
+TEST_CASE("commands: a bench with an id that cannot be a file name is found only by that id") {
   AnsweringRun odd("../odd rig/7", 1, "../odd rig/7.db"), plain(".._odd_rig_7", 2, ".._odd_rig_7.db");
   const auto names = run_names("../odd rig/7");
   REQUIRE(names.size() == 1);
@@ -337,7 +337,7 @@ TEST_CASE("commands: a bench whose id cannot be a file name is found by that id 
   CHECK(run_names().size() == 2);
 }
 
-TEST_CASE("commands: who holds a bench is told with its run and store, to another run and to another program") {
+TEST_CASE("commands: the holder of a bench is reported with run and store, to another run and another program") {
   AnsweringRun live("held bench", 3, "held bench.db");
   const auto refused = [&](const std::function<void()>& take, const std::vector<std::string>& parts) {
     const auto error = refusal_by(take);
@@ -381,7 +381,7 @@ void resume_each_pause(const std::string& socket) {
 
 }  // namespace
 
-TEST_CASE("control: a run may pause at the end of every branch, whatever its load there") {
+TEST_CASE("control: a run can pause at the end of every branch, under any load") {
   const auto& [recipe, branches] = GENERATE(table<std::string, int>({{kLevels, 4}, {press_text(1), 2}}));
   INFO(recipe);
   QuickStore store;
@@ -409,7 +409,7 @@ TEST_CASE("control: a run may pause at the end of every branch, whatever its loa
   CHECK(paused == branches);
 }
 
-TEST_CASE("safe state: while the array is waited for, the module is fed") {
+TEST_CASE("safe state: the module is fed while waiting for the array") {
   bench::Rig rig(small_request().bench);
   rig.open();
   bench::Baseline baseline = bench::baseline_of(rig.array().read(8));
@@ -447,7 +447,7 @@ struct ThriftyRun {
 
 }  // namespace
 
-TEST_CASE("descriptors: asking, commanding, following and answering a run leave none open") {
+TEST_CASE("descriptors: commanding, following and answering a run leave no descriptor open") {
   ThriftyRun run;
   const auto before_run = open_descriptors();
   {
@@ -473,7 +473,7 @@ TEST_CASE("descriptors: asking, commanding, following and answering a run leave 
   CHECK(open_descriptors() == before_run);
 }
 
-TEST_CASE("descriptors: a run whose process may open no more still hears commands, one after the other") {
+TEST_CASE("descriptors: a run that can open no more descriptors still receives commands one after another") {
   ThriftyRun run;
   const ControlSocket socket(run.config, run.control, 3);
   REQUIRE(send_command("thrifty", Command::kStatus));
@@ -489,7 +489,7 @@ TEST_CASE("descriptors: a run whose process may open no more still hears command
   CHECK(taken == std::vector<bool>(5, true));
 }
 
-TEST_CASE("descriptors: a run that finds too few to be commanded says so, and ends") {
+TEST_CASE("descriptors: a run with too few descriptors for its command socket ends with an error") {
   BenchConfig config;
   config.id = "starved";
   Control control;

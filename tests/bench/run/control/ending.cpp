@@ -31,7 +31,7 @@ const devices::Fault kTripFault("TB-CHAMBER-TRIP", "chamber", "67 psi", "look");
 
 }  // namespace
 
-TEST_CASE("answers: who answers, what is taken, and text that no run wrote gives none") {
+TEST_CASE("answers: sender and acceptance are read, text that is not from a run gives no answer") {
   const auto live = read_answer("B/process/3", {12, 34, true},
                                 R"({"bench":"B","run":9,"state":"paused","taken":true,"denied":true,"text":"t"})");
   REQUIRE(live);
@@ -49,7 +49,7 @@ TEST_CASE("answers: who answers, what is taken, and text that no run wrote gives
     CHECK_FALSE(read_answer("B", {}, strange));
 }
 
-TEST_CASE("ending: by a command, with its outcome and code") {
+TEST_CASE("ending: a command gives its outcome and exit code") {
   const auto ended = [](Command command, int signal) {
     const StopRequest signals;
     Control control;
@@ -66,7 +66,7 @@ TEST_CASE("ending: by a command, with its outcome and code") {
   CHECK(ended(Command::kPanic, 0) == std::tuple("TB-RUN-PANIC", ExitCode::kStopped, db::Outcome::kAborted));
 }
 
-TEST_CASE("ending: by a fault, and which command wins over which fault") {
+TEST_CASE("ending: a fault gives its outcome, and which command outranks which fault") {
   const StopRequest signals;
   const auto ended = [&](const auto& thrown, std::optional<Command> word) {
     Control control;
@@ -93,7 +93,7 @@ TEST_CASE("ending: by a fault, and which command wins over which fault") {
   CHECK(ended(unsafe, Command::kPanic) == std::tuple("TB-RUN-PANIC", ExitCode::kUnsafe, Outcome::kAborted, false));
 }
 
-TEST_CASE("ending: a last command other than stop ends a run that nothing else has ended") {
+TEST_CASE("ending: a late abort or panic ends a run that nothing else has ended") {
   const StopRequest signals;
   struct Answers {
     std::optional<Error> error;

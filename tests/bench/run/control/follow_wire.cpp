@@ -53,7 +53,7 @@ LiveRun say(const std::string& bench, const std::string& words) {
 
 }  // namespace
 
-TEST_CASE("follow: each piece of news comes, and signs of life without any") {
+TEST_CASE("follow: each update arrives, and the status is repeated if nothing is new") {
   Answering run("followed");
   RunConnection follower("followed", "follow");
   REQUIRE(follower.open());
@@ -68,7 +68,7 @@ TEST_CASE("follow: each piece of news comes, and signs of life without any") {
   }));
 }
 
-TEST_CASE("follow: at most 20 statuses a second, the newest each time, to all who follow") {
+TEST_CASE("follow: at most 20 statuses per second, always the newest, to every follower") {
   Answering run("followed");
   std::vector<std::unique_ptr<RunConnection>> followers;
   for (int i = 0; i < 3; ++i) followers.push_back(std::make_unique<RunConnection>("followed", "follow"));
@@ -94,7 +94,7 @@ TEST_CASE("follow: at most 20 statuses a second, the newest each time, to all wh
   }
 }
 
-TEST_CASE("follow: a follower that reads nothing delays nobody, and finds little old news when it reads again") {
+TEST_CASE("follow: a follower that does not read delays nobody, and gets few outdated updates when it reads again") {
   Answering run("followed");
   RunConnection frozen("followed", "follow");
   RunConnection reader("followed", "follow");
@@ -114,7 +114,7 @@ TEST_CASE("follow: a follower that reads nothing delays nobody, and finds little
   CHECK(unread < 40);  // of about 60 that were told, and of any number in an hour
 }
 
-TEST_CASE("follow: sixteen may follow, the next is told so until one leaves, who reads nothing holds up no sequencer") {
+TEST_CASE("follow: sixteen followers are accepted, a further one is refused, and none delays the sequencer") {
   Answering run("followed");
   std::vector<std::unique_ptr<RunConnection>> followers;
   for (int i = 0; i < 16; ++i) {
@@ -135,7 +135,7 @@ TEST_CASE("follow: sixteen may follow, the next is told so until one leaves, who
   CHECK(say("followed", to_string(Command::kPause)).taken);
 }
 
-TEST_CASE("follow: packets of chance neither end the server nor command the run") {
+TEST_CASE("follow: random packets neither end the server nor command the run") {
   Answering run("followed");
   std::mt19937 chance(7);
   for (int i = 0; i < 300; ++i) {
@@ -150,7 +150,7 @@ TEST_CASE("follow: packets of chance neither end the server nor command the run"
   CHECK_FALSE(run.control.pause_wanted());
 }
 
-TEST_CASE("answer: to an open question, once, and the second is told whose answer counts") {
+TEST_CASE("answer: an open question is answered once, a second sender gets the name of the first") {
   Answering run("asked");
   CHECK_FALSE(say("asked", answer_words(1, "yes", "bob")).taken);
   run.ask("Point indenter mounted?");

@@ -12,7 +12,7 @@
 using namespace tactbench::bench;
 using namespace tactbench::tests;
 
-TEST_CASE("notify: a command is told event, run and reason, in a shell of its own, whatever the environment says") {
+TEST_CASE("notify: the command gets event, run and reason in its environment, in its own shell") {
   const TemporaryFolder folder;
   const std::string told = folder.path("told");
   const auto appears = [&](const std::string& text) {

@@ -61,7 +61,7 @@ RunStatus status_with_estimate() {
 
 }  // namespace
 
-TEST_CASE("progress: a plain line, one that is renewed, and none where nothing is asked for") {
+TEST_CASE("progress: a plain line, a line that is overwritten, or none in quiet mode") {
   const RunStatus status = status_with_estimate();
   const std::string plain = said_by([&] { Progress(Progress::Mode::kPlain).show(status); });
   CHECK(std::ranges::count(plain, '\n') == 1);
@@ -82,7 +82,7 @@ TEST_CASE("progress: a plain line, one that is renewed, and none where nothing i
     CHECK(said_by([&] { Progress(mode).note("look"); }) == "look\n");
 }
 
-TEST_CASE("progress: without an estimate, or where the program turns the clock, time follows from the pace alone") {
+TEST_CASE("progress: without an estimate, or in virtual time, the time left follows from the pace only") {
   RunStatus status = status_with_estimate();
   status.step = 0;  // no pace yet
   const auto has_time = [&] {
@@ -96,7 +96,7 @@ TEST_CASE("progress: without an estimate, or where the program turns the clock, 
   CHECK_FALSE(has_time());
 }
 
-TEST_CASE("progress: the line has the share of the steps, the time left, and what is set and measured") {
+TEST_CASE("progress: the line has the fraction of steps, the time left, set-point and readings") {
   RunStatus status;
   status.phase = "travelling";
   const auto has = [&](double left_s, const std::string& part) {
@@ -115,7 +115,7 @@ TEST_CASE("progress: the line has the share of the steps, the time left, and wha
   CHECK((has(-0.1, "2.0 N") && has(-0.1, "9.6")));
 }
 
-TEST_CASE("progress: once a line was shown, the next is not due at once, even of another phase") {
+TEST_CASE("progress: after a line the next one is not due at once, even for another phase") {
   RunStatus status = status_with_estimate();
   said_by([&] {
     for (const auto mode : {Progress::Mode::kPlain, Progress::Mode::kTerminal}) {
@@ -131,7 +131,7 @@ TEST_CASE("progress: once a line was shown, the next is not due at once, even of
   });
 }
 
-TEST_CASE("progress: a terminal's line is for terminals that can renew it, outside of CI") {
+TEST_CASE("progress: the overwritten line is used only on terminals that support it, outside CI") {
   int terminal = -1, program = -1;
   REQUIRE(::openpty(&terminal, &program, nullptr, nullptr, nullptr) == 0);
   const auto mode_with = [](int error, const std::optional<std::string>& term, const std::optional<std::string>& ci,
@@ -150,7 +150,7 @@ TEST_CASE("progress: a terminal's line is for terminals that can renew it, outsi
   for (const int descriptor : {terminal, program, null}) ::close(descriptor);
 }
 
-TEST_CASE("status board: the last step is shown though nothing is due, an earlier one and a look are not") {
+TEST_CASE("status board: the last step is printed before it is due, an earlier step and a refresh are not") {
   Control control;
   const auto shown = [&](int step, bool done) {
     return said_by([&] {

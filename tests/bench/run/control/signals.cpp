@@ -8,7 +8,7 @@
 using namespace tactbench;
 using namespace tactbench::bench;
 
-TEST_CASE("signals: each but Ctrl-C asks for the end at once, with its own exit code") {
+TEST_CASE("signals: each signal except Ctrl-C requests the end at once, with its own exit code") {
   const auto [number, code] = GENERATE(table<int, int>({{SIGTERM, 143},
                                                         {SIGHUP, 129},
                                                         {SIGQUIT, 131},
@@ -40,7 +40,7 @@ TEST_CASE("signals: each but Ctrl-C asks for the end at once, with its own exit 
   std::signal(SIGHUP, before);
 }
 
-TEST_CASE("signals: a hang-up that is ignored, as under nohup, stays so") {
+TEST_CASE("signals: an ignored hang-up, as under nohup, stays ignored") {
   const auto before = std::signal(SIGHUP, SIG_IGN);
   {
     const StopRequest signals;
@@ -50,7 +50,7 @@ TEST_CASE("signals: a hang-up that is ignored, as under nohup, stays so") {
   std::signal(SIGHUP, before);
 }
 
-TEST_CASE("signals: a signal while two stop requests exist reaches both") {
+TEST_CASE("signals: a signal during two stop requests reaches both") {
   const StopRequest whole;
   {
     const StopRequest part;
@@ -62,7 +62,7 @@ TEST_CASE("signals: a signal while two stop requests exist reaches both") {
   CHECK((next.ending() == SIGTERM && next.interrupts() == 1));
 }
 
-TEST_CASE("signals: a timer that other code of the process uses is left alone") {
+TEST_CASE("signals: a timer signal used by other code of the process is left alone") {
   static int rung = 0;
   rung = 0;
   const auto before = std::signal(SIGALRM, [](int) { rung = 1; });
@@ -74,7 +74,7 @@ TEST_CASE("signals: a timer that other code of the process uses is left alone") 
   std::signal(SIGALRM, before);
 }
 
-TEST_CASE("signals: the old handlers are restored, and a new request begins without any") {
+TEST_CASE("signals: the old handlers are restored, and a new request starts without signals") {
   static int old_seen;
   old_seen = 0;
   const auto before = std::signal(SIGUSR2, [](int) { ++old_seen; });
@@ -90,7 +90,7 @@ TEST_CASE("signals: the old handlers are restored, and a new request begins with
   CHECK((fresh.signal() == 0 && fresh.ending() == 0 && fresh.interrupts() == 0));
 }
 
-TEST_CASE("Ctrl-C: the first pauses, the second ends, the first alone where nobody is there") {
+TEST_CASE("Ctrl-C: the first pauses and the second ends, the first ends an unattended run") {
   const StopRequest signals;
   Control alone, attended;
   alone.end_by_first_interrupt();
@@ -105,7 +105,7 @@ TEST_CASE("Ctrl-C: the first pauses, the second ends, the first alone where nobo
   CHECK(attended.close(signals)->signal == SIGINT);
 }
 
-TEST_CASE("Ctrl-C: a cancelled or ended pause no longer counts, panic wins over signals, signals over commands") {
+TEST_CASE("Ctrl-C: a cancelled or finished pause no longer counts, panic outranks signals, signals outrank commands") {
   const StopRequest signals;
   Control control;
   RunStatus running;

@@ -104,7 +104,7 @@ class OtherRun {
 
 }  // namespace
 
-TEST_CASE("store locks: runs share a store, a start that searches for dead runs locks it exclusively") {
+TEST_CASE("store locks: runs share a store, a start that looks for dead runs locks it exclusively") {
   LockedStore own;
   const StoreLocks start(own.path);
   {
@@ -119,7 +119,7 @@ TEST_CASE("store locks: runs share a store, a start that searches for dead runs 
   CHECK(std::chrono::steady_clock::now() - begun >= milliseconds(20));
 }
 
-TEST_CASE("store locks: a run waits while another start holds the store, and counts as live afterwards") {
+TEST_CASE("store locks: a run waits while another start locks the store, and counts as live afterwards") {
   LockedStore own;
   {
     const OtherRun run(own.path);
@@ -134,7 +134,7 @@ TEST_CASE("store locks: a run waits while another start holds the store, and cou
   CHECK(StoreLocks(own.path).take_whole());  // gone with its process
 }
 
-TEST_CASE("store locks: a live process's run is not marked interrupted, a dead one's is") {
+TEST_CASE("store locks: a run with a live process is not marked interrupted, a run with a dead process is") {
   LockedStore own;
   const std::int64_t run = own.begin();
   const BenchConfig config = small_request().bench;
@@ -149,7 +149,7 @@ TEST_CASE("store locks: a live process's run is not marked interrupted, a dead o
   CHECK(own.store.run(run).outcome == db::Outcome::kInterrupted);
 }
 
-TEST_CASE("store locks: a run has one process, another run of the store can have another") {
+TEST_CASE("store locks: a run has only one process, another run of the store may have another") {
   LockedStore own;
   const RunLock one(own.path), other(own.path);
   CHECK(is_carried_out(own.path, 7) == false);
@@ -170,7 +170,7 @@ TEST_CASE("store locks: a run has one process, another run of the store can have
   CHECK(own.store.run(request.resume).outcome == db::Outcome::kIncomplete);
 }
 
-TEST_CASE("store locks: a process is known to carry out a run of a store by the lock that it holds, and by no other") {
+TEST_CASE("store locks: a process is recognised as executing a run of a store only by its lock") {
   const LockedStore own, other;
   const OtherRun run(own.path);
   const RunLock shared(own.path), beside(other.path);
@@ -185,7 +185,7 @@ TEST_CASE("store locks: a process is known to carry out a run of a store by the 
   CHECK_FALSE(carries_out_run_of({getpid(), geteuid(), false}, own.path));  // has the file open, and carries out none
 }
 
-TEST_CASE("store locks: a lock file that goes is made again with its locks, unless another process was quicker") {
+TEST_CASE("store locks: a removed lock file is created again with its locks, unless another process was faster") {
   LockedStore own;
   const std::string lock = own.path + "-lock";
   RunLock run(own.path);
@@ -205,7 +205,7 @@ TEST_CASE("store locks: a lock file that goes is made again with its locks, unle
   CHECK(lock_refused_as([&] { (void)run.renew(7); }) == "TB-STORE-LOCK");
 }
 
-TEST_CASE("store locks: one empty file beside the store, never the target of a link") {
+TEST_CASE("store locks: one empty file next to the store, never the target of a link") {
   LockedStore own;
   for (int i = 0; i < 3; ++i) const RunLock lock(own.path);
   struct stat found {};
@@ -225,7 +225,7 @@ TEST_CASE("store locks: one empty file beside the store, never the target of a l
   CHECK(read_file(precious) == "kept");
 }
 
-TEST_CASE("store locks: they hold one descriptor while they live, none where they refuse") {
+TEST_CASE("store locks: use one descriptor while they exist, none after a failure") {
   const LockedStore kept;
   const auto next_descriptor = [] {
     const int next = ::dup(STDERR_FILENO);
@@ -244,7 +244,7 @@ TEST_CASE("store locks: they hold one descriptor while they live, none where the
   CHECK(next_descriptor() == before);
 }
 
-TEST_CASE("store locks: a lock file that is none, and a store that is not there") {
+TEST_CASE("store locks: a lock path that is not a regular file, and a missing store are rejected") {
   LockedStore own;
   const std::string lock = own.path + "-lock";
   REQUIRE(mkfifo(lock.c_str(), 0600) == 0);
@@ -263,7 +263,7 @@ TEST_CASE("store locks: a lock file that is none, and a store that is not there"
   CHECK_FALSE(std::filesystem::exists(lock));
 }
 
-TEST_CASE("store locks: the lock file has the store's rights and owner, whatever the umask takes") {
+TEST_CASE("store locks: the lock file has the access rights and the owner of the store, whatever the umask is") {
   LockedStore own;
   const std::string lock = own.path + "-lock";
   for (const mode_t mode : {0757, 0666, 0600}) {
@@ -303,7 +303,7 @@ std::string refusal_of(const Work& work) {
 
 }  // namespace
 
-TEST_CASE("machine names: one holder, listed while it lives, free when it is gone") {
+TEST_CASE("machine names: have one holder, are listed while it lives, and are free when it ends") {
   const auto listed = [](const std::string& name) {
     const auto names = held_names();
     return std::find(names.begin(), names.end(), name) != names.end();
@@ -323,7 +323,7 @@ TEST_CASE("machine names: one holder, listed while it lives, free when it is gon
   CHECK(MachineName("rig/dead-man").held());
 }
 
-TEST_CASE("machine names: do not depend on folders or the home of a login") {
+TEST_CASE("machine names: do not depend on folders or on the home of the user") {
   BenchConfig config;
   config.id = "machine-" + std::to_string(getpid());
   const Variable scope("TACTBENCH_RUNTIME_DIR", std::nullopt);  // the machine's own names
@@ -342,7 +342,7 @@ TEST_CASE("machine names: do not depend on folders or the home of a login") {
   CHECK(refusal_of([&] { const BenchLock lock(config); }) == "not refused");
 }
 
-TEST_CASE("machine names: TACTBENCH_RUNTIME_DIR is a separate scope, a folder of this user closed to others") {
+TEST_CASE("machine names: TACTBENCH_RUNTIME_DIR is a separate scope, and must be a private folder of the user") {
   const TemporaryFolder folder;
   const MachineName mine("rig");
   REQUIRE(mine.held());
@@ -366,7 +366,7 @@ TEST_CASE("machine names: TACTBENCH_RUNTIME_DIR is a separate scope, a folder of
   CHECK_THAT(refusal_of(hold), Catch::StartsWith("TB-FOLDER-UNSAFE") && Catch::Contains("65534"));
 }
 
-TEST_CASE("machine names: the holder of a bench's name is named, and not trusted") {
+TEST_CASE("machine names: another user who holds the name of a bench is named, and not trusted") {
   if (geteuid() != 0) {
     WARN("skipped: only root can be another user");
     return;
@@ -395,7 +395,7 @@ TEST_CASE("machine names: the holder of a bench's name is named, and not trusted
   CHECK(is_trusted(*peer, kNobodyHere));
 }
 
-TEST_CASE("machine names: root, the own user and the group are trusted, by what the process is and not by its name") {
+TEST_CASE("machine names: root, the same user and the group are trusted, by process credentials and not by name") {
   CHECK(is_trusted({1, 0, false}, 1000));
   CHECK(is_trusted({1, 1000, false}, 1000));
   CHECK(is_trusted({1, 1001, true}, 1000));
@@ -427,7 +427,7 @@ TEST_CASE("machine names: root, the own user and the group are trusted, by what 
   }
 }
 
-TEST_CASE("machine names: a dead-man's name is waited for as long as is said, a bench's holder is named") {
+TEST_CASE("machine names: waiting for a dead-man name lasts the given time, the holder of a bench is named") {
   {
     const MachineName dead_man = dead_man_name("rig 1", std::chrono::seconds(0));
     CHECK(dead_man.held());
@@ -449,7 +449,7 @@ TEST_CASE("machine names: a dead-man's name is waited for as long as is said, a 
   CHECK(BenchLock(config).name() == nullptr);
 }
 
-TEST_CASE("machine names: names as they are shown, and those that are too long") {
+TEST_CASE("machine names: printed form, and names that are too long") {
   const std::string shown = shown_name("rig");
   CHECK(shown.front() == '@');
   CHECK(shown.ends_with("/rig"));
@@ -482,7 +482,7 @@ TEST_CASE("machine names: names as they are shown, and those that are too long")
   CHECK(MachineName("nobody's").owner() == peer_text({getpid(), geteuid(), false}));
 }
 
-TEST_CASE("machine names: which of the held names are runs, and what is known of those that stay silent") {
+TEST_CASE("machine names: which held names are runs, and which data of silent ones are available") {
   const TemporaryFolder folder;
   const Variable scope("TACTBENCH_RUNTIME_DIR", folder.path());
   CHECK(run_names().empty());

@@ -72,7 +72,7 @@ struct Stranger : Apart {
 
 }  // namespace
 
-TEST_CASE("users: who may command a run") {
+TEST_CASE("users: root, the owner and members of the group of the owner may command a run") {
   const Users users;
   if (!users.can()) return;
   struct Row {
@@ -101,7 +101,7 @@ TEST_CASE("users: who may command a run") {
   CHECK(run.process().wait() == 4);
 }
 
-TEST_CASE("users: an answer of another user is not trusted, and its run is not shown") {
+TEST_CASE("users: an answer of another user is not trusted, and the run it names is not shown") {
   const Users users;
   if (!users.can()) return;
   const Variable scope("TACTBENCH_RUNTIME_DIR", std::nullopt);
@@ -119,7 +119,7 @@ TEST_CASE("users: an answer of another user is not trusted, and its run is not s
   CHECK(run.process().wait() == 4);
 }
 
-TEST_CASE("users: a false answer in a run's name does not keep root's panic from the run") {
+TEST_CASE("users: a false answer in the name of a run does not block the panic of root") {
   const Users users;
   if (!users.can()) return;
   const Variable scope("TACTBENCH_RUNTIME_DIR", std::nullopt);
@@ -133,7 +133,7 @@ TEST_CASE("users: a false answer in a run's name does not keep root's panic from
   CHECK(run.process().wait() == 4);
 }
 
-TEST_CASE("users: root, too, believes no stranger that says it is a run of the store, by words or on the page") {
+TEST_CASE("users: root does not trust another user who claims to be a run of the store, by command or on the page") {
   const Users users;
   if (!users.can()) return;
   const Variable scope("TACTBENCH_RUNTIME_DIR", std::nullopt);

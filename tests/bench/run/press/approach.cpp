@@ -13,7 +13,7 @@ using bench::ContactPoint;
 using devices::fault_id_of;
 using std::chrono::milliseconds;
 
-TEST_CASE("approach on an ideal stage: down, back off, up in steps, each number by hand") {
+TEST_CASE("approach on an ideal stage: descent, back-off and steps agree with hand-computed values") {
   IdealBed bed(spring(20.0));
   const ContactPoint contact = bench::find_contact(bed.axis, 10.0);
   // 0.5 mm/s from 10 mm, a look each 40 ms: felt at 4.04 s, 12.02 mm, 0.4 N. Back 0.1 mm, then steps of 0.01 mm; the
@@ -47,7 +47,7 @@ TEST_CASE("approach on an ideal stage: down, back off, up in steps, each number 
   CHECK(bed.stage.halts == 0);
 }
 
-TEST_CASE("approach on an ideal stage: from beyond the clear z it does not go back, and searches from there") {
+TEST_CASE("approach on an ideal stage: if z is already beyond clear it does not move back, and searches from there") {
   IdealBed bed(spring(20.0));
   bed.stage.put(devices::Axis::kZ, 11.0);
   const ContactPoint contact = bench::find_contact(bed.axis, 10.0);
@@ -59,7 +59,8 @@ TEST_CASE("approach on an ideal stage: from beyond the clear z it does not go ba
   CHECK(there.stage.sent_mm.front() == 14.0);
 }
 
-TEST_CASE("approach on an ideal stage: the force allowed before the search is exact to the last digit") {
+TEST_CASE(
+    "approach on an ideal stage: a force below the contact limit is allowed before the search, the limit is not") {
   const auto at = [](double before_n) {
     IdealBed bed([=](double z_mm) { return z_mm < 5.0 ? before_n : spring(20.0)(z_mm); });
     return fault_id_of([&] { (void)bench::find_contact(bed.axis, 10.0); });
@@ -78,7 +79,7 @@ TEST_CASE("approach on an ideal stage: the force allowed before the search is ex
   CHECK(lost.stage.sent_mm.empty());
 }
 
-TEST_CASE("approach on an ideal stage: z stops at an object that stands in the way to clear, within the force limit") {
+TEST_CASE("approach on an ideal stage: z stops at an object on the way to clear, within the force limit") {
   for (const double surface_mm : {0.0, 0.05, 3.0, 9.0, 9.8}) {
     for (const double stiffness : {1.0, 20.0, 100.0}) {
       bench::PressOptions fast = ideal_options();
@@ -95,8 +96,7 @@ TEST_CASE("approach on an ideal stage: z stops at an object that stands in the w
   }
 }
 
-TEST_CASE(
-    "approach on an ideal stage: backs off four times, each twice as far, until less than half a contact is felt") {
+TEST_CASE("approach on an ideal stage: backs off up to four times, twice as far each time, until the contact is lost") {
   // Cloth that clings: after the touch the force stays until z is `free_mm` off it.
   const auto clinging = [](double free_mm, double stays_n) {
     return [=, deepest = 0.0](double z_mm) mutable {
@@ -149,7 +149,7 @@ TEST_CASE(
   CHECK(edge.stage.z_mm() > 12.014);
 }
 
-TEST_CASE("approach on an ideal stage: a single reading is no contact, and the sign of pressing is checked") {
+TEST_CASE("approach on an ideal stage: a single reading is not a contact, and the sign of the force is checked") {
   int looks = 0;
   IdealBed shock(spring(20.0));
   shock.force.law = [&looks](double z_mm) {  // one reading of 0.4 N in the air
@@ -161,7 +161,7 @@ TEST_CASE("approach on an ideal stage: a single reading is no contact, and the s
   check_press_fault([&] { (void)bench::find_contact(pulls.axis, 10.0); }, "TB-PRESS-SIGN", {"0.40 N"});
 }
 
-TEST_CASE("approach on an ideal stage: stiffness keeps within its bounds, the greatest force is that of the way") {
+TEST_CASE("approach on an ideal stage: stiffness stays within its limits, the greatest force on the way is reported") {
   bench::PressOptions narrow = ideal_options();
   narrow.stiffest_n_per_mm = 15.0;
   IdealBed stiff(spring(20.0), narrow);

@@ -52,7 +52,7 @@ IdealForce::Law square(double a, double b) {
 
 }  // namespace
 
-TEST_CASE("force servo: its steps on a linear contact, up and down") {
+TEST_CASE("force servo: steps on a linear contact, loading and unloading") {
   ServoBed bed(spring(20.0));
   check_steps(bed.steps(2.0, Branch::kLoading), {12.044595018, 12.07949854, 12.096679031, 12.099906422});
   check_steps(bed.steps(6.0, Branch::kLoading), {12.230729618, 12.287742705, 12.299617068});
@@ -66,7 +66,7 @@ TEST_CASE("force servo: its steps on a linear contact, up and down") {
   CHECK(bed.stage.speeds.back() == 0.05);
 }
 
-TEST_CASE("force servo: its steps where stiffness grows with the force, and a small turn inside the loop") {
+TEST_CASE("force servo: steps on a contact that stiffens with force, and a small reversal inside the loop") {
   ServoBed bed(square(5.0, 30.0));
   check_steps(bed.steps(2.0, Branch::kLoading), {12.063487064, 12.121353329, 12.180224468, 12.187912914});
   CHECK(bed.servo.stiffness_n_per_mm() == Approx(16.04412148036396));
@@ -82,7 +82,7 @@ TEST_CASE("force servo: its steps where stiffness grows with the force, and a sm
   CHECK(bed.servo.stiffness_n_per_mm() == Approx(12.546148975090222));
 }
 
-TEST_CASE("force servo: its steps on a contact that begins softly") {
+TEST_CASE("force servo: steps on a contact that begins softly") {
   ServoBed bed(square(1.0, 30.0));
   check_steps(bed.steps(2.0, Branch::kLoading), {12.108046083, 12.185154723, 12.235759634, 12.241932166});
   check_steps(bed.steps(30.0, Branch::kLoading), {12.396913683, 12.649246009, 12.942178901, 12.982901589});
@@ -91,7 +91,7 @@ TEST_CASE("force servo: its steps on a contact that begins softly") {
   CHECK(bed.servo.stiffness_n_per_mm() == Approx(27.052022731736827));
 }
 
-TEST_CASE("force servo: after a turn the backlash is subtracted from the travel that changed the force") {
+TEST_CASE("force servo: after a reversal the backlash is subtracted from the travel that changed the force") {
   ServoBed bed([tip = 0.0](double z_mm) mutable {  // the tip follows z within 15 micrometres
     tip = std::clamp(tip, z_mm - 0.0075, z_mm + 0.0075);
     return 20.0 * std::max(0.0, tip + 0.0075 - 12.0);
@@ -127,7 +127,7 @@ TEST_CASE("force servo: without a response the stiffness is halved, and a step i
   check_steps(soft.steps(18.0, Branch::kUnloading), {14.435615676, 14.283748305, 14.251088655});
 }
 
-TEST_CASE("force servo: it stops at the largest depth beyond the contact, with a fault") {
+TEST_CASE("force servo: stops at the maximum depth beyond the contact, with a fault") {
   PressOptions shallow = ideal_options();
   shallow.most_press_mm = 0.3;
   ServoBed bed([](double z_mm) { return 20.0 * std::clamp(z_mm - 12.0, 0.0, 0.2); }, shallow);
@@ -144,7 +144,7 @@ TEST_CASE("force servo: it stops at the largest depth beyond the contact, with a
   CHECK(stuck.stage.z_mm() == Approx(11.0).margin(1e-9));
 }
 
-TEST_CASE("force servo: how many moves and how long a level may take, to the last of them") {
+TEST_CASE("force servo: exact limits of the number of moves and of the time per level") {
   PressOptions few = ideal_options();
   few.most_moves = 4;
   ServoBed enough(spring(20.0), few);
@@ -171,7 +171,7 @@ TEST_CASE("force servo: how many moves and how long a level may take, to the las
   CHECK(fault_id_of([&] { (void)late.servo.to(2.0, Branch::kLoading, 0.05); }) == "TB-PRESS-TIMEOUT");
 }
 
-TEST_CASE("force servo: a level that is met needs no move, one passed by its tolerance is broken, not before") {
+TEST_CASE("force servo: a level that is reached needs no move, one passed by more than its tolerance is broken") {
   ServoBed bed(spring(20.0));
   (void)bed.steps(10.0, Branch::kLoading);
   const double there_n = bed.last.reading.force_n;
@@ -187,7 +187,7 @@ TEST_CASE("force servo: a level that is met needs no move, one passed by its tol
   CHECK(bed.stage.sent_mm.empty());
 }
 
-TEST_CASE("force servo: no step before it bounds a level's first step") {
+TEST_CASE("force servo: the first step to a level is not limited by earlier steps") {
   PressOptions long_way = ideal_options();
   long_way.deepest_z_mm = 30.0;
   long_way.most_press_mm = 15.0;
@@ -199,7 +199,7 @@ TEST_CASE("force servo: no step before it bounds a level's first step") {
   CHECK(bed.last.reading.force_n == Approx(30.0).margin(0.3));
 }
 
-TEST_CASE("press options: a level's tolerance is the larger of the two") {
+TEST_CASE("press options: the tolerance of a level is the larger of its absolute and relative value") {
   const PressOptions options;
   CHECK(options.tolerance(2.0) == 0.05);
   CHECK(options.tolerance(5.0) == 0.05);

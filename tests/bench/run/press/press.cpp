@@ -36,7 +36,7 @@ struct PressBed : IdealBed {
 
 }  // namespace
 
-TEST_CASE("press on an ideal stage: options of the bench: its axes' ends and speeds") {
+TEST_CASE("press on an ideal stage: axis ends and speeds come from the bench options") {
   bench::BenchConfig config;
   CHECK_THROWS_AS(bench::press_options(config), std::logic_error);
   config.stage.emplace();
@@ -74,7 +74,7 @@ TEST_CASE("press on an ideal stage: home moves z first, tare removes the offset 
   CHECK_THAT(bed.events[2].second, Catch::Contains("1.750 N") && Catch::Contains("0.250 N"));
 }
 
-TEST_CASE("press on an ideal stage: x and y move only where z is clear and no force is measured") {
+TEST_CASE("press on an ideal stage: x and y move only if z is clear and no force is measured") {
   PressBed bed(spring(20.0));
   bed.stage.put(Axis::kZ, 10.001);
   bed.stage.put(Axis::kX, 1.0);
@@ -101,7 +101,7 @@ TEST_CASE("press on an ideal stage: x and y move only where z is clear and no fo
   CHECK(bed.stage.halts == 0);
 }
 
-TEST_CASE("press on an ideal stage: a move in x and y that is broken off halts the stage") {
+TEST_CASE("press on an ideal stage: an interrupted move in x and y halts the stage") {
   IdealBed bed(spring(20.0));
   bench::PressHooks hooks;
   hooks.wait = [](devices::Nanoseconds) { throw std::runtime_error("stop"); };
@@ -140,7 +140,7 @@ TEST_CASE("press on an ideal stage: a contact sets the clear position and is rep
         }) == "TB-PRESS-NO-APPROACH");
 }
 
-TEST_CASE("press on an ideal stage: a level's reading, its times, its means, its spread and its relaxation") {
+TEST_CASE("press on an ideal stage: the reading of a level has times, means, spread and relaxation") {
   PressBed bed(spring(20.0));
   bed.force.spread_n = 0.07;
   (void)bed.press.tare();
@@ -176,7 +176,7 @@ TEST_CASE("press on an ideal stage: a level's reading, its times, its means, its
   CHECK(bed.force.reads.size() == reads + 2);  // reached, and before the frame that is not wanted
 }
 
-TEST_CASE("press on an ideal stage: while dwelling it reads each second, and corrects only if requested") {
+TEST_CASE("press on an ideal stage: during the dwell it reads each second, and corrects only if requested") {
   const bool hold = GENERATE(false, true);
   PressBed bed(spring(20.0));
   (void)bed.press.approach();
@@ -207,7 +207,7 @@ TEST_CASE("press on an ideal stage: while dwelling it reads each second, and cor
   }
 }
 
-TEST_CASE("press on an ideal stage: a held force is corrected from half its tolerance on, in the branch's direction") {
+TEST_CASE("press on an ideal stage: a held force is corrected from half its tolerance on, only in branch direction") {
   const auto [branch, drop_n, moves] = GENERATE(table<Branch, double, bool>({{Branch::kLoading, 0.049, false},
                                                                              {Branch::kLoading, 0.051, true},
                                                                              {Branch::kLoading, -0.06, false},

@@ -16,7 +16,7 @@ using bench::ForceSample;
 using devices::fault_id_of;
 using std::chrono::milliseconds;
 
-TEST_CASE("press axis: a reading carries z, both forms of the wrench and the sign of pressing") {
+TEST_CASE("press axis: a reading has z, both forms of the wrench and the sign of pressing") {
   IdealBed bed(spring(20.0));
   bed.stage.put(devices::Axis::kZ, 12.5);
   CHECK(bed.axis.find() == 12.5);
@@ -39,7 +39,7 @@ TEST_CASE("press axis: a reading carries z, both forms of the wrench and the sig
   CHECK(bed.axis.sample(1).force_n == 10.0);
 }
 
-TEST_CASE("press axis: the force limit is inclusive, holds either way, and not a number is beyond it") {
+TEST_CASE("press axis: the force limit is inclusive, applies in both directions, and NaN exceeds it") {
   const auto at = [](double force_n) {
     IdealBed bed([=](double) { return force_n; });
     const std::string id = fault_id_of([&] { (void)bed.axis.sample(1); });
@@ -53,7 +53,7 @@ TEST_CASE("press axis: the force limit is inclusive, holds either way, and not a
   CHECK(at(std::numeric_limits<double>::quiet_NaN()) == "TB-PRESS-FORCE-LIMIT");
 }
 
-TEST_CASE("press axis: toward the specimen it reads as often as the stiffest contact needs, away from it never") {
+TEST_CASE("press axis: reads toward the specimen as often as the stiffest contact needs, away from it never") {
   IdealBed bed(spring(20.0));
   bed.stage.put(devices::Axis::kZ, 12.5);
   (void)bed.axis.find();
@@ -81,7 +81,7 @@ TEST_CASE("press axis: toward the specimen it reads as often as the stiffest con
   CHECK(bed.waits == std::vector<devices::Nanoseconds>{milliseconds(550 + 1050)});
 }
 
-TEST_CASE("press axis: near the limit it reads at the smallest distance, the last time before the end of the move") {
+TEST_CASE("press axis: near the limit it reads at the shortest interval, and last before the end of the move") {
   bench::PressOptions options = ideal_options();
   options.force_limit_n = 10.0;
   IdealBed bed([](double) { return 9.0; }, options);
@@ -95,7 +95,7 @@ TEST_CASE("press axis: near the limit it reads at the smallest distance, the las
   CHECK(bed.force.reads[3].records == 50);
 }
 
-TEST_CASE("press axis: any fault halts the stage once and is thrown on") {
+TEST_CASE("press axis: any fault halts the stage once and is rethrown") {
   IdealBed bed([](double z_mm) { return z_mm > 12.2 ? 40.0 : 0.0; });
   bed.stage.put(devices::Axis::kZ, 12.0);
   (void)bed.axis.find();
@@ -113,7 +113,7 @@ TEST_CASE("press axis: any fault halts the stage once and is thrown on") {
   CHECK(fault_id_of([&] { (void)bed.axis.find(); }) == "TB-PRESS-NOT-HOMED");
 }
 
-TEST_CASE("press axis: a descent ends after two readings in contact, or at rest at its end") {
+TEST_CASE("press axis: a descent ends after two readings in contact, or at its end position") {
   IdealBed bed(spring(20.0));
   bed.stage.put(devices::Axis::kZ, 11.9);
   (void)bed.axis.find();

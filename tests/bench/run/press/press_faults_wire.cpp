@@ -11,7 +11,7 @@ using bench::Branch;
 using bench::PressOptions;
 using devices::fault_id_of;
 
-TEST_CASE("press: the force limit halts the stage in the middle of a move") {
+TEST_CASE("press: the force limit halts the stage during a move") {
   PressOptions options = ideal_options();
   options.force_limit_n = 12.0;
   // Soft, then a wall that no step expects.
@@ -33,7 +33,7 @@ TEST_CASE("press: the force limit halts the stage in the middle of a move") {
   CHECK(rig.press->retract().verified);
 }
 
-TEST_CASE("press: a silent sensor, an unplugged stage and a request to stop leave the axis standing") {
+TEST_CASE("press: a silent sensor, an unplugged stage and a stop request leave the axis at rest") {
   SECTION("the sensor falls silent while z goes down") {
     PressRig rig(spring(20.0), ideal_options(), {.silent_after_records = 800});
     CHECK(fault_id_of([&] { (void)rig.press->approach(); }) == "TB-FORCE-TIMEOUT");

@@ -59,7 +59,7 @@ void check_forces(const std::vector<double>& forces, const Numbers& numbers,
 
 }  // namespace
 
-TEST_CASE("press preflight: the paper's ring fits the SI-25 calibration and not the SI-12") {
+TEST_CASE("press preflight: the paper ring fits the SI-25 calibration but not the SI-12") {
   const PressPlanned ring{{{30.0, 30.0}}, {2.0, 6.0, 10.0, 20.0, 30.0}};
   PressEnvelope calibrated = {{25.0, 25.0, 35.0, 250.0, 250.0, 250.0}, 1.0, {{{0.0, 60.0}, {0.0, 60.0}, {0.0, 50.0}}}};
   CHECK(bench::press_complaints(ring, {}, calibrated).empty());
@@ -68,7 +68,7 @@ TEST_CASE("press preflight: the paper's ring fits the SI-25 calibration and not 
   check_complaints(bench::press_complaints(ring, {}, calibrated), {{"20 N", "17 N"}, {"30 N"}, {}});
 }
 
-TEST_CASE("press preflight: forces with tolerance and overshoot up to the range, down to what counts as contact") {
+TEST_CASE("press preflight: force with tolerance and overshoot must be within the range and above the contact limit") {
   CHECK(bench::overshoot_n(0.5, 0.02, 0.03, 100.0) == Approx(2.5));  // speed, latency and stop time, stiffness
   check_forces({1.0, 13.5}, {});
   check_forces({13.75}, {{"13.75 N", "2.00 N", "16 N"}, {"13.75 N", "2.00 N", "16 N"}});  // of the range, of the bench
@@ -80,7 +80,7 @@ TEST_CASE("press preflight: forces with tolerance and overshoot up to the range,
   check_forces({8.0}, {}, share);
 }
 
-TEST_CASE("press preflight: the bench's limit, the search and the smallest move") {
+TEST_CASE("press preflight: limit of the bench, search speed and smallest move") {
   PressOptions options = exact_options();
   options.force_limit_n = 16.5;
   check_forces({2.0}, {{"16.5 N", "16 N"}}, options);
@@ -94,7 +94,7 @@ TEST_CASE("press preflight: the bench's limit, the search and the smallest move"
   check_forces({8.0, 2.0, 4.0}, {{"1.000 N", "0.500 N", "2 N"}}, options);
 }
 
-TEST_CASE("press preflight: places at the ends of each axis and beyond") {
+TEST_CASE("press preflight: positions at and beyond the ends of each axis") {
   const auto check_place = [](double x_mm, double y_mm, double clear_mm, double deepest_mm, const Numbers& numbers) {
     PressOptions options = exact_options();
     options.clear_z_mm = clear_mm;
@@ -110,7 +110,7 @@ TEST_CASE("press preflight: places at the ends of each axis and beyond") {
   check_place(0.0, 10.0, 50.0, 50.0, {{}});  // clear is not above the deepest
 }
 
-TEST_CASE("press options of a run: the bench's limits and the recipe's own speeds") {
+TEST_CASE("press options: limits come from the bench, speeds from the recipe") {
   bench::BenchConfig config;
   config.stage.emplace();
   config.force.emplace();

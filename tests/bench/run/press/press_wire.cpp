@@ -51,7 +51,7 @@ void ring(PressRig& rig) {
 
 }  // namespace
 
-TEST_CASE("approach: the surface is found within 0.02 mm, stiff or soft, and hardly pressed") {
+TEST_CASE("approach: the surface is found within 0.02 mm on stiff and soft contacts, with little force") {
   const double stiffness = GENERATE(5.0, 20.0, 80.0, 0.0);  // 0: soft at first, as cloth
   PressRig rig(stiffness > 0.0 ? spring(stiffness) : cloth(1.0, 30.0, 0.04, 0.015));
   rig.press->tare();
@@ -65,7 +65,7 @@ TEST_CASE("approach: the surface is found within 0.02 mm, stiff or soft, and har
   CHECK(rig.z_mm() - kSurfaceMm < 0.06);
 }
 
-TEST_CASE("press: the ring's loop meets every level from one side on elastic, stiffening and rubbing contacts") {
+TEST_CASE("press: the ring loop reaches every level from one side on elastic, stiffening and rubbing contacts") {
   // Elastic; cloth with friction and play; soft at first, then stiff; stiff.
   for (const ContactLaw& law :
        {spring(20.0), cloth(20.0, 10.0, 0.04, 0.01), cloth(1.0, 30.0, 0.02, 0.015), spring(80.0)}) {
@@ -74,7 +74,7 @@ TEST_CASE("press: the ring's loop meets every level from one side on elastic, st
   }
 }
 
-TEST_CASE("press: a contact that stiffens under the servo breaks the branch, with by how much, and takes no frame") {
+TEST_CASE("press: a contact that stiffens during the servo breaks the branch, states the overshoot, takes no frame") {
   // 5 N/mm for 0.6 mm, then a wall.
   PressRig rig([](double z_mm) {
     const double depth_mm = std::max(0.0, z_mm - kSurfaceMm);

@@ -66,7 +66,7 @@ const std::vector<std::pair<double, double>> kFour = {{8.1, 9.3}, {29.0, 10.2}, 
 
 }  // namespace
 
-TEST_CASE("registration: rotated, shifted and flipped mounts come out as they were made") {
+TEST_CASE("registration: rotated, shifted and flipped mounts are recovered") {
   const bool flipped = GENERATE(false, true);
   const double angle = GENERATE(0.0, 3.5, -92.0, 179.0);
   const auto& places = GENERATE_REF(values({kThree, kFour}));
@@ -83,7 +83,7 @@ TEST_CASE("registration: rotated, shifted and flipped mounts come out as they we
   CHECK(std::hypot(found.stage_mm({20.0, 14.0})[0] - there.x_mm, found.stage_mm({20.0, 14.0})[1] - there.y_mm) < 0.1);
 }
 
-TEST_CASE("registration: a pitch that is not the nominal one shows as scale, and the text holds every touch") {
+TEST_CASE("registration: a pitch other than the nominal one gives the scale, and the text has every touch") {
   const MountRegistration found = bench::register_mount(touches({10.0, 0.0, 0.0, 1.02, false}, kFour), kPitchMm);
   CHECK(found.scale == Approx(1.02).margin(0.005));
   const auto text = nlohmann::json::parse(found.json());
@@ -93,7 +93,7 @@ TEST_CASE("registration: a pitch that is not the nominal one shows as scale, and
   CHECK(text["flipped"] == false);
 }
 
-TEST_CASE("registration by hand: the transform that fits, and how far the rejected mirror misses") {
+TEST_CASE("registration: the best transform and the residual of the rejected mirror agree with hand-computed values") {
   // Corners of 20 x 10 mm. Their mirror image fits best along the longer side: squares of 400 and 100 about the centre,
   // scale (400 - 100) / 500, what is left 500 - 300^2 / 500 = 320 over four corners.
   const bool flipped = GENERATE(false, true);
@@ -111,7 +111,7 @@ TEST_CASE("registration by hand: the transform that fits, and how far the reject
   CHECK(nlohmann::json::parse(found.json())["other_flip_rms_mm"].get<double>() == found.other_rms_mm);
 }
 
-TEST_CASE("registration: the centre of a touch by hand") {
+TEST_CASE("registration: the centre of a touch agrees with hand-computed values") {
   // 3 rows of 4; the peak 10, threshold 1: weights 9 at (1, 1), 4 at (1, 2), 1 at (2, 1); what is below counts nothing.
   std::vector<double> frame(12, 5.0);
   const std::vector<double> baseline(12, 5.0);
@@ -145,7 +145,7 @@ TEST_CASE("registration: the centre of a touch by hand") {
         }) == "TB-MOUNT-NO-TOUCH");
 }
 
-TEST_CASE("registration: stage position over a taxel when turned, scaled and flipped") {
+TEST_CASE("registration: stage position over a taxel of a turned, scaled and flipped mount") {
   MountRegistration mount;
   mount.angle_deg = 30.0;
   mount.offset_mm = {3.0, -2.0};
@@ -158,7 +158,7 @@ TEST_CASE("registration: stage position over a taxel when turned, scaled and fli
   CHECK(mount.stage_mm({1.0, 5.0})[1] == Approx(-2.0 + s * 2.0 - c * 10.0));
 }
 
-TEST_CASE("registration: residuals, their mean square and the spread, to their limits") {
+TEST_CASE("registration: limits of the residuals, their rms and the spread") {
   // A square of 10 mm whose corners lie 0.1 mm in and out along the diagonals: turn, shift and scale stay, rms 0.1.
   const double in = 0.1 / std::sqrt(2.0);
   std::vector<Touch> square;

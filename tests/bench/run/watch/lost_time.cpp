@@ -75,7 +75,7 @@ using Lost = std::vector<std::pair<std::int64_t, std::int64_t>>;
 
 }  // namespace
 
-TEST_CASE("lost time: a pause between two frames lasts from the end of the work until it continues") {
+TEST_CASE("lost time: a pause between two frames lasts from the end of work to its continuation") {
   CHECK(Diary().frames({10, 20, 30}).lost().empty());
   CHECK(Diary().frames({10, 20, 30}).pause(31, 91).frames({102, 110}).lost() == Lost{{4, 60}});
   CHECK(Diary().pause(2, 6).frames({10, 20}).lost() == Lost{{1, 4}});
@@ -92,7 +92,7 @@ TEST_CASE("lost time: pauses before the same frame add up, pauses before differe
   CHECK(Diary().frames({10}).pause(11, 14).frames({20}).pause(21, 26).frames({30}).lost() == Lost{{2, 3}, {3, 5}});
 }
 
-TEST_CASE("lost time: a way back within a sequence leaves the pace of the frames, two of them at most") {
+TEST_CASE("lost time: after a return path within a sequence the frame intervals still count, two at most") {
   const auto after = [](std::initializer_list<double> frames) {
     return Diary().frames({10, 20, 30}).pause(31, 91).way_back(92).frames(frames).lost();
   };
@@ -111,14 +111,14 @@ TEST_CASE("lost time: a way back within a sequence leaves the pace of the frames
         Lost{{4, 113}});
 }
 
-TEST_CASE("lost time: into another sequence the way back is its own, what was begun before the pause is not") {
+TEST_CASE("lost time: a return path into another sequence is not lost, work begun before the pause is") {
   CHECK(Diary().frames({10, 20}).pause(31, 91).way_back(92).frames({150, 158}, 1).lost() == Lost{{3, 71}});
   CHECK(Diary().frames({10, 20}).pause(31, 91).frames({150, 158}, 1).lost() == Lost{{3, 60}});
   // The pace ends where the sequence does.
   CHECK(Diary().frames({10, 20}).pause(31, 91).way_back(92).frames({150}).frames({158}, 1).lost() == Lost{{3, 71}});
 }
 
-TEST_CASE("lost time: what was ended and resumed is lost from the last frame that counts") {
+TEST_CASE("lost time: in a stopped and resumed run it starts at the last valid frame") {
   const auto resumed = [](const std::string& between) {
     Diary diary;
     diary.frames({10, 20}).frames({25, 28}, 0, false).state("running -> stopping: " + between, 30);

@@ -26,7 +26,7 @@ bench::RunRequest request_with(double lost_at_s, double lasts_s, double timeout_
 
 }  // namespace
 
-TEST_CASE("suspension: a supply that stays away ends the run, which can be resumed") {
+TEST_CASE("suspension: a supply that does not return ends the run, which can be resumed") {
   QuickStore store;
   const bench::RunResult ended = run_small(request_with(45.0, 1e6, 10.0), store);
   REQUIRE(ended.error);
@@ -39,7 +39,7 @@ TEST_CASE("suspension: a supply that stays away ends the run, which can be resum
   CHECK(analysis::load_dataset(store, result.run).sequences.at(0).repeats.size() == 2);
 }
 
-TEST_CASE("suspension: what a run waited is not learned as its recipe's time") {
+TEST_CASE("suspension: the wait is not learned as time of the recipe") {
   std::vector<double> learned;
   for (const double lasts_s : {0.0, 30.0}) {
     QuickStore store;

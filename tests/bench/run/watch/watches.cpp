@@ -43,7 +43,7 @@ devices::ScanSet scans_with(int rows, int columns, const std::vector<std::uint16
 
 }  // namespace
 
-TEST_CASE("branch guard: exactly the tolerance passes in both directions, with the values by which it broke") {
+TEST_CASE("branch guard: exactly the tolerance passes in both directions, a break is reported with its values") {
   BranchGuard rising(2.0, 10.0, 0.25);
   CHECK_FALSE(rising.see(5.0));
   CHECK_FALSE(rising.see(4.75));
@@ -69,8 +69,7 @@ TEST_CASE("branch guard: exactly the tolerance passes in both directions, with t
   for (const double none : {std::numeric_limits<double>::infinity(), std::nan("")}) CHECK(level.see(none));
 }
 
-TEST_CASE(
-    "conditioning: never before the least cycles, below its limit and not at it, by the span of the loop itself") {
+TEST_CASE("conditioning: ends after the minimum cycles once the change is below its limit, as share of the loop span") {
   sequences::Conditioning rule;
   rule.cycles = 5;
   rule.least = 3;
@@ -138,7 +137,7 @@ TEST_CASE("conditioning: an array without response gives no change, of several s
   CHECK(first_counts.changes()[0] == 50.0);  // 50 of 100, not the 10 at zero
 }
 
-TEST_CASE("suspension: each rule in its direction, the longest hold, a quantity without a sensor suspends nothing") {
+TEST_CASE("suspension: each rule trips in its direction, the longest hold counts, and needs a sensor of its quantity") {
   SuspensionWatch watch;
   CHECK(watch.empty());
   watch.follow({rule_of("supply_bar", true, 6.0, 6.5, 10.0), rule_of("temperature_c", false, 30.0, 28.0, 20.0)});
@@ -167,7 +166,7 @@ TEST_CASE("suspension: each rule in its direction, the longest hold, a quantity 
   CHECK(watch.may_resume({}, 0s));
 }
 
-TEST_CASE("stuck rows: judged from exactly the least load, a change of one taxel or in one scan clears the row") {
+TEST_CASE("stuck rows: judged from the least load on, a change of one taxel in one scan clears the row") {
   StuckRowWatch watch;
   const std::vector<std::uint16_t> counts = {10, 11, 12, 13, 14, 15, 20, 21, 22, 23, 24, 25};  // 3 x 2, two scans
   CHECK(watch.see(scans_with(3, 2, counts), 5.0, 1.0).rows.empty());
@@ -198,7 +197,7 @@ TEST_CASE("stuck rows: judged from exactly the least load, a change of one taxel
   CHECK_FALSE(limits.see(scans_with(2, 2, ends), 5.0, 1.0).all);
 }
 
-TEST_CASE("time spent: a part shows from a thousandth on, a stretch counts as one and gives back what was under way") {
+TEST_CASE("time spent: parts from 0.001 s on are listed, a nested stretch resumes the activity that it interrupted") {
   devices::TurnedClock clock;
   clock.wait_until(3s);
   TimeSpent times(clock);

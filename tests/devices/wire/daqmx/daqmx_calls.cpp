@@ -31,7 +31,7 @@ double channel_and_sample(const FakeDaqmx::Levels&, int channel, int sample) { r
 
 }  // namespace
 
-TEST_CASE("daqmx errors: each by its number, and what it means") {
+TEST_CASE("daqmx errors: each states its number, and is classified as timeout, device gone or samples lost") {
   const struct {
     int code;
     bool timed_out, gone, lost;
@@ -58,7 +58,7 @@ TEST_CASE("daqmx errors: each by its number, and what it means") {
   CHECK(bench.api.warnings().empty());
 }
 
-TEST_CASE("daqmx devices: the one that is named, by its serial number in any writing") {
+TEST_CASE("daqmx devices: a device is found by name, with its serial number in any notation") {
   DaqmxBench bench;
   bench.card.devices = {{"Dev1", "USB-6259", 0x01A2B3C4, false},
                         {"", "", 0, false},
@@ -88,7 +88,7 @@ TEST_CASE("daqmx devices: the one that is named, by its serial number in any wri
   CHECK(bench.api.warnings().empty());
 }
 
-TEST_CASE("daqmx devices: each call of the list that fails is told") {
+TEST_CASE("daqmx devices: each failing call of the listing is the driver's error") {
   for (const char* function : {"GetSysDevNames", "GetDevProductType", "GetDevSerialNum", "GetDevIsSimulated"}) {
     for (const int later : {0, 1}) {  // asked for a length, and for the text
       if (later == 1 && std::string(function).find("Names") == std::string::npos &&
@@ -102,7 +102,7 @@ TEST_CASE("daqmx devices: each call of the list that fails is told") {
   }
 }
 
-TEST_CASE("daqmx task: each terminal configuration, range, rate and time goes to the driver as it was given") {
+TEST_CASE("daqmx task: terminal configuration, range, rate and timeout are passed to the driver unchanged") {
   const std::pair<DaqmxTerminal, int> terminals[] = {
       {DaqmxTerminal::kRse, 10083}, {DaqmxTerminal::kNrse, 10078}, {DaqmxTerminal::kDifferential, 10106}};
   for (const auto& [terminal, number] : terminals) {
@@ -136,7 +136,7 @@ TEST_CASE("daqmx task: each terminal configuration, range, rate and time goes to
   }
 }
 
-TEST_CASE("daqmx task: lines are written at once, with a second's time") {
+TEST_CASE("daqmx task: lines are written at once, with a timeout of one second") {
   DaqmxBench bench;
   DaqmxTask task(bench.api);
   task.add_output_lines("Dev1/port0/line0:2");
@@ -146,7 +146,7 @@ TEST_CASE("daqmx task: lines are written at once, with a second's time") {
   CHECK(bench.card.write_timeout == 1.0);
 }
 
-TEST_CASE("daqmx task: samples that are too few or no voltage are a fault") {
+TEST_CASE("daqmx task: too few or non-finite samples are a fault") {
   DaqmxBench bench;
   bench.card.volts = channel_and_sample;
   DaqmxTask task(bench.api);
@@ -172,7 +172,7 @@ TEST_CASE("daqmx task: samples that are too few or no voltage are a fault") {
   }
 }
 
-TEST_CASE("daqmx task: each call that fails is the driver's error") {
+TEST_CASE("daqmx task: each failing call is the driver's error") {
   DaqmxBench bench;
   bench.check_failure("CreateTask", [&] { DaqmxTask(bench.api); });
   DaqmxTask task(bench.api);
@@ -194,12 +194,12 @@ TEST_CASE("daqmx task: each call that fails is the driver's error") {
   bench.check_failure("WriteDigitalLines", [&] { lines.write_lines(std::array<std::uint8_t, 2>{1, 0}); });
 }
 
-TEST_CASE("daqmx api: an absent library, and a wrong one") {
+TEST_CASE("daqmx api: a missing library and a wrong one are a fault that names the library") {
   for (const char* library : {"/no/such/libnidaqmx.so", "libm.so.6"})
     check_fault([&] { DaqmxApi api(library); }, "TB-DAQMX-LIBRARY", {}, library);
 }
 
-TEST_CASE("daqmx api: warnings are kept, each once") {
+TEST_CASE("daqmx api: each warning is kept once") {
   DaqmxBench bench;
   bench.api.check(0, "nothing");
   for (int i = 0; i < 3; ++i) bench.api.check(200010, "stopping");

@@ -23,7 +23,7 @@ std::uint16_t crc_of(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("modbus check sum: published values, and its bytes low first") {
+TEST_CASE("modbus checksum: has its published values, low byte first") {
   CHECK(crc_of("") == 0xFFFF);
   CHECK(crc_of("123456789") == 0x4B37);  // the catalogue of check sums' CRC-16/MODBUS
   CHECK(rtu_frame(std::vector<std::uint8_t>{1, 3, 0, 0, 0, 1}) ==
@@ -40,7 +40,7 @@ TEST_CASE("modbus check sum: published values, and its bytes low first") {
       Sum::kAll);
 }
 
-TEST_CASE("modbus value: each type decodes both words in both orders, with its counts") {
+TEST_CASE("modbus value: each type decodes its words in both orders, with its counts") {
   const Words words{0x8001, 0xFFFE};
   const struct {
     RegisterType type;
@@ -70,7 +70,7 @@ TEST_CASE("modbus value: each type decodes both words in both orders, with its c
   CHECK(std::isnan(decode_register({RegisterType::kF32, false}, Words{0x7FC0, 0}).value));
 }
 
-TEST_CASE("modbus value: each type encodes both words in both orders") {
+TEST_CASE("modbus value: each type encodes its words in both orders") {
   CHECK(encode_register({RegisterType::kU16, true}, 32769.0) == Words{0x8001});
   CHECK(encode_register({RegisterType::kI16, true}, -2.0) == Words{0xFFFE});
   CHECK(encode_register({RegisterType::kU32, false}, 4294868993.0) == Words{0xFFFE, 0x8001});
@@ -81,7 +81,7 @@ TEST_CASE("modbus value: each type encodes both words in both orders") {
   CHECK(encode_register({RegisterType::kF32, true}, 1.0 + std::ldexp(1.0, -23)) == Words{1, 0x3F80});
 }
 
-TEST_CASE("modbus value: the nearest number that a type holds, halves away from zero, no number is 0") {
+TEST_CASE("modbus value: encodes the nearest value of the type, halves away from zero, and NaN as 0") {
   CHECK(encode_register({RegisterType::kU16}, 2.5) == Words{3});
   CHECK(encode_register({RegisterType::kI16}, -2.5) == Words{static_cast<std::uint16_t>(-3)});
   CHECK(encode_register({RegisterType::kI16}, 2.4) == Words{2});
@@ -100,7 +100,7 @@ TEST_CASE("modbus value: the nearest number that a type holds, halves away from 
   CHECK(encode_register({RegisterType::kI32}, 1e11) == Words{0x7FFF, 0xFFFF});
 }
 
-TEST_CASE("modbus value: encoded values decode to the same, out of range is clipped") {
+TEST_CASE("modbus value: values survive encoding and decoding, clipped to the range of the type") {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> value(-40000.0, 70000.0);
   for (int i = 0; i < 1000; ++i) {

@@ -48,7 +48,7 @@ void answer_seven(int, int socket, const Bytes& request) {
 
 }  // namespace
 
-TEST_CASE("modbus line: every rate that libmodbus knows, and none beside them") {
+TEST_CASE("modbus line: accepts every baud rate that libmodbus knows, and no other") {
   ScriptedLine line(answer_of_one);
   for (const int baud :
        {110, 300, 600, 1200, 2400, 4800, 9600, 19200, 38400, 57600, 115200, 230400, 460800, 500000, 576000, 921600}) {
@@ -63,7 +63,7 @@ TEST_CASE("modbus line: every rate that libmodbus knows, and none beside them") 
   }
 }
 
-TEST_CASE("modbus line: between two frames 3.5 characters of silence, above 19200 baud 1.75 ms") {
+TEST_CASE("modbus line: keeps 3.5 characters of silence between frames, and 1.75 ms above 19200 baud") {
   const struct {
     int baud;
     Nanoseconds gap;
@@ -89,7 +89,7 @@ TEST_CASE("modbus line: between two frames 3.5 characters of silence, above 1920
   }
 }
 
-TEST_CASE("modbus line: after an error the line rests as long as an answer can be late") {
+TEST_CASE("modbus line: pauses after an error for the longest delay of a reply") {
   RealTimes times;
   auto line = std::make_unique<ScriptedLine>([&](int number, const Bytes&) {
     times.push_back(std::chrono::steady_clock::now());
@@ -108,7 +108,7 @@ TEST_CASE("modbus line: after an error the line rests as long as an answer can b
   CHECK(times[2] - times[1] >= 80ms);
 }
 
-TEST_CASE("modbus line: one program's own, unless its endpoint says otherwise") {
+TEST_CASE("modbus line: is locked for one program, unless its endpoint turns the lock off") {
   ScriptedLine line(answer_of_one);
   const tactbench::tests::TemporaryFolder folder;
   std::filesystem::create_symlink(line.path(), folder.path("port"));
@@ -139,7 +139,7 @@ TEST_CASE("modbus line: one program's own, unless its endpoint says otherwise") 
   ::close(other);
 }
 
-TEST_CASE("modbus line: parity, stop bits and unit as the endpoint has them") {
+TEST_CASE("modbus line: uses the parity, stop bits and unit of its endpoint") {
   ScriptedLine line(answer_of_one);
   for (const char parity : {'N', 'E', 'O'}) {
     auto endpoint = rtu_endpoint(line.path(), 1);
@@ -161,7 +161,7 @@ TEST_CASE("modbus line: parity, stop bits and unit as the endpoint has them") {
   CHECK(complaint_of(endpoint) == "TB-MODBUS-CONNECT");
 }
 
-TEST_CASE("modbus line: endpoints over TCP that are not valid, have no address, or refuse") {
+TEST_CASE("modbus line: invalid, unresolvable, refusing and unresponsive TCP endpoints are faults") {
   FullQueue queue;
   const int port = queue.port();  // nobody listens
   for (const ModbusEndpoint& endpoint : std::vector<ModbusEndpoint>{{"127.0.0.1", 1502, 256, kShort},
@@ -174,7 +174,7 @@ TEST_CASE("modbus line: endpoints over TCP that are not valid, have no address, 
   CHECK(complaint_of({"127.0.0.1", port, 1, kShort}) == "TB-MODBUS-TIMEOUT");
 }
 
-TEST_CASE("modbus line: a host's name is looked up, a response timeout has whole seconds and a part") {
+TEST_CASE("modbus line: resolves a host name, and accepts timeouts of whole and fractional seconds") {
   const ScriptedServer server(answer_seven);
   TurnedClock clock;
   ModbusLink link({"localhost", server.port(), 1, kPatient}, "device", clock);
@@ -185,7 +185,7 @@ TEST_CASE("modbus line: a host's name is looked up, a response timeout has whole
     CHECK(complaint_of({"127.0.0.1", server.port(), 1, timeout}) == "none");
 }
 
-TEST_CASE("modbus line: a descriptor that select() cannot hold is refused") {
+TEST_CASE("modbus line: refuses a descriptor that select() cannot hold") {
   rlimit limit{};
   REQUIRE(::getrlimit(RLIMIT_NOFILE, &limit) == 0);
   const rlimit before = limit;

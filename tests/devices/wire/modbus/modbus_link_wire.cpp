@@ -37,7 +37,7 @@ struct ModbusModule {
 
 }  // namespace
 
-TEST_CASE("modbus link: silence costs one response timeout of process time, and the error names request and device") {
+TEST_CASE("modbus link: silence costs one response timeout, and the fault names request and device") {
   ModbusModule module({.silent_after_requests = 1});
   ModbusLink link(at(module.server.port(), kShort), "module", module.clock);
   CHECK(read_one(link, 1) == 0);
@@ -46,7 +46,7 @@ TEST_CASE("modbus link: silence costs one response timeout of process time, and 
 }
 
 // Every kind of request, the module's register of the first output, and the plant behind it.
-TEST_CASE("modbus link: a busy module is asked again until it answers, and what was asked is then done once") {
+TEST_CASE("modbus link: a busy module is asked again until it answers, and the request is carried out once") {
   std::map<std::string, int> drives;  // of the module that was never busy
   for (const int times : {0, 1, 2, 7}) {
     for (const std::string kind : {"one", "several", "both", "reading"}) {
@@ -74,7 +74,7 @@ TEST_CASE("modbus link: a busy module is asked again until it answers, and what 
   }
 }
 
-TEST_CASE("modbus link: a module that stays busy is given up after the time allowed, and has done nothing") {
+TEST_CASE("modbus link: a module that stays busy is a fault after the set time, and nothing was written") {
   ModbusModule module({.inject = [] { return InjectedFault::kBusy; }});
   ModbusEndpoint endpoint = at(module.server.port());
   endpoint.busy_time = 300ms;
@@ -85,7 +85,7 @@ TEST_CASE("modbus link: a module that stays busy is given up after the time allo
   CHECK(module.chamber.drives == 0);
 }
 
-TEST_CASE("modbus link: an acknowledgement without an answer is asked again, too") {
+TEST_CASE("modbus link: a request answered by exception 5, acknowledge, is repeated") {
   ScriptedServer server([](int number, int socket, const Bytes& request) {
     if (number > 2) return ScriptedServer::send(socket, ScriptedServer::answer(request, {7}));
     Bytes refusal(request.begin(), request.begin() + 8);
@@ -100,7 +100,7 @@ TEST_CASE("modbus link: an acknowledgement without an answer is asked again, too
   CHECK(link.exchanges() == 4);
 }
 
-TEST_CASE("modbus link: of a module that is busy again and again each doubling of the number is news") {
+TEST_CASE("modbus link: a module that is busy repeatedly is reported at each doubling of the count") {
   std::atomic<int> asked{0};
   ModbusModule module({.inject = [&] { return asked++ % 2 == 0 ? InjectedFault::kBusy : InjectedFault::kNone; }});
   ModbusLink link(at(module.server.port()), "module", module.clock);
@@ -125,7 +125,7 @@ TEST_CASE("modbus link: after a lost reply the next request gets its own answer"
   CHECK(read_one(link, 3) == 103);
 }
 
-TEST_CASE("modbus link: a late reply is never taken for an answer") {
+TEST_CASE("modbus link: a late reply is never used as the answer to a later request") {
   // The first answer is held back until the second request is there, and then sent before the second's own answer.
   Bytes held;
   int held_on = -1;
@@ -145,7 +145,7 @@ TEST_CASE("modbus link: a late reply is never taken for an answer") {
   CHECK(read_one(link, 0) == 224);
 }
 
-TEST_CASE("modbus link: each of a thousand requests has a number of its own, in both its bytes") {
+TEST_CASE("modbus link: each of a thousand requests has its own transaction number, in both bytes") {
   std::array<std::atomic<bool>, 1 << 16> used{};
   ScriptedServer server([&](int, int socket, const Bytes& request) {
     const bool fresh = !used.at(request[0] * 256U + request[1]).exchange(true);
@@ -158,7 +158,7 @@ TEST_CASE("modbus link: each of a thousand requests has a number of its own, in 
   CHECK(fresh == 1000);
 }
 
-TEST_CASE("modbus link: a reply that comes in pieces is one reply") {
+TEST_CASE("modbus link: a reply that arrives in pieces is one reply") {
   ScriptedServer server([](int, int socket, const Bytes& request) {
     const Bytes reply = ScriptedServer::answer(request, {0x1234});
     for (const std::uint8_t byte : reply) {
@@ -172,7 +172,7 @@ TEST_CASE("modbus link: a reply that comes in pieces is one reply") {
   CHECK(read_one(link, 1) == 0x1234);
 }
 
-TEST_CASE("modbus link: a server that dies breaks the connection, then refuses") {
+TEST_CASE("modbus link: a server that dies is a connection fault, and costs no time") {
   ModbusModule module({.dead_after_requests = 1});
   ModbusLink link(at(module.server.port()), "module", module.clock);
   CHECK(read_one(link, 1) == 0);
@@ -180,7 +180,7 @@ TEST_CASE("modbus link: a server that dies breaks the connection, then refuses")
   CHECK(module.clock.now() == 0ns);  // a refusal costs no time
 }
 
-TEST_CASE("modbus link: an answer whose last byte never comes is none, and leaves nothing behind") {
+TEST_CASE("modbus link: an answer without its last byte times out, and does not affect the next request") {
   ScriptedServer server([](int number, int socket, const Bytes& request) {
     Bytes reply = ScriptedServer::answer(request, {42});
     if (number == 0) reply.pop_back();
@@ -235,7 +235,7 @@ class CannedModule {
 constexpr std::array<std::uint16_t, 3> kThree{0x0102, 0x0304, 0xFFFE};
 }  // namespace
 
-TEST_CASE("modbus frames: each function's request, byte by byte") {
+TEST_CASE("modbus frames: the request of each function has the expected bytes") {
   const auto sent = [&](const Bytes& answer, auto&& act) {
     CannedModule module(answer);
     CHECK(module.fault(act) == "none");
@@ -262,7 +262,7 @@ TEST_CASE("modbus frames: each function's request, byte by byte") {
   CHECK(two == std::array<std::uint16_t, 2>{0x0908, 0x0706});
 }
 
-TEST_CASE("modbus frames: discrete inputs, eight in a byte, the lowest first") {
+TEST_CASE("modbus frames: discrete inputs are packed eight to a byte, lowest first") {
   for (const int count : {1, 7, 8, 9, 16, 17}) {
     INFO(count << " inputs");
     const int bytes = count <= 8 ? 1 : count <= 16 ? 2 : 3;
@@ -284,7 +284,7 @@ TEST_CASE("modbus frames: discrete inputs, eight in a byte, the lowest first") {
   }
 }
 
-TEST_CASE("modbus frames: what the largest frame holds is sent, one more is not") {
+TEST_CASE("modbus frames: a request as large as the largest frame is sent, a larger or empty one is refused") {
   std::vector<std::uint16_t> words(126);
   std::iota(words.begin(), words.end(), std::uint16_t{0x0100});
   const auto reading = [](int function, std::size_t count) {
@@ -346,7 +346,7 @@ TEST_CASE("modbus frames: what the largest frame holds is sent, one more is not"
   CHECK(bits(0) == beyond);
 }
 
-TEST_CASE("modbus frames: each damaged byte of an acknowledgement is a fault, and the link is used no longer") {
+TEST_CASE("modbus frames: each damaged byte of an acknowledgement is a fault") {
   const struct {
     Bytes answer;
     std::function<void(ModbusLink&)> act;
@@ -367,7 +367,7 @@ TEST_CASE("modbus frames: each damaged byte of an acknowledgement is a fault, an
   }
 }
 
-TEST_CASE("modbus frames: an answer of another function, unit, length or count to a reading") {
+TEST_CASE("modbus frames: an answer with another function, unit, length or count is a protocol fault") {
   std::array<std::uint16_t, 2> two{};
   for (const Bytes& answer : {Bytes{1, 3, 4, 1, 2, 3, 4}, Bytes{2, 4, 4, 1, 2, 3, 4}, Bytes{1, 4, 2, 1, 2},
                               Bytes{1, 4, 6, 1, 2, 3, 4, 5, 6}}) {
@@ -376,7 +376,7 @@ TEST_CASE("modbus frames: an answer of another function, unit, length or count t
   }
 }
 
-TEST_CASE("modbus frames: each exception by its number, of this function alone") {
+TEST_CASE("modbus frames: an exception states its number, and counts only for the function requested") {
   std::array<std::uint16_t, 1> one{};
   const auto read = [&](ModbusLink& link) { link.read_holding_registers(0x10, one); };
   for (const std::uint8_t code :
@@ -392,7 +392,7 @@ TEST_CASE("modbus frames: each exception by its number, of this function alone")
   CHECK(other.fault(read) == "TB-MODBUS-PROTOCOL");
 }
 
-TEST_CASE("modbus frames: each byte of the header is looked at") {
+TEST_CASE("modbus frames: each byte of transaction and protocol id is checked") {
   for (const std::size_t damaged : {0, 1, 2, 3}) {
     INFO("byte " << damaged);
     ScriptedServer server([&](int number, int socket, const Bytes& request) {

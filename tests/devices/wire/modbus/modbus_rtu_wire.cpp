@@ -16,7 +16,7 @@
 using namespace tactbench::devices;
 using namespace std::chrono_literals;
 
-TEST_CASE("modbus rtu: two units on one line, each with its own registers") {
+TEST_CASE("modbus rtu: two units on one line each have their own registers") {
   TurnedClock clock;
   TestChamber chamber(clock);
   SimulatedModule line({{1, module_profile("waveshare-analog-output-8ch-b"), {}},
@@ -39,7 +39,7 @@ TEST_CASE("modbus rtu: two units on one line, each with its own registers") {
   CHECK(fault_id_of([&] { outputs.read_input_registers(0x4000, in); }) == "TB-MODBUS-EXCEPTION");
 }
 
-TEST_CASE("modbus rtu: a whole regulator on Waveshare's two modules, vented at the end") {
+TEST_CASE("modbus rtu: a regulator works on Waveshare's two modules and is vented at the end") {
   TurnedClock clock;
   TestChamber chamber(clock);
   const auto output_profile = module_profile("waveshare-analog-output-8ch-b");
@@ -62,7 +62,7 @@ TEST_CASE("modbus rtu: a whole regulator on Waveshare's two modules, vented at t
   CHECK(chamber.output() == Volts(0.0));
 }
 
-TEST_CASE("modbus rtu: successive readings differ in length, so that a stale answer is not taken") {
+TEST_CASE("modbus rtu: successive readings differ in length, so that a stale answer is not used") {
   std::vector<int> counts;
   Bytes held;
   auto line = std::make_unique<ScriptedLine>([&](int number, const Bytes& request) -> Bytes {
@@ -87,7 +87,7 @@ TEST_CASE("modbus rtu: successive readings differ in length, so that a stale ans
   CHECK(counts == std::vector<int>{2, 3, 2, 3, 2});
 }
 
-TEST_CASE("modbus rtu: an answer that waits on the line is flushed before the next request") {
+TEST_CASE("modbus rtu: old bytes on the line are discarded before the next request") {
   ScriptedLine line([&](int number, const Bytes& request) -> Bytes {
     Bytes answer = rtu_reading(1, 4, request[5], static_cast<std::uint16_t>(100 + number));
     const Bytes again = answer;
@@ -136,7 +136,7 @@ TEST_CASE("modbus rtu: wrong unit, wrong function, damaged, short and absent ans
   }
 }
 
-TEST_CASE("modbus rtu: an adapter that echoes is recognised, and with its option everything passes through it") {
+TEST_CASE("modbus rtu: an echoing adapter is recognised, and with local_echo set all requests work") {
   for (const bool echoes : {true, false}) {
     for (const bool expected : {true, false}) {
       INFO("echoes " << echoes << ", expected " << expected);
@@ -172,7 +172,7 @@ TEST_CASE("modbus rtu: an adapter that echoes is recognised, and with its option
   }
 }
 
-TEST_CASE("modbus rtu: a damaged answer of each kind is no echo") {
+TEST_CASE("modbus rtu: a damaged answer is not mistaken for an echo") {
   TurnedClock clock;
   ScriptedLine line([&](int, const Bytes& request) {
     Bytes answer = request[1] == 16 ? rtu_frame(Bytes(request.begin(), request.begin() + 6))
@@ -188,7 +188,7 @@ TEST_CASE("modbus rtu: a damaged answer of each kind is no echo") {
   CHECK(fault_id_of([&] { link.write_registers(0, out); }) == "TB-MODBUS-PROTOCOL");
 }
 
-TEST_CASE("modbus rtu: a port that hangs up is no connection") {
+TEST_CASE("modbus rtu: a port that hangs up is a connection fault") {
   TurnedClock clock;
   TestChamber chamber(clock);
   SimulatedModule line({{1, module_profile("waveshare-analog-output-8ch-b"), {}}}, SimulatedModule::Wire::kRtu, 0,
