@@ -75,8 +75,8 @@ struct Gathered {
   }
 };
 
-// What most scans of a frame agree on (db::agreed_count), beside the frames before and after it in its repeat.
-double agreed_count(const Slots& slots, std::size_t i, std::size_t taxel) {
+// What most scans of a frame agree on (db::consensus_count), beside the frames before and after it in its repeat.
+double consensus_count(const Slots& slots, std::size_t i, std::size_t taxel) {
   const auto mean = [&](std::size_t at) {
     const std::vector<std::uint16_t>& counts = slots[at]->counts;
     const std::size_t taxels = counts.size() / static_cast<std::size_t>(slots[at]->scans);
@@ -85,8 +85,8 @@ double agreed_count(const Slots& slots, std::size_t i, std::size_t taxel) {
     return sum / slots[at]->scans;
   };
   const double before = i > 0 ? mean(i - 1) : std::nan(""), after = i + 1 < slots.size() ? mean(i + 1) : before;
-  return db::agreed_count(slots[i]->counts, static_cast<std::size_t>(slots[i]->scans), taxel,
-                          {i > 0 ? before : after, after});
+  return db::consensus_count(slots[i]->counts, static_cast<std::size_t>(slots[i]->scans), taxel,
+                             {i > 0 ? before : after, after});
 }
 
 Repeat make_repeat(const Slots& slots, double scale, Dataset& dataset, Gathered& all) {
@@ -101,8 +101,8 @@ Repeat make_repeat(const Slots& slots, double scale, Dataset& dataset, Gathered&
     const std::span<const std::uint16_t> counts = frame->counts;
     const bool disagree = db::scans_disagree(counts, static_cast<std::size_t>(frame->scans));
     for (std::size_t taxel = 0; taxel < taxels; ++taxel) {
-      const double agreed = disagree && all.alone(taxel) ? agreed_count(slots, i, taxel) : std::nan("");
-      const auto kept = [agreed](double count) { return !(std::abs(count - agreed) > db::kOutlying); };
+      const double agreed = disagree && all.alone(taxel) ? consensus_count(slots, i, taxel) : std::nan("");
+      const auto kept = [agreed](double count) { return !(std::abs(count - agreed) > db::kOutlierCounts); };
       double sum = 0.0, squares = 0.0, number = 0.0;
       bool at_limit = false;
       for (std::size_t k = taxel; k < counts.size(); k += taxels) {

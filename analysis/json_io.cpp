@@ -11,7 +11,7 @@ using nlohmann::ordered_json;
 namespace {
 
 bool is_within_bounds(const std::string& text) {
-  if (text.size() > kLongestJson) return false;
+  if (text.size() > kMaxJsonBytes) return false;
   int depth = 0;
   bool quoted = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -21,7 +21,7 @@ bool is_within_bounds(const std::string& text) {
     } else if (c == '"') {
       quoted = !quoted;
     } else if (!quoted && (c == '[' || c == '{')) {
-      if (++depth > kDeepestJson) return false;
+      if (++depth > kMaxJsonDepth) return false;
     } else if (!quoted && (c == ']' || c == '}')) {
       --depth;
     }
@@ -33,7 +33,7 @@ template <class Json>
 Json parsed(const std::string& text) {
   if (is_within_bounds(text)) return Json::parse(text);
   throw Json::other_error::create(
-      501, fmt::format("longer than {} bytes, or nested deeper than {}", kLongestJson, kDeepestJson), nullptr);
+      501, fmt::format("longer than {} bytes, or nested deeper than {}", kMaxJsonBytes, kMaxJsonDepth), nullptr);
 }
 
 template <class Json>

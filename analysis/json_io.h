@@ -10,8 +10,8 @@ namespace tactbench::analysis {
 
 // JSON comes from files, stores and sockets: text of more bytes, or with lists and objects nested deeper, is none. A
 // parsed text takes many times its length of memory, and what is nested is written by recursion.
-inline constexpr std::size_t kLongestJson = 64'000'000;  // a Preisach model of 64 x 64 taxels has about 20 million
-inline constexpr int kDeepestJson = 100;
+inline constexpr std::size_t kMaxJsonBytes = 64'000'000;  // a Preisach model of 64 x 64 taxels has about 20 million
+inline constexpr int kMaxJsonDepth = 100;
 
 // Throw nlohmann::json::exception where `text` is no JSON.
 nlohmann::json parse_json(const std::string& text);

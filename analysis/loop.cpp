@@ -41,7 +41,7 @@ const Branch& branch_of(const std::vector<Branch>& branches, int step) {
   return *found;
 }
 
-void check_alike(const SequenceData& sequence, const CommonOptions& options, int last) {
+void check_alike(const SequenceData& sequence, const RepeatOptions& options, int last) {
   if (options.first_repeat < 0 || last >= static_cast<int>(sequence.repeats.size()) || options.first_repeat > last)
     throw AnalysisError("TB-ANALYSIS-REPEATS", "sequence " + sequence.name + " does not have the repeats asked for",
                         "name repeats that are complete");
@@ -79,7 +79,7 @@ std::vector<Branch> branches_along(std::span<const double> x, double tolerance) 
   return branches;
 }
 
-TaxelTable bring_to_common(const SequenceData& sequence, int taxels, const CommonOptions& options) {
+TaxelTable average_repeats(const SequenceData& sequence, int taxels, const RepeatOptions& options) {
   const int last = options.last_repeat < 0 ? static_cast<int>(sequence.repeats.size()) - 1 : options.last_repeat;
   check_alike(sequence, options, last);
   const auto width = static_cast<std::size_t>(taxels);

@@ -33,7 +33,7 @@ struct TaxelTable {
   std::vector<Branch> branches;
 };
 
-struct CommonOptions {
+struct RepeatOptions {
   bool move_to_setpoint = true;  // false: outputs as they came, pressures the mean measured reference
   int first_repeat = 0;
   int last_repeat = -1;  // -1: the last
@@ -41,7 +41,7 @@ struct CommonOptions {
 
 // The mean of a sequence's repeats, in volts, on the set-point grid: outputs moved there by the local slope of their
 // own branch x (set-point - reference) [A19].
-TaxelTable bring_to_common(const SequenceData& sequence, int taxels, const CommonOptions& options = {});
+TaxelTable average_repeats(const SequenceData& sequence, int taxels, const RepeatOptions& options = {});
 
 // External loop of every taxel on the common grid x0..xu: mean of all complete full-range sweeps. Values in the unit of
 // the tables that it is made of.

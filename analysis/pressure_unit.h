@@ -65,7 +65,7 @@ class PressureText {
 };
 
 // A sentence for report and glossary.
-inline constexpr const char* kGaugeInWords =
+inline constexpr const char* kGaugePressureNote =
     "All pressures are gauge pressures: the excess over the pressure of the surrounding air.";
 
 }  // namespace tactbench::analysis

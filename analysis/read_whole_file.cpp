@@ -23,8 +23,8 @@ bool check_file(const std::string& path, bool or_pipe, const std::string& id, co
                       or_pipe ? "name a file or a pipe" : "name a file: devices, folders and pipes are not read");
 }
 
-std::string whole_file(const std::string& path, const FileBounds& bounds, const std::string& id,
-                       const std::string& remedy) {
+std::string read_whole_file(const std::string& path, const FileBounds& bounds, const std::string& id,
+                            const std::string& remedy) {
   if (!check_file(path, bounds.or_pipe, id, remedy)) return {};
   std::ifstream file(path, std::ios::binary);
   if (!file) throw AnalysisError(id, fmt::format("{} cannot be read", path), remedy);
@@ -32,8 +32,8 @@ std::string whole_file(const std::string& path, const FileBounds& bounds, const 
   std::vector<char> block(std::size_t{1} << 16);
   while (file.read(block.data(), static_cast<std::streamsize>(block.size())), file.gcount() > 0) {
     text.append(block.data(), static_cast<std::size_t>(file.gcount()));
-    if (text.size() <= bounds.most_bytes) continue;
-    throw AnalysisError(id, fmt::format("{} is longer than {} bytes", path, bounds.most_bytes),
+    if (text.size() <= bounds.max_bytes) continue;
+    throw AnalysisError(id, fmt::format("{} is longer than {} bytes", path, bounds.max_bytes),
                         "check that it is the right file; a longer one is not read");
   }
   if (file.bad())

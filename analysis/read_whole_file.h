@@ -7,7 +7,7 @@
 namespace tactbench::analysis {
 
 struct FileBounds {
-  std::size_t most_bytes = 0;
+  std::size_t max_bytes = 0;
   bool or_pipe = false;  // a pipe, too: <(command) of a shell
 };
 
@@ -16,7 +16,7 @@ struct FileBounds {
 [[nodiscard]] bool check_file(const std::string& path, bool or_pipe, const std::string& id, const std::string& remedy);
 
 // Throws as check_file(), and where the file is longer or reading fails.
-std::string whole_file(const std::string& path, const FileBounds& bounds, const std::string& id,
-                       const std::string& remedy);
+std::string read_whole_file(const std::string& path, const FileBounds& bounds, const std::string& id,
+                            const std::string& remedy);
 
 }  // namespace tactbench::analysis

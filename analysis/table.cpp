@@ -13,7 +13,7 @@
 
 namespace tactbench::analysis {
 
-// Of no more than kLongestLine bytes and one; its end is not part of it.
+// Of no more than kMaxLineBytes bytes and one; its end is not part of it.
 bool TableReader::next_line() {
   line_.clear();
   std::streambuf& bytes = *stream_->rdbuf();
@@ -26,7 +26,7 @@ bool TableReader::next_line() {
       if (second) continue;
       if (c == '\n' || c == '\r') return true;
       line_ += c;
-      if (line_.size() > kLongestLine) return true;
+      if (line_.size() > kMaxLineBytes) return true;
     }
   } catch (const std::ios_base::failure&) {
     throw AnalysisError("TB-TABLE-OPEN", fmt::format("{}: reading failed after line {}", file_, counted_),
@@ -41,7 +41,7 @@ bool TableReader::new_line() {
     ++counted_;
     if (names_.empty() && line_.starts_with("\xEF\xBB\xBF")) line_.erase(0, 3);  // also behind a head
     if (counted_ <= layout_.skip_lines) continue;
-    if (line_.size() > kLongestLine) refuse(counted_, fmt::format("a line of more than {} bytes", kLongestLine));
+    if (line_.size() > kMaxLineBytes) refuse(counted_, fmt::format("a line of more than {} bytes", kMaxLineBytes));
     if (const auto nul = line_.find('\0'); nul != std::string::npos)
       refuse(counted_,
              fmt::format("byte {} is a NUL: this is no text in UTF-8 (UTF-16 has one at each letter)", nul + 1));
@@ -198,7 +198,7 @@ bool TableReader::next_row(Row& row) {
 
 void TableReader::skip(const std::string& reason) {
   if (++skipped_.count <= SkippedRows::kNamed) skipped_.first.push_back(reason);
-  if (skipped_.count > rows_ + kMostSkippedAhead) check_skipped();
+  if (skipped_.count > rows_ + kMaxSkippedAhead) check_skipped();
 }
 
 void TableReader::check_skipped() const {
@@ -215,7 +215,7 @@ std::vector<std::string> TableReader::assumed() const {
     lines.push_back(header_.empty()
                         ? fmt::format("the columns have no names; samples begin in line {}", first_row_)
                         : fmt::format("line {} names the columns; what is above it is passed over", head_number_));
-  if (separator_ != ',') lines.push_back(fmt::format("columns are separated by {}", separator_word(separator_)));
+  if (separator_ != ',') lines.push_back(fmt::format("columns are separated by {}", separator_name(separator_)));
   if (numbers_.comma())
     lines.push_back(
         fmt::format("numbers have decimal commas (line {}: {})", numbers_.comma_line(), numbers_.comma_text()));

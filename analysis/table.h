@@ -39,14 +39,14 @@ struct TableSeries {
 };
 
 // Samples whose input or output is implausible between its neighbours, which agree. At most one per row of the table.
-struct WildSample {
+struct ImplausibleSample {
   std::size_t place = 0;  // in the series
   bool input = false;
   double value = 0.0, spans = 0.0;  // spans: of the middle nine tenths of the values, to its neighbours
 };
-std::vector<WildSample> wild_samples(const TableSeries& series);
+std::vector<ImplausibleSample> implausible_samples(const TableSeries& series);
 // "line 214: the output 83886.1 lies 2.9e+04 spans from its neighbours".
-std::string wild_words(const TableSeries& series, const WildSample& wild);
+std::string implausible_text(const TableSeries& series, const ImplausibleSample& wild);
 
 enum class TableNeeds { kInput, kOutput, kBoth };
 
@@ -90,7 +90,7 @@ class TableReader {
   // False at the end. Of an export a frame: its first scan's row with the mean outputs of all; void rows are left out.
   // Where outputs alone are asked for, a row is handed on whose outputs cannot be read (Row::bad).
   // Throws AnalysisError TB-TABLE-ROW: ragged, blank, not a number, not finite, a quote that is not
-  // closed, a NUL, a line beyond kLongestLine; with file, line and column. TB-TABLE-SKIPPED: more rows are left out
+  // closed, a NUL, a line beyond kMaxLineBytes; with file, line and column. TB-TABLE-SKIPPED: more rows are left out
   // than read.
   bool next(Row& row);
   [[nodiscard]] const std::string& header() const { return header_; }          // as it stands; empty: none
@@ -110,9 +110,9 @@ class TableReader {
 
  private:
   static constexpr std::size_t kAbsent = static_cast<std::size_t>(-1);
-  static constexpr std::size_t kLongestLine = 1'000'000;    // bytes
-  static constexpr std::size_t kMostSkippedAhead = 10'000;  // rows left out before the first that are read
-  static constexpr std::size_t kMostLooked = 1000;          // lines, for the one of names
+  static constexpr std::size_t kMaxLineBytes = 1'000'000;  // bytes
+  static constexpr std::size_t kMaxSkippedAhead = 10'000;  // rows left out before the first that are read
+  static constexpr std::size_t kMostLooked = 1000;         // lines, for the one of names
   struct Line {
     std::size_t number = 0;
     std::string text;

@@ -442,7 +442,7 @@ char separator_of(std::string_view header) {
   return counts[3] > 0 ? ' ' : ',';
 }
 
-std::string separator_word(char separator) {
+std::string separator_name(char separator) {
   if (separator == '\t' || separator == ' ') return separator == ' ' ? "blanks" : "tabs";
   return separator == ';' ? "semicolons" : fmt::format("\"{}\"", separator);
 }

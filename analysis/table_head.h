@@ -15,7 +15,7 @@ std::string_view trimmed(std::string_view text);  // without blanks, tabs and ca
 // What separates the names of a header: the most frequent of comma, semicolon and tab outside quotes; a blank where
 // there are none of these between its words; else a comma.
 char separator_of(std::string_view header);
-std::string separator_word(char separator);  // "semicolons"
+std::string separator_name(char separator);  // "semicolons"
 
 // A line's fields, views of it or of `unquoted` (fields that held a doubled quote). A field in quotes may hold the
 // separator, and a quote as two (RFC 4180); it ends on its line. Blanks separate in runs.

@@ -73,7 +73,7 @@ struct Middle {
 // Up to three samples beyond the middle and beyond what lies before and after them by more than kWild spans, where the
 // other value, of which `others` is the middle, goes nowhere: else both may be a short press.
 void add_wild(const std::vector<double>& values, const std::vector<double>& other, bool input,
-              std::vector<WildSample>& wild) {
+              std::vector<ImplausibleSample>& wild) {
   constexpr double kWild = 3.0;
   constexpr std::size_t kLongest = 3;
   const Middle middle(values), others(other);
@@ -106,8 +106,8 @@ void leave_out_wild(const std::string& file, std::size_t outputs, Table& table) 
   for (std::size_t first = 0; first < table.series.size(); first += outputs) {
     std::map<std::size_t, std::string> out;
     for (std::size_t k = first; k < first + outputs; ++k)
-      for (const WildSample& wild : wild_samples(table.series[k]))
-        out.try_emplace(wild.place, fmt::format("{}, {}", file, wild_words(table.series[k], wild)));
+      for (const ImplausibleSample& wild : implausible_samples(table.series[k]))
+        out.try_emplace(wild.place, fmt::format("{}, {}", file, implausible_text(table.series[k], wild)));
     for (const auto& [row, words] : out)
       if (++table.skipped.count <= SkippedRows::kNamed) table.skipped.first.push_back(words);
     for (auto row = out.rbegin(); row != out.rend(); ++row) {
@@ -127,16 +127,16 @@ void leave_out_wild(const std::string& file, std::size_t outputs, Table& table) 
 
 }  // namespace
 
-std::vector<WildSample> wild_samples(const TableSeries& series) {
+std::vector<ImplausibleSample> implausible_samples(const TableSeries& series) {
   constexpr std::size_t kFewest = 20;
-  std::vector<WildSample> wild;
+  std::vector<ImplausibleSample> wild;
   if (series.input.size() < kFewest) return wild;
   add_wild(series.output, series.input, false, wild);
   add_wild(series.input, series.output, true, wild);
   return wild;
 }
 
-std::string wild_words(const TableSeries& series, const WildSample& wild) {
+std::string implausible_text(const TableSeries& series, const ImplausibleSample& wild) {
   const std::string place = series.lines.empty()
                                 ? fmt::format("sample {} of sequence \"{}\"", wild.place + 1, series.sequence)
                                 : fmt::format("line {}", series.lines[wild.place]);
@@ -168,7 +168,8 @@ std::string TimeOrder::see(double& time) {
 }
 
 std::string table_text(const std::string& path) {
-  return whole_file(path, {.most_bytes = kLargestTable, .or_pipe = true}, "TB-TABLE-OPEN", "check its name and rights");
+  return read_whole_file(path, {.max_bytes = kLargestTable, .or_pipe = true}, "TB-TABLE-OPEN",
+                         "check its name and rights");
 }
 
 Table read_table(std::istream& stream, const std::string& file, const TableLayout& layout) {

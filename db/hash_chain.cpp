@@ -216,7 +216,8 @@ std::string frames_hash(const RunStore& store, std::int64_t run) {
   for (const BranchRecord& branch : store.branches(run)) branches[branch.branch] = branch;
   HashChain hasher;
   Digest chain{};
-  store.each_frame(run, [&](const FrameRecord& frame) { chain = hasher.frame(chain, branches[frame.branch], frame); });
+  store.for_each_frame(run,
+                       [&](const FrameRecord& frame) { chain = hasher.frame(chain, branches[frame.branch], frame); });
   return hex(chain);
 }
 

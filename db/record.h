@@ -118,7 +118,7 @@ struct FrameRecord {
   std::optional<WrenchRecord> wrench;
 };
 
-inline bool fits_its_shape(const FrameRecord& frame) {
+inline bool has_consistent_shape(const FrameRecord& frame) {
   if (frame.rows <= 0 || frame.columns <= 0 || frame.scans <= 0) return false;
   const auto size = [](int count) { return static_cast<std::size_t>(count); };
   const std::size_t counts = frame.counts.size();  // divided, since a product might not fit

@@ -17,12 +17,12 @@ constexpr const char* kColumns =
     "f.counts, f.flags, coalesce(b.void, 0), f.wrench IS NOT NULL, f.target_n, f.force_start_n, f.wrench, f.place_mm "
     "FROM frames f LEFT JOIN branches b ON b.branch = f.branch WHERE f.frame > ? AND f.frame < ? ORDER BY f.frame ";
 
-SeenFrame frame_of(const sqlite::Statement& row, std::int64_t above, const std::string& path) {
-  SeenFrame seen;
+StoredFrame frame_of(const sqlite::Statement& row, std::int64_t above, const std::string& path) {
+  StoredFrame seen;
   FrameRecord shape;
   row.read(seen.position, seen.time_ns, seen.setpoint_psi, seen.feedback_psi, seen.reference_psi, shape.rows,
            shape.columns, shape.scans, shape.counts, seen.flags, seen.is_void);
-  if (!fits_its_shape(shape)) {
+  if (!has_consistent_shape(shape)) {
     throw StoreError("TB-STORE-SQL",
                      fmt::format("store {}: frame {} does not hold scans x rows x columns counts", path, seen.position),
                      "the file was changed by another hand: take your last snapshot");
@@ -46,25 +46,26 @@ struct ResetAtEnd {
 
 }  // namespace
 
-std::vector<double> mean_counts(const SeenFrame& frame) {
+std::vector<double> mean_counts(const StoredFrame& frame) {
   return scan_means(frame.counts, static_cast<std::size_t>(frame.scans));
 }
 
-struct RunLook::Queries {
+struct RunFrameReader::Queries {
   explicit Queries(const RunStore& store)
       : connection(std::filesystem::absolute(store.path()).string(), sqlite::Access::kReadOnly) {
-    connection.trust_no_schema();
+    connection.disable_triggers_and_views();
   }
   sqlite::Connection connection;
   sqlite::Statement after{connection, std::string(kColumns) + "LIMIT ?"};  // asked for at every frame
 };
 
-RunLook::RunLook(const RunStore& store, std::int64_t run) : run_(run), queries_(std::make_unique<Queries>(store)) {}
-RunLook::RunLook(RunLook&&) noexcept = default;
-RunLook& RunLook::operator=(RunLook&&) noexcept = default;
-RunLook::~RunLook() = default;
+RunFrameReader::RunFrameReader(const RunStore& store, std::int64_t run)
+    : run_(run), queries_(std::make_unique<Queries>(store)) {}
+RunFrameReader::RunFrameReader(RunFrameReader&&) noexcept = default;
+RunFrameReader& RunFrameReader::operator=(RunFrameReader&&) noexcept = default;
+RunFrameReader::~RunFrameReader() = default;
 
-void RunLook::frames_after(std::int64_t position, int most, const std::function<void(const SeenFrame&)>& see) {
+void RunFrameReader::frames_after(std::int64_t position, int most, const std::function<void(const StoredFrame&)>& see) {
   const std::int64_t above = frames_above(run_);
   sqlite::Statement& rows = queries_->after;
   const ResetAtEnd reset{rows};  // or the log of who writes could not be put back into the file
@@ -72,14 +73,14 @@ void RunLook::frames_after(std::int64_t position, int most, const std::function<
   while (rows.step()) see(frame_of(rows, above, queries_->connection.path()));
 }
 
-std::optional<SeenFrame> RunLook::newest() {
+std::optional<StoredFrame> RunFrameReader::newest() {
   const std::int64_t above = frames_above(run_);
   sqlite::Statement row(queries_->connection, std::string(kColumns) + "DESC LIMIT 1");
   if (!row.bind(above, frames_below(run_)).step()) return std::nullopt;
   return frame_of(row, above, queries_->connection.path());
 }
 
-std::int64_t RunLook::before_newest(int most) {
+std::int64_t RunFrameReader::before_newest(int most) {
   sqlite::Statement row(queries_->connection,
                         "SELECT frame FROM frames WHERE frame > ? AND frame < ? ORDER BY frame DESC LIMIT 1 OFFSET ?");
   const auto frame = row.bind(frames_above(run_), frames_below(run_), most).first<std::int64_t>();

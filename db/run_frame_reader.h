@@ -13,7 +13,7 @@
 
 namespace tactbench::db {
 
-struct SeenFrame {
+struct StoredFrame {
   std::int64_t position = 0;  // in the run, from 1
   std::int64_t time_ns = 0;
   double setpoint_psi = 0.0, feedback_psi = 0.0, reference_psi = 0.0;
@@ -25,20 +25,20 @@ struct SeenFrame {
 };
 
 // Mean of the frame's scans for each taxel, in counts.
-std::vector<double> mean_counts(const SeenFrame& frame);
+std::vector<double> mean_counts(const StoredFrame& frame);
 
-class RunLook {
+class RunFrameReader {
  public:
   // Throws StoreError when the store's file cannot be opened. A run that does not exist has no frames.
-  RunLook(const RunStore& store, std::int64_t run);
-  RunLook(RunLook&&) noexcept;
-  RunLook& operator=(RunLook&&) noexcept;
-  ~RunLook();
+  RunFrameReader(const RunStore& store, std::int64_t run);
+  RunFrameReader(RunFrameReader&&) noexcept;
+  RunFrameReader& operator=(RunFrameReader&&) noexcept;
+  ~RunFrameReader();
   [[nodiscard]] std::int64_t run() const { return run_; }
   // The frames after `position` (0: from the first), oldest first, at most `most`; one is in memory at a time. Does not
   // wait for the writer. Throws StoreError, also for a frame whose counts do not fit its shape.
-  void frames_after(std::int64_t position, int most, const std::function<void(const SeenFrame&)>& see);
-  std::optional<SeenFrame> newest();
+  void frames_after(std::int64_t position, int most, const std::function<void(const StoredFrame&)>& see);
+  std::optional<StoredFrame> newest();
   // Position of the frame before the newest `most`; 0: there are no more than these.
   std::int64_t before_newest(int most);
 

@@ -46,7 +46,7 @@ RunStore::~RunStore() = default;
 const std::string& RunStore::path() const { return database_->path; }
 
 RunStore RunStore::open(const std::string& path, Durability durability) {
-  look_at_file(path);
+  check_store_file(path);
   refuse_network(path);
   auto database = std::make_unique<Database>(path, absolute(path), sqlite::Access::kReadWrite);
   sqlite::Connection& connection = database->connection;
@@ -54,7 +54,7 @@ RunStore RunStore::open(const std::string& path, Durability durability) {
     throw StoreError("TB-STORE-OPEN", fmt::format("store {}: the file may not be written by this user", path),
                      "check owner and permissions of the file, or name another with --db");
   }
-  bring_up_to_date(connection, database->path);
+  migrate_store(connection, database->path);
   if (switch_to_log(connection) != "wal") {
     throw StoreError("TB-STORE-OPEN",
                      fmt::format("store {}: this file system does not support a write-ahead log", path),
@@ -65,13 +65,13 @@ RunStore RunStore::open(const std::string& path, Durability durability) {
 }
 
 RunStore RunStore::open_read_only(const std::string& path) {
-  if (look_at_file(path) != FileKind::kStore) {
+  if (check_store_file(path) != FileKind::kStore) {
     throw StoreError("TB-STORE-OPEN",
                      fmt::format("store {}: {}", path,
                                  std::filesystem::exists(path) ? "the file is empty" : "there is no such file"),
                      "name an existing store with --db; 'tactbench sensors add' or a run makes a new one");
   }
-  const bool still = lies_still_on_network(path);
+  const bool still = is_readable_on_network(path);
   const std::string file = absolute(path);
   const auto opened = [&](sqlite::Access access) {
     auto database = std::make_unique<Database>(path, file, access);
@@ -96,10 +96,11 @@ RunStore RunStore::open_read_only(const std::string& path) {
 }
 
 void RunStore::add_sensor(const SensorRecord& sensor) {
-  check_said("the serial", sensor.serial, kLongestName);
-  check_said("the type's name", sensor.type, kLongestName);
-  if (!sensor.scanner_serial.empty()) check_said("the scanner's serial", sensor.scanner_serial, kLongestName);
-  check_words("the note", sensor.note, kLongestText);
+  check_nonblank_text("the serial", sensor.serial, kMaxNameLength);
+  check_nonblank_text("the type's name", sensor.type, kMaxNameLength);
+  if (!sensor.scanner_serial.empty())
+    check_nonblank_text("the scanner's serial", sensor.scanner_serial, kMaxNameLength);
+  check_text("the note", sensor.note, kMaxTextLength);
   sqlite::Connection& connection = database_->connection;
   sqlite::Transaction transaction(connection);
   if (const auto known = this->sensor(sensor.serial)) {
@@ -231,7 +232,7 @@ ContentCheck RunStore::check_content(std::int64_t number) const {
   sqlite::Statement links(database.connection,
                           "SELECT frame, chain FROM frames WHERE frame > ? AND frame < ? ORDER BY frame");
   links.bind(frames_above(number), frames_below(number));
-  database.each_frame(number, [&](const FrameRecord& frame) {
+  database.for_each_frame(number, [&](const FrameRecord& frame) {
     std::int64_t key = 0;
     Digest stored{};
     if (links.step()) links.read(key, stored);

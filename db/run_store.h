@@ -40,15 +40,16 @@ inline constexpr int kSchemaVersion = 1;
 // Greatest lengths, in characters, of texts that people enter. Longer texts and texts that are not UTF-8 are refused
 // before anything is stored (TB-STORE-TOO-LONG, TB-STORE-NOT-TEXT), and so are names, notes and reasons without a
 // visible character (TB-STORE-BLANK).
-inline constexpr std::size_t kLongestName = 200;    // names, serials, also those that instruments report
-inline constexpr std::size_t kLongestText = 10000;  // purposes, notes, reasons
-inline constexpr std::size_t kMostTags = 100;
-void check_words(const std::string& what, const std::string& text, std::size_t longest);
-void check_said(const std::string& what, const std::string& text, std::size_t longest);  // also refuses a blank text
+inline constexpr std::size_t kMaxNameLength = 200;    // names, serials, also those that instruments report
+inline constexpr std::size_t kMaxTextLength = 10000;  // purposes, notes, reasons
+inline constexpr std::size_t kMaxTags = 100;
+void check_text(const std::string& what, const std::string& text, std::size_t longest);
+void check_nonblank_text(const std::string& what, const std::string& text,
+                         std::size_t longest);  // also refuses a blank text
 
 // Sets the function that receives warnings, one sentence each, for the whole program, since db/ prints nothing. Empty
 // (the default): warnings are dropped. Set it before threads are started.
-void tell_warnings_to(std::function<void(const std::string&)> tell);
+void set_warning_handler(std::function<void(const std::string&)> tell);
 
 struct ContentCheck {
   std::string stored_sha256, computed_sha256;  // in hex; stored is empty until the run ends
@@ -77,7 +78,7 @@ class RunStore {
   // older schema is migrated to kSchemaVersion after a backup has been made next to it (backup_path).
   static RunStore open(const std::string& path, Durability durability = Durability::kFull);
   // Opens an existing file without ever writing to it. TB-STORE-OPEN when it does not exist. A store on a network file
-  // system is read as it is, with a warning (tell_warnings_to); TB-STORE-NETWORK when it has a write-ahead log.
+  // system is read as it is, with a warning (set_warning_handler); TB-STORE-NETWORK when it has a write-ahead log.
   static RunStore open_read_only(const std::string& path);
   RunStore(RunStore&&) noexcept;
   RunStore& operator=(RunStore&&) noexcept;
@@ -124,7 +125,7 @@ class RunStore {
   // was stored, because its next end would put a new hash over the changed content.
   void reopen_run(std::int64_t run, const EventRecord& event);
 
-  // Reading. TB-STORE-NOT-FOUND names the existing runs. frames() and each_frame(): TB-STORE-PRUNED for a run whose
+  // Reading. TB-STORE-NOT-FOUND names the existing runs. frames() and for_each_frame(): TB-STORE-PRUNED for a run whose
   // frames were removed.
   // Newest last; without sequences and devices. Found by index: what a filter leaves out costs nothing.
   [[nodiscard]] std::vector<RunRecord> runs() const;
@@ -132,8 +133,8 @@ class RunStore {
   [[nodiscard]] RunRecord run(std::int64_t number) const;
   [[nodiscard]] std::vector<BranchRecord> branches(std::int64_t run) const;
   [[nodiscard]] std::vector<FrameRecord> frames(std::int64_t run) const;  // in the order written
-  void each_frame(std::int64_t run,
-                  const std::function<void(const FrameRecord&)>& see) const;  // one in memory at a time
+  void for_each_frame(std::int64_t run,
+                      const std::function<void(const FrameRecord&)>& see) const;  // one in memory at a time
   [[nodiscard]] std::int64_t frame_count(std::int64_t run) const;
   [[nodiscard]] std::int64_t void_frame_count(std::int64_t run) const;     // in void branches
   [[nodiscard]] std::int64_t flagged_frame_count(std::int64_t run) const;  // with any flag, also in void branches
@@ -185,7 +186,7 @@ class RunStore {
   // Models and verdicts.
   std::int64_t add_fit(const FitRecord& fit);
   // The newest of those that stand for the run; where none does, the newest.
-  [[nodiscard]] std::optional<FitRecord> standing_fit(std::int64_t run) const;
+  [[nodiscard]] std::optional<FitRecord> default_fit(std::int64_t run) const;
   [[nodiscard]] FitRecord fit(std::int64_t fit) const;
   [[nodiscard]] std::vector<FitRecord> fits(std::int64_t run) const;  // oldest first
   // Replaces those of the run's verdicts that are by the same limits and from any fit of the same model on the same run
@@ -209,7 +210,7 @@ class RunStore {
   std::int64_t add_baseline(const BaselineRecord& baseline);
   // Copies a baseline that was accepted in another store, with the numbers of its runs here; it is not judged again.
   // TB-STORE-CONFLICT when a run does not exist.
-  std::int64_t take_baseline(const BaselineRecord& baseline);
+  std::int64_t copy_baseline(const BaselineRecord& baseline);
   [[nodiscard]] std::vector<BaselineRecord> baselines() const;  // oldest first; of a subject the last one counts
   [[nodiscard]] std::optional<BaselineRecord> last_baseline(const std::string& subject) const;
   // Those of `runs` that repeat an earlier one of them, each with that earlier run: the same content (and so the same

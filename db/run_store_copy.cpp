@@ -237,7 +237,7 @@ std::optional<PrunedRecord> RunStore::pruned(std::int64_t run) const {
 }
 
 PrunedRecord RunStore::prune_frames(std::int64_t run, const std::string& rule, const std::string& utc) {
-  check_said("the rule", rule, kLongestText);
+  check_nonblank_text("the rule", rule, kMaxTextLength);
   const auto refuse = [&](const std::string& what, const std::string& remedy) {
     throw StoreError("TB-STORE-CONFLICT", fmt::format("store {}: the frames of run {} stay: {}", path(), run, what),
                      remedy);

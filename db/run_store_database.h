@@ -27,7 +27,7 @@ class RunStore::Database {
  public:
   Database(const std::string& given_path, const std::string& absolute_path, sqlite::Access access)
       : path(given_path), connection(absolute_path, access) {
-    connection.trust_no_schema();
+    connection.disable_triggers_and_views();
   }
 
   // A run that accepts rows. The chain is empty until the first frame; devices may be set until then.
@@ -45,7 +45,7 @@ class RunStore::Database {
   Digest header_digest(std::int64_t run);
   // A log that grows costs a commit of the file system's journal at each commit of the store; a log that is overwritten
   // does not. So with durable commits it is extended once to the length at which SQLite restarts it (1000 pages).
-  void lengthen_log();
+  void preallocate_log();
   void insert_devices(std::int64_t run, const std::vector<DeviceRecord>& devices);
   void insert_event(std::int64_t run, const EventRecord& event);
   // The last update of the run's row. Part of the caller's transaction.
@@ -59,7 +59,7 @@ class RunStore::Database {
   RunEnd end_of(std::int64_t run);  // of an open run: outcome, reason and safe state are not filled in
   RunEnd end_of(const RunRecord& run);
   template <class Take>
-  void each_frame(std::int64_t run, Take take);
+  void for_each_frame(std::int64_t run, Take take);
 
   std::string path;
   sqlite::Connection connection;
@@ -71,7 +71,7 @@ class RunStore::Database {
 };
 
 template <class Take>
-void RunStore::Database::each_frame(std::int64_t run, Take take) {
+void RunStore::Database::for_each_frame(std::int64_t run, Take take) {
   sqlite::Statement rows(connection,
                          "SELECT branch, ordinal, setpoint_psi, feedback_psi, reference_psi, setpoint_counts, "
                          "feedback_counts, reference_counts, time_ns, since_command_ns, in_band_ns, device_time_us, "

@@ -39,7 +39,7 @@ std::int64_t RunStore::add_fit(const FitRecord& fit) {
   return number;
 }
 
-std::optional<FitRecord> RunStore::standing_fit(std::int64_t run) const {
+std::optional<FitRecord> RunStore::default_fit(std::int64_t run) const {
   database_->require_run(run);
   sqlite::Statement row(database_->connection,
                         std::string(kFitColumns) + " WHERE run = ? ORDER BY stands DESC, fit DESC LIMIT 1");
@@ -213,7 +213,7 @@ std::map<std::string, double> RunStore::figures_of(std::int64_t run, const std::
   return figures;
 }
 
-std::int64_t RunStore::take_baseline(const BaselineRecord& baseline) {
+std::int64_t RunStore::copy_baseline(const BaselineRecord& baseline) {
   sqlite::Connection& connection = database_->connection;
   sqlite::Transaction transaction(connection);
   sqlite::Statement(connection,
@@ -260,7 +260,7 @@ void check_tag(const std::string& tag) {
 
 }  // namespace
 
-void check_words(const std::string& what, const std::string& text, std::size_t longest) {
+void check_text(const std::string& what, const std::string& text, std::size_t longest) {
   std::size_t characters = 0;
   for (std::string_view rest = text; !rest.empty(); ++characters) {
     const CodePoint c = decode_utf8(rest);
@@ -274,8 +274,8 @@ void check_words(const std::string& what, const std::string& text, std::size_t l
                    "shorten it; nothing was stored");
 }
 
-void check_said(const std::string& what, const std::string& text, std::size_t longest) {
-  check_words(what, text, longest);
+void check_nonblank_text(const std::string& what, const std::string& text, std::size_t longest) {
+  check_text(what, text, longest);
   if (!is_blank(text)) return;
   throw StoreError("TB-STORE-BLANK", fmt::format("{} is empty or blank", what),
                    "write what is to stand there; nothing was stored");
@@ -293,9 +293,9 @@ void RunStore::set_tags(std::int64_t run, const std::vector<std::string>& add, c
     tags.insert(tag);
   }
   for (const std::string& tag : remove) tags.erase(tag);
-  if (tags.size() > kMostTags) {
+  if (tags.size() > kMaxTags) {
     throw StoreError("TB-STORE-TAG",
-                     fmt::format("run {} would have {} tags, at most {} are allowed", run, tags.size(), kMostTags),
+                     fmt::format("run {} would have {} tags, at most {} are allowed", run, tags.size(), kMaxTags),
                      "remove some with --remove");
   }
   sqlite::Statement(database_->connection, "UPDATE runs SET tags = ? WHERE run = ?")
@@ -305,7 +305,7 @@ void RunStore::set_tags(std::int64_t run, const std::vector<std::string>& add, c
 }
 
 void RunStore::add_note(std::int64_t run, const std::string& text) {
-  check_said("the note", text, kLongestText);
+  check_nonblank_text("the note", text, kMaxTextLength);
   sqlite::Transaction transaction(database_->connection);
   database_->require_run(run);
   sqlite::Statement(database_->connection,
@@ -319,8 +319,8 @@ void RunStore::void_run(std::int64_t run, const std::string& reason, const std::
   const auto refuse = [&](const std::string& what, const std::string& remedy) {
     throw StoreError("TB-STORE-CONFLICT", fmt::format("store {}: run {} {}", path(), run, what), remedy);
   };
-  check_said("the reason", reason, kLongestText);
-  check_said("the name of the person who voids it", by, kLongestName);
+  check_nonblank_text("the reason", reason, kMaxTextLength);
+  check_nonblank_text("the name of the person who voids it", by, kMaxNameLength);
   sqlite::Transaction transaction(database_->connection);
   const RunRecord record = database_->run(run);
   if (record.outcome == Outcome::kIncomplete) refuse("has not ended", "wait for its end, or stop it");

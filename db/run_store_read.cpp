@@ -233,8 +233,8 @@ std::vector<FrameRecord> RunStore::frames(std::int64_t run) const {
   database_->require_frames(run);
   std::vector<FrameRecord> frames;
   frames.reserve(static_cast<std::size_t>(frame_count(run)));
-  database_->each_frame(run, [&](const FrameRecord& frame) {
-    if (!fits_its_shape(frame)) {
+  database_->for_each_frame(run, [&](const FrameRecord& frame) {
+    if (!has_consistent_shape(frame)) {
       throw StoreError(
           "TB-STORE-SQL",
           fmt::format("store {}: frame {} of run {} holds {} counts, not those of scans x rows x columns {} x {} x {}",
@@ -246,9 +246,9 @@ std::vector<FrameRecord> RunStore::frames(std::int64_t run) const {
   return frames;
 }
 
-void RunStore::each_frame(std::int64_t run, const std::function<void(const FrameRecord&)>& see) const {
+void RunStore::for_each_frame(std::int64_t run, const std::function<void(const FrameRecord&)>& see) const {
   database_->require_frames(run);
-  database_->each_frame(run, see);
+  database_->for_each_frame(run, see);
 }
 
 std::int64_t RunStore::frame_count(std::int64_t run) const {
@@ -342,8 +342,8 @@ std::int64_t RunStore::add_baseline(const BaselineRecord& baseline) {
     throw StoreError("TB-STORE-CONFLICT",
                      fmt::format("store {}: the baseline of {} {}", path(), baseline.subject, what), remedy);
   };
-  check_said("the baseline's reason", baseline.reason, kLongestText);
-  check_said("the name of the person who accepts it", baseline.accepted_by, kLongestName);
+  check_nonblank_text("the baseline's reason", baseline.reason, kMaxTextLength);
+  check_nonblank_text("the name of the person who accepts it", baseline.accepted_by, kMaxNameLength);
   if (baseline.accepted_utc.empty())
     refuse("is not accepted without a date", "this is a defect of the caller: please report it");
   if (baseline.runs.empty()) refuse("names no run", "name the runs to accept");
@@ -394,7 +394,7 @@ std::vector<BaselineRecord> RunStore::baselines() const {
 }
 
 void RunStore::add_report(const ReportRecord& report) {
-  check_said("the signer's name", report.approved_by, kLongestName);
+  check_nonblank_text("the signer's name", report.approved_by, kMaxNameLength);
   sqlite::Transaction transaction(database_->connection);
   database_->require_run(report.run);
   const std::vector<ReportRecord> before = reports(report.run);
@@ -413,7 +413,7 @@ void RunStore::add_report(const ReportRecord& report) {
                      "another one was approved meanwhile: check that one, then approve again");
   }
   if (!report.replaces.empty()) {
-    check_said("the reason why the report replaces another", report.reason, kLongestText);
+    check_nonblank_text("the reason why the report replaces another", report.reason, kMaxTextLength);
   } else if (!report.reason.empty()) {
     throw StoreError("TB-STORE-CONFLICT",
                      fmt::format("report {} replaces none, and a reason to replace one is stated", report.number),

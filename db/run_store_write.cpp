@@ -24,7 +24,7 @@ constexpr const char* kInsertFrame =
     "WHERE EXISTS (SELECT 1 FROM runs WHERE run = ? AND state <> 'ended')";
 
 void check_shape(const FrameRecord& frame) {
-  if (fits_its_shape(frame)) return;
+  if (has_consistent_shape(frame)) return;
   throw conflict(fmt::format("a frame of {} x {} x {} (scans, rows, columns) comes with {} counts", frame.scans,
                              frame.rows, frame.columns, frame.counts.size()),
                  "this is a defect of the caller: please report it");
@@ -33,9 +33,9 @@ void check_shape(const FrameRecord& frame) {
 // Texts that an instrument reports are bounded like those that people type. A table has the name of its file.
 void check_device(const DeviceRecord& device) {
   if (device.origin == "imported") return;
-  check_words(fmt::format("the model of the {}", device.role), device.model, kLongestName);
-  check_words(fmt::format("the serial number of the {}", device.role), device.serial, kLongestName);
-  check_words(fmt::format("the firmware of the {}", device.role), device.firmware, kLongestName);
+  check_text(fmt::format("the model of the {}", device.role), device.model, kMaxNameLength);
+  check_text(fmt::format("the serial number of the {}", device.role), device.serial, kMaxNameLength);
+  check_text(fmt::format("the firmware of the {}", device.role), device.firmware, kMaxNameLength);
 }
 
 }  // namespace
@@ -108,7 +108,7 @@ void RunStore::Database::insert_event(std::int64_t run, const EventRecord& event
 
 // Only through SQLite: pages of a transaction that do not fit its cache go to the log before the commit. After a
 // rollback they are unused, but the file keeps its length.
-void RunStore::Database::lengthen_log() {
+void RunStore::Database::preallocate_log() {
   constexpr std::uintmax_t kLongest = 1000 * (4096 + 24) + 32;
   constexpr int kFullSync = 2;
   std::error_code missing;
@@ -129,11 +129,11 @@ void RunStore::wait_for_locks(std::chrono::milliseconds at_most) {
 }
 
 std::int64_t RunStore::begin_run(const RunRecord& run) {
-  if (!run.operator_name.empty()) check_said("the operator's name", run.operator_name, kLongestName);
-  check_words("the purpose", run.purpose, kLongestText);
-  check_words("the scanner's serial", run.scanner_serial, kLongestName);
-  check_words("the bench's id", run.bench_id, kLongestName);
-  database_->lengthen_log();
+  if (!run.operator_name.empty()) check_nonblank_text("the operator's name", run.operator_name, kMaxNameLength);
+  check_text("the purpose", run.purpose, kMaxTextLength);
+  check_text("the scanner's serial", run.scanner_serial, kMaxNameLength);
+  check_text("the bench's id", run.bench_id, kMaxNameLength);
+  database_->preallocate_log();
   sqlite::Connection& connection = database_->connection;
   sqlite::Transaction transaction(connection);
   std::optional<std::string> sensor_serial;
@@ -400,7 +400,7 @@ std::string RunStore::content_hash(std::int64_t number) const {
   const std::vector<BranchRecord>& branches = end.branches;
   Digest chain = database.hasher.header(run);
   std::int64_t frames = 0;
-  database.each_frame(number, [&](const FrameRecord& frame) {
+  database.for_each_frame(number, [&](const FrameRecord& frame) {
     const auto branch = std::lower_bound(branches.begin(), branches.end(), frame.branch,
                                          [](const BranchRecord& b, std::int64_t key) { return b.branch < key; });
     // A frame without a branch of this run can only come from a manual change of the file; it still enters the hash.

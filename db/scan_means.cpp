@@ -32,7 +32,7 @@ bool disagree(std::span<const std::uint16_t> counts, std::size_t scans, std::siz
     low = std::min(low, counts[i]);
     high = std::max(high, counts[i]);
   }
-  return high - low > kOutlying;
+  return high - low > kOutlierCounts;
 }
 
 bool scans_disagree(std::span<const std::uint16_t> counts, std::size_t scans) {
@@ -41,7 +41,7 @@ bool scans_disagree(std::span<const std::uint16_t> counts, std::size_t scans) {
   return false;
 }
 
-double agreed_count(std::span<const std::uint16_t> counts, std::size_t scans, std::size_t taxel, Nearby nearby) {
+double consensus_count(std::span<const std::uint16_t> counts, std::size_t scans, std::size_t taxel, Nearby nearby) {
   if (!disagree(counts, scans, taxel)) return kNone;
   const std::size_t taxels = counts.size() / scans;
   if (scans == 2) return agreed_of_two(counts[taxel], counts[taxel + taxels], nearby);
@@ -49,7 +49,8 @@ double agreed_count(std::span<const std::uint16_t> counts, std::size_t scans, st
   for (std::size_t i = taxel; i < counts.size(); i += taxels) own.push_back(counts[i]);
   std::ranges::nth_element(own, own.begin() + static_cast<std::ptrdiff_t>(own.size() / 2));
   const double middle = own[own.size() / 2];
-  const auto agree = std::ranges::count_if(own, [&](double count) { return std::abs(count - middle) <= kOutlying; });
+  const auto agree =
+      std::ranges::count_if(own, [&](double count) { return std::abs(count - middle) <= kOutlierCounts; });
   return 2 * static_cast<std::size_t>(agree) > scans ? middle : kNone;
 }
 
@@ -59,10 +60,10 @@ std::vector<double> scan_means(std::span<const std::uint16_t> counts, std::size_
   std::vector<double> means(taxels);
   for (std::size_t taxel = 0; taxel < taxels; ++taxel) {
     const double near = before.size() == taxels ? before[taxel] : kNone;
-    const double agreed = agreed_count(counts, scans, taxel, {near, near});
+    const double agreed = consensus_count(counts, scans, taxel, {near, near});
     double sum = 0.0, kept = 0.0;
     for (std::size_t i = taxel; i < counts.size(); i += taxels) {
-      if (std::abs(counts[i] - agreed) > kOutlying) continue;
+      if (std::abs(counts[i] - agreed) > kOutlierCounts) continue;
       sum += counts[i];
       kept += 1.0;
     }

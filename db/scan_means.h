@@ -11,7 +11,7 @@ namespace tactbench::db {
 
 // Scans of a frame follow each other within milliseconds: a sample further than 5 % of the converter from what the
 // others agree on is an outlier.
-inline constexpr double kOutlying = 0.05 * 65535.0;
+inline constexpr double kOutlierCounts = 0.05 * 65535.0;
 inline constexpr std::uint16_t kConverterLimit = 65535;
 
 // Outputs of the same taxel in the frames before and after, in any order; not a number: there are none.
@@ -19,12 +19,12 @@ struct Nearby {
   double one, other;
 };
 
-// The value that most samples of a taxel agree on, each within kOutlying; of two that differ the one that clearly is
-// nearer to the neighbouring frames, or, where there are none, the one that is not at an end of the converter. NaN: no
-// sample is left out, since all agree or the outlier cannot be identified.
-double agreed_count(std::span<const std::uint16_t> counts, std::size_t scans, std::size_t taxel, Nearby nearby);
+// The value that most samples of a taxel agree on, each within kOutlierCounts; of two that differ the one that clearly
+// is nearer to the neighbouring frames, or, where there are none, the one that is not at an end of the converter. NaN:
+// no sample is left out, since all agree or the outlier cannot be identified.
+double consensus_count(std::span<const std::uint16_t> counts, std::size_t scans, std::size_t taxel, Nearby nearby);
 
-// True when the scans of a taxel, or of any taxel, differ by more than kOutlying.
+// True when the scans of a taxel, or of any taxel, differ by more than kOutlierCounts.
 bool disagree(std::span<const std::uint16_t> counts, std::size_t scans, std::size_t taxel);
 bool scans_disagree(std::span<const std::uint16_t> counts, std::size_t scans);
 

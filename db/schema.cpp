@@ -62,8 +62,8 @@ SchemaObjects objects_after(const Migrations& migrations) {
 }
 
 SchemaObjects objects_of_version(const Migrations& known, std::int64_t version) {
-  static const SchemaObjects own = objects_after(own_migrations());  // asked for whenever a store is opened
-  if (&known == &own_migrations() && version == kSchemaVersion) return own;
+  static const SchemaObjects own = objects_after(builtin_migrations());  // asked for whenever a store is opened
+  if (&known == &builtin_migrations() && version == kSchemaVersion) return own;
   return objects_after({known.begin(), known.begin() + std::min<std::int64_t>(version, std::ssize(known))});
 }
 
@@ -76,7 +76,7 @@ SchemaObjects objects_of_version(const Migrations& known, std::int64_t version) 
 
 }  // namespace
 
-const Migrations& own_migrations() {
+const Migrations& builtin_migrations() {
   static const Migrations own = {schema_1()};
   return own;
 }

@@ -23,24 +23,25 @@ inline constexpr std::int64_t kFramesPerRun = 1'000'000'000;
 // no step is edited: a change is a further one.
 using Migrations = std::vector<std::string>;
 std::string schema_1();
-const Migrations& own_migrations();  // kSchemaVersion of them
+const Migrations& builtin_migrations();  // kSchemaVersion of them
 
 // Refuses a schema above those of `known` (TB-STORE-OTHER-SCHEMA), a version that no program has written, and a file
 // with more pages than its header states, because a write would overwrite them (TB-STORE-OPEN).
-void check_version(sqlite::Connection& connection, const Migrations& known = own_migrations());
+void check_version(sqlite::Connection& connection, const Migrations& known = builtin_migrations());
 
 // Differences between the file's tables, indexes, views and triggers and those of `known` for the file's version.
 struct ForeignObjects {
   std::vector<std::string> changed;  // own ones that are missing or differ: the file cannot even be read
   std::vector<std::string> added;    // others besides the store's
 };
-ForeignObjects foreign_objects(sqlite::Connection& connection, const Migrations& known = own_migrations());
+ForeignObjects foreign_objects(sqlite::Connection& connection, const Migrations& known = builtin_migrations());
 // Throws TB-STORE-OTHER-SCHEMA where own ones differ, TB-STORE-FOREIGN for additions. Reading tolerates these, since no
 // trigger fires and no view is read.
 enum class Additions { kTolerate, kRefuse };
-void refuse_foreign(sqlite::Connection& connection, Additions additions, const Migrations& known = own_migrations());
+void refuse_foreign(sqlite::Connection& connection, Additions additions,
+                    const Migrations& known = builtin_migrations());
 
 // Takes an empty or older file to the last schema of `known`, in one transaction.
-void migrate(sqlite::Connection& connection, const Migrations& known = own_migrations());
+void migrate(sqlite::Connection& connection, const Migrations& known = builtin_migrations());
 
 }  // namespace tactbench::db

@@ -117,7 +117,7 @@ void Connection::fail(int code, const std::string& doing) const {
   if (handle_ != nullptr) require_in_place();  // then this failure comes from it
   const Meaning meaning = meaning_of(code, system_error);
   if (base == SQLITE_BUSY || base == SQLITE_LOCKED) {
-    const std::string holder = who_writes(path_);
+    const std::string holder = writer_of(path_);
     throw StoreError(meaning.id,
                      fmt::format("store {}: {} is writing to it and did not finish in time (SQLite code {})", path_,
                                  holder.empty() ? meaning.what : holder, code),
@@ -154,19 +154,19 @@ void Connection::require_in_place() const {
   int moved = 0;
   if ((sqlite3_file_control(handle_, "main", SQLITE_FCNTL_HAS_MOVED, &moved) != SQLITE_OK || moved == 0) && !is_cut())
     return;
-  told_gone_ = true;
+  gone_reported_ = true;
   throw StoreError("TB-STORE-GONE",
                    fmt::format("store {}: the file was removed, moved, replaced or cut off while it was open", path_),
                    "leave a store where it is while anything writes to it; put it back, and do it again");
 }
 
-void Connection::trust_no_schema() {
+void Connection::disable_triggers_and_views() {
   for (const int option : {SQLITE_DBCONFIG_ENABLE_TRIGGER, SQLITE_DBCONFIG_ENABLE_VIEW}) {
     int enabled = 1;
     const int code = sqlite3_db_config(handle_, option, 0, &enabled);
     if (code != SQLITE_OK || enabled != 0) fail(SQLITE_MISUSE, "switch off triggers and views");
   }
-  sqlite3_limit(handle_, SQLITE_LIMIT_LENGTH, kLongestValue);
+  sqlite3_limit(handle_, SQLITE_LIMIT_LENGTH, kMaxValueBytes);
 }
 
 void Connection::execute(const std::string& sql) {
@@ -274,7 +274,7 @@ void Statement::get_blob(int column, std::span<std::byte> value) const {
 Transaction::Transaction(Connection& connection) : connection_(connection) {
   // SQLite itself would report this only at the first row that changes.
   if (connection_.is_read_only()) connection_.fail(SQLITE_READONLY, "BEGIN IMMEDIATE");
-  if (!connection_.told_gone_) connection_.require_in_place();
+  if (!connection_.gone_reported_) connection_.require_in_place();
   connection_.execute("BEGIN IMMEDIATE");
 }
 

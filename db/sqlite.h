@@ -31,7 +31,7 @@ enum class Access {
 inline constexpr int kBusyTimeoutMs = 5000;
 
 // Greatest length of a text or blob in a store, checked before memory is allocated, so also in a damaged file.
-inline constexpr int kLongestValue = 256 << 20;
+inline constexpr int kMaxValueBytes = 256 << 20;
 
 class Connection {
  public:
@@ -41,7 +41,7 @@ class Connection {
   Connection& operator=(const Connection&) = delete;
 
   // For a store: no trigger fires and no view is read, since the program needs none; values are of bounded length.
-  void trust_no_schema();
+  void disable_triggers_and_views();
   void execute(const std::string& sql);                        // one or more statements; result rows are discarded
   [[nodiscard]] std::int64_t integer(const std::string& sql);  // first column of the one row
   [[nodiscard]] std::string text(const std::string& sql);
@@ -64,7 +64,7 @@ class Connection {
   [[nodiscard]] bool is_cut() const;
   std::string path_;
   sqlite3* handle_ = nullptr;
-  mutable bool told_gone_ = false;
+  mutable bool gone_reported_ = false;
   mutable std::int64_t longest_ = 0;  // bytes
 };
 

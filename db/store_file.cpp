@@ -143,7 +143,7 @@ void refuse_network(const std::string& path) {
                    "keep the store on a local disk (--db FILE); copy a finished store over the network instead");
 }
 
-bool lies_still_on_network(const std::string& path) {
+bool is_readable_on_network(const std::string& path) {
   const auto network = network_below(path);
   if (!network) return false;
   std::error_code missing;
@@ -165,9 +165,9 @@ bool lies_still_on_network(const std::string& path) {
   return true;
 }
 
-void tell_warnings_to(std::function<void(const std::string&)> tell) { listener() = std::move(tell); }
+void set_warning_handler(std::function<void(const std::string&)> tell) { listener() = std::move(tell); }
 
-std::string who_writes(const std::string& path) {
+std::string writer_of(const std::string& path) {
   std::set<std::string> inodes;
   for (const char* file : {"", "-shm"}) {  // with a write-ahead log the locks lie on its index
     struct stat status {};
@@ -187,7 +187,7 @@ std::string who_writes(const std::string& path) {
   return {};
 }
 
-FileKind look_at_file(const std::string& path) {
+FileKind check_store_file(const std::string& path) {
   const auto refuse = [&](const std::string& what, const std::string& remedy) {
     throw StoreError("TB-STORE-OPEN", fmt::format("store {}: {}", path, what), remedy);
   };

@@ -138,7 +138,7 @@ std::string backup_path(const std::string& path, int version) {
   return free_name(fmt::format("{}.schema-{}.backup", path, version));
 }
 
-void bring_up_to_date(sqlite::Connection& connection, const std::string& path, const Migrations& known) {
+void migrate_store(sqlite::Connection& connection, const std::string& path, const Migrations& known) {
   check_version(connection, known);
   refuse_foreign(connection, Additions::kRefuse, known);
   const auto version = static_cast<std::size_t>(connection.integer("PRAGMA user_version"));
@@ -149,7 +149,7 @@ void bring_up_to_date(sqlite::Connection& connection, const std::string& path, c
 }
 
 int schema_version_of(const std::string& path) {
-  if (look_at_file(path) != FileKind::kStore) {
+  if (check_store_file(path) != FileKind::kStore) {
     throw StoreError(
         "TB-STORE-OPEN",
         fmt::format("store {}: {}", path, fs::exists(path) ? "the file is empty" : "there is no such file"),

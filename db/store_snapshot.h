@@ -14,7 +14,7 @@ void copy_store(const sqlite::Connection& source, const std::string& path);
 
 // Makes the tables of an empty file, or migrates the store of an older schema after a copy to backup_path(). Throws
 // TB-STORE-OTHER-SCHEMA, TB-STORE-FOREIGN, TB-STORE-OPEN and as copy_store; the store is then as it was.
-void bring_up_to_date(sqlite::Connection& connection, const std::string& path,
-                      const Migrations& known = own_migrations());
+void migrate_store(sqlite::Connection& connection, const std::string& path,
+                   const Migrations& known = builtin_migrations());
 
 }  // namespace tactbench::db

@@ -14,7 +14,7 @@ void SteadyClock::wait_until(Nanoseconds time) {
   std::this_thread::sleep_until(start_ + (rate_ == 1.0 ? time : std::chrono::ceil<Nanoseconds>(real)));
 }
 
-void TurnedClock::wait_until(Nanoseconds time) {
+void ManualClock::wait_until(Nanoseconds time) {
   // Only one thread turns the clock, so load and store need not be one atomic operation; it never goes back.
   if (time > now()) now_.store(time.count(), std::memory_order_release);
 }

@@ -1,5 +1,5 @@
 // Process time: the one clock for dwell, settling, creep, watchdogs and time stamps. A rig uses SteadyClock. A
-// simulated rig uses TurnedClock: only the sequencer's thread advances it, and it stands still while a request is open,
+// simulated rig uses ManualClock: only the sequencer's thread advances it, and it stands still while a request is open,
 // so that the same seed gives the same store.
 #pragma once
 
@@ -37,7 +37,7 @@ class SteadyClock final : public Clock {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-class TurnedClock final : public Clock {
+class ManualClock final : public Clock {
  public:
   [[nodiscard]] Nanoseconds now() const override { return Nanoseconds(now_.load(std::memory_order_acquire)); }
   void wait_until(Nanoseconds time) override;

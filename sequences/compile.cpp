@@ -67,7 +67,7 @@ void add_repeat(std::vector<Step>& steps, const Recipe& recipe, int sequence, in
   for (std::size_t turn = 1; turn < recipe.turning_points.size(); ++turn) {
     const Psi from = recipe.turning_points[turn - 1];
     const Psi to = recipe.turning_points[turn];
-    const int count = static_cast<int>(levels_on_the_way(recipe, from, to));
+    const int count = static_cast<int>(levels_between(recipe, from, to));
     step.branch = static_cast<int>(turn) - 1;
     step.branch_from = from;
     step.branch_to = to;
@@ -79,7 +79,7 @@ void add_repeat(std::vector<Step>& steps, const Recipe& recipe, int sequence, in
   }
 }
 
-std::vector<Step> levels_way_back(const Recipe& recipe, int sequence, int repeat, int branch) {
+std::vector<Step> levels_path_to_branch(const Recipe& recipe, int sequence, int repeat, int branch) {
   std::vector<Step> steps;
   const Conditioning& conditioning = recipe.conditioning;
   const Psi highest = *std::max_element(recipe.turning_points.begin(), recipe.turning_points.end());
@@ -128,9 +128,9 @@ std::vector<Step> compile(const std::vector<Recipe>& recipes) {
     count += step_count(recipe);
     names += (names.empty() ? "" : ", ") + recipe.name;
   }
-  if (count > kMostSteps) {
+  if (count > kMaxSteps) {
     throw FileError("TB-FILE-VALUE", fmt::format("the recipes together have {:.12g} steps", count), "recipes " + names,
-                    fmt::format("a run may have {:.12g} steps: use several runs", kMostSteps));
+                    fmt::format("a run may have {:.12g} steps: use several runs", kMaxSteps));
   }
   std::vector<Step> steps;
   steps.reserve(static_cast<std::size_t>(count));
@@ -138,9 +138,9 @@ std::vector<Step> compile(const std::vector<Recipe>& recipes) {
   return steps;
 }
 
-std::vector<Step> way_back(const Recipe& recipe, int sequence, int repeat, int branch) {
-  if (recipe.kind == RecipeKind::kPress) return press_way_back(recipe, sequence, repeat, branch);
-  return levels_way_back(recipe, sequence, repeat, branch);
+std::vector<Step> path_to_branch(const Recipe& recipe, int sequence, int repeat, int branch) {
+  if (recipe.kind == RecipeKind::kPress) return press_path_to_branch(recipe, sequence, repeat, branch);
+  return levels_path_to_branch(recipe, sequence, repeat, branch);
 }
 
 namespace {
@@ -236,7 +236,7 @@ void add_press(std::vector<Step>& steps, const Recipe& recipe, int sequence) {
   if (recipe.press.tare) writer.plain(StepKind::kTare);
 }
 
-std::vector<Step> press_way_back(const Recipe& recipe, int sequence, int repeat, int branch) {
+std::vector<Step> press_path_to_branch(const Recipe& recipe, int sequence, int repeat, int branch) {
   std::vector<Step> steps;
   PressWriter writer(steps, recipe, sequence);
   const auto position = static_cast<std::size_t>(branch / 2);

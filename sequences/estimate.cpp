@@ -75,7 +75,7 @@ std::vector<StepTime> step_times(const std::vector<Recipe>& recipes, const std::
     StepTime time = time_of(step, recipe, standing, model);
     const Conditioning& conditioning = recipe.conditioning;
     if (step.branch < 0 && conditioning.change_percent > 0.0 && step.repeat >= conditioning.least) time.low_s = 0.0;
-    if (takes_frame(step)) {
+    if (has_frame(step)) {
       time.low_s += model.frame_s;
       time.likely_s += model.frame_s;
       time.high_s += model.frame_s;
@@ -99,7 +99,7 @@ Estimate estimate(const std::vector<Recipe>& recipes, const std::vector<Step>& s
     result.time.likely_s += time.likely_s;
     result.time.high_s += time.high_s;
   }
-  for (const Step& step : steps) result.frames += takes_frame(step) ? 1 : 0;
+  for (const Step& step : steps) result.frames += has_frame(step) ? 1 : 0;
   constexpr double kRowBytes = 220.0;  // a frame row besides its blob, indexes included
   result.bytes = result.frames * (frame_bytes + kRowBytes);
   return result;

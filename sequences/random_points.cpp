@@ -49,7 +49,7 @@ void presses(const RandomPoints& of, Draws& draws, std::vector<long>& points) {
 
 }  // namespace
 
-std::vector<std::string> random_kind_words() { return {"reversals", "wander", "press"}; }
+std::vector<std::string> random_kind_names() { return {"reversals", "wander", "press"}; }
 
 std::vector<long> draw_points(const RandomPoints& of) {
   Draws draws(of.seed);

@@ -10,7 +10,7 @@ namespace tactbench::sequences {
 // kReversals: a loop to the highest, then points anywhere in the range, rising and falling in turn. kWander: small
 // reversals that wander through the range. kPress: presses to heights drawn, each released to 0.
 enum class RandomKind { kReversals, kWander, kPress };
-std::vector<std::string> random_kind_words();  // in the order of the values
+std::vector<std::string> random_kind_names();  // in the order of the values
 
 struct RandomPoints {
   RandomKind kind = RandomKind::kReversals;

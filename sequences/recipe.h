@@ -126,19 +126,19 @@ RecipeFile read_recipe_file(const std::string& path, const std::vector<Override>
 
 // Greatest number of steps of a run: a step takes about 300 bytes in memory and a row in the store, and at the least
 // dwell of 0.1 s a million steps take more than a day.
-constexpr double kMostSteps = 1e6;
-// Number of steps that compile() returns, by arithmetic alone. A recipe that was read has at most kMostSteps.
+constexpr double kMaxSteps = 1e6;
+// Number of steps that compile() returns, by arithmetic alone. A recipe that was read has at most kMaxSteps.
 double step_count(const Recipe& recipe);
 
 // Per repeat 211 measuring steps for the paper's descending set, 451 for the ascending one.
 std::vector<Step> compile(const Recipe& recipe, int sequence);
-// Throws FileError when all recipes together have more than kMostSteps.
+// Throws FileError when all recipes together have more than kMaxSteps.
 std::vector<Step> compile(const std::vector<Recipe>& recipes);
 
 // Travel steps needed before `branch` of `repeat` can be redone, all without frames: the conditioning cycles (one to
 // the highest level when the recipe has none), then the repeat's turning points up to the one at which the branch
 // starts. Press: retract, home, tare, move, approach, conditioning, and for a falling branch up to the peak. kHome may
 // be skipped when the axes are homed.
-std::vector<Step> way_back(const Recipe& recipe, int sequence, int repeat, int branch);
+std::vector<Step> path_to_branch(const Recipe& recipe, int sequence, int repeat, int branch);
 
 }  // namespace tactbench::sequences

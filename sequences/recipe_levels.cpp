@@ -45,7 +45,7 @@ KeyTable point_keys(InFile& in) {
 
 KeyTable random_keys(InFile& in) {
   return {
-      key::word("kind", in.kind, random_kind_words(),
+      key::word("kind", in.kind, random_kind_names(),
                 "reversals: a loop to `high`, then points anywhere from `low` to `high`; wander: small reversals of "
                 "one to three of its steps, through the whole range; press: presses to heights drawn, one in each of "
                 "as many equal parts of the range, in an order that is drawn, "
@@ -87,9 +87,9 @@ std::vector<double> random_points(const TomlTable& root, InFile& in) {
     table.fail("high", fmt::format("there is no room for reversals between {:g} and {:g}", low, high),
                "0 <= low, and at least two steps from low to high");
   }
-  if (high / step > kMostSteps) {
+  if (high / step > kMaxSteps) {
     table.fail("high", fmt::format("{:g} is {:.12g} steps of {:g}", high, high / step, step),
-               fmt::format("a larger step: a run may have {:.12g} steps", kMostSteps));
+               fmt::format("a larger step: a run may have {:.12g} steps", kMaxSteps));
   }
   const RandomPoints drawn{in.kind, static_cast<std::uint64_t>(in.seed), static_cast<int>(count),
                            std::lround(low / step), std::lround(high / step)};
@@ -249,7 +249,7 @@ void read_levels(const TomlTable& root, Recipe& recipe) {
     in.turning_points = random_points(root, in);
     recipe.drawn = fmt::format("{} {} drawn, kind {}, seed {}", in.reversals,
                                in.kind == RandomKind::kPress ? "heights" : "turning points",
-                               random_kind_words()[static_cast<std::size_t>(in.kind)], in.seed);
+                               random_kind_names()[static_cast<std::size_t>(in.kind)], in.seed);
   } else {
     read_keys(root, point_keys(in));
   }
@@ -270,7 +270,7 @@ constexpr double kMostSeconds = 366.0 * 86400.0;  // a clock of nanoseconds in 6
 double levels_of(const Recipe& recipe) {
   double levels = 1.0;
   for (std::size_t turn = 1; turn < recipe.turning_points.size(); ++turn)
-    levels += levels_on_the_way(recipe, recipe.turning_points[turn - 1], recipe.turning_points[turn]);
+    levels += levels_between(recipe, recipe.turning_points[turn - 1], recipe.turning_points[turn]);
   return levels;
 }
 
@@ -315,7 +315,7 @@ void refuse_steps(const TomlTable& root, const Recipe& recipe, double steps) {
             : fmt::format("the recipe has {:.12g} steps ({:.12g} levels a repeat, {} frames a level, {} repeats)",
                           steps, stops, recipe.frames_per_level, recipe.repeats);
   const std::string remedy =
-      fmt::format("a run may have {:.12g} steps: {}", kMostSteps,
+      fmt::format("a run may have {:.12g} steps: {}", kMaxSteps,
                   press ? "fewer positions, forces or repeats" : "a larger step, or fewer frames a level or repeats");
   if (recipe.repeats > stops && recipe.repeats > frames) root.fail("repeats", message, remedy);
   if (!press) root.fail(frames > stops ? "frames_per_level" : "step", message, remedy);
@@ -325,7 +325,7 @@ void refuse_steps(const TomlTable& root, const Recipe& recipe, double steps) {
 
 }  // namespace
 
-double levels_on_the_way(const Recipe& recipe, devices::Psi from, devices::Psi to) {
+double levels_between(const Recipe& recipe, devices::Psi from, devices::Psi to) {
   return recipe.frames_at == FramesAt::kHolds ? 1.0 : std::round(std::abs((to - from) / recipe.step));
 }
 
@@ -338,7 +338,7 @@ double step_count(const Recipe& recipe) {
 }
 
 void check_size(const TomlTable& root, const Recipe& recipe) {
-  if (const double steps = step_count(recipe); !(steps <= kMostSteps)) refuse_steps(root, recipe, steps);
+  if (const double steps = step_count(recipe); !(steps <= kMaxSteps)) refuse_steps(root, recipe, steps);
   const double seconds = dwelt_s(recipe);
   if (seconds <= kMostSeconds) return;
   const bool held = (recipe.frames_per_level - 1.0) * recipe.frame_interval_s > recipe.dwell_s.front();

@@ -20,10 +20,10 @@ Key dwell_key(std::vector<double>& dwell_s);
 Key cycles_key(Conditioning& conditioning);
 
 // Of kind = "levels": levels from one turning point to the next, the last included, and the lowest turning point.
-double levels_on_the_way(const Recipe& recipe, devices::Psi from, devices::Psi to);
+double levels_between(const Recipe& recipe, devices::Psi from, devices::Psi to);
 devices::Psi lowest_of(const Recipe& recipe);
 
-// Refuses a recipe with more than kMostSteps steps, or one that dwells for more than a year.
+// Refuses a recipe with more than kMaxSteps steps, or one that dwells for more than a year.
 void check_size(const TomlTable& root, const Recipe& recipe);
 
 // kind = "press": [press], [press.grid], [conditioning] in newtons.

@@ -31,7 +31,7 @@ const char* to_string(StepKind kind) {
   return "?";
 }
 
-bool takes_frame(const Step& step) {
+bool has_frame(const Step& step) {
   return (step.kind == StepKind::kMeasure || step.kind == StepKind::kPress) && step.frame;
 }
 
@@ -66,7 +66,7 @@ namespace {
 
 SpanKind span_kind_of(const Step& step) {
   if (step.branch < 0 || step.kind == StepKind::kConditioning) return SpanKind::kConditioning;
-  if (takes_frame(step)) return SpanKind::kBranch;
+  if (has_frame(step)) return SpanKind::kBranch;
   return step.kind == StepKind::kPress ? SpanKind::kConditioning : SpanKind::kTravel;
 }
 

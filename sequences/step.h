@@ -44,7 +44,7 @@ struct Step {
   bool operator==(const Step&) const = default;
 };
 
-[[nodiscard]] bool takes_frame(const Step& step);
+[[nodiscard]] bool has_frame(const Step& step);
 
 // One line that describes a step completely: equal steps give equal lines, different steps different lines. In another
 // unit of pressure to six digits.

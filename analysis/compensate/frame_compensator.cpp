@@ -51,7 +51,7 @@ void FrameCompensator::frame(std::span<const float> outputs, double seconds, con
 
 void FrameCompensator::lost_frame(double seconds, const Output& output) {
   const double passed = checked(taxels(), seconds, output);
-  const bool unknown = ++gap_ > setup_.longest_gap;
+  const bool unknown = ++gap_ > setup_.max_gap;
   const Compensated dead{setup_.x_low, setup_.x_high - setup_.x_low, false, false, false, true};
   for (std::size_t t = 0; t < taxels(); ++t) {
     Compensator* const own = setup_.taxels[t].get();

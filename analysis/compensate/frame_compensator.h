@@ -36,7 +36,7 @@ class FrameCompensator {
     std::vector<std::unique_ptr<Compensator>> taxels;  // null: dead
     double x_low = 0.0, x_high = 1.0;
     bool in_time = false;  // they remove lag or creep, and need the time
-    int longest_gap = 10;  // frames lost in a row after which all histories are unknown
+    int max_gap = 10;      // frames lost in a row after which all histories are unknown
   };
   explicit FrameCompensator(Setup setup) : setup_(std::move(setup)) {}
 

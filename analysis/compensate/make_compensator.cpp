@@ -48,8 +48,8 @@ void check(const CompensatorSetup& setup) {
     demand(d.creep_share[j] >= 0.0, "a creep share is negative or not finite");
     sum += d.creep_share[j];
   }
-  demand(within(setup.creep_scale, 0.0, kMostCreepScale), "its creep is not within 0 and 10");
-  demand(sum <= kMostCreep && setup.creep_scale * sum <= kMostCreep, "its creep exceeds 0.9 of its output");
+  demand(within(setup.creep_scale, 0.0, kMaxCreepScale), "its creep is not within 0 and 10");
+  demand(sum <= kMaxCreep && setup.creep_scale * sum <= kMaxCreep, "its creep exceeds 0.9 of its output");
   demand(within(d.creep_half, kLeastSpan, kMost), "creep_half is not within 1e-9 and 1e9");
   demand(std::isfinite(d.lag_s) && d.lag_s > 0.0, "the lag's time is not positive");
   demand(within(setup.lag_share, 0.0, 0.9), "its lag is not within 0 and 0.9");

@@ -85,7 +85,7 @@ class TurningCompensator final : public Compensator {
     // Before creep is removed, which may be smaller than the model says.
     const bool beyond = above < -margin_ || above > top_ + margin_;
     if (beyond || std::isnan(above)) [[unlikely]] {
-      if (!taken_though_beyond(y)) return hold(passed, beyond);
+      if (!accepted_though_beyond(y)) return hold(passed, beyond);
     } else {
       y = std::clamp(y, -margin_, top_ + margin_);
       spikes_ = 0;
@@ -97,7 +97,8 @@ class TurningCompensator final : public Compensator {
       mean_ = extreme_ = turn_ = y;
       started_ = true;
     }
-    const bool stands = weight_ == least_weight_ && mean_ >= stands_from_ && mean_ <= stands_to_ && zone_stands();
+    const bool stands =
+        weight_ == least_weight_ && mean_ >= reusable_from_ && mean_ <= reusable_to_ && zone_is_unchanged();
     const Reading now = stands ? read_again(low_, noise2_) : read_anew();
     last_x_ = now.x - x_low_;
     last_y_ = mean_;
@@ -124,7 +125,7 @@ class TurningCompensator final : public Compensator {
     unknown_ = how == Start::kUnknown;
     if (unknown_) high_.start(true);
     started_ = decided_ = !unknown_;
-    stands_from_ = kNowhere;
+    reusable_from_ = kNowhere;
     ascending_ = held_ = true;
     back_ = false;
     steps_ = kStepCeiling;
@@ -260,7 +261,7 @@ class TurningCompensator final : public Compensator {
   }
 
   // What lies beyond the possible is a spike, unless it came from the end nearby or stays: then it is the loop's end.
-  bool taken_though_beyond(double& y) {
+  bool accepted_though_beyond(double& y) {
     const double end = y > top_ ? top_ : 0.0;
     const bool nearby = started_ && (y > top_ ? mean_ >= end - band_ : mean_ <= end + band_);
     if (std::isnan(y) || (!nearby && ++spikes_ <= options_.longest_spike)) return false;
@@ -321,7 +322,7 @@ class TurningCompensator final : public Compensator {
     const double measured = mean_ * last_factor_ / extreme_factor_;
     return ascending_ ? std::max(mean_, measured) : std::min(mean_, measured);
   }
-  [[nodiscard]] bool zone_stands() const {
+  [[nodiscard]] bool zone_is_unchanged() const {
     const double nearer = nearer_mean();
     return nearer >= nearer_from_ && nearer <= nearer_to_;
   }
@@ -371,7 +372,7 @@ class TurningCompensator final : public Compensator {
     }
     Reading now = read(low_, noise2_);
     if (unknown_) settle(now);
-    find_where_it_stands();
+    find_reusable_range();
     return now;
   }
 
@@ -405,8 +406,8 @@ class TurningCompensator final : public Compensator {
   }
 
   // From which to which mean a further reading finds the same pieces, slopes and zone.
-  void find_where_it_stands() {
-    stands_from_ = kNowhere;
+  void find_reusable_range() {
+    reusable_from_ = kNowhere;
     if (weight_ > least_weight_ || extreme_weight_ > weight_ || unknown_ || !(held_ || back_) ||
         std::isnan(low_.back_slope_at))
       return;
@@ -414,19 +415,19 @@ class TurningCompensator final : public Compensator {
     const double beyond = back_ ? turn_ + way * std::sqrt(band2_ * weight_) : -way * kNoNoise;
     nearer_from_ = std::min(hold, beyond);
     nearer_to_ = std::max(hold, beyond);
-    stands_from_ = back_ || ascending_ ? -kNoNoise : extreme_;
-    stands_to_ = back_ || !ascending_ ? kNoNoise : extreme_;
+    reusable_from_ = back_ || ascending_ ? -kNoNoise : extreme_;
+    reusable_to_ = back_ || !ascending_ ? kNoNoise : extreme_;
     const auto within = [&](double from, double to) {
-      stands_from_ = std::max(stands_from_, from);
-      stands_to_ = std::min(stands_to_, to);
+      reusable_from_ = std::max(reusable_from_, from);
+      reusable_to_ = std::min(reusable_to_, to);
     };
     for (const double at : {low_.slope_at, low_.back_slope_at}) within(at - 0.5 * off_, at + 0.5 * off_);
     within(low_.curve.output(low_.here.low), low_.curve.output(low_.here.high));
     if (back_) within(low_.curve.output(low_.there.low), low_.curve.output(low_.there.high));
     within(-band_, top_ + band_);
     const double little = 1e-6 * off_;  // more than these ends are rounded by
-    for (double* const from : {&stands_from_, &nearer_from_}) *from += little;
-    for (double* const to : {&stands_to_, &nearer_to_}) *to -= little;
+    for (double* const from : {&reusable_from_, &nearer_from_}) *from += little;
+    for (double* const to : {&reusable_to_, &nearer_to_}) *to -= little;
   }
 
   void settle(Reading& now) {
@@ -468,7 +469,7 @@ class TurningCompensator final : public Compensator {
   DynamicsState dynamics_;
   double last_x_ = 0.0, last_slope_ = 0.0, last_y_ = 0.0, last_factor_ = 1.0;  // x: above the lowest
   double steepest_guess_ = 0.0;
-  double stands_from_ = kNowhere, stands_to_ = kNowhere, nearer_from_ = 0.0, nearer_to_ = 0.0;
+  double reusable_from_ = kNowhere, reusable_to_ = kNowhere, nearer_from_ = 0.0, nearer_to_ = 0.0;
   double noise2_ = 0.0;                              // of the last reading
   double zero_, per_gain_, scale_ = 1.0;             // scale: by the observed top
   double x_low_, span_, top_;                        // inputs; output

@@ -25,7 +25,7 @@ RunJson device_json(const db::DeviceRecord& device, const std::string& started_u
           {"calibrated", calibration.calibrated_on},
           {"due", calibration.due},
           {"overdue", due_state(calibration, started_utc) == DueState::kOverdue},
-          {"uncertainty", calibration.stated_u ? in_words(*calibration.stated_u, PressureUnit::kPsi) : ""},
+          {"uncertainty", calibration.stated_u ? display_text(*calibration.stated_u, PressureUnit::kPsi) : ""},
           {"remarks", calibration.remarks}};
 }
 

@@ -49,14 +49,14 @@ std::unique_ptr<Compensator> compensator_of(const SensorModel& model, const Mode
   return make(model, taxel, false, noisier, time_of(model));
 }
 
-FrameCompensator frames_of(const SensorModel& model, double noisier, int longest_gap) {
+FrameCompensator frames_of(const SensorModel& model, double noisier, int max_gap) {
   if (model.array().size() != static_cast<std::size_t>(model.rows) * static_cast<std::size_t>(model.columns))
     throw AnalysisError(
         "TB-MODEL-COMPENSATOR",
         fmt::format("{} of {} cannot compensate frames: it is not of a whole array", model.model, model.source),
         "fit a run of the array: tactbench fit RUN");
   FrameCompensator::Setup setup;
-  setup.longest_gap = longest_gap;
+  setup.max_gap = max_gap;
   setup.in_time = model.dynamics && undoes(model.dynamics->shared);
   setup.x_low = model.pressure_psi.front();
   setup.x_high = model.pressure_psi.back();

@@ -17,7 +17,7 @@ std::unique_ptr<Compensator> compensator_of(const SensorModel& model, const Mode
 
 // Of the array, from any state; outputs as measured. Keeps a pointer to `model`. Throws as compensator_of, also when
 // the model is not of a whole array.
-FrameCompensator frames_of(const SensorModel& model, double noisier = 1.0, int longest_gap = 10);
+FrameCompensator frames_of(const SensorModel& model, double noisier = 1.0, int max_gap = 10);
 
 // The stored samples of a dataset through `stream`, in time order: state carries over from repeat to repeat and from
 // sequence to sequence. `volts(repeat, i)`: the output at step i of the repeat. Calls take(s, r, i, Compensated) for

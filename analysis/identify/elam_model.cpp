@@ -105,9 +105,9 @@ ModelFit as_model_fit(ElamFit fit, const std::vector<TaxelBranch>& branches) {
 
 ModelFit identify_elam(const FitData& data, const IdentifyOptions& options) {
   const bool paper = !options.free_run && !options.memory && options.splits == 1;
-  if (options.splits < 1 || options.splits > kMostSplits)
+  if (options.splits < 1 || options.splits > kMaxSplits)
     throw std::invalid_argument(
-        fmt::format("ELAM: {} split points a branch were asked for; 1 to {} can be had", options.splits, kMostSplits));
+        fmt::format("ELAM: {} split points a branch were asked for; 1 to {} can be had", options.splits, kMaxSplits));
   std::vector<TaxelBranch> branches = branches_in(data);
   const ElamOptions elam{options.exact_outer};
   const auto identified = [&] {

@@ -100,7 +100,7 @@ class SensorFitter {
 
   void fit_data(const FitData& data, ModelTaxel& taxel) const {
     taxel.loop_low = data.ascending.y().front();
-    if (data.ascending.y().back() - taxel.loop_low < histories_.least_span) return;  // moves, but not with the input
+    if (data.ascending.y().back() - taxel.loop_low < histories_.min_span) return;  // moves, but not with the input
     try {
       taxel.fit = alike(data, like_) ? shared_->fit(data) : identify(model_, data, options_);
       set_loop(taxel, data.ascending.x(), data.ascending.y(), data.descending.y());
@@ -144,8 +144,9 @@ SensorModel described(const std::string& model, const Histories& histories, cons
 
 }  // namespace
 
-SensorModel fit_models_alone(const std::string& model, const Histories& histories,
-                             const std::vector<std::string>& sequences, const IdentifyOptions& options, int threads) {
+SensorModel fit_models_without_residuals(const std::string& model, const Histories& histories,
+                                         const std::vector<std::string>& sequences, const IdentifyOptions& options,
+                                         int threads) {
   SensorModel fit = described(model, histories, sequences, options);
   const SensorFitter fitter(model, histories, sequences, options);
   const auto scored = std::ranges::find_if(histories.taxels, [](const auto& t) { return !t.score.empty(); });
@@ -164,7 +165,7 @@ SensorModel fit_models_alone(const std::string& model, const Histories& historie
 
 SensorModel fit_models(const std::string& model, const Histories& histories, const std::vector<std::string>& sequences,
                        const IdentifyOptions& options, int threads) {
-  SensorModel fit = fit_models_alone(model, histories, sequences, options, threads);
+  SensorModel fit = fit_models_without_residuals(model, histories, sequences, options, threads);
   if (!options.by_input) find_residuals(histories, sequences, threads, fit);  // of the dynamic model it finds its own
   return fit;
 }

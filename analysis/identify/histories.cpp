@@ -127,12 +127,12 @@ Histories histories_of(const Dataset& dataset, const HistoriesOptions& options) 
   histories.columns = dataset.columns;
   histories.scans = dataset.scans;
   histories.temperatures_c = dataset.temperatures_c;
-  histories.least_span = options.dead_v;
+  histories.min_span = options.dead_v;
   const auto width = static_cast<std::size_t>(dataset.taxels());
   std::vector<TaxelTable> common(dataset.sequences.size());
   for (const SequenceData& sequence : dataset.sequences) histories.sequences.push_back(sequence.name);
   for_each_index(common.size(), options.threads, [&](std::size_t s) {
-    common[s] = bring_to_common(dataset.sequences[s], dataset.taxels(), options.common);
+    common[s] = average_repeats(dataset.sequences[s], dataset.taxels(), options.common);
   });
   histories.taxels.resize(width);
   const auto add_scores = [&](std::size_t taxel) {

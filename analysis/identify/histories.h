@@ -36,7 +36,7 @@ struct Histories {
   std::string sensor_serial, scanner_serial;
   std::string input_unit = "psi", output_unit = "V";
   int rows = 1, columns = 1, scans = 1;  // scans: averaged into a sample
-  double least_span = 0.0;               // a taxel whose loop rises by less does not follow the input
+  double min_span = 0.0;                 // a taxel whose loop rises by less does not follow the input
   // The output falls when the input rises: all outputs here are negated [A20]. Decided by the sign of the covariance of
   // input and output over all taxels that can be fitted.
   bool falling = false;
@@ -48,7 +48,7 @@ struct Histories {
 };
 
 struct HistoriesOptions {
-  CommonOptions common;
+  RepeatOptions common;
   double dead_v = kDeadV;  // of a run: a taxel whose output spans less is dead (0 V) or stuck
   bool all_scores = true;  // of a run; false: only the first taxel that can be fitted has TaxelHistories::score
   int threads = 0;         // of a run; 0: as many as there are cores

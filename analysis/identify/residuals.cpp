@@ -116,7 +116,7 @@ LeftOut leave_out(Histories histories, const std::vector<std::string>& sequences
                     static_cast<int>(out.models.size()));
       }
       out.models.push_back(
-          fit_models_alone(model.dynamics ? "preisach" : model.model, histories, {}, options, threads));
+          fit_models_without_residuals(model.dynamics ? "preisach" : model.model, histories, {}, options, threads));
     }
   } catch (const AnalysisError&) {  // what is left carries no model
     out.models.clear();

@@ -142,9 +142,9 @@ Dataset as_modelled(Dataset dataset, const SensorModel& fit);
 SensorModel fit_models(const std::string& model, const Histories& histories, const std::vector<std::string>& sequences,
                        const IdentifyOptions& options, int threads = 0);
 // The same without residuals (residuals.h), which are of models that this makes.
-SensorModel fit_models_alone(const std::string& model, const Histories& histories,
-                             const std::vector<std::string>& sequences, const IdentifyOptions& options,
-                             int threads = 0);
+SensorModel fit_models_without_residuals(const std::string& model, const Histories& histories,
+                                         const std::vector<std::string>& sequences, const IdentifyOptions& options,
+                                         int threads = 0);
 
 // In what the named sequences (empty: all) of `used` lie outside the model's validity, one line each: serials, inputs
 // beyond 2 % of the range, holds and rates beyond 10 %, temperatures beyond 1 degC. What either does not know is
@@ -158,7 +158,7 @@ struct FitOptions {
   IdentifyOptions identify;
   std::vector<std::string> sequences;  // empty: all
   bool mean_alone = false;             // the mean of the taxels that can be fitted, and no taxel of its own
-  CommonOptions common;
+  RepeatOptions common;
   int threads = 0;         // 0: as many as there are cores
   double dead_v = kDeadV;  // a taxel whose output spans less is dead (0 V) or stuck
 };

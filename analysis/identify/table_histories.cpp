@@ -136,7 +136,7 @@ class Doubts {
   Doubts(const TaxelHistories& taxel, double count, const HistoriesOptions& options)
       : taxel_(&taxel),
         count_(count),
-        turn_told_(options.turn >= 0.0),
+        turn_given_(options.turn >= 0.0),
         fitted_(named(taxel.fit, options.fitted)),
         x_(span_of(taxel.fit, &History::x)),
         y_(span_of(fitted_, &History::y)) {}
@@ -164,7 +164,7 @@ class Doubts {
           longest = std::max(longest, way);
       }
     }
-    if (turn_told_ || longest == 0.0) return;
+    if (turn_given_ || longest == 0.0) return;
     const double digit = std::pow(10.0, std::floor(std::log10(1.25 * longest)));
     const double turn = digit * std::ceil(1.25 * longest / digit - 1e-9);
     for (const History& history : fitted_) left += branches_along(history.x, turn).size();
@@ -332,7 +332,7 @@ class Doubts {
 
   const TaxelHistories* taxel_;
   double count_;
-  bool turn_told_;
+  bool turn_given_;
   std::vector<History> fitted_;
   Span x_, y_;
 };
@@ -406,8 +406,8 @@ void find_turns(TaxelHistories& taxel, const HistoriesOptions& options, std::vec
 // Wild samples of a series, which its taxel keeps the first of where it is fitted to them.
 void find_wild(const TableSeries& series, const HistoriesOptions& options, TaxelHistories& taxel,
                std::vector<std::string>& found) {
-  for (const WildSample& wild : wild_samples(series)) {
-    found.push_back(wild_words(series, wild));
+  for (const ImplausibleSample& wild : implausible_samples(series)) {
+    found.push_back(implausible_text(series, wild));
     if (taxel.wild.empty() && is_fitted(taxel.fit.back(), options)) taxel.wild = found.back();
   }
 }

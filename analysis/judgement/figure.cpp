@@ -12,13 +12,13 @@
 namespace tactbench::analysis {
 namespace {
 
-struct CriterionWords {
+struct CriterionNames {
   const char* key;
   const char* words;  // by VIM and the guides on conformity
   Quantity quantity;
 };
 
-constexpr std::array<CriterionWords, 6> kCriteria = {{
+constexpr std::array<CriterionNames, 6> kCriteria = {{
     // by Criterion
     {"mean_compensation_error", "mean absolute error", Quantity::kPressure},
     {"worst_taxel_error", "worst taxel's mean error", Quantity::kPressure},
@@ -31,7 +31,7 @@ constexpr std::array kQuantities = {"psi", "FS", "taxels"};
 constexpr std::array kKinds = {"array", "level", "span"};
 constexpr std::array kDirections = {"both", "up", "down"};
 
-const CriterionWords& words_of(Criterion criterion) { return kCriteria.at(static_cast<std::size_t>(criterion)); }
+const CriterionNames& words_of(Criterion criterion) { return kCriteria.at(static_cast<std::size_t>(criterion)); }
 
 template <class Enum, std::size_t N>
 std::optional<Enum> one_of(const std::array<const char*, N>& words, std::string_view word) {
@@ -54,7 +54,7 @@ std::string with_rest(const Scope& scope, std::string text) {
 }  // namespace
 
 Quantity quantity_of(Criterion criterion) { return words_of(criterion).quantity; }
-bool of_readings(Criterion criterion) { return criterion == Criterion::kMpe; }
+bool is_per_reading(Criterion criterion) { return criterion == Criterion::kMpe; }
 
 Scope Scope::level(double psi, Direction direction) { return {Kind::kLevel, psi, psi, direction, 1.0}; }
 
@@ -74,15 +74,15 @@ const char* to_string(Scope::Kind kind) { return kKinds.at(static_cast<std::size
 const char* to_string(Direction direction) { return kDirections.at(static_cast<std::size_t>(direction)); }
 
 std::optional<Criterion> criterion_from(std::string_view word) {
-  const auto* const found = std::ranges::find(kCriteria, word, &CriterionWords::key);
+  const auto* const found = std::ranges::find(kCriteria, word, &CriterionNames::key);
   return found == kCriteria.end() ? std::nullopt : std::optional(static_cast<Criterion>(found - kCriteria.begin()));
 }
 std::optional<Scope::Kind> scope_kind_from(std::string_view word) { return one_of<Scope::Kind>(kKinds, word); }
 std::optional<Direction> direction_from(std::string_view word) { return one_of<Direction>(kDirections, word); }
 
-const char* in_words(Criterion criterion) { return words_of(criterion).words; }
+const char* display_text(Criterion criterion) { return words_of(criterion).words; }
 
-std::string in_words(const Scope& scope, PressureUnit unit) {
+std::string display_text(const Scope& scope, PressureUnit unit) {
   return scope.kind == Scope::Kind::kArray ? "array" : with_rest(scope, pressures_of(scope, unit));
 }
 

@@ -26,7 +26,7 @@ enum class Criterion { kMeanError, kWorstTaxelError, kDistanceOfMean, kUnfitTaxe
 enum class Quantity { kPressure, kShareOfFullScale, kCount };  // values in psi; shares of 1; taxels
 Quantity quantity_of(Criterion criterion);
 // Whether it is of single readings. The others are means or scatters, which single readings may exceed by far.
-bool of_readings(Criterion criterion);
+bool is_per_reading(Criterion criterion);
 
 enum class Direction { kBoth, kUp, kDown };
 
@@ -80,8 +80,8 @@ std::optional<Scope::Kind> scope_kind_from(std::string_view word);
 std::optional<Direction> direction_from(std::string_view word);
 
 // For people: "mean absolute error"; "array", "275.8 kPa increasing", "0 to 413.7 kPa, 95 %" of the taxels.
-const char* in_words(Criterion criterion);
-std::string in_words(const Scope& scope, PressureUnit unit);
+const char* display_text(Criterion criterion);
+std::string display_text(const Scope& scope, PressureUnit unit);
 // With the other unit behind, for documents: "275.8 kPa (40 psi) increasing".
 std::string in_both_units(const Scope& scope, PressureUnit unit);
 // A value, U or limit of it: "6.23 kPa", "1.5 % FS", "1 taxel", "not measured".

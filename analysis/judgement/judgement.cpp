@@ -16,11 +16,11 @@
 namespace tactbench::analysis {
 namespace {
 
-struct SourceWords {
+struct SourceNames {
   const char* source;
   const char* why;
 };
-constexpr std::array<SourceWords, kSources.size()> kSourceWords = {{
+constexpr std::array<SourceNames, kSources.size()> kSourceNames = {{
     // by Source
     {"history", "every judged run repeats the fitted set-points: nothing is known of other inner branches"},
     {"re-mounting", "no judged run and no study is of the sensor mounted anew"},
@@ -38,7 +38,7 @@ bool counts(const EvidenceRun& run) {
 // Errors against the reference rest on it; differences and counts do not.
 bool is_traceable(const Figure& figure, const ReferenceUncertainty& reference) {
   if (!reference.untraced() || quantity_of(figure.criterion) != Quantity::kPressure) return true;
-  return of_readings(figure.criterion) && !reference.overdue && reference.holds_at(figure.scope.low_psi) &&
+  return is_per_reading(figure.criterion) && !reference.overdue && reference.holds_at(figure.scope.low_psi) &&
          reference.holds_at(figure.scope.high_psi);
 }
 
@@ -78,7 +78,7 @@ class Judging {
     out.limits_sha256 = limits_.sha256;
     out.rule = rule_applied(limits_.rule, out.u.expanded);
     // A single reading whose U is not known does not pass by its mean error alone.
-    if (limits_.rule == DecisionRule::kDefault && of_readings(criterion) && out.value <= limit)
+    if (limits_.rule == DecisionRule::kDefault && is_per_reading(criterion) && out.value <= limit)
       out.rule = DecisionRule::kFourWay;
     out.verdict = verdict_of(out.rule, out.value, limit, out.u.expanded);
     if (out.verdict == Verdict::kReportOnly) return out;
@@ -133,10 +133,10 @@ void note_conditions(const Evidence& evidence, Judgement& judgement) {
     if (!states_conformity(judgement.overall)) continue;
     assessed.insert(run->shows.begin(), run->shows.end());
     dated = dated && run->shows.contains(Source::kReferenceAge);
-    const std::optional<Untraced> untraced = run->reference.untraced();
+    const std::optional<TraceabilityGap> untraced = run->reference.untraced();
     if (!untraced) continue;
     if (!judgement.untraced) judgement.untraced = untraced;
-    judgement.remarks.push_back({Remark::Kind::kUntraced, {}, run->run, 0, untraced});
+    judgement.remarks.push_back({Remark::Kind::kNotTraceable, {}, run->run, 0, untraced});
   }
   if (!states_conformity(judgement.overall)) return;
   if (!dated) assessed.erase(Source::kReferenceAge);
@@ -148,34 +148,34 @@ void note_conditions(const Evidence& evidence, Judgement& judgement) {
 
 VoidRun void_of(const db::RunRecord& run) { return {run.run, run.void_by, run.void_utc, run.void_reason}; }
 
-std::string in_words(const VoidRun& run) {
+std::string display_text(const VoidRun& run) {
   return fmt::format("run {} was declared void by {} on {}: {}", run.run, run.by, run.utc, run.reason);
 }
 
-const char* to_string(Source source) { return kSourceWords.at(static_cast<std::size_t>(source)).source; }
-const char* why_not_assessed(Source source) { return kSourceWords.at(static_cast<std::size_t>(source)).why; }
+const char* to_string(Source source) { return kSourceNames.at(static_cast<std::size_t>(source)).source; }
+const char* why_not_assessed(Source source) { return kSourceNames.at(static_cast<std::size_t>(source)).why; }
 
-std::string in_words(const Remark& remark, PressureUnit unit) {
+std::string display_text(const Remark& remark, PressureUnit unit) {
   switch (remark.kind) {
     case Remark::Kind::kNoIndependentData:
       return "no independent data: the figures are of the run that the models were made from";
     case Remark::Kind::kModelsVoid:
-      return in_words(remark.voided) + ", and the models were made from it";
+      return display_text(remark.voided) + ", and the models were made from it";
     case Remark::Kind::kOnVoid:
       return "the run, or the one that the models were made from, was declared void";
     case Remark::Kind::kVoidCounted:
-      return in_words(remark.voided) + "; --void-too includes it";
+      return display_text(remark.voided) + "; --void-too includes it";
     case Remark::Kind::kVoidLeftOut:
-      return fmt::format("run {} is not judged: {}", remark.run, in_words(remark.voided));
+      return fmt::format("run {} is not judged: {}", remark.run, display_text(remark.voided));
     case Remark::Kind::kStoredOnVoid:
-      return fmt::format("the models were judged on run {}, but {}", remark.run, in_words(remark.voided));
+      return fmt::format("the models were judged on run {}, but {}", remark.run, display_text(remark.voided));
     case Remark::Kind::kOtherModels:
       return fmt::format("fit {} of run {} was judged, which has other models", remark.fit, remark.run);
-    case Remark::Kind::kUntraced:
+    case Remark::Kind::kNotTraceable:
       break;
   }
   return fmt::format("run {}: {}; verdicts on errors against the reference are inconclusive", remark.run,
-                     in_words(remark.untraced.value(), unit));
+                     display_text(remark.untraced.value(), unit));
 }
 
 std::optional<Verdict> worst_of(std::span<const JudgedFigure> figures) {
@@ -198,7 +198,7 @@ void conclude(Judgement& judgement) {
     judgement.overall = Verdict::kFail;
   judgement.rests_on_means_alone =
       passes(judgement.overall) &&
-      std::ranges::none_of(figures, [](const JudgedFigure& figure) { return of_readings(figure.criterion); });
+      std::ranges::none_of(figures, [](const JudgedFigure& figure) { return is_per_reading(figure.criterion); });
   if (judgement.not_judged) return;
   for (std::size_t i = 0; i < figures.size(); ++i) {
     const JudgedFigure& own = figures[i];
@@ -251,17 +251,17 @@ Judgement judge(const Evidence& evidence, const Limits& limits) {
   return out;
 }
 
-std::string condition_in_words(const Judgement& judgement, PressureUnit unit) {
+std::string condition_text(const Judgement& judgement, PressureUnit unit) {
   if (judgement.overall == Verdict::kInconclusive && judgement.untraced)
-    return ": " + in_words(*judgement.untraced, unit);
+    return ": " + display_text(*judgement.untraced, unit);
   std::string words;
   if (judgement.rests_on_means_alone) words += ", of means alone: no limit on single readings";
   if (passes(judgement.overall) && !judgement.not_assessed.empty()) words += ", under repeatability conditions only";
   return words;
 }
 
-std::string statement_in_words(const Judgement& judgement, PressureUnit unit) {
-  return judgement.overall ? to_string(*judgement.overall) + condition_in_words(judgement, unit) : "";
+std::string statement_text(const Judgement& judgement, PressureUnit unit) {
+  return judgement.overall ? to_string(*judgement.overall) + condition_text(judgement, unit) : "";
 }
 
 std::vector<std::string> kinds_left_open(const Judgement& judgement) {
@@ -274,7 +274,7 @@ std::vector<std::string> kinds_left_open(const Judgement& judgement) {
   return open;
 }
 
-std::string not_assessed_in_words(const Judgement& judgement) {
+std::string not_assessed_text(const Judgement& judgement) {
   std::vector<const char*> sources;
   for (const Source source : judgement.not_assessed) sources.push_back(to_string(source));
   return fmt::format("{}", fmt::join(sources, "; "));
@@ -300,19 +300,19 @@ nlohmann::ordered_json judgement_json(const Judgement& judgement) {
     return json;
   };
   for (const JudgedFigure& own : judgement.stored_worse) stored.push_back(figure(own));
-  for (const Remark& remark : judgement.remarks) remarks.push_back(in_words(remark, psi));
+  for (const Remark& remark : judgement.remarks) remarks.push_back(display_text(remark, psi));
   const auto of = [&](const std::optional<std::size_t>& at) { return at ? figure(judgement.figures[*at]) : Json(); };
-  return {{"overall", verdict_word(judgement.overall)},
-          {"statement", statement_in_words(judgement, psi)},
+  return {{"overall", verdict_text(judgement.overall)},
+          {"statement", statement_text(judgement, psi)},
           {"rests_on_means_alone", judgement.rests_on_means_alone},
           {"deciding", of(judgement.deciding)},
           {"closest_pass", of(judgement.closest_pass)},
-          {"not_judged", judgement.not_judged ? in_words(*judgement.not_judged, psi) : ""},
+          {"not_judged", judgement.not_judged ? display_text(*judgement.not_judged, psi) : ""},
           {"runs", runs},
           {"decided_by", judgement.decided_by},
           {"kinds_left_open", kinds_left_open(judgement)},
           {"not_assessed", missing},
-          {"untraced", judgement.untraced ? in_words(*judgement.untraced, psi) : ""},
+          {"untraced", judgement.untraced ? display_text(*judgement.untraced, psi) : ""},
           {"void_runs", voids},
           {"stored_worse", stored},
           {"remarks", remarks}};

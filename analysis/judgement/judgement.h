@@ -33,7 +33,7 @@ struct VoidRun {
 };
 VoidRun void_of(const db::RunRecord& run);
 // "run 7 was declared void by me on 2026-01-31T12:00:00Z: gauge closed".
-std::string in_words(const VoidRun& run);
+std::string display_text(const VoidRun& run);
 
 // A statement in addition to the verdicts, or in place of them.
 struct Remark {
@@ -45,18 +45,18 @@ struct Remark {
     kVoidLeftOut,        // `voided` was to be judged
     kStoredOnVoid,       // the models were judged on `voided`
     kOtherModels,        // `fit` of `run` was judged, which has other models
-    kUntraced,           // errors of `run` against the reference are not traceable: `untraced`
+    kNotTraceable,       // errors of `run` against the reference are not traceable: `untraced`
   };
   Kind kind = Kind::kNoIndependentData;
   VoidRun voided = {};
   std::int64_t run = 0, fit = 0;
-  std::optional<Untraced> untraced = {};
+  std::optional<TraceabilityGap> untraced = {};
 };
-std::string in_words(const Remark& remark, PressureUnit unit);
+std::string display_text(const Remark& remark, PressureUnit unit);
 
 // A run that may be judged.
 struct EvidenceRun {
-  enum class Counts { kYes, kVoidOnRequest, kVoid, kModelsOwn };  // kModelsOwn: also what lag and creep are from
+  enum class Counts { kYes, kVoidOnRequest, kVoid, kUsedByModels };  // kUsedByModels: also what lag and creep are from
   std::int64_t run = 0;
   Counts counts = Counts::kYes;
   VoidRun voided = {};
@@ -94,7 +94,7 @@ struct Judgement {
   std::optional<std::size_t> closest_pass;  // of those that pass the one closest to its limit
   bool rests_on_means_alone = false;        // it passes, and no requirement is on single readings ([[mpe]])
   std::vector<Source> not_assessed;         // with any, a pass is one under repeatability conditions only (VIM 2.20)
-  std::optional<Untraced> untraced;         // of the first run whose errors against the reference are not traceable
+  std::optional<TraceabilityGap> untraced;  // of the first run whose errors against the reference are not traceable
   // Stored verdicts on these models that are worse than the figures': by other limits, or on runs left out.
   std::vector<JudgedFigure> stored_worse;
   std::vector<Remark> remarks;
@@ -116,14 +116,14 @@ std::optional<Verdict> worst_of(std::span<const JudgedFigure> figures);
 
 // Text after the verdict itself: ", under repeatability conditions only", ", of means alone", ": reference overdue
 // since ..."; empty: none.
-std::string condition_in_words(const Judgement& judgement, PressureUnit unit);
+std::string condition_text(const Judgement& judgement, PressureUnit unit);
 // The overall verdict as a statement: "pass, under repeatability conditions only"; empty without one.
-std::string statement_in_words(const Judgement& judgement, PressureUnit unit);
+std::string statement_text(const Judgement& judgement, PressureUnit unit);
 // Of a pass by [[mpe]] the kinds of history that no judged run's U was counted for: "held pressures"; empty: none, or a
 // stored verdict, which does not tell.
 std::vector<std::string> kinds_left_open(const Judgement& judgement);
 // "re-mounting; temperature"; empty: all are assessed.
-std::string not_assessed_in_words(const Judgement& judgement);
+std::string not_assessed_text(const Judgement& judgement);
 
 // overall statement rests_on_means_alone deciding closest_pass not_judged runs decided_by kinds_left_open not_assessed
 // untraced void_runs stored_worse remarks. Texts state pressures in psi.

@@ -37,7 +37,8 @@ Dataset repeated_of(Dataset dataset) {
 // repeat.
 class RepeatScatter {
  public:
-  RepeatScatter(const Dataset& judged, const Dataset& models, const SensorModel& fit, int threads, OfModelsRun& shared)
+  RepeatScatter(const Dataset& judged, const Dataset& models, const SensorModel& fit, int threads,
+                ModelRunResults& shared)
       : judged_(std::max<std::size_t>(1, repeats_of(judged))) {
     const bool own = repeats_of(judged) >= 2;
     const auto evaluated = [&](const Dataset& dataset) {
@@ -97,7 +98,7 @@ FigureUncertainty unknown(std::string why) {
 constexpr const char* kOneRepeat = "neither the run judged nor that of the models has two repeats";
 constexpr const char* kOneSweep = "neither the run judged nor that of the models has two full sweeps at its levels";
 
-std::string words_of_limits(const ReferenceUncertainty& reference) {
+std::string limits_sentence(const ReferenceUncertainty& reference) {
   constexpr std::array<const char*, kReferenceParts> kNames = {"voltage input", "hysteresis", "zero", "temperature"};
   std::string words;
   for (std::size_t part = 0; part < kReferenceParts; ++part)
@@ -121,7 +122,7 @@ FigureUncertainty error_uncertainty(const FigureScatter& scatter, const Referenc
                               !reference.drift_missing.empty()                   ? ""
                               : reference.drift_psi > reference.drift_stated_psi ? ", drift beyond its stated limit"
                                                                                  : ", drift",
-                              reference.resolution_missing.empty() ? ", resolution" : "", words_of_limits(reference),
+                              reference.resolution_missing.empty() ? ", resolution" : "", limits_sentence(reference),
                               scatter.words),
                   shares, firm);
 }
@@ -141,9 +142,9 @@ FigureUncertainty difference_uncertainty(const FigureScatter& scatter, double hy
 
 std::vector<Figure> measured_figures(const Dataset& judged, const Dataset& models, const SensorModel& fit,
                                      const Evaluation& evaluation, const ReferenceUncertainty& reference, int threads,
-                                     OfModelsRun* shared) {
-  OfModelsRun alone;
-  OfModelsRun& of_models = shared != nullptr ? *shared : alone;
+                                     ModelRunResults* shared) {
+  ModelRunResults alone;
+  ModelRunResults& of_models = shared != nullptr ? *shared : alone;
   const FigureUncertainty of_errors =
       error_uncertainty(RepeatScatter(judged, models, fit, threads, of_models).errors(), reference);
   const SweepScatter sweeps(judged, models, fit, threads, of_models.sweeps);

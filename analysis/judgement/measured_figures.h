@@ -25,7 +25,7 @@
 namespace tactbench::analysis {
 
 // Results of the models' run that several judged runs share, computed when the first one needs them.
-struct OfModelsRun {
+struct ModelRunResults {
   std::optional<SweepErrors> sweeps;               // outputs rising
   std::optional<std::vector<Evaluation>> repeats;  // each by itself
 };
@@ -44,7 +44,7 @@ struct OfModelsRun {
 // evaluate().
 std::vector<Figure> measured_figures(const Dataset& judged, const Dataset& models, const SensorModel& fit,
                                      const Evaluation& evaluation, const ReferenceUncertainty& reference,
-                                     int threads = 0, OfModelsRun* shared = nullptr);
+                                     int threads = 0, ModelRunResults* shared = nullptr);
 
 // Scatter of a judged figure from full sweep to full sweep. Used only by measured_figures.cpp.
 

@@ -110,7 +110,7 @@ void set_dwell(JudgedTrajectory& judged, double dwell_s, double fitted_dwell_s) 
   judged.other_dwell = std::abs(dwell_s - fitted_dwell_s) > kOtherDwellShare * fitted_dwell_s;
 }
 
-std::string in_words(const JudgedTrajectory& judged) {
+std::string display_text(const JudgedTrajectory& judged) {
   std::string words = fmt::format("{}: {}, {:.0f} % of the frames on inner branches", to_string(judged.trajectory),
                                   counted(judged.reversals, "turning point"), 100.0 * judged.inner_share);
   if (std::isfinite(judged.dwell_s)) words += fmt::format("; dwell {:.1f} s", judged.dwell_s);

@@ -32,7 +32,7 @@ JudgedTrajectory judged_trajectory(const Dataset& judged, const Dataset& fitted)
 void set_dwell(JudgedTrajectory& judged, double dwell_s, double fitted_dwell_s);
 
 // "random reversals: 32 turning points, 87 % of the frames on inner branches; dwell 2.0 s (fitted: 1.0 s)".
-std::string in_words(const JudgedTrajectory& judged);
+std::string display_text(const JudgedTrajectory& judged);
 
 // trajectory reversals inner_share dwell_s fitted_dwell_s other_dwell; without the run's number.
 nlohmann::ordered_json trajectory_json(const JudgedTrajectory& judged);

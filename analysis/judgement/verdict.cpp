@@ -8,9 +8,9 @@
 namespace tactbench::analysis {
 namespace {
 
-constexpr std::array kVerdictWords = {"report only",      "pass",         "conditional pass",
+constexpr std::array kVerdictNames = {"report only",      "pass",         "conditional pass",
                                       "conditional fail", "inconclusive", "fail"};
-static_assert(kVerdictWords.size() == kVerdicts.size());
+static_assert(kVerdictNames.size() == kVerdicts.size());
 
 struct DecisionRuleText {
   DecisionRule rule;
@@ -37,7 +37,7 @@ const DecisionRuleText& text_of(DecisionRule rule) { return kDecisionRules.at(st
 
 }  // namespace
 
-const char* to_string(Verdict verdict) { return kVerdictWords.at(static_cast<std::size_t>(verdict)); }
+const char* to_string(Verdict verdict) { return kVerdictNames.at(static_cast<std::size_t>(verdict)); }
 
 std::optional<Verdict> verdict_from(std::string_view word) {
   for (const Verdict verdict : kVerdicts)
@@ -45,9 +45,9 @@ std::optional<Verdict> verdict_from(std::string_view word) {
   return std::nullopt;
 }
 
-std::string verdict_word(std::optional<Verdict> verdict) { return verdict ? to_string(*verdict) : ""; }
+std::string verdict_text(std::optional<Verdict> verdict) { return verdict ? to_string(*verdict) : ""; }
 
-std::vector<std::string> verdict_words() { return {kVerdictWords.begin() + 1, kVerdictWords.end()}; }
+std::vector<std::string> verdict_names() { return {kVerdictNames.begin() + 1, kVerdictNames.end()}; }
 
 bool states_conformity(std::optional<Verdict> verdict) { return verdict && *verdict != Verdict::kReportOnly; }
 
@@ -62,7 +62,7 @@ std::optional<DecisionRule> decision_rule_from(std::string_view word) {
   return found == kDecisionRules.end() ? std::nullopt : std::optional(found->rule);
 }
 
-std::string rule_in_words(DecisionRule rule) {
+std::string rule_text(DecisionRule rule) {
   return fmt::format("“{}” (ILAC-G8:09/2019): {}", text_of(rule).word, text_of(rule).text);
 }
 

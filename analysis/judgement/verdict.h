@@ -22,9 +22,9 @@ inline constexpr std::array kVerdicts = {Verdict::kReportOnly,      Verdict::kPa
 const char* to_string(Verdict verdict);
 std::optional<Verdict> verdict_from(std::string_view word);
 // Empty where there is none.
-std::string verdict_word(std::optional<Verdict> verdict);
+std::string verdict_text(std::optional<Verdict> verdict);
 // The words that a store may hold, best first.
-std::vector<std::string> verdict_words();
+std::vector<std::string> verdict_names();
 // Whether the verdict states conformity or nonconformity: false without a verdict, and for report only.
 bool states_conformity(std::optional<Verdict> verdict);
 bool passes(std::optional<Verdict> verdict);  // also conditionally
@@ -35,7 +35,7 @@ bool passes(std::optional<Verdict> verdict);  // also conditionally
 const char* to_string(DecisionRule rule);  // "default", "simple", "guarded", "four-way", "report-only"
 std::optional<DecisionRule> decision_rule_from(std::string_view word);
 // Text on the rule and its risk, for reports.
-std::string rule_in_words(DecisionRule rule);
+std::string rule_text(DecisionRule rule);
 // The rule that is applied: of the default one four-way where U (`expanded`) is known, simple where it is NaN.
 DecisionRule rule_applied(DecisionRule asked, double expanded);
 

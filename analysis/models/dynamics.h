@@ -11,7 +11,7 @@ namespace tactbench::analysis {
 inline constexpr std::size_t kCreepElements = 3;
 
 // The most that creep may take of an output: what is left is divided by.
-inline constexpr double kMostCreep = 0.9, kMostCreepScale = 10.0;
+inline constexpr double kMaxCreep = 0.9, kMaxCreepScale = 10.0;
 
 struct Dynamics {
   // v = (1 + sum k_j (psi_j - 1)) * static output, psi_j' = (h(p) - psi_j) / tau_j, h(p) = p / (p + half), p counted

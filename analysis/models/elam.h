@@ -80,8 +80,8 @@ class ElamCurve {
 
 // More than one split point a branch, which the paper's conclusion mentions without equations. The parametrisation is
 // ours, not the paper's.
-inline constexpr int kMostSplits = 8;
-inline constexpr double kMostPieceLog = 2.0;  // a piece is at most e^2 times larger or smaller than its neighbours
+inline constexpr int kMaxSplits = 8;
+inline constexpr double kMaxPieceLog = 2.0;  // a piece is at most e^2 times larger or smaller than its neighbours
 
 // The paper's split point stays, and each of the two sides it makes is divided again: a side with k numbers into k + 1
 // pieces, evenly in x where the curve descends and evenly in y where it ascends. Pieces of the paper's curve are then
@@ -106,7 +106,7 @@ class ElamPiecedCurve {
   [[nodiscard]] bool ascending() const { return curve_.ascending(); }
 
  private:
-  using Knots = std::array<double, kMostSplits + 2>;
+  using Knots = std::array<double, kMaxSplits + 2>;
   template <class Place>
   void divide(const std::vector<double>& logs, double end, const Place& place);
   [[nodiscard]] double mapped(double value, const Knots& from, const Knots& to) const;

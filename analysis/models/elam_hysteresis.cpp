@@ -222,13 +222,13 @@ ElamHysteresis::ElamHysteresis(ElamModel model, bool memory, ElamPieces pieces)
   if (!std::ranges::all_of(values_of(model_.parameters), [](double value) { return std::isfinite(value); }))
     throw std::invalid_argument("ELAM model: a parameter is not finite");
   for (const auto side : kElamSides)
-    if (!std::ranges::all_of(pieces_.*side, [](double value) { return std::abs(value) <= kMostPieceLog; }))
+    if (!std::ranges::all_of(pieces_.*side, [](double value) { return std::abs(value) <= kMaxPieceLog; }))
       throw std::invalid_argument("ELAM model: the size of a piece is not within e^±2");
   const int up_splits = 1 + static_cast<int>(pieces_.ascending_low.size() + pieces_.ascending_high.size());
-  if (pieces_.splits() > kMostSplits || pieces_.splits() != up_splits)
+  if (pieces_.splits() > kMaxSplits || pieces_.splits() != up_splits)
     throw std::invalid_argument(std::string("ELAM model: ") + std::to_string(pieces_.splits()) +
                                 " split points down and " + std::to_string(up_splits) +
-                                " up are not the same number up to " + std::to_string(kMostSplits));
+                                " up are not the same number up to " + std::to_string(kMaxSplits));
 }
 
 std::vector<ModelParameter> ElamHysteresis::parameters() const {
@@ -244,7 +244,7 @@ std::vector<ModelParameter> ElamHysteresis::parameters() const {
     std::size_t number = i % 2 == 0 ? 0 : (pieces_.*kElamSides[i - 1]).size();
     for (const double value : pieces_.*kElamSides[i])
       list.push_back(
-          {std::string("log_") + direction + std::to_string(++number), value, "1", -kMostPieceLog, kMostPieceLog});
+          {std::string("log_") + direction + std::to_string(++number), value, "1", -kMaxPieceLog, kMaxPieceLog});
   }
   return list;
 }

@@ -20,7 +20,7 @@ inline constexpr std::array<std::vector<double> ElamPieces::*, 4> kElamSides = {
 class ElamHysteresis final : public HysteresisModel {
  public:
   // Throws std::invalid_argument when the patterns do not share their grid and ends, a parameter is not finite, or
-  // `pieces` have more than kMostSplits split points or another number of them down than up.
+  // `pieces` have more than kMaxSplits split points or another number of them down than up.
   explicit ElamHysteresis(ElamModel model, bool memory = false, ElamPieces pieces = {});
 
   [[nodiscard]] std::string name() const override { return "elam"; }

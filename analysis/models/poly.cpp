@@ -37,7 +37,7 @@ class PolyState final : public ModelState {
   explicit PolyState(const PolyModel& model) : model_(&model), up_(model.extremes(true)), down_(model.extremes(false)) {
     reset();
   }
-  void reset() override { stand_on(true, model_->x_low()); }
+  void reset() override { set_external_branch(true, model_->x_low()); }
   [[nodiscard]] double output_at(double x) const override {
     x = std::clamp(x, model_->x_low(), model_->x_high());
     return x == x_ ? y_ : model_->output(branch(x > x_), x);
@@ -61,7 +61,7 @@ class PolyState final : public ModelState {
     if (!std::isfinite(y)) throw std::invalid_argument("POLY: the measured output is not a finite number");
     const double near = kPolyOuterShare * (model_->x_high() - model_->x_low());
     if (x_ - model_->x_low() <= near || model_->x_high() - x_ <= near) {
-      stand_on(x_ - model_->x_low() <= near, x_);
+      set_external_branch(x_ - model_->x_low() <= near, x_);
       return;
     }
     y_ = y;
@@ -69,7 +69,7 @@ class PolyState final : public ModelState {
   }
 
  private:
-  void stand_on(bool ascending, double x) {  // an external branch
+  void set_external_branch(bool ascending, double x) {  // an external branch
     turn_ = model_->external(ascending);
     x_ = x;
     y_ = model_->output(turn_, x);

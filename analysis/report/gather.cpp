@@ -102,14 +102,14 @@ const Runs::Results& Runs::results_of_run(std::int64_t run) {
   Results results;
   results.dataset.set_from([&] { return load_dataset(stored); });
   results.press_runs.set_from([&] { return load_press_runs(stored); });
-  results.history.set_from([&] { return load_history(stored); });
+  results.history.set_from([&] { return load_run_log(stored); });
   results.temperatures_c.set_from([&] { return temperatures_of(stored); });
   return results_.emplace(run, std::move(results)).first->second;
 }
 
 const Dataset& Runs::dataset(std::int64_t run) { return results_of_run(run).dataset.get(); }
 const std::vector<PressRun>& Runs::press_runs(std::int64_t run) { return results_of_run(run).press_runs.get(); }
-const RunHistory& Runs::history(std::int64_t run) { return results_of_run(run).history.get(); }
+const RunLog& Runs::history(std::int64_t run) { return results_of_run(run).history.get(); }
 const std::vector<double>& Runs::temperatures_c(std::int64_t run) { return results_of_run(run).temperatures_c.get(); }
 
 }  // namespace tactbench::analysis

@@ -28,11 +28,11 @@ class Runs {
   [[nodiscard]] const db::RunStore& store() const { return store_; }
   // The run's row. Throws StoreError TB-STORE-NOT-FOUND.
   const db::RunRecord& record(std::int64_t run);
-  // Results of load_dataset, load_press_runs, load_history and temperatures_of. An exception of theirs is thrown at
+  // Results of load_dataset, load_press_runs, load_run_log and temperatures_of. An exception of theirs is thrown at
   // each call; StoreError when the run cannot be read. The history is without the sensor's earlier seating.
   const Dataset& dataset(std::int64_t run);
   const std::vector<PressRun>& press_runs(std::int64_t run);
-  const RunHistory& history(std::int64_t run);
+  const RunLog& history(std::int64_t run);
   const std::vector<double>& temperatures_c(std::int64_t run);
 
  private:
@@ -57,7 +57,7 @@ class Runs {
   struct Results {
     Result<Dataset> dataset;
     Result<std::vector<PressRun>> press_runs;
-    Result<RunHistory> history;
+    Result<RunLog> history;
     Result<std::vector<double>> temperatures_c;
   };
   const Results& results_of_run(std::int64_t run);

@@ -104,16 +104,16 @@ doc::Document body_of(const PageData& data) {
   const bool calibrated = data.readings.has_value();
   const auto add = [&](doc::Document part, bool begins_page) {
     if (part.blocks.empty()) return;
-    if (begins_page) body.add(doc::NewPage{});
+    if (begins_page) body.add(doc::PageBreak{});
     body.add(std::move(part));
   };
-  add(against_what(data), calibrated);
-  add(how_measured(data), false);
-  if (calibrated) add(under_objects(data), false);  // else on page 1
-  add(every_level(data), false);
-  add(whole_array(data), false);
-  add(further_studies(data), false);
-  add(why_so(data), false);
+  add(item_and_instruments(data), calibrated);
+  add(method_page(data), false);
+  if (calibrated) add(contact_pages(data), false);  // else on page 1
+  add(levels_page(data), false);
+  add(array_page(data), false);
+  add(studies_pages(data), false);
+  add(budget_page(data), false);
   for (const std::string& name : data.input.annexes) add(annex(data, name), false);
   body.add(doc::Paragraph{{doc::strong(fmt::format("End of {} {}", data.issue.document, data.issue.number))}});
   return body;

@@ -49,7 +49,7 @@ struct ReportInput {
   std::string program_version;
   std::int64_t frame_count = 0;
   ReportResults more;
-  RunHistory history;
+  RunLog history;
   Health health;
   Behaviour behaviour;
   Laboratory laboratory;

@@ -13,7 +13,7 @@
 
 namespace tactbench::analysis {
 
-const char* branch_in_words(bool up) { return up ? "increasing" : "decreasing"; }
+const char* direction_text(bool up) { return up ? "increasing" : "decreasing"; }
 
 std::string moment_text(const std::string& utc) {
   std::string words = utc;
@@ -93,7 +93,7 @@ std::string order_of(const ReportInput& input) {
                                              : fmt::format("{} (laboratory file: {})", typed->second, own);
 }
 
-doc::Phrase findings_in_brief(const Health& health) {
+doc::Phrase findings_summary(const Health& health) {
   std::string words;
   const auto add = [&](const std::string& one) { words += (words.empty() ? "" : "; ") + one; };
   const auto left_out = std::ranges::count_if(health.findings, &TaxelHealth::excluded);
@@ -101,7 +101,7 @@ doc::Phrase findings_in_brief(const Health& health) {
   if (const int noisy = health.count("noisy"); noisy > 0) add(fmt::format("{} noisy", noisy));
   for (const SwappedLines& swap : health.swaps)
     add(fmt::format("{} {} and {} swapped", swap.rows ? "rows" : "columns", swap.first, swap.second));
-  return words.empty() ? doc::Phrase() : doc::Phrase(doc::Words{"▲ " + words, doc::Look::kDoubt});
+  return words.empty() ? doc::Phrase() : doc::Phrase(doc::StyledText{"▲ " + words, doc::TextStyle::kDoubt});
 }
 
 Spread spread_of(std::vector<double> values) {

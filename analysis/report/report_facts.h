@@ -10,7 +10,7 @@
 
 namespace tactbench::analysis {
 
-const char* branch_in_words(bool up);             // "increasing", "decreasing" pressure
+const char* direction_text(bool up);              // "increasing", "decreasing" pressure
 std::string moment_text(const std::string& utc);  // "2024-05-06 07:08:09Z"
 std::string date_of(const std::string& utc);      // "2024-05-06"; "not stated"
 std::string model_name(const SensorModel& fit);   // "ELAM" for the paper's, else as tables name it
@@ -31,7 +31,7 @@ std::string cable_of(const ReportInput& input);
 // As typed with the run, else by the laboratory file; both where they differ.
 std::string order_of(const ReportInput& input);
 // Findings that the signer of a pass must know: taxels left out, noisy, lines swapped. Empty: none.
-doc::Phrase findings_in_brief(const Health& health);
+doc::Phrase findings_summary(const Health& health);
 
 struct Spread {
   double low, median, high;  // NaN when there is no finite value

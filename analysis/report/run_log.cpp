@@ -13,11 +13,11 @@
 namespace tactbench::analysis {
 namespace {
 
-void add_surroundings(std::vector<SurroundingsRange>& ranges, const db::EventRecord& event) {
+void add_surroundings(std::vector<EnvironmentRange>& ranges, const db::EventRecord& event) {
   char* end = nullptr;
   const double value = std::strtod(event.detail.c_str(), &end);
   if (end == event.detail.c_str() || !std::isfinite(value)) return;
-  auto range = std::ranges::find(ranges, event.id, &SurroundingsRange::quantity);
+  auto range = std::ranges::find(ranges, event.id, &EnvironmentRange::quantity);
   if (range == ranges.end()) range = ranges.insert(range, {event.id, value, value, 0});
   range->low = std::min(range->low, value);
   range->high = std::max(range->high, value);
@@ -31,7 +31,7 @@ std::string kind_of_state(const std::string& detail) {
   return {};
 }
 
-void add_event(RunHistory& history, const db::EventRecord& event) {
+void add_event(RunLog& history, const db::EventRecord& event) {
   static const std::set<std::string> told = {"attempt", "branch-broken", "warning", "fault", "prompt", "word"};
   if (event.kind == "environment") return add_surroundings(history.surroundings, event);
   if (event.kind == "time") {
@@ -60,7 +60,7 @@ std::vector<double> seating_response(const db::CheckRecord& check) {
 }
 
 // Null: the run has none.
-const db::CheckRecord* newest_seating(const RunHistory& history) {
+const db::CheckRecord* newest_seating(const RunLog& history) {
   const auto own = std::find_if(history.checks.rbegin(), history.checks.rend(),
                                 [](const db::CheckRecord& check) { return check.kind == "seating"; });
   return own == history.checks.rend() ? nullptr : &*own;
@@ -68,8 +68,8 @@ const db::CheckRecord* newest_seating(const RunHistory& history) {
 
 }  // namespace
 
-RunHistory load_history(const StoredRun& run) {
-  RunHistory history;
+RunLog load_run_log(const StoredRun& run) {
+  RunLog history;
   history.loaded = true;
   history.checks = run.checks;
   for (const db::EventRecord& event : run.events) add_event(history, event);
@@ -98,7 +98,7 @@ RunHistory load_history(const StoredRun& run) {
   return history;
 }
 
-void add_earlier_seating(RunHistory& history, const db::RunStore& store, const db::RunRecord& run) {
+void add_earlier_seating(RunLog& history, const db::RunStore& store, const db::RunRecord& run) {
   const db::CheckRecord* own = newest_seating(history);
   if (own == nullptr) return;
   for (const char* verdict : {"pass", "warning"}) {

@@ -10,7 +10,7 @@
 
 namespace tactbench::analysis {
 
-struct HistoryEvent {
+struct RunLogEvent {
   double time_s = 0.0;  // process time since the run's start
   std::string kind;     // attempt | branch-broken | pause | suspension | warning | fault | prompt | word | note
   std::string text;
@@ -22,20 +22,20 @@ struct VoidBranch {
   std::string reason;
 };
 
-struct SurroundingsRange {
+struct EnvironmentRange {
   std::string quantity;  // "temperature_c", "supply_bar"
   double low = 0.0, high = 0.0;
   int readings = 0;
 };
 
-struct RunHistory {
+struct RunLog {
   bool loaded = false;   // it was read
   bool presses = false;  // frames were taken under an indenter, not in the chamber
-  std::vector<HistoryEvent> events;
+  std::vector<RunLogEvent> events;
   std::vector<VoidBranch> voids;
   std::map<std::string, int> flags;              // flag -> number of valid frames with it
   int frames = 0, flagged = 0, void_frames = 0;  // that count; of these with a flag; in void branches
-  std::vector<SurroundingsRange> surroundings;
+  std::vector<EnvironmentRange> surroundings;
   std::vector<db::CheckRecord> checks;  // seating, warm-up, conditioning, mount, tare
   std::string time_spent;               // in words, as the run ended with it
   // Of the newest seating check: response of each taxel (loaded - unloaded) in volt, and at the sensor's last good
@@ -45,8 +45,8 @@ struct RunHistory {
 };
 
 // Of the run alone: the sensor's earlier seating is left empty.
-RunHistory load_history(const StoredRun& run);
+RunLog load_run_log(const StoredRun& run);
 // Fills in earlier_seating_v and earlier_seating_run of the run's own history. Throws StoreError.
-void add_earlier_seating(RunHistory& history, const db::RunStore& store, const db::RunRecord& run);
+void add_earlier_seating(RunLog& history, const db::RunStore& store, const db::RunRecord& run);
 
 }  // namespace tactbench::analysis

@@ -161,12 +161,12 @@ void add_verbs(CLI::App& app, Session& session) {
 }  // namespace
 
 int run_command_line(int argc, char** argv) {
-  keep_standard_files();
+  open_standard_descriptors();
   const std::string verb = verb_of(argc, argv);
   const bool devices = may_touch_devices(verb);
-  if (devices) outlive_readers();
-  db::tell_warnings_to(
-      [](const std::string& text) { tty::print(stderr, "warning: {}\n", one_line(text, kLongestText)); });
+  if (devices) drop_unwritable_output();
+  db::set_warning_handler(
+      [](const std::string& text) { tty::print(stderr, "warning: {}\n", one_line(text, kMaxTextLength)); });
   Session session;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];

@@ -28,7 +28,7 @@ doc::Phrase measured(const JudgedFigure& figure) {
   return analysis::figure_phrase(figure.criterion, figure.value, figure.u.expanded);
 }
 
-std::string in_words(const JudgedFigure& figure, PressureUnit unit) {
+std::string display_text(const JudgedFigure& figure, PressureUnit unit) {
   std::string why;
   if (figure.verdict == Verdict::kConditionalPass)
     why = ", within U below the limit";
@@ -83,15 +83,15 @@ void add_conditions(doc::Document& out, const Judgement& judgement, PressureUnit
     if (const std::string known = trajectories(judgement); !all && !known.empty()) add("errors hold for " + known);
     for (const analysis::JudgedRun& run : judgement.runs)
       if (all && run.trajectory.run != 0)
-        add(fmt::format("errors of run {} hold for {}", run.run, analysis::in_words(run.trajectory)));
+        add(fmt::format("errors of run {} hold for {}", run.run, analysis::display_text(run.trajectory)));
     if (const std::vector<std::string> open = kinds_left_open(judgement); !open.empty())
       add(fmt::format("how wrong a reading can be is not known for: {}", fmt::join(open, "; ")));
-    if (const std::string missing = not_assessed_in_words(judgement); !missing.empty()) add("not assessed: " + missing);
+    if (const std::string missing = not_assessed_text(judgement); !missing.empty()) add("not assessed: " + missing);
   }
   for (const JudgedFigure& figure : judgement.stored_worse)
     add(fmt::format("note: a stored verdict on these models is worse: {}, {}", to_string(figure.verdict),
-                    in_words(figure, unit)));
-  for (const analysis::Remark& remark : judgement.remarks) add("note: " + analysis::in_words(remark, unit));
+                    display_text(figure, unit)));
+  for (const analysis::Remark& remark : judgement.remarks) add("note: " + analysis::display_text(remark, unit));
 }
 
 }  // namespace
@@ -123,7 +123,7 @@ doc::Table figures_table(const std::vector<NamedEvaluation>& evaluations, const 
   return table;
 }
 
-std::string large_verdict(const Judgement& judgement) {
+std::string verdict_banner(const Judgement& judgement) {
   if (!states_conformity(judgement.overall)) return {};
   const ExitCode code = exit_code_of(judgement.overall);
   return code == ExitCode::kPass ? "PASS" : code == ExitCode::kCriterionFailed ? "FAIL" : "INCONCLUSIVE";
@@ -131,18 +131,18 @@ std::string large_verdict(const Judgement& judgement) {
 
 std::string headline(const Judgement& judgement, const std::string& origin, PressureUnit unit) {
   const std::vector<JudgedFigure>& figures = judgement.figures;
-  const std::string simulated = origin == "simulated" ? " (simulated)" : "", word = large_verdict(judgement);
+  const std::string simulated = origin == "simulated" ? " (simulated)" : "", word = verdict_banner(judgement);
   if (word.empty())
     return fmt::format("no verdict{}: {}", simulated,
                        figures.empty() ? "nothing was judged by limits" : "the limits ask for figures alone");
   std::string text = word + simulated;
-  if (judgement.not_judged) return text + ": not judged: " + analysis::in_words(*judgement.not_judged, unit);
-  text += condition_in_words(judgement, unit);
+  if (judgement.not_judged) return text + ": not judged: " + analysis::display_text(*judgement.not_judged, unit);
+  text += condition_text(judgement, unit);
   const auto met = std::ranges::count_if(figures, [](const JudgedFigure& own) { return passes(own.verdict); });
   const std::string checks = analysis::counted(figures.size(), "check");
   if (!decided_here(judgement)) return fmt::format("{}: by a stored verdict; none of the {} here fails", text, checks);
   if (!judgement.deciding) return text;
-  const std::string decided = in_words(figures[*judgement.deciding], unit);
+  const std::string decided = display_text(figures[*judgement.deciding], unit);
   if (judgement.overall == Verdict::kPass)
     return fmt::format("{}: all {} pass; closest to its limit: {}", text, checks, decided);
   return fmt::format("{}: {}; {} of {} pass", text, decided, met, checks);

@@ -12,7 +12,7 @@
 namespace tactbench::bench {
 
 // "PASS", "FAIL" or "INCONCLUSIVE", in agreement with the exit code; empty where no conformity is stated.
-std::string large_verdict(const analysis::Judgement& judgement);
+std::string verdict_banner(const analysis::Judgement& judgement);
 // The verdict, what decides it, and how many checks pass; one paragraph without a line end.
 std::string headline(const analysis::Judgement& judgement, const std::string& origin, analysis::PressureUnit unit);
 // The headline, a table of what does not pass with the closest pass, and what the verdict holds for. `all`: every

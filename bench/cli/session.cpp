@@ -101,8 +101,8 @@ std::string Session::bench_file(const char* otherwise) const {
               "name it: --bench FILE; or write one: tactbench init");
 }
 
-void Session::take_db_only_as_typed() {
-  if (!typed("--db")) db = kUsualStore;
+void Session::use_db_only_if_typed() {
+  if (!typed("--db")) db = kDefaultStore;
 }
 
 void add_global_options(CLI::App& app, Session& session) {

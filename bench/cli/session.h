@@ -26,19 +26,19 @@ namespace tactbench::bench {
 
 struct NamedEvaluation;
 
-inline constexpr const char* kUsualStore = "runs.db";
+inline constexpr const char* kDefaultStore = "runs.db";
 inline constexpr const char* kShippedBench = "simulated.toml";  // where a simulated one serves as well
 
 struct Session {
   bool json = false;
-  bool quiet = false;            // the result alone
-  bool all = false;              // --all: also what passes, and what lies behind the figures
-  bool replace = false;          // --replace: bench/common/output_file.h
-  bool void_too = false;         // include void runs, where the verb offers it
-  std::string db = kUsualStore;  // --db, else of TACTBENCH_DB or tactbench.toml
-  std::string bench;             // --bench, else of TACTBENCH_BENCH or tactbench.toml, else bench.toml if it is here
-  std::string fleet;             // the fleet that `db` is a copy of, in words; empty: a bench's own store
-  std::string units;             // --units or `units` of the profile: kPa, bar or psi; empty: not given
+  bool quiet = false;              // the result alone
+  bool all = false;                // --all: also what passes, and what lies behind the figures
+  bool replace = false;            // --replace: bench/common/output_file.h
+  bool void_too = false;           // include void runs, where the verb offers it
+  std::string db = kDefaultStore;  // --db, else of TACTBENCH_DB or tactbench.toml
+  std::string bench;               // --bench, else of TACTBENCH_BENCH or tactbench.toml, else bench.toml if it is here
+  std::string fleet;               // the fleet that `db` is a copy of, in words; empty: a bench's own store
+  std::string units;               // --units or `units` of the profile: kPa, bar or psi; empty: not given
   std::function<bool(const char* option)> typed = [](const char*) { return false; };  // of add_global_options()
   // Of what a verb prints: psi where none is given, as recipes, bench and limits files, CSV and JSON have it.
   [[nodiscard]] analysis::PressureUnit unit() const;
@@ -51,7 +51,7 @@ struct Session {
   [[nodiscard]] std::string typed_bench() const { return typed("--bench") ? bench : std::string(); }
   [[nodiscard]] std::string typed_db() const { return typed("--db") ? db : std::string(); }
   // Uses --db only if typed: what a demonstration or a nightly run stores does not belong in the user's own store.
-  void take_db_only_as_typed();
+  void use_db_only_if_typed();
   ProfileOptions profile;
   ExitCode code = ExitCode::kPass;
 };

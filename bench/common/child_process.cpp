@@ -19,7 +19,7 @@ namespace tactbench::bench {
 
 namespace {
 
-constexpr int kUntold = 127 << 8;  // a wait status: exit code 127
+constexpr int kUnreportedExit = 127 << 8;  // a wait status: exit code 127
 
 std::vector<char*> pointers_to(std::vector<std::string>& words) {
   std::vector<char*> pointers;
@@ -31,7 +31,7 @@ std::vector<char*> pointers_to(std::vector<std::string>& words) {
 struct ChildExec {
   pid_t parent;
   int output, complaint;  // complaint: a pipe that carries errno, and closes when the program starts
-  bool ends_with_us;
+  bool ends_with_parent;
   char* const* words;
   char* const* environment;
 };
@@ -39,7 +39,7 @@ struct ChildExec {
 // Between fork() and exec(): system calls only.
 [[noreturn]] void become_child(const ChildExec& exec) {
   ::setpgid(0, 0);
-  if (exec.ends_with_us) {
+  if (exec.ends_with_parent) {
     ::prctl(PR_SET_PDEATHSIG, SIGTERM);
     if (::getppid() != exec.parent) ::_exit(126);
   }
@@ -84,7 +84,7 @@ ChildProgram::ChildProgram(ChildStart start) {
   int ends[2] = {-1, -1};
   int failed = ::pipe2(ends, O_CLOEXEC) == 0 ? 0 : errno;
   if (failed == 0) {
-    const ChildExec exec{::getpid(), start.output, ends[1], start.ends_with_us, words.data(), environment.data()};
+    const ChildExec exec{::getpid(), start.output, ends[1], start.ends_with_parent, words.data(), environment.data()};
     process_ = ::fork();
     if (process_ == 0) become_child(exec);
     if (process_ < 0) failed = errno;
@@ -118,7 +118,7 @@ std::optional<int> ChildProgram::ended() {
   int status = 0;
   const pid_t got = ::waitpid(process_, &status, WNOHANG);
   if (got == process_) status_ = status;
-  if (got < 0 && errno != EINTR) status_ = kUntold;
+  if (got < 0 && errno != EINTR) status_ = kUnreportedExit;
   return status_;
 }
 
@@ -133,9 +133,9 @@ int ChildProgram::wait() {
     int status = 0;
     const pid_t got = ::waitpid(process_, &status, 0);
     if (got == process_) status_ = status;
-    if (got < 0 && errno != EINTR) status_ = kUntold;
+    if (got < 0 && errno != EINTR) status_ = kUnreportedExit;
   }
-  return status_.value_or(kUntold);
+  return status_.value_or(kUnreportedExit);
 }
 
 void ChildProgram::terminate() const {

@@ -19,7 +19,7 @@ struct ChildStart {
   int output = -1;
   // SIGTERM is sent to it when the starting thread ends for any reason; if that has already ended, the program is not
   // started.
-  bool ends_with_us = false;
+  bool ends_with_parent = false;
 };
 
 // This process's environment, with the variables in `own` added or replaced.

@@ -41,7 +41,7 @@ Error Error::by_text(const std::string& id, const std::string& message, std::str
 
 std::string_view Error::cause() const { return row_of(id_).cause; }
 
-Error Error::by_word() const {
+Error Error::by_command() const {
   Error copy = *this;
   copy.asked_for_ = true;
   return copy;
@@ -103,7 +103,7 @@ Error as_error(const std::exception_ptr& exception, const std::string& where) {
 
 std::string error_text(const Error& error, bool devices) {
   const bool asked = error.asked_for() && error.code() != ExitCode::kUnsafe;
-  const auto line = [](const std::string& text) { return one_line(text, kLongestText); };
+  const auto line = [](const std::string& text) { return one_line(text, kMaxTextLength); };
   std::string text = fmt::format("{}{} [{}]\n", asked ? "" : "error: ", line(error.what()), line(error.id()));
   if (!error.where().empty()) text += fmt::format("  at: {}\n", line(error.where()));
   if (!error.remedy().empty()) text += fmt::format("  try: {}\n", line(error.remedy()));

@@ -43,7 +43,7 @@ class Error : public std::runtime_error {
   [[nodiscard]] std::string_view cause() const;  // the table's
 
   // The same error marked as the result of an operator's command, not a failure: error_text() then omits "error".
-  [[nodiscard]] Error by_word() const;
+  [[nodiscard]] Error by_command() const;
   [[nodiscard]] bool asked_for() const { return asked_for_; }
   [[nodiscard]] Error with_message(const std::string& message) const;
   [[nodiscard]] Error with_remedy(std::string remedy) const;
@@ -61,9 +61,9 @@ class Error : public std::runtime_error {
 // Converts the error types of the libraries. `where` is used when the error itself names no place.
 Error as_error(const std::exception_ptr& exception, const std::string& where = {});
 
-// Up to four lines, each through for_people() and of bounded length: what (without "error" where the operator asked for
-// it), where, how to mend it, and the rig's state; without a state "no device was touched", where a device could have
-// been.
+// Up to four lines, each through terminal_safe() and of bounded length: what (without "error" where the operator asked
+// for it), where, how to mend it, and the rig's state; without a state "no device was touched", where a device could
+// have been.
 std::string error_text(const Error& error, bool devices = true);
 std::string error_json(const Error& error);
 

@@ -55,7 +55,7 @@ constexpr std::array kBeginnings = {
     Beginning{"<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name="sv, "JUnit XML"},
     Beginning{"<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<dcc:digitalCalibrationCertificate "sv, kDccFile},
     Beginning{"# HELP tactbench_"sv, "metrics of tactbench"},
-    Beginning{kTalkHead, kTalkFile},
+    Beginning{kScenarioLogHead, kScenarioLogFile},
     Beginning{"tactbench selfcheck, "sv, "a record of tactbench selfcheck"},
     Beginning{"# Written by `tactbench simulate`"sv, "a bench file of tactbench simulate"},
     Beginning{"# correction of "sv, "a correction of a reference"},
@@ -231,7 +231,7 @@ void check_output(const std::string& path, const std::string& kind, bool replace
   }
   if (named_descriptor(path)) return;  // the user chose the redirection
   if (found == kPageFile || found == kReportDocument) {
-    if (const std::string number = signed_number_in(file_text(path)); !number.empty())
+    if (const std::string number = signed_report_number_in(file_text(path)); !number.empty())
       throw Error("TB-REPORT-SIGNED", fmt::format("the file holds the signed report {}", number), path);
   }
   if (replace || (found == kind && found != kUnknownFile)) return;

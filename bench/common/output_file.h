@@ -21,8 +21,8 @@ inline constexpr const char* kSvgFile = "a chart of tactbench (SVG)";
 inline constexpr const char* kRunTable = "frames of a run (CSV)";
 inline constexpr const char* kRunDocument = "a tactbench.run document (JSON)";
 inline constexpr const char* kModelFile = "a tactbench.model document (JSON)";
-inline constexpr const char* kTalkFile = "the output of a night's scenario";
-inline constexpr const char* kTalkHead = "# Talk of tactbench nightly, scenario ";  // first line of such a file
+inline constexpr const char* kScenarioLogFile = "the output of a night's scenario";
+inline constexpr const char* kScenarioLogHead = "# Talk of tactbench nightly, scenario ";  // first line of such a file
 
 // Throws Error TB-FILE-STORE when `path` is an SQLite database, its log or its lock, also through a link,
 // TB-REPORT-SIGNED when it is a signed report, and TB-FILE-EXISTS when it is a file of another kind than `kind` and may

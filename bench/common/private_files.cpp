@@ -27,7 +27,7 @@ constexpr std::size_t kPlainName = 48, kShortened = 24, kHashDigits = 20;
 constexpr mode_t kOthersRead = 077, kOthersWrite = 022;
 constexpr std::string_view kScratchEnding = ".XXXXXX";  // of a folder that is locked
 
-bool may_stand_in_name(char c) {
+bool is_allowed_in_name(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '-' || c == '_';
 }
 
@@ -36,7 +36,7 @@ bool may_stand_in_name(char c) {
 }
 
 // The status of what is there; does not follow a link.
-struct stat looked_at(const std::string& path) {
+struct stat file_status_of(const std::string& path) {
   struct stat found {};
   if (::lstat(path.c_str(), &found) != 0) refuse_folder(path, std::strerror(errno));
   if (S_ISLNK(found.st_mode)) refuse_folder(path, "it is a link");
@@ -80,17 +80,17 @@ bool is_there(const std::string& path, int folder) {
 
 std::string file_name(const std::string& text) {
   const bool plain = !text.empty() && text.size() <= kPlainName && text.front() != '.' &&
-                     std::all_of(text.begin(), text.end(), may_stand_in_name);
+                     std::all_of(text.begin(), text.end(), is_allowed_in_name);
   if (plain) return text;
   std::string clean = text.substr(0, kShortened);
   std::replace_if(
-      clean.begin(), clean.end(), [](char c) { return !may_stand_in_name(c); }, '_');
+      clean.begin(), clean.end(), [](char c) { return !is_allowed_in_name(c); }, '_');
   if (!clean.empty() && clean.front() == '.') clean.front() = '_';
   return clean + "~" + db::sha256_hex(text).substr(0, kHashDigits);
 }
 
 void check_private_folder(const std::string& path) {
-  const struct stat found = looked_at(path);
+  const struct stat found = file_status_of(path);
   if ((found.st_mode & kOthersRead) != 0)
     refuse_folder(path, fmt::format("other users may enter it (mode {:04o}; it must be 0700)", found.st_mode & 07777));
 }
@@ -98,7 +98,7 @@ void check_private_folder(const std::string& path) {
 void make_private_folder(const std::string& path) {
   if (::mkdir(path.c_str(), 0700) == 0) return;
   if (errno != EEXIST) refuse_folder(path, fmt::format("it cannot be made: {}", std::strerror(errno)));
-  const struct stat found = looked_at(path);
+  const struct stat found = file_status_of(path);
   if ((found.st_mode & kOthersWrite) != 0)
     refuse_folder(path, fmt::format("other users may write to it (mode {:04o})", found.st_mode & 07777));
   if ((found.st_mode & kOthersRead) == 0) return;
@@ -121,7 +121,7 @@ bool is_group_folder(const std::string& path) {
   return true;
 }
 
-int open_own_file(const std::string& path, int flags) {
+int open_private_file(const std::string& path, int flags) {
   struct stat folder {};
   const bool shared = ::stat(fs::path(path).parent_path().c_str(), &folder) == 0 && folder.st_uid == 0 &&
                       (folder.st_mode & (S_ISGID | S_IWGRP)) == (S_ISGID | S_IWGRP) && (folder.st_mode & S_IWOTH) == 0;

@@ -25,7 +25,7 @@ bool is_group_folder(const std::string& path);
 // open(2) of this user's regular file without following a link; refuses a file with a second name (hard link). Not
 // inherited by child processes. New files get mode 0600. In a group's folder the file may be any member's, and new ones
 // get 0660. On failure -1 and errno; the file is then not truncated.
-int open_own_file(const std::string& path, int flags);
+int open_private_file(const std::string& path, int flags);
 
 // Folder of temporary files: $TMPDIR, or /tmp when that names no folder.
 std::string temporary_folder();

@@ -38,11 +38,11 @@ class ScreenBlock {
 
 }  // namespace tactbench::bench
 
-// Erases the line of standard error that tty::renew_line() overwrites (terminal_safe.h). tty::print() erases it before
-// it writes; a line end alone on standard error leaves it.
+// Erases the line of standard error that tty::update_status_line() overwrites (terminal_safe.h). tty::print() erases it
+// before it writes; a line end alone on standard error leaves it.
 
 namespace tactbench::bench::tty {
 
-void erase_line();
+void erase_status_line();
 
 }  // namespace tactbench::bench::tty

@@ -21,11 +21,11 @@ Shard shard_from(const std::string& typed) {
   if (number.ec == std::errc() && number.ptr != end && *number.ptr == '/') {
     const auto of = std::from_chars(number.ptr + 1, end, shard.of);
     if (of.ec == std::errc() && of.ptr == end && shard.number >= 1 && shard.number <= shard.of &&
-        shard.of <= kMostShards)
+        shard.of <= kMaxShards)
       return shard;
   }
   throw Error("TB-USAGE", fmt::format("'{}' is not a part of the work", typed), "--shard",
-              fmt::format("K/N, part K of N, K from 1 to N and N at most {}: --shard 3/8", kMostShards));
+              fmt::format("K/N, part K of N, K from 1 to N and N at most {}: --shard 3/8", kMaxShards));
 }
 
 }  // namespace tactbench::bench

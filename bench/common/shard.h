@@ -16,7 +16,7 @@ struct Shard {
   [[nodiscard]] std::string text() const;  // "3/8"
 };
 
-inline constexpr int kMostShards = 1000;  // Slurm's default is 1 001 tasks a job array
+inline constexpr int kMaxShards = 1000;  // Slurm's default is 1 001 tasks a job array
 
 // From "3/8". Throws Error TB-USAGE.
 Shard shard_from(const std::string& typed);

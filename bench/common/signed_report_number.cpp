@@ -6,7 +6,7 @@
 
 namespace tactbench::bench {
 
-std::string signed_number_in(const std::string& text) {
+std::string signed_report_number_in(const std::string& text) {
   std::string data = text;
   if (!text.starts_with('{')) {  // a page: its data are inside
     const std::string open = "id=\"report-data\">";

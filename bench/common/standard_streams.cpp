@@ -18,7 +18,7 @@ constexpr int kPatienceMs = 200;  // wait for a reader of stderr, once; much les
 std::atomic<bool> output_lost{false}, error_stalls{false};
 
 // A pager or a stopped terminal (Ctrl-S) must not delay a process that drives devices.
-bool takes_words() {
+bool stderr_is_writable() {
   pollfd stream{STDERR_FILENO, POLLOUT, 0};
   const bool ready = ::poll(&stream, 1, error_stalls ? 0 : kPatienceMs) > 0;
   error_stalls = !ready;
@@ -30,7 +30,7 @@ ssize_t write_or_drop(void* cookie, const char* bytes, std::size_t size) {
   const int descriptor = *static_cast<const int*>(cookie);
   const int before = errno;
   for (std::size_t done = 0; done < size;) {
-    if (descriptor == STDERR_FILENO && !takes_words()) break;
+    if (descriptor == STDERR_FILENO && !stderr_is_writable()) break;
     const ssize_t wrote = ::write(descriptor, bytes + done, size - done);
     if (wrote < 0 && errno == EINTR) continue;
     if (wrote <= 0) {
@@ -53,14 +53,14 @@ std::FILE* stream_on(int& descriptor, int buffering) {
 
 }  // namespace
 
-void keep_standard_files() {
+void open_standard_descriptors() {
   for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (::fcntl(descriptor, F_GETFD) < 0 && errno == EBADF)
       (void)::open("/dev/null", O_RDWR);  // the lowest that is free
   }
 }
 
-void outlive_readers() {
+void drop_unwritable_output() {
   (void)std::signal(SIGPIPE, SIG_IGN);
   (void)std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of its writer, not a signal
   (void)std::fflush(stdout);

@@ -6,13 +6,13 @@ namespace tactbench::bench {
 
 // Opens descriptors 0 to 2 if they are closed: otherwise a file opened later would take their number and receive the
 // output.
-void keep_standard_files();
+void open_standard_descriptors();
 
 // From now on output that cannot be written to stdout or stderr is dropped without a signal or an error; stderr does
 // not wait long for a stopped reader. Holds for the rest of the program.
-void outlive_readers();
+void drop_unwritable_output();
 
-// Whether stdout has lost output since outlive_readers().
+// Whether stdout has lost output since drop_unwritable_output().
 [[nodiscard]] bool output_is_lost();
 
 }  // namespace tactbench::bench

@@ -55,7 +55,7 @@ void write_raw(std::FILE* stream, std::string_view text) {
 
 }  // namespace
 
-std::string for_people(std::string_view text) { return shown(text, true); }
+std::string terminal_safe(std::string_view text) { return shown(text, true); }
 
 std::string one_line(std::string_view text, std::size_t columns) {
   const std::string_view part = text.substr(0, 4 * columns + 4);  // a character has at most four bytes
@@ -87,7 +87,7 @@ void erase_open_line() {
 }  // namespace
 
 void vprint(std::FILE* stream, fmt::string_view format, fmt::format_args args) {
-  const std::string text = for_people(fmt::vformat(format, args));
+  const std::string text = terminal_safe(fmt::vformat(format, args));
   const std::lock_guard lock(line_mutex());
   if (stream == stderr && text == "\n")  // the end of that line, which stays
     line_open = false;
@@ -96,15 +96,15 @@ void vprint(std::FILE* stream, fmt::string_view format, fmt::format_args args) {
   write_raw(stream, text);
 }
 
-void renew_line(std::string_view text) {
+void update_status_line(std::string_view text) {
   const std::size_t columns = std::max<std::size_t>(screen_size(STDERR_FILENO).columns, 2) - 1;
-  const std::string line = fmt::format("\r{}\x1b[K", one_line(text, std::min(columns, kLongestCell)));
+  const std::string line = fmt::format("\r{}\x1b[K", one_line(text, std::min(columns, kMaxCellColumns)));
   const std::lock_guard lock(line_mutex());
   write_raw(stderr, line);
   line_open = true;
 }
 
-void erase_line() {
+void erase_status_line() {
   const std::lock_guard lock(line_mutex());
   erase_open_line();
 }

@@ -16,12 +16,12 @@ namespace tactbench::bench {
 
 // Control characters become \x1b, \u009b, \u202e (bidirectional marks, line separators, zero-width characters), bytes
 // that are not UTF-8 become \xff; line ends, tabs and all other characters stay. Valid JSON stays valid JSON.
-std::string for_people(std::string_view text);
+std::string terminal_safe(std::string_view text);
 
 // The same with line ends and tabs shown as well, cut with ... (U+2026) to `columns` of a terminal.
-inline constexpr std::size_t kLongestText = 2000;  // of one field of an error
-inline constexpr std::size_t kLongestCell = 200;   // at the end of a table's line
-std::string one_line(std::string_view text, std::size_t columns = kLongestCell);
+inline constexpr std::size_t kMaxTextLength = 2000;  // of one field of an error
+inline constexpr std::size_t kMaxCellColumns = 200;  // at the end of a table's line
+std::string one_line(std::string_view text, std::size_t columns = kMaxCellColumns);
 
 using analysis::display_width;
 
@@ -30,7 +30,7 @@ std::string clock_text(double seconds);
 
 namespace tty {
 
-// Like fmt::print, through for_people(). Standard output that cannot be written throws Error TB-FILE-WRITE; standard
+// Like fmt::print, through terminal_safe(). Standard output that cannot be written throws Error TB-FILE-WRITE; standard
 // error that cannot be written is ignored, so that it does not end a run.
 void vprint(std::FILE* stream, fmt::string_view format, fmt::format_args args);
 
@@ -44,7 +44,7 @@ void print(fmt::format_string<Args...> format, Args&&... args) {
 }
 
 // One line of standard error, cut to the terminal's width, written over by the next.
-void renew_line(std::string_view text);
+void update_status_line(std::string_view text);
 // An empty screen, of standard output.
 void clear_screen();
 // To standard output at once: what painted() of bench/common/screen.h has made safe.

@@ -17,7 +17,7 @@ namespace tactbench::bench {
 namespace {
 
 constexpr std::chrono::seconds kSilence{2};
-LongWork* present = nullptr;  // of the main thread alone
+WorkProgress* present = nullptr;  // of the main thread alone
 constexpr std::chrono::milliseconds kEvery{200};
 
 double sum_of_shares(const std::vector<WorkStage>& stages, std::size_t from, std::size_t to) {
@@ -48,7 +48,7 @@ std::string work_line(const std::string& label, const std::vector<WorkStage>& st
   return line + fmt::format("  {:.0f}:{:02.0f} left", minutes, left - 60.0 * minutes);
 }
 
-double guessed_part(const std::vector<WorkStage>& stages, std::size_t at, double before_s, double in_stage_s) {
+double estimated_fraction(const std::vector<WorkStage>& stages, std::size_t at, double before_s, double in_stage_s) {
   constexpr double kMost = 0.95;
   const double before = sum_of_shares(stages, 0, at);
   if (!(before > 0.0 && before_s > 0.0 && stages[at].share > 0.0)) return 0.0;
@@ -63,12 +63,12 @@ void pause_progress() {
   if (present != nullptr) present->end();
 }
 
-LongWork::LongWork(std::string label, bool silent, std::vector<WorkStage> stages)
+WorkProgress::WorkProgress(std::string label, bool silent, std::vector<WorkStage> stages)
     : label_(std::move(label)), stages_(std::move(stages)), before_(std::exchange(present, this)) {
   if (!silent && !stages_.empty() && on_terminal()) watcher_ = std::jthread([this] { watch(); });
 }
 
-LongWork::~LongWork() {
+WorkProgress::~WorkProgress() {
   try {
     end();
   } catch (...) {
@@ -77,7 +77,7 @@ LongWork::~LongWork() {
   present = before_;
 }
 
-void LongWork::end() {
+void WorkProgress::end() {
   {
     const std::lock_guard lock(mutex_);
     ended_ = true;
@@ -85,10 +85,10 @@ void LongWork::end() {
   changed_.notify_all();
   if (!watcher_.joinable()) return;
   watcher_.join();
-  tty::erase_line();
+  tty::erase_status_line();
 }
 
-void LongWork::begin(const std::string& name) {
+void WorkProgress::begin(const std::string& name) {
   const std::lock_guard lock(mutex_);
   for (std::size_t i = at_; i < stages_.size(); ++i) {
     if (stages_[i].name != name) continue;
@@ -101,7 +101,7 @@ void LongWork::begin(const std::string& name) {
   }
 }
 
-void LongWork::watch() {
+void WorkProgress::watch() {
   std::unique_lock lock(mutex_);
   changed_.wait_until(lock, start_ + kSilence, [this] { return ended_; });
   while (!ended_) {
@@ -110,15 +110,15 @@ void LongWork::watch() {
   }
 }
 
-void LongWork::show() {
+void WorkProgress::show() {
   const auto now = Clock::now();
   const auto seconds = [](Clock::duration time) { return std::chrono::duration<double>(time).count(); };
   const analysis::WorkNow work = analysis::work_now();
   const double part = stages_[at_].counted
                           ? (work.count == 0 ? 0.0 : static_cast<double>(work.done) / static_cast<double>(work.count))
-                          : guessed_part(stages_, at_, seconds(begun_ - start_), seconds(now - begun_));
+                          : estimated_fraction(stages_, at_, seconds(begun_ - start_), seconds(now - begun_));
   part_ = std::max(part_, part);  // between two pieces of counted work nothing counts
-  tty::renew_line(work_line(label_, stages_, at_, part_, seconds(now - start_)));
+  tty::update_status_line(work_line(label_, stages_, at_, part_, seconds(now - start_)));
   std::fflush(stderr);
 }
 

@@ -23,19 +23,20 @@ struct WorkStage {
 std::string work_line(const std::string& label, const std::vector<WorkStage>& stages, std::size_t at, double in_stage,
                       double elapsed_s);
 // Estimate of in_stage for a stage without counted work: from its share and the pace so far; below 1.
-double guessed_part(const std::vector<WorkStage>& stages, std::size_t at, double before_s, double in_stage_s);
+double estimated_fraction(const std::vector<WorkStage>& stages, std::size_t at, double before_s, double in_stage_s);
 
-// Acts on the current LongWork, if there is one: for code that does not know the verb it works for. Main thread only.
+// Acts on the current WorkProgress, if there is one: for code that does not know the verb it works for. Main thread
+// only.
 void begin_stage(const std::string& name);
 void pause_progress();  // for good: a question is asked
 
-class LongWork {
+class WorkProgress {
  public:
   // `silent`: of the verb, with -q or --json.
-  LongWork(std::string label, bool silent, std::vector<WorkStage> stages);
-  ~LongWork();
-  LongWork(const LongWork&) = delete;
-  LongWork& operator=(const LongWork&) = delete;
+  WorkProgress(std::string label, bool silent, std::vector<WorkStage> stages);
+  ~WorkProgress();
+  WorkProgress(const WorkProgress&) = delete;
+  WorkProgress& operator=(const WorkProgress&) = delete;
   // The first stage of this name from the present one on has begun; a name that is not among them changes nothing.
   void begin(const std::string& name);
   void end();  // before its life ends: the line is gone
@@ -48,7 +49,7 @@ class LongWork {
 
   std::string label_;
   std::vector<WorkStage> stages_;
-  LongWork* before_;                                         // that it stands in for while it lives
+  WorkProgress* before_;                                     // that it stands in for while it lives
   Clock::time_point start_ = Clock::now(), begun_ = start_;  // begun_: of the stage
   std::size_t at_ = 0;
   double part_ = 0.0;  // of the stage, as shown

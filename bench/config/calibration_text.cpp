@@ -12,8 +12,8 @@ namespace tactbench::bench {
 using analysis::DueState;
 using analysis::InstrumentCalibration;
 
-std::string calibration_words(const InstrumentCalibration& calibration, const std::string& day,
-                              analysis::PressureUnit unit) {
+std::string calibration_text(const InstrumentCalibration& calibration, const std::string& day,
+                             analysis::PressureUnit unit) {
   std::string text =
       fmt::format("certificate {}", calibration.certificate.empty() ? "not stated" : calibration.certificate);
   if (!calibration.calibrated_on.empty()) text += fmt::format(", calibrated {}", calibration.calibrated_on);
@@ -21,7 +21,7 @@ std::string calibration_words(const InstrumentCalibration& calibration, const st
   text += state == DueState::kNotStated ? std::string(", no due date stated")
           : state == DueState::kOverdue ? fmt::format(", OVERDUE since {}", calibration.due)
                                         : fmt::format(", due {}", calibration.due);
-  if (calibration.stated_u) text += ", " + in_words(*calibration.stated_u, unit);
+  if (calibration.stated_u) text += ", " + display_text(*calibration.stated_u, unit);
   for (const std::string& remark : calibration.remarks) text += fmt::format("; {}", remark);
   return text;
 }
@@ -47,7 +47,7 @@ std::vector<std::string> calibration_warnings(const BenchConfig& config, const s
     first = false;
   }
   if (const auto beyond = analysis::reference_uncertainty(planned).beyond)
-    lines.push_back(in_words(*beyond, unit) + "; no U is stated there, and verdicts on errors are inconclusive");
+    lines.push_back(display_text(*beyond, unit) + "; no U is stated there, and verdicts on errors are inconclusive");
   for (const std::string& place : placeholders_of(config)) lines.push_back(fmt::format("not filled in: {}", place));
   return lines;
 }

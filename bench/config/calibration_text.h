@@ -12,8 +12,8 @@ namespace tactbench::bench {
 
 // "certificate C-1, due 2027-01-31", "certificate not stated, OVERDUE since 2025-01-31", and which statements were not
 // used. `day` as 2026-01-31.
-std::string calibration_words(const analysis::InstrumentCalibration& calibration, const std::string& day,
-                              analysis::PressureUnit unit);
+std::string calibration_text(const analysis::InstrumentCalibration& calibration, const std::string& day,
+                             analysis::PressureUnit unit);
 
 // Warnings before a run of `steps`, one line each: overdue instruments among `records`, pressures beyond the
 // reference's certificate, values that still say FILL-IN.

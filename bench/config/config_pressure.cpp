@@ -99,7 +99,7 @@ ModuleConfig read_module(const TomlTable& table, const BenchConfig& config, cons
   return module;
 }
 
-// Beside a regulator that needs no module, one may read the transducer.
+// SideBySide a regulator that needs no module, one may read the transducer.
 void read_reading_module(const TomlTable& root, BenchConfig& config) {
   if (root.has("input_module")) {
     root.fail("input_module", "a serial regulator has no output module that another one would stand beside",
@@ -309,9 +309,9 @@ KeyTable correction_keys(devices::PressureCorrection& correction) {
                       "Coverage factor k of these uncertainties")};
 }
 
-devices::PressureCorrection read_correction(const TomlTable& table, bool own_file = false) {
+devices::PressureCorrection read_correction(const TomlTable& table, bool page_asset = false) {
   devices::PressureCorrection correction;
-  if (own_file) read_keys(table, {key::schema()});
+  if (page_asset) read_keys(table, {key::schema()});
   read_keys(table, correction_keys(correction));
   const std::size_t points = correction.reading_psi.size();
   for (std::size_t i = 1; i < points; ++i) {

@@ -122,7 +122,7 @@ InstrumentOptions instruments_of(const BenchConfig& config, std::uint64_t seed) 
 }
 
 KeyTable fault_keys(PlannedFault& fault) {
-  return {key::required(key::word("kind", fault.kind, fault_words(), "What breaks")),
+  return {key::required(key::word("kind", fault.kind, fault_kind_names(), "What breaks")),
           optional_number("at_s", fault.at_s, {"s"}, {0.0, 1e8},
                           "Process time at which it begins; without any at_ key it begins at once"),
           optional_number("at_psi", fault.at_psi, {"psi"}, {0.0, 1000.0},
@@ -220,18 +220,18 @@ KeyTable simulation_keys(SimulationConfig& simulation, const devices::HidScanner
       key::number(
           "instrument_seed", plant.instruments.seed, kOne, {0, kMostSeed},
           "Draws the errors of reference, force sensor and thermometer within what is stated of them; 0: no errors"),
-      key::word("specimen", specimen.kind, specimen_words(),
+      key::word("specimen", specimen.kind, specimen_kind_names(),
                 "Film of the simulated sensor: the paper's, one that is harder on every model, or a foam"),
       key::number("mount_seed", specimen.mount_seed, kOne, {0, kMostSeed},
                   "Another number: the sensor was taken out and mounted again"),
       key::number("temperature_c", specimen.temperature_c, {"°C"}, {-20.0, 80.0}, "Temperature of the sensor"),
       key::number("age_months", specimen.age_months, {"months"}, {0.0, 1200.0},
                   "Time since the sensor was new, for drifts"),
-      key::word("mount_turn", specimen.mount_turn, mount_turn_words(scanner.rows == scanner.columns),
+      key::word("mount_turn", specimen.mount_turn, mount_turn_names(scanner.rows == scanner.columns),
                 "How the film lies under its wiring; anything but none is a fault in mounting"),
       key::number("turned_in_chamber_deg", specimen.turned_in_chamber_deg, {"°"}, {-360.0, 360.0},
                   "Turn of the sensor in the chamber, with its leads, counter-clockwise"),
-      key::word("edge_outside", specimen.edge_outside, mount_edge_words(),
+      key::word("edge_outside", specimen.edge_outside, mount_edge_names(),
                 "Edge of the array at which lines lie outside the membrane"),
       key::number("edge_outside_lines", specimen.edge_outside_lines, kOne, {0, 1024},
                   "How many lines lie there; the membrane does not press them"),

@@ -45,8 +45,8 @@ enum class FaultKind {  // with the unit of the value, where there is one
   kScannerUnplugged,
 };
 inline constexpr int kFaultKinds = static_cast<int>(FaultKind::kScannerUnplugged) + 1;
-[[nodiscard]] const std::vector<std::string>& fault_words();  // "valve_stuck", in the order of FaultKind
-[[nodiscard]] double usual_value(FaultKind kind);
+[[nodiscard]] const std::vector<std::string>& fault_kind_names();  // "valve_stuck", in the order of FaultKind
+[[nodiscard]] double default_fault_value(FaultKind kind);
 
 struct PlannedFault {
   FaultKind kind = FaultKind::kLeak;

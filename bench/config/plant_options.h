@@ -77,8 +77,8 @@ struct InstrumentOptions {
 // Which film the simulated sensor has: the paper's, one that is harder on every model and every compensation, or a foam
 // of other physics (bench/simulation/README.md). The words stand in the order of the values.
 enum class SpecimenKind { kPaper, kHarsh, kFoam };
-std::vector<std::string> specimen_words();
-std::string word_of(SpecimenKind kind);
+std::vector<std::string> specimen_kind_names();
+std::string keyword_of(SpecimenKind kind);
 
 // Switchable effects with known truth; all off (zero, empty) unless said.
 struct SpecimenEffects {
@@ -112,11 +112,11 @@ struct TaxelDefect {
 // Orientation of the sensor under its wiring: the scanner's rows and columns relative to the film's. Only the first
 // four are possible for an array that is not square.
 enum class MountTurn { kNone, kBy180, kRowsMirrored, kColumnsMirrored, kBy90, kBy270, kTransposed, kAntiTransposed };
-std::vector<std::string> mount_turn_words(bool square);
+std::vector<std::string> mount_turn_names(bool square);
 
 // Lines at one edge that lie outside the membrane: their share of the pressure falls off line by line.
 enum class MountEdge { kFirstRow, kLastRow, kFirstColumn, kLastColumn };
-std::vector<std::string> mount_edge_words();
+std::vector<std::string> mount_edge_names();
 
 struct SpecimenOptions {
   SpecimenKind kind = SpecimenKind::kPaper;

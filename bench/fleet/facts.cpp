@@ -63,7 +63,7 @@ void drop_zero_bytes(Json& json) {
     for (Json& part : json) drop_zero_bytes(part);
 }
 
-Json said_of(const db::RunStore& store, const db::RunRecord& run) {
+Json remarks_json(const db::RunStore& store, const db::RunRecord& run) {
   Json fits = Json::array(), reports = Json::array(), figures = Json::object();
   for (const db::FitRecord& fit : store.fits(run.run))
     fits.push_back({JSON_FIELDS(fit, model, program_version, created_utc)});
@@ -82,12 +82,12 @@ Json said_of(const db::RunStore& store, const db::RunRecord& run) {
 }  // namespace
 
 std::string said_sha256(const db::RunStore& store, const db::RunRecord& run) {
-  return db::sha256_hex(run.content_sha256 + analysis::printable_json(said_of(store, run)));
+  return db::sha256_hex(run.content_sha256 + analysis::printable_json(remarks_json(store, run)));
 }
 
 std::string facts_of(const db::RunStore& store, const db::RunRecord& run) {
   Json facts = analysis::run_json(run);
-  facts.update(said_of(store, run));
+  facts.update(remarks_json(store, run));
   const auto sensor = store.sensor(run.sensor_serial);
   facts["sensor_type"] = sensor ? Json(sensor->type) : Json();
   facts["frames"] = store.frame_count(run.run);

@@ -40,7 +40,7 @@ class DeadManProcess final : public Watcher {
   [[nodiscard]] bool fired() override;
   [[nodiscard]] std::optional<WatcherLost> lost() override;
   // What it reported about reaching the module since the last call.
-  [[nodiscard]] std::vector<DeadManNews> take_news() { return reports_.take_news(); }
+  [[nodiscard]] std::vector<DeadManNotice> take_notices() { return reports_.take_notices(); }
   [[nodiscard]] bool wait_ended(devices::Nanoseconds longest) override;
   // The stage's line, which the dead-man opens at each call. Throws Fault TB-SERIAL-OPEN with the dead-man's reason.
   // Once the dead-man has ended, the line is opened here.
@@ -48,7 +48,7 @@ class DeadManProcess final : public Watcher {
   void name_run(std::int64_t run);  // for its record
   void fire() noexcept;             // now; any thread
   // The safe state could not be proved: it makes the bench safe now over its own connection, and reports what it did
-  // (take_news()). Waits for that, at most 15 s; false: it still works.
+  // (take_notices()). Waits for that, at most 15 s; false: it still works.
   bool take_over();
   void goodbye();  // the safe state was proved: the dead-man ends without acting; a frozen one is killed
 

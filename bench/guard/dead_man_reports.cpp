@@ -12,7 +12,7 @@ using devices::Nanoseconds;
 namespace {
 
 constexpr int kFailedReadsToBeBlind = 2;
-constexpr std::string_view kBlindWord = "blind: ", kBusyWord = "busy: ";
+constexpr std::string_view kBlindPrefix = "blind: ", kBusyPrefix = "busy: ";
 
 }  // namespace
 
@@ -32,19 +32,19 @@ void DeadManReports::heard(const std::string& word) {
     owed_since_.reset();
   } else if (word == "fired") {
     fired_ = true;
-  } else if (word.starts_with(kBlindWord)) {
-    heard_blind(word.substr(kBlindWord.size()));
-  } else if (word.starts_with(kBusyWord)) {
-    news_.push_back({"TB-MODBUS-BUSY", word.substr(kBusyWord.size())});
-  } else if (word.starts_with(kDidWord)) {
-    news_.push_back({"", word.substr(kDidWord.size())});
+  } else if (word.starts_with(kBlindPrefix)) {
+    record_blind(word.substr(kBlindPrefix.size()));
+  } else if (word.starts_with(kBusyPrefix)) {
+    news_.push_back({"TB-MODBUS-BUSY", word.substr(kBusyPrefix.size())});
+  } else if (word.starts_with(kDidPrefix)) {
+    news_.push_back({"", word.substr(kDidPrefix.size())});
   } else if (word == "sees") {
     if (failed_reads_ > 0) news_.push_back({"", "the dead-man reaches the module again"});
     failed_reads_ = 0;
   }
 }
 
-void DeadManReports::heard_blind(const std::string& why) {
+void DeadManReports::record_blind(const std::string& why) {
   ++failed_reads_;
   const std::string what = fmt::format("the dead-man cannot reach the module: {}", why);
   if (failed_reads_ == 1) news_.push_back({kDeadManBlind, what});
@@ -81,7 +81,7 @@ std::optional<WatcherLost> DeadManReports::lost() const {
   return lost_;
 }
 
-std::vector<DeadManNews> DeadManReports::take_news() {
+std::vector<DeadManNotice> DeadManReports::take_notices() {
   const std::lock_guard lock(mutex_);
   return std::exchange(news_, {});
 }

@@ -12,12 +12,12 @@
 
 namespace tactbench::bench {
 
-struct DeadManNews {  // for the record and for people
-  std::string id;     // empty: good news
+struct DeadManNotice {  // for the record and for people
+  std::string id;       // empty: good news
   std::string what;
 };
 
-inline constexpr std::string_view kDidWord = "did: ";  // a dead-man's last message, with what it has done
+inline constexpr std::string_view kDidPrefix = "did: ";  // a dead-man's last message, with what it has done
 
 class DeadManReports {
  public:
@@ -35,11 +35,11 @@ class DeadManReports {
   void excuse();  // we kept it busy: the deadline of its answer starts again
 
   [[nodiscard]] bool fired() const;
-  [[nodiscard]] std::optional<WatcherLost> lost() const;  // stays
-  [[nodiscard]] std::vector<DeadManNews> take_news();     // since the last call, oldest first
+  [[nodiscard]] std::optional<WatcherLost> lost() const;    // stays
+  [[nodiscard]] std::vector<DeadManNotice> take_notices();  // since the last call, oldest first
 
  private:
-  void heard_blind(const std::string& why);
+  void record_blind(const std::string& why);
   const devices::Nanoseconds timeout_;
   const bool blind_ends_;
   mutable std::mutex mutex_;
@@ -47,7 +47,7 @@ class DeadManReports {
   bool fired_ = false;
   int failed_reads_ = 0;  // in a row
   std::optional<WatcherLost> lost_;
-  std::vector<DeadManNews> news_;
+  std::vector<DeadManNotice> news_;
 };
 
 }  // namespace tactbench::bench

@@ -65,8 +65,8 @@ void Guard::trip(const std::string& id, const std::string& what) noexcept {
     vented_ = source_ != nullptr && source_->vent();
     if (source_ != nullptr) vented(vented_);
     // While the dead-man works, the stage's line belongs to it.
-    const bool line_is_ours = id != kDeadManFired || watcher_ == nullptr || watcher_->wait_ended(Nanoseconds(0));
-    halted_ = stage_ != nullptr && stage_used_ && line_is_ours && stage_->halt();
+    const bool may_use_stage_line = id != kDeadManFired || watcher_ == nullptr || watcher_->wait_ended(Nanoseconds(0));
+    halted_ = stage_ != nullptr && stage_used_ && may_use_stage_line && stage_->halt();
     log("guard", fmt::format("trip {}: {}", id, what), false);
     if (sink_) sink_(*trip_);
   } catch (...) {  // a recorder that fails must not stop a trip
@@ -80,7 +80,7 @@ void Guard::reset(const std::string& who) {
 }
 
 // Before any command: has the dead-man fired, or does it no longer watch?
-void Guard::hear_watcher() {
+void Guard::check_watcher() {
   if (trip_ || watcher_ == nullptr) return;
   if (watcher_->fired()) {
     trip(kDeadManFired, "the dead-man has fired: the sequencer was silent for too long, or a panic was commanded");
@@ -91,7 +91,7 @@ void Guard::hear_watcher() {
 }
 
 void Guard::check_open(const char* actuator, const std::string& asked, bool away) {
-  hear_watcher();
+  check_watcher();
   if (!armed_) {
     refuse("TB-GUARD-NOT-ARMED", actuator, asked, "it is not armed", "Arm the pressure source or the stage first.");
   }
@@ -147,7 +147,7 @@ void Guard::note_force(const devices::Wrench& wrench, Nanoseconds time) {
     const std::string what = fmt::format("F{} = {:.2f} N measured, beyond the limit of {:g} N", "xyz"[i], force[i],
                                          limits_.safety.force_n[i]);
     trip("TB-FORCE-TRIP", what);
-    throw devices::Fault("TB-FORCE-TRIP", "force sensor", what + halt_words());
+    throw devices::Fault("TB-FORCE-TRIP", "force sensor", what + halt_text());
   }
 }
 
@@ -226,7 +226,7 @@ void Guard::check_rewriting() {
   if (setpoint_psi_ > 0.0) check_open(kPressure, "repeat of " + analysis::both_units(setpoint_psi_), false);
 }
 
-bool Guard::line_is_ours() {
+bool Guard::may_use_stage_line() {
   return watcher_ == nullptr || !watcher_->fired() || watcher_->wait_ended(kLongestDeadMan);
 }
 

@@ -61,7 +61,7 @@ class Guard {
   void trip(const std::string& id, const std::string& what) noexcept;
   [[nodiscard]] const std::optional<Trip>& tripped() const { return trip_; }
   // After a trip: whether the stage confirmed that it is at rest.
-  [[nodiscard]] const char* halt_words() const {
+  [[nodiscard]] const char* halt_text() const {
     return halted_ ? "; stage halted" : "; the stage did NOT confirm that it stands";
   }
   // A person has inspected the rig. A dead-man that has fired stays fired.
@@ -104,13 +104,13 @@ class Guard {
   void stage_armed();
   [[nodiscard]] double setpoint_psi() const { return setpoint_psi_; }
   // For a halt: whether this process may use the stage's line, after waiting for the dead-man to release it.
-  [[nodiscard]] bool line_is_ours();
+  [[nodiscard]] bool may_use_stage_line();
 
  private:
   [[noreturn]] void refuse(const char* id, const char* actuator, const std::string& asked, const std::string& why,
                            const std::string& remedy) const;
   void check_open(const char* actuator, const std::string& asked, bool away);
-  void hear_watcher();
+  void check_watcher();
   void check_fresh(const char* id, const char* actuator, const std::string& asked, const char* name,
                    devices::Nanoseconds taken) const;
   void log(const std::string& actuator, const std::string& text, bool let_through) const;

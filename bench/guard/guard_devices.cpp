@@ -102,7 +102,7 @@ Millimetres GuardedStage::stop(Axis axis) {
   return where;
 }
 
-bool GuardedStage::halt() noexcept { return guard_.line_is_ours() && stage_.halt(); }
+bool GuardedStage::halt() noexcept { return guard_.may_use_stage_line() && stage_.halt(); }
 
 devices::ForceReading GuardedForce::read(int records) {
   try {
@@ -112,7 +112,7 @@ devices::ForceReading GuardedForce::read(int records) {
   } catch (const devices::Fault& fault) {
     if (tared_ && guard_.armed() && (fault.id() == "TB-FORCE-OVERLOAD" || fault.id() == "TB-FORCE-SATURATED")) {
       guard_.trip("TB-FORCE-TRIP", fault.what());
-      throw devices::Fault("TB-FORCE-TRIP", fault.device(), std::string(fault.what()) + guard_.halt_words(),
+      throw devices::Fault("TB-FORCE-TRIP", fault.device(), std::string(fault.what()) + guard_.halt_text(),
                            fault.remedy());
     }
     throw;

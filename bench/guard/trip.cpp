@@ -35,7 +35,7 @@ std::string set_variable(const char* name) {
 
 class File {
  public:
-  File(const std::string& path, int flags) : number_(open_own_file(path, flags)) {
+  File(const std::string& path, int flags) : number_(open_private_file(path, flags)) {
     if (number_ < 0) fail("opening", path);
   }
   ~File() { ::close(number_); }

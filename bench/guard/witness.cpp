@@ -45,7 +45,7 @@ TrueRange reference_range(const BenchConfig& config) {
 void PressureWitness::see(double psi, devices::Nanoseconds time) {
   if (psi != psi_ || time_.count() < 0) {  // NaN always differs
     changed_ = true;
-    stands_still_ = false;
+    is_frozen_ = false;
   }
   psi_ = psi;
   time_ = time;
@@ -61,7 +61,7 @@ void PressureWitness::see_other(const PressureWitness& other) {
   if (!other.possible()) return;
   if (changed_) other_psi_ = other.psi_;
   changed_ = false;
-  stands_still_ = stands_still_ || std::abs(other.psi_ - other_psi_) > kFollowsPsi;
+  is_frozen_ = is_frozen_ || std::abs(other.psi_ - other_psi_) > kFollowsPsi;
 }
 
 double PressureWitness::impossible_s() const {
@@ -74,7 +74,7 @@ std::string PressureWitness::doubt() const {
                ? "cannot be true: a sound one reads " + analysis::both_units_span(range_.low_psi, range_.high_psi)
                : fmt::format("cannot be true: a sound one reads {} or more", analysis::both_units(range_.low_psi, 1));
   }
-  return stands_still_ ? "stands still: the other moved by more than " + analysis::both_units(kFollowsPsi) : "";
+  return is_frozen_ ? "stands still: the other moved by more than " + analysis::both_units(kFollowsPsi) : "";
 }
 
 }  // namespace tactbench::bench

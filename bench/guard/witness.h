@@ -42,7 +42,7 @@ class PressureWitness {
   double psi_ = 0.0;
   devices::Nanoseconds time_{-1};
   std::optional<devices::Nanoseconds> impossible_since_;
-  bool ever_possible_ = false, stands_still_ = false;
+  bool ever_possible_ = false, is_frozen_ = false;
   bool changed_ = true;     // since the other was last read
   double other_psi_ = 0.0;  // the other's first reading after this one last changed
 };

@@ -55,7 +55,7 @@ void complain(DeviceCheck& result, const std::string& note, const std::string& r
 // In words; overdue is a warning, which any fault outranks.
 void tell_calibration(const db::DeviceRecord& record, const std::string& today, DeviceCheck& result) {
   const analysis::InstrumentCalibration calibration = analysis::calibration_of(record);
-  result.notes.push_back(calibration_words(calibration, today, analysis::PressureUnit::kPsi));
+  result.notes.push_back(calibration_text(calibration, today, analysis::PressureUnit::kPsi));
   if (due_state(calibration, today) != analysis::DueState::kOverdue || result.state != State::kOk) return;
   result.state = State::kWarning;
   result.remedy = "have it calibrated: results measured with it until then are inconclusive";
@@ -70,8 +70,8 @@ std::string name_of(const devices::Identity& identity) {
                      identity.origin == devices::Origin::kSimulated ? " (simulated)" : "");
 }
 
-void look_at_module(Rig& rig, DeviceCheck& result) {
-  const auto [identity, outputs] = rig.look_at_module();
+void inspect_module(Rig& rig, DeviceCheck& result) {
+  const auto [identity, outputs] = rig.inspect_module();
   result.found = name_of(identity);
   result.reading =
       outputs.empty() ? "outputs cannot be read" : fmt::format("outputs {} counts", fmt::join(outputs, " "));
@@ -90,7 +90,7 @@ void judge_zero(const PressureWitness& witness, const BenchConfig& config, const
   }
 }
 
-void look_at_regulator(Rig& rig, DeviceCheck& result) {
+void inspect_regulator(Rig& rig, DeviceCheck& result) {
   result.found = name_of(rig.source().identity());
   const double psi = rig.source().feedback().pressure.value();
   result.reading = "feedback " + analysis::both_units(psi, 2);
@@ -99,7 +99,7 @@ void look_at_regulator(Rig& rig, DeviceCheck& result) {
   for (const std::string& layer : fail_safe_layers(rig.config())) result.notes.push_back(layer);
 }
 
-void look_at_reference(Rig& rig, DeviceCheck& result, const std::string& today) {
+void inspect_reference(Rig& rig, DeviceCheck& result, const std::string& today) {
   const BenchConfig& config = rig.config();
   result.found = name_of(rig.reference().identity());
   const double psi = rig.reference().read().pressure.value();
@@ -117,7 +117,7 @@ void look_at_reference(Rig& rig, DeviceCheck& result, const std::string& today) 
   judge_zero(rig.guard().reference(), config, "vent the chamber; check the transducer's span and zero", result);
 }
 
-void look_at_array(Rig& rig, DeviceCheck& result) {
+void inspect_array(Rig& rig, DeviceCheck& result) {
   rig.open_array();
   const devices::ScanSet scan = rig.array().read(1);
   result.found = name_of(rig.array().identity());
@@ -126,7 +126,7 @@ void look_at_array(Rig& rig, DeviceCheck& result) {
   if (scan.status != 0) result.notes.push_back(fmt::format("status 0x{:02X}", scan.status));
 }
 
-void look_at_stage(Rig& rig, DeviceCheck& result, const std::string& today) {
+void inspect_stage(Rig& rig, DeviceCheck& result, const std::string& today) {
   std::vector<std::string> names, positions;
   for (const devices::ZaberIdentity& axis : rig.stage()->identify()) {
     const char letter = "xyz"[static_cast<int>(axis.axis)];
@@ -151,7 +151,7 @@ void look_at_stage(Rig& rig, DeviceCheck& result, const std::string& today) {
   tell_calibration(stage_record({}, 0, *rig.config().stage), today, result);
 }
 
-void look_at_force(Rig& rig, DeviceCheck& result, const std::string& today) {
+void inspect_force(Rig& rig, DeviceCheck& result, const std::string& today) {
   devices::ForceSensor& sensor = rig.open_force();
   const devices::ForceReading reading = sensor.read(rig.config().force->records);
   result.found = fmt::format("{}, calibration {}", name_of(sensor.identity()), sensor.calibration_serial());
@@ -188,9 +188,9 @@ std::string array_summary(const devices::ScanSet& scan, devices::Volts volts_per
 std::vector<DeviceCheck> check_devices(Rig& rig, const std::string& today) {
   std::vector<DeviceCheck> all;
   if (rig.config().module.present())
-    all.push_back(check("analog module", [&](DeviceCheck& result) { look_at_module(rig, result); }));
-  all.push_back(check("regulator", [&](DeviceCheck& result) { look_at_regulator(rig, result); }));
-  all.push_back(check("pressure reference", [&](DeviceCheck& result) { look_at_reference(rig, result, today); }));
+    all.push_back(check("analog module", [&](DeviceCheck& result) { inspect_module(rig, result); }));
+  all.push_back(check("regulator", [&](DeviceCheck& result) { inspect_regulator(rig, result); }));
+  all.push_back(check("pressure reference", [&](DeviceCheck& result) { inspect_reference(rig, result, today); }));
   for (std::size_t i = 0; i < rig.config().environment.size(); ++i) {
     const EnvironmentSensor& sensor = rig.config().environment[i];
     all.push_back(check(sensor.quantity + " sensor", [&](DeviceCheck& result) {
@@ -198,11 +198,11 @@ std::vector<DeviceCheck> check_devices(Rig& rig, const std::string& today) {
       result.found = fmt::format("{}, serial {}", sensor.model, sensor.serial);
     }));
   }
-  all.push_back(check("tactile scanner", [&](DeviceCheck& result) { look_at_array(rig, result); }));
+  all.push_back(check("tactile scanner", [&](DeviceCheck& result) { inspect_array(rig, result); }));
   if (rig.stage() != nullptr)
-    all.push_back(check("stage", [&](DeviceCheck& result) { look_at_stage(rig, result, today); }));
+    all.push_back(check("stage", [&](DeviceCheck& result) { inspect_stage(rig, result, today); }));
   if (rig.config().force) {
-    all.push_back(check("force sensor", [&](DeviceCheck& result) { look_at_force(rig, result, today); }));
+    all.push_back(check("force sensor", [&](DeviceCheck& result) { inspect_force(rig, result, today); }));
   }
   return all;
 }

@@ -156,9 +156,9 @@ LiveSummary live_frames(const BenchConfig& config, const analysis::SensorModel& 
     summary.worst_us = std::max(summary.worst_us, latency);
     if (latencies.size() < kMostLatencies) latencies.push_back(latency);
     const double time_s = std::chrono::duration<double>(asked - begun).count();
-    const bool looked_at = show({summary.frames, time_s, pressure, uncertainty, status, latency});
+    const bool file_status_of = show({summary.frames, time_s, pressure, uncertainty, status, latency});
     ++summary.frames;
-    if (!looked_at) break;
+    if (!file_status_of) break;
     rig.clock().wait_until(rig.clock().now() + seconds(options.interval_s * config.rate));
     // A manual clock does not wait, but a person needs real time.
     if (config.in_process && options.interval_s > 0.0) std::this_thread::sleep_for(seconds(options.interval_s));

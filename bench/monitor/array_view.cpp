@@ -66,7 +66,7 @@ std::optional<ArrayBasis> array_basis(const db::RunStore& store, const db::RunRe
   return std::nullopt;
 }
 
-ArrayView view_of_frame(const ArrayBasis& basis, const db::SeenFrame& frame, analysis::PressureUnit unit) {
+ArrayView view_of_frame(const ArrayBasis& basis, const db::StoredFrame& frame, analysis::PressureUnit unit) {
   ArrayView view;
   view.full_scale_v = basis.volts_per_count * kFullScaleCounts;
   view.rows = frame.rows;
@@ -88,7 +88,7 @@ ArrayView view_of_frame(const ArrayBasis& basis, const db::SeenFrame& frame, ana
 
 std::optional<ArrayView> newest_array(const db::RunStore& store, const db::RunRecord& run,
                                       analysis::PressureUnit unit) {
-  const std::optional<db::SeenFrame> frame = db::RunLook(store, run.run).newest();
+  const std::optional<db::StoredFrame> frame = db::RunFrameReader(store, run.run).newest();
   const std::optional<Seating> seating = seating_of(store.checks(run.run));
   if (!frame && !seating) return std::nullopt;
   ArrayBasis basis{0.0, unloaded_of(seating)};

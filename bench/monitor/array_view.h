@@ -29,7 +29,7 @@ struct ArrayBasis {
 };
 // None: the scanner's scale is not known yet. Throws StoreError.
 std::optional<ArrayBasis> array_basis(const db::RunStore& store, const db::RunRecord& run);
-ArrayView view_of_frame(const ArrayBasis& basis, const db::SeenFrame& frame,
+ArrayView view_of_frame(const ArrayBasis& basis, const db::StoredFrame& frame,
                         analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 
 // None: the run has neither a frame nor a seating check, or its scanner's scale is not known yet. Throws StoreError.

@@ -145,7 +145,7 @@ void add_record(nlohmann::ordered_json& json, const db::RunRecord& run) {
 
 nlohmann::ordered_json view_json(const RunView& view) {
   nlohmann::json status;
-  tell_status(status, view.live.status);
+  add_status_json(status, view.live.status);
   nlohmann::ordered_json json = {
       {"run", view.live.status.run}, {"bench", view.live.bench}, {"process", view.live.server.process}};
   for (const char* key : {"store", "state", "phase", "question", "reason", "step", "steps", "frames", "frames_void",

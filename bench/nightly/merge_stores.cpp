@@ -123,7 +123,7 @@ MergedNight merge_night(const std::vector<StoredPart>& parts, db::RunStore& stor
   }
   merged.record.program = fmt::format("{}", fmt::join(programs, "; "));
   std::ranges::sort(merged.results, {}, [&](const ScenarioResult& result) { return place.at(result.name); });
-  merged.there = !take_night(
+  merged.there = !store_night(
       merged.record, merged.suite, merged.results,
       [&](const ScenarioResult& result) { return db::RunStore::open_read_only(store_of.at(result.name)->path()); },
       store);
@@ -151,7 +151,7 @@ void merge_runs(const db::RunStore& part, db::RunStore& store, MergedStores& mer
                                        run.run, part.path(), here, store.path(), run.uuid),
                            "tactbench verify shows which of them is as it was stored");
     ++merged.there;
-    merged.fits += take_fits(part, run.run, store, here);
+    merged.fits += copy_fits(part, run.run, store, here);
   }
   merged.runs += store.copy_runs_from(part, missing).size();
 }
@@ -168,7 +168,7 @@ void merge_baselines(const db::RunStore& part, db::RunStore& store, MergedStores
     for (std::int64_t& run : baseline.runs) run = store.run_of_uuid(part.run(run).uuid);
     std::ranges::sort(baseline.runs);
     if (std::ranges::any_of(here, [&](const auto& own) { return same_acceptance(own, baseline); })) continue;
-    store.take_baseline(baseline);
+    store.copy_baseline(baseline);
     ++merged.baselines;
   }
 }

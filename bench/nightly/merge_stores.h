@@ -15,7 +15,7 @@ struct MergedNight {
   db::NightRecord record;  // without results
   Suite suite;             // with its seeds
   std::vector<ScenarioResult> results;
-  std::vector<Followed> followed;
+  std::vector<SubjectTrend> followed;
   bool there = false;  // was in the store already
 };
 

@@ -40,9 +40,9 @@ struct Child {
 };
 
 // A scenario's output without the heading that the night wrote.
-std::string talk_in(const fs::path& log) {
+std::string scenario_log_text(const fs::path& log) {
   const std::string text = file_text(log);
-  return text.starts_with(kTalkHead) ? text.substr(text.find('\n') + 1) : text;
+  return text.starts_with(kScenarioLogHead) ? text.substr(text.find('\n') + 1) : text;
 }
 
 void refuse_store_of_others(const std::string& path) {
@@ -117,13 +117,14 @@ class Night {
                    result_file(scenario).string()};
     // Scenarios use names of their own: commands to live runs do not reach them.
     child.environment = environment_with({"TACTBENCH_RUNTIME_DIR=" + scope_.path()});
-    child.ends_with_us = true;
+    child.ends_with_parent = true;
     const std::string program = child.words.front(), log = file(scenario, ".log").string();
     child.output = ::open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0644);
     if (child.output < 0)
       throw Error("TB-FILE-WRITE", fmt::format("cannot write the file: {}", std::strerror(errno)), log,
                   "check folder, space and permissions; a link is not followed");
-    const std::string head = fmt::format("{}{}\n", kTalkHead, own.label);  // by which the next night recognises it
+    const std::string head =
+        fmt::format("{}{}\n", kScenarioLogHead, own.label);  // by which the next night recognises it
     (void)!::write(child.output, head.data(), head.size());
     try {
       children_.push_back({scenario, ChildProgram(std::move(child)), NightClock::now(), false});
@@ -166,7 +167,7 @@ class Night {
                                                   : fmt::format("exit code {}", WEXITSTATUS(status));
       result.wrong = {child.killed ? fmt::format("it had not ended after {:.0f} s and was killed", options_.limit_s)
                                    : fmt::format("its process ended with {} and left no result", how),
-                      talk_in(file(child.scenario, ".log"))};
+                      scenario_log_text(file(child.scenario, ".log"))};
     }
     fs::remove(json);
     results_[child.scenario] = std::move(result);
@@ -193,7 +194,7 @@ std::vector<ScenarioResult> carry_out_night(const Suite& suite, const NightOptio
   fs::create_directories(options.stores);
   for (const Scenario& scenario : suite.scenarios) {
     const std::string name = (fs::path(options.stores) / scenario.label).string();
-    check_output(name + ".log", kTalkFile, options.replace);
+    check_output(name + ".log", kScenarioLogFile, options.replace);
     refuse_store_of_others(name + ".db");
   }
   return Night(suite, options).carry_out(on_result);

@@ -32,7 +32,7 @@ bool same_frames(const db::RunStore& store, const std::vector<ScenarioRun>& runs
 bool equal(double a, double b) { return a == b || std::abs(a - b) <= 1e-9 * std::max(std::abs(a), std::abs(b)); }
 
 // Equal frames must give equal figures.
-std::vector<std::string> changed_figures(const SubjectHistory& history, std::int64_t earlier,
+std::vector<std::string> changed_figures(const TrendReader& history, std::int64_t earlier,
                                          const std::map<std::string, double>& figures) {
   std::vector<std::string> lines;
   std::size_t stored_figures = 0;
@@ -52,7 +52,7 @@ std::vector<std::string> changed_figures(const SubjectHistory& history, std::int
 }
 
 // Fixed seeds are held by what they measured: compares the scenario with the last one of the same seeds, if any.
-void compare_with_before(const db::RunStore& store, const std::string& subject, const SubjectHistory& history,
+void compare_with_before(const db::RunStore& store, const std::string& subject, const TrendReader& history,
                          ScenarioResult& result) {
   const db::RunRecord own = store.run(result.runs.front().run);
   const std::int64_t earlier = store.last_run_of(subject, own.seed, own.sensor_seed, own.run);
@@ -84,8 +84,8 @@ StoreOfResult in_stores_of(const std::string& folder) {
 namespace {
 
 // Of all seeds of a scenario but the last, nothing is shown of earlier runs.
-void keep_newest_alone(Followed& followed) {
-  for (FollowedFigure& figure : followed.figures) {
+void keep_newest_alone(SubjectTrend& followed) {
+  for (TrendFigure& figure : followed.figures) {
     figure.runs = {figure.runs.back()};
     figure.values = {figure.values.back()};
     figure.accepted = {figure.accepted.back()};
@@ -124,8 +124,8 @@ bool same_night(const db::NightRecord& a, const db::NightRecord& b) {
 
 }  // namespace
 
-bool take_night(db::NightRecord night, const Suite& suite, std::vector<ScenarioResult>& results,
-                const StoreOfResult& store_of, db::RunStore& store) {
+bool store_night(db::NightRecord night, const Suite& suite, std::vector<ScenarioResult>& results,
+                 const StoreOfResult& store_of, db::RunStore& store) {
   for (ScenarioResult& result : results) {
     const std::size_t place = place_of(suite, result);
     if (!result.runs.empty()) {
@@ -145,24 +145,24 @@ bool take_night(db::NightRecord night, const Suite& suite, std::vector<ScenarioR
   return true;
 }
 
-std::vector<Followed> compare_night(const Suite& suite, std::vector<ScenarioResult>& results,
-                                    const db::RunStore& store) {
-  std::vector<std::pair<ScenarioResult*, Followed>> night;
-  std::map<std::string, SubjectHistory> histories;
+std::vector<SubjectTrend> compare_night(const Suite& suite, std::vector<ScenarioResult>& results,
+                                        const db::RunStore& store) {
+  std::vector<std::pair<ScenarioResult*, SubjectTrend>> night;
+  std::map<std::string, TrendReader> histories;
   for (ScenarioResult& result : results) {
     if (result.runs.empty()) continue;
     const std::string subject = subject_of(suite.scenarios.at(place_of(suite, result)));
-    const SubjectHistory& history = histories.try_emplace(subject, store, subject).first->second;
+    const TrendReader& history = histories.try_emplace(subject, store, subject).first->second;
     compare_with_before(store, subject, history, result);
     if (!night.empty() && night.back().second.subject == subject) keep_newest_alone(night.back().second);
     night.emplace_back(&result, history.up_to(result.runs.front().run));
   }
-  std::vector<Followed*> family;
+  std::vector<SubjectTrend*> family;
   for (auto& [result, followed] : night) family.push_back(&followed);
-  judge_together(family);
-  std::vector<Followed> all;
+  judge_shifts(family);
+  std::vector<SubjectTrend> all;
   for (auto& [result, followed] : night) {
-    std::ranges::move(outside_lines(followed), std::back_inserter(result->wrong));
+    std::ranges::move(outside_band_lines(followed), std::back_inserter(result->wrong));
     std::ranges::move(shift_lines(followed), std::back_inserter(result->remarks));
     if (!all.empty() && all.back().subject == followed.subject) all.pop_back();  // another seed of the same scenario
     all.push_back(std::move(followed));
@@ -179,7 +179,7 @@ bool same_fit(const db::FitRecord& a, const db::FitRecord& b) {
   return said(a) == said(b);
 }
 
-void take_figures(const db::RunStore& other, std::int64_t there, db::RunStore& store, std::int64_t here) {
+void copy_figures(const db::RunStore& other, std::int64_t there, db::RunStore& store, std::int64_t here) {
   const std::set<std::string> known = [&] {
     const std::vector<std::string> subjects = store.subjects_of(here);
     return std::set(subjects.begin(), subjects.end());
@@ -192,7 +192,7 @@ void take_figures(const db::RunStore& other, std::int64_t there, db::RunStore& s
 
 }  // namespace
 
-std::size_t take_fits(const db::RunStore& other, std::int64_t there, db::RunStore& store, std::int64_t here) {
+std::size_t copy_fits(const db::RunStore& other, std::int64_t there, db::RunStore& store, std::int64_t here) {
   if (const std::vector<std::string> wrong = other.check_seals(there); !wrong.empty())
     throw db::StoreError("TB-STORE-CONFLICT",
                          fmt::format("store {}: run {} is not what was stored: {}", other.path(), there, wrong.front()),
@@ -209,7 +209,7 @@ std::size_t take_fits(const db::RunStore& other, std::int64_t there, db::RunStor
   for (const db::VerdictRecord& verdict : other.verdicts(there))
     if (taken.contains(verdict.fit)) judged[{verdict.fit, verdict.limits_sha256}].push_back(verdict);
   for (const auto& [by, verdicts] : judged) store.replace_verdicts(here, taken.at(by.first), verdicts);
-  take_figures(other, there, store, here);
+  copy_figures(other, there, store, here);
   return taken.size();
 }
 

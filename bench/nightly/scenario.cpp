@@ -80,11 +80,11 @@ std::map<std::string, std::string> words_of(const analysis::Judgement& judgement
   for (const analysis::JudgedFigure& figure : judgement.figures) {
     std::string name = to_string(figure.criterion);
     if (figure.scope.kind != analysis::Scope::Kind::kArray)
-      name += " " + in_words(figure.scope, analysis::PressureUnit::kPsi);
+      name += " " + display_text(figure.scope, analysis::PressureUnit::kPsi);
     worst[name] = std::max(worst[name], std::optional(figure.verdict));
   }
   std::map<std::string, std::string> words;
-  for (const auto& [name, verdict] : worst) words[name] = analysis::verdict_word(verdict);
+  for (const auto& [name, verdict] : worst) words[name] = analysis::verdict_text(verdict);
   return words;
 }
 
@@ -107,7 +107,7 @@ void judge(const Scenario& scenario, db::RunStore& store, ScenarioResult& result
   } else if (!held_out.empty()) {
     const analysis::Judgement judgement = judge_and_store(store, runs, fit, evaluations, scenario.limits).judgement;
     result.verdicts = words_of(judgement);
-    result.verdicts["overall"] = analysis::verdict_word(analysis::worst_of(judgement.figures));
+    result.verdicts["overall"] = analysis::verdict_text(analysis::worst_of(judgement.figures));
   }
   for (std::size_t taxel = 0; taxel < fit.array().size(); ++taxel)
     if (fit.taxels[taxel].status != analysis::TaxelStatus::kFitted)
@@ -116,7 +116,7 @@ void judge(const Scenario& scenario, db::RunStore& store, ScenarioResult& result
 }
 
 // A run that is not fitted gives figures of its rig.
-void look_at_rig(const db::RunStore& store, ScenarioResult& result) {
+void add_rig_figures(const db::RunStore& store, ScenarioResult& result) {
   const analysis::StoredRun run = analysis::read_run(store, store.run(result.runs.back().run));
   result.figures["instruments"] = static_cast<double>(run.record.devices.size());
   const std::vector<db::EventRecord> events = store.events(run.record.run);
@@ -155,7 +155,7 @@ ScenarioResult carry_out(const Scenario& scenario, const std::string& path) {
   }
   if (completed) {
     try {
-      scenario.fits ? judge(scenario, store, result) : look_at_rig(store, result);
+      scenario.fits ? judge(scenario, store, result) : add_rig_figures(store, result);
     } catch (const std::exception&) {
       const Error error = as_error(std::current_exception());
       result.wrong.push_back(fmt::format("the analysis ended with {}: {}", error.id(), error.what()));

@@ -32,7 +32,7 @@ struct ScenarioResult {
 ScenarioResult carry_out(const Scenario& scenario, const std::string& store);
 
 // Whether carry_out() made `store`, complete or not: it holds only a scenario's runs, without the tags and notes of
-// people or of take_night().
+// people or of store_night().
 bool is_scenario_store(const std::string& store);
 
 // One line per difference between `result` and the expectations of `scenario`.

@@ -35,7 +35,7 @@ std::map<std::int64_t, std::int64_t> runs_with_same_seeds(const std::vector<db::
   return same;
 }
 
-void chart(FollowedFigure& figure, const Followed& followed, const std::map<std::int64_t, std::int64_t>& repeated,
+void chart(TrendFigure& figure, const SubjectTrend& followed, const std::map<std::int64_t, std::int64_t>& repeated,
            const std::map<std::int64_t, std::int64_t>& same_seeds) {
   const std::int64_t last = followed.baseline ? followed.baseline->runs.back() : 0;
   std::vector<double> start_up, later;
@@ -44,7 +44,7 @@ void chart(FollowedFigure& figure, const Followed& followed, const std::map<std:
     if (figure.accepted[i] && !repeated.contains(run)) start_up.push_back(figure.values[i]);
     if (run > last && !same_seeds.contains(run)) later.push_back(figure.values[i]);
   }
-  figure.chart = analysis::chart_figure(figure.name, start_up, later);
+  figure.chart = analysis::control_chart(figure.name, start_up, later);
   if (followed.same_seeds != 0) figure.chart.ewma.reset();
   figure.missing = figure.runs.back() != followed.run;
   const std::optional<analysis::ControlBand>& band = figure.chart.band;
@@ -54,7 +54,7 @@ void chart(FollowedFigure& figure, const Followed& followed, const std::map<std:
 
 }  // namespace
 
-SubjectHistory::SubjectHistory(const db::RunStore& store, const std::string& subject)
+TrendReader::TrendReader(const db::RunStore& store, const std::string& subject)
     : subject_(subject),
       baseline_(store.last_baseline(subject)),
       records_(store.figures(subject)),
@@ -62,26 +62,26 @@ SubjectHistory::SubjectHistory(const db::RunStore& store, const std::string& sub
   if (baseline_) repeated_ = store.repeated_runs(subject, baseline_->runs);
 }
 
-std::map<std::string, double> SubjectHistory::figures_of(std::int64_t run) const {
+std::map<std::string, double> TrendReader::figures_of(std::int64_t run) const {
   std::map<std::string, double> figures;
   for (const db::FigureRecord& record : std::ranges::equal_range(records_, run, {}, &db::FigureRecord::run))
     figures[record.name] = record.value;
   return figures;
 }
 
-Followed SubjectHistory::up_to(std::int64_t run) const {
-  Followed followed;
+SubjectTrend TrendReader::up_to(std::int64_t run) const {
+  SubjectTrend followed;
   followed.subject = subject_;
   followed.baseline = baseline_;
   const std::span known(records_.begin(), std::ranges::upper_bound(records_, run, {}, &db::FigureRecord::run));
-  std::map<std::string, FollowedFigure> figures;
+  std::map<std::string, TrendFigure> figures;
   if (!known.empty()) {
     followed.run = known.back().run;
     followed.origin = known.back().origin;
   }
   for (const db::FigureRecord& record : known) {
     if (record.origin != followed.origin || !std::isfinite(record.value)) continue;
-    FollowedFigure& figure = figures[record.name];
+    TrendFigure& figure = figures[record.name];
     figure.name = record.name;
     figure.runs.push_back(record.run);
     figure.values.push_back(record.value);
@@ -100,15 +100,15 @@ Followed SubjectHistory::up_to(std::int64_t run) const {
   return followed;
 }
 
-Followed follow(const db::RunStore& store, const std::string& subject) {
-  return SubjectHistory(store, subject).up_to(std::numeric_limits<std::int64_t>::max());
+SubjectTrend follow(const db::RunStore& store, const std::string& subject) {
+  return TrendReader(store, subject).up_to(std::numeric_limits<std::int64_t>::max());
 }
 
-void judge_together(const std::vector<Followed*>& family) {
-  std::vector<FollowedFigure*> charted;
+void judge_shifts(const std::vector<SubjectTrend*>& family) {
+  std::vector<TrendFigure*> charted;
   std::vector<double> probabilities;
-  for (Followed* const followed : family)
-    for (FollowedFigure& figure : followed->figures) {
+  for (SubjectTrend* const followed : family)
+    for (TrendFigure& figure : followed->figures) {
       figure.shifted = false;
       if (!figure.chart.ewma || figure.missing) continue;
       charted.push_back(&figure);
@@ -118,15 +118,15 @@ void judge_together(const std::vector<Followed*>& family) {
   for (std::size_t i = 0; i < charted.size(); ++i) charted[i]->shifted = reported[i];
 }
 
-Followed follow_alone(const db::RunStore& store, const std::string& subject) {
-  Followed followed = follow(store, subject);
-  judge_together({&followed});
+SubjectTrend trend_of_subject(const db::RunStore& store, const std::string& subject) {
+  SubjectTrend followed = follow(store, subject);
+  judge_shifts({&followed});
   return followed;
 }
 
-std::vector<std::string> outside_lines(const Followed& followed) {
+std::vector<std::string> outside_band_lines(const SubjectTrend& followed) {
   std::vector<std::string> lines;
-  for (const FollowedFigure& figure : followed.figures) {
+  for (const TrendFigure& figure : followed.figures) {
     if (!figure.outside) continue;
     const std::string accepted =
         fmt::format("{}, accepted by {}", followed.baseline->reason, followed.baseline->accepted_by);
@@ -146,41 +146,41 @@ std::vector<std::string> outside_lines(const Followed& followed) {
   return lines;
 }
 
-std::vector<std::string> shift_lines(const Followed& followed) {
+std::vector<std::string> shift_lines(const SubjectTrend& followed) {
   std::vector<std::string> lines;
-  for (const FollowedFigure& figure : followed.figures) {
+  for (const TrendFigure& figure : followed.figures) {
     if (!figure.shifted) continue;
     const analysis::EwmaState& ewma = *figure.chart.ewma;
     lines.push_back(fmt::format(
         "{} shifted: its moving average is {:.6g}, {:+.2g} of the baseline's deviations from its mean {:.6g} ({} "
         "runs), by chance with p = {:.1g} in {} runs{}",
         figure.name, figure.chart.level, ewma.ewma, figure.chart.band->mean, ewma.start_up, figure.chart.probability,
-        analysis::kChartRuns, figure.chart.slope ? fmt::format("; {:+.3g} per run", *figure.chart.slope) : ""));
+        analysis::kControlRuns, figure.chart.slope ? fmt::format("; {:+.3g} per run", *figure.chart.slope) : ""));
   }
   return lines;
 }
 
-std::string short_baseline(const Followed& followed) {
-  if (!followed.baseline || followed.counted >= analysis::kLeastStartUp) return {};
+std::string short_baseline(const SubjectTrend& followed) {
+  if (!followed.baseline || followed.counted >= analysis::kMinStartUpRuns) return {};
   if (followed.counted < 3) return "fewer than three measurements: it does not judge";
   return fmt::format("fewer than {} measurements: it shows gross changes only, accept a longer one",
-                     analysis::kLeastStartUp);
+                     analysis::kMinStartUpRuns);
 }
 
-double FollowedFigure::former() const { return values.size() > 1 ? values[values.size() - 2] : analysis::kNan; }
+double TrendFigure::former() const { return values.size() > 1 ? values[values.size() - 2] : analysis::kNan; }
 
-void mark_outliers(std::vector<Followed>& sensors) {
-  std::map<std::pair<std::string, std::string>, std::vector<FollowedFigure*>> alike;
-  for (Followed& followed : sensors) {
+void mark_outliers(std::vector<SubjectTrend>& sensors) {
+  std::map<std::pair<std::string, std::string>, std::vector<TrendFigure*>> alike;
+  for (SubjectTrend& followed : sensors) {
     constexpr std::string_view kOfSensor = "sensor/";
     if (!followed.subject.starts_with(kOfSensor)) continue;
     const std::size_t end = followed.subject.find('/', kOfSensor.size());
-    for (FollowedFigure& figure : followed.figures)
+    for (TrendFigure& figure : followed.figures)
       alike[{followed.subject.substr(std::min(end, followed.subject.size())), figure.name}].push_back(&figure);
   }
   for (const auto& [key, figures] : alike) {
     std::vector<double> newest;
-    for (const FollowedFigure* figure : figures) newest.push_back(figure->values.back());
+    for (const TrendFigure* figure : figures) newest.push_back(figure->values.back());
     const std::vector<double> scores = analysis::modified_z_scores(newest);
     const double median = analysis::median_of(newest);
     for (std::size_t i = 0; i < figures.size(); ++i)
@@ -189,13 +189,13 @@ void mark_outliers(std::vector<Followed>& sensors) {
   }
 }
 
-FigureWords in_words(const std::string& figure) {
+FigureLabel display_text(const std::string& figure) {
   static const std::map<std::string, std::string, std::less<>> kUnits = {
       {"psi", "psi"}, {"kpa", "kPa"}, {"bar", "bar"}, {"mv", "mV"},   {"v", "V"},      {"um", "µm"},
       {"mm", "mm"},   {"n", "N"},     {"s", "s"},     {"min", "min"}, {"percent", "%"}};
   std::vector<std::string> words(1);
   for (const char c : figure) c == '_' ? void(words.emplace_back()) : void(words.back() += c);
-  FigureWords out;
+  FigureLabel out;
   const auto take_unit = [&] {
     const auto unit = words.empty() ? kUnits.end() : kUnits.find(words.back());
     if (unit == kUnits.end()) return std::string();
@@ -214,10 +214,10 @@ FigureWords in_words(const std::string& figure) {
     }
   }
   out.name = fmt::format("{}", fmt::join(words, " "));
-  return out.name.empty() ? FigureWords{figure, {}} : out;
+  return out.name.empty() ? FigureLabel{figure, {}} : out;
 }
 
-FigureScale scale_of(const FollowedFigure& figure) {
+FigureScale scale_of(const TrendFigure& figure) {
   if (const auto& band = figure.chart.band) {
     double width = band->high - band->low;
     if (figure.chart.constant) width = std::max(0.1 * std::abs(band->mean), 1.0);
@@ -259,9 +259,9 @@ std::size_t place_of_psi(const std::string& name) {
   return std::string::npos;
 }
 
-void scale(FollowedFigure& figure, double factor) {
+void scale(TrendFigure& figure, double factor) {
   for (double& value : figure.values) value *= factor;
-  analysis::FigureChart& chart = figure.chart;
+  analysis::ControlChart& chart = figure.chart;
   if (chart.band) {
     for (double* value : {&chart.band->mean, &chart.band->low, &chart.band->high}) *value *= factor;
     if (!chart.logarithmic) chart.band->deviation *= factor;
@@ -272,11 +272,11 @@ void scale(FollowedFigure& figure, double factor) {
 
 }  // namespace
 
-Followed in_unit(Followed followed, analysis::PressureUnit unit) {
+SubjectTrend in_unit(SubjectTrend followed, analysis::PressureUnit unit) {
   if (unit == analysis::PressureUnit::kPsi) return followed;
   std::string symbol = unit.symbol();
   for (char& letter : symbol) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
-  for (FollowedFigure& figure : followed.figures) {
+  for (TrendFigure& figure : followed.figures) {
     const std::size_t at = place_of_psi(figure.name);
     if (at == std::string::npos) continue;
     const bool per = at >= 4 && figure.name.compare(at - 4, 4, "per_") == 0;

@@ -49,10 +49,10 @@ Key taxels_key(const std::string& status, Scenario& scenario) {
 }
 
 Key verdict_key(const std::string& criterion, Scenario& scenario) {
-  return key::made({criterion, "one of", "-", fmt::format("{}", fmt::join(analysis::verdict_words(), ", ")), "",
+  return key::made({criterion, "one of", "-", fmt::format("{}", fmt::join(analysis::verdict_names(), ", ")), "",
                     "Expected verdict of a criterion; overall: of all together"},
                    [&scenario, criterion](const TomlTable& table) {
-                     scenario.verdicts[criterion] = table.word(criterion, analysis::verdict_words());
+                     scenario.verdicts[criterion] = table.word(criterion, analysis::verdict_names());
                    });
 }
 

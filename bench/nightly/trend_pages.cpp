@@ -32,7 +32,7 @@ table.figures td, table.figures th { font-size: 11px; vertical-align: middle; }
 )";
 
 // The newest values, the baseline's band behind them, the last one as a dot. What is beyond the scale lies at its edge.
-Markup small_plot(const FollowedFigure& figure) {
+Markup small_plot(const TrendFigure& figure) {
   const std::size_t count = std::min(kPlotRuns, figure.values.size());
   const std::vector<double> shown(figure.values.end() - static_cast<std::ptrdiff_t>(count), figure.values.end());
   const FigureScale scale = scale_of(figure);
@@ -45,7 +45,7 @@ Markup small_plot(const FollowedFigure& figure) {
                                : 0.5 * kPlotWidth);
   };
   Markup plot = markup("<svg width=\"{}\" height=\"{}\" role=\"img\"><title>{} over the last {}, {} to {}</title>",
-                       CssNumber(kPlotWidth), CssNumber(kPlotHeight), Text(in_words(figure.name).text()),
+                       CssNumber(kPlotWidth), CssNumber(kPlotHeight), Text(display_text(figure.name).text()),
                        Text(analysis::counted(count, "run")), significant(*std::ranges::min_element(shown), 4),
                        significant(*std::ranges::max_element(shown), 4));
   if (figure.chart.band)
@@ -58,7 +58,7 @@ Markup small_plot(const FollowedFigure& figure) {
   return plot;
 }
 
-Markup figure_state(const FollowedFigure& figure) {
+Markup figure_state(const TrendFigure& figure) {
   if (figure.missing) return markup("<span class=\"bad\"><span class=\"sign\">✗</span> missing</span>");
   if (figure.outside) return markup("<span class=\"bad\"><span class=\"sign\">✗</span> outside</span>");
   if (figure.shifted) return markup("<span class=\"doubt\"><span class=\"sign\">▲</span> shifted</span>");
@@ -67,7 +67,7 @@ Markup figure_state(const FollowedFigure& figure) {
   return markup("<span class=\"good\"><span class=\"sign\">✓</span> within</span>");
 }
 
-std::string followed_baseline(const Followed& followed) {
+std::string followed_baseline(const SubjectTrend& followed) {
   if (!followed.baseline) return {};
   const db::BaselineRecord& own = *followed.baseline;
   std::string text =
@@ -79,15 +79,15 @@ std::string followed_baseline(const Followed& followed) {
   return text;
 }
 
-Markup figures_of_subject(const Followed& followed) {
+Markup figures_of_subject(const SubjectTrend& followed) {
   Markup out = markup(
       "<div class=\"wide\"><table class=\"figures\"><caption>{}{}</caption><thead><tr><th>figure</th><th "
       "class=\"n\">former</th><th class=\"n\">newest</th><th "
       "class=\"n\">baseline</th><th>runs</th><th></th></tr></thead><tbody>\n",
       Text(followed.subject), Text(followed_baseline(followed)));
-  for (const FollowedFigure& figure : followed.figures) {
+  for (const TrendFigure& figure : followed.figures) {
     out += markup("<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">",
-                  Text(in_words(figure.name).text()),
+                  Text(display_text(figure.name).text()),
                   figure.values.size() > 1 ? significant(figure.former(), 4) : Text("–"),
                   significant(figure.values.back(), 4));
     if (figure.chart.band)
@@ -162,16 +162,16 @@ std::string night_page(const Suite& suite, const NightPage& night) {
   page += markup("</tbody></table></div>\n");
   if (!night.followed.empty()) {
     page += markup("<h2>Figures over the nights</h2>\n<p class=\"note\">{}</p>\n", Text(kBandNote));
-    for (const Followed& followed : night.followed) page += figures_of_subject(followed);
+    for (const SubjectTrend& followed : night.followed) page += figures_of_subject(followed);
   }
   page += markup("</main>\n</body>\n</html>\n");
   return page.value;
 }
 
-std::string trend_page(const std::string& title, const std::string& origin, const std::vector<Followed>& followed) {
+std::string trend_page(const std::string& title, const std::string& origin, const std::vector<SubjectTrend>& followed) {
   Markup page = page_start(title, origin == "simulated");
   page += markup("<p class=\"note\">{}</p>\n</header>\n<main>\n", Text(kBandNote));
-  for (const Followed& subject : followed) page += figures_of_subject(subject);
+  for (const SubjectTrend& subject : followed) page += figures_of_subject(subject);
   page += markup("</main>\n</body>\n</html>\n");
   return page.value;
 }

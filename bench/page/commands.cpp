@@ -44,13 +44,13 @@ std::optional<Asked> read_command(const std::string& body, const std::string& be
     asked.run = json.value("run", std::int64_t{0});
     const std::string word = json.value("word", "");
     if (word == "answer") {
-      asked.words = answer_words(json.value("question", 0), json.value("text", ""), behalf);
+      asked.words = answer_packet(json.value("question", 0), json.value("text", ""), behalf);
       return asked;
     }
     for (const Command command :
          {Command::kPause, Command::kResume, Command::kStop, Command::kAbort, Command::kPanic}) {
       if (word != to_string(command)) continue;
-      asked.words = command_words(command, behalf);
+      asked.words = command_packet(command, behalf);
       asked.panics = command == Command::kPanic;
       return asked;
     }
@@ -84,7 +84,7 @@ void Commands::receive(Sent& sent) {
   if (!answer && sent.connection->open()) return;
   sent.done = true;  // look() removes it: this is called by what it would remove
   if (!answer) return sent.reply(told(200, false, "the run has hung up without an answer"));
-  sent.reply(told(200, answer->taken, one_line(answer->text, kLongestReply), peer_text(answer->server)));
+  sent.reply(told(200, answer->taken, one_line(answer->text, kMaxReplyColumns), peer_text(answer->server)));
 }
 
 void Commands::look() {

@@ -28,7 +28,7 @@ bool tells(const db::EventRecord& event) {
   return std::ranges::find(kQuiet, event.kind) == kQuiet.end();
 }
 
-std::string readings_words(const RunReadings& now) {
+std::string current_readings_text(const RunReadings& now) {
   const auto tenths = [](double psi) { return std::round(10.0 * psi) / 10.0 + 0.0; };  // no "-0.0"
   std::string words =
       fmt::format("feedback {:.1f} psi, reference {:.1f} psi", tenths(now.feedback_psi), tenths(now.reference_psi));
@@ -47,16 +47,17 @@ nlohmann::json event_json(const db::EventRecord& event) {
   const ErrorRow* error = error_row(event.id);
   return {{"time_s", static_cast<double>(event.time_ns) * 1e-9},
           JSON_FIELDS(event, kind, id),
-          {"detail", one_line(event.detail, kLongestText)},
+          {"detail", one_line(event.detail, kMaxTextLength)},
           {"try", error != nullptr ? error->remedy : std::string_view()}};
 }
 
 }  // namespace
 
-SafeWords safe_words(const LiveRun* live, const StoredRun* stored, const std::optional<db::EventRecord>& newest_safe) {
+SafeStateText safe_state_text(const LiveRun* live, const StoredRun* stored,
+                              const std::optional<db::EventRecord>& newest_safe) {
   if (live != nullptr) {
     const RunStatus& status = live->status;
-    const std::string readings = status.readings ? readings_words(*status.readings) : "nothing is read yet";
+    const std::string readings = status.readings ? current_readings_text(*status.readings) : "nothing is read yet";
     if (rests(status.state) && newest_safe && newest_safe->id == db::to_string(db::SafeState::kVerified))
       return {"proved", fmt::format("vented and proved: {} ({})", newest_safe->detail, readings)};
     if (rests(status.state)) return {"unknown", "not proved: " + readings};
@@ -73,7 +74,7 @@ SafeWords safe_words(const LiveRun* live, const StoredRun* stored, const std::op
           fmt::format("{} at the end: {}; read the chamber's own gauge", db::to_string(run.safe_state), detail)};
 }
 
-const db::RunStore* RunOnShow::store(std::string* why) {
+const db::RunStore* DisplayedRun::store(std::string* why) {
   if (store_ && inode_of(db_) != file_) close();
   if (!store_) {
     try {
@@ -88,20 +89,20 @@ const db::RunStore* RunOnShow::store(std::string* why) {
   return store_ ? &*store_ : nullptr;
 }
 
-void RunOnShow::close() {
+void DisplayedRun::close() {
   frames_.reset();
   stored_.reset();
   store_.reset();
 }
 
-std::int64_t RunOnShow::last_run() {
+std::int64_t DisplayedRun::last_run() {
   std::int64_t last = 0;
   for (const db::RunRecord& run : store_->runs())
     if (bench_.empty() || run.bench_id == bench_) last = run.run;
   return last;
 }
 
-void RunOnShow::look(const LiveRun* live) {
+void DisplayedRun::look(const LiveRun* live) {
   const auto now = RealClock::now();
   std::string seen;
   if (live != nullptr)
@@ -117,11 +118,11 @@ void RunOnShow::look(const LiveRun* live) {
     read_store(live);
   } else if (frames_ && !other &&
              frames_->position() < (live != nullptr ? live->status.frames + live->status.frames_void : last_frame_)) {
-    look_at_frames();
+    update_frames();
   }
 }
 
-void RunOnShow::look_at_frames() {
+void DisplayedRun::update_frames() {
   try {
     new_picture_ = frames_->advance() || new_picture_;
   } catch (const db::StoreError& error) {
@@ -130,7 +131,7 @@ void RunOnShow::look_at_frames() {
   }
 }
 
-void RunOnShow::read_store(const LiveRun* live) {
+void DisplayedRun::read_store(const LiveRun* live) {
   if (store() == nullptr) return;
   try {
     read_run(live != nullptr ? live->status.run : last_run());
@@ -138,10 +139,10 @@ void RunOnShow::read_store(const LiveRun* live) {
     unread_ = error.what();
     return close();
   }
-  if (frames_) look_at_frames();
+  if (frames_) update_frames();
 }
 
-void RunOnShow::read_run(std::int64_t run) {
+void DisplayedRun::read_run(std::int64_t run) {
   if (run == 0) return;
   const bool other = !stored_ || stored_->record.run != run;
   if (other) {
@@ -162,7 +163,7 @@ void RunOnShow::read_run(std::int64_t run) {
   last_frame_ = store_->last_position(run);
   calibration_ = record.outcome == db::Outcome::kIncomplete ? Standing() : calibration_of(*store_, run);
   if (!other) return;
-  nights_ = kept_nights(*store_);
+  nights_ = stored_nights(*store_);
   before_ = 0;
   for (const db::RunRecord& earlier : store_->runs())
     if (earlier.run < run && earlier.sensor_serial == record.sensor_serial && !earlier.is_void() &&
@@ -170,14 +171,14 @@ void RunOnShow::read_run(std::int64_t run) {
       before_ = earlier.run;
 }
 
-bool RunOnShow::take_new_picture() { return std::exchange(new_picture_, false); }
+bool DisplayedRun::consume_new_picture() { return std::exchange(new_picture_, false); }
 
-nlohmann::json RunOnShow::picture() const { return frames_ ? frames_->picture(!was_live_) : nlohmann::json(); }
+nlohmann::json DisplayedRun::picture() const { return frames_ ? frames_->picture(!was_live_) : nlohmann::json(); }
 
 nlohmann::json readings_json(const LiveRun& live) {
   const RunStatus& status = live.status;
   nlohmann::json told = {{"run", status.run},
-                         {"phase", one_line(status.phase, kLongestAnswer)},
+                         {"phase", one_line(status.phase, kMaxAnswerColumns)},
                          JSON_FIELDS(status, step, steps, frames, left_s, left_low_s, left_high_s)};
   if (status.target_n) told["target_n"] = *status.target_n;
   if (const auto& now = status.readings) {
@@ -191,7 +192,7 @@ nlohmann::json readings_json(const LiveRun& live) {
   return told;
 }
 
-nlohmann::json RunOnShow::state(const LiveRun* live, double silent_s) const {
+nlohmann::json DisplayedRun::state(const LiveRun* live, double silent_s) const {
   const bool ours = live != nullptr && stored_ && stored_->record.run == live->status.run;
   nlohmann::json told = {
       {"live", live != nullptr}, {"silent_s", silent_s}, {"store", db_}, {"unread", unread_}, {"nights", nights_}};
@@ -209,8 +210,9 @@ nlohmann::json RunOnShow::state(const LiveRun* live, double silent_s) const {
   }
   told["origin"] = stored_ ? stored_->record.origin : "";
   const bool shown = ours || live == nullptr;
-  const SafeWords safe = safe_words(live, shown && stored_ ? &*stored_ : nullptr, shown ? newest_safe_ : std::nullopt);
-  told["safe"] = {{"state", safe.state}, {"words", one_line(safe.words, kLongestText)}};
+  const SafeStateText safe =
+      safe_state_text(live, shown && stored_ ? &*stored_ : nullptr, shown ? newest_safe_ : std::nullopt);
+  told["safe"] = {{"state", safe.state}, {"words", one_line(safe.words, kMaxTextLength)}};
   told["before"] = shown ? before_ : 0;
   told["events"] = nlohmann::json::array();
   if (shown)

@@ -15,25 +15,26 @@
 
 namespace tactbench::bench {
 
-struct SafeWords {
+struct SafeStateText {
   std::string state;  // proved | loaded | unknown | none
   std::string words;
 };
 // `newest_safe`: the run's newest event of that kind. `live`: null when no process carries the run out.
-SafeWords safe_words(const LiveRun* live, const StoredRun* stored, const std::optional<db::EventRecord>& newest_safe);
+SafeStateText safe_state_text(const LiveRun* live, const StoredRun* stored,
+                              const std::optional<db::EventRecord>& newest_safe);
 
 // What changes many times a second.
 nlohmann::json readings_json(const LiveRun& live);
 
-class RunOnShow {
+class DisplayedRun {
  public:
   // `bench`: its id, of which the last run is shown when none is live; empty: of any.
-  RunOnShow(std::string db, std::string bench) : db_(std::move(db)), bench_(std::move(bench)) {}
+  DisplayedRun(std::string db, std::string bench) : db_(std::move(db)), bench_(std::move(bench)) {}
 
   // Reads the store when `live` reports something new, else every few seconds; null: no run is live.
   void look(const LiveRun* live);
   // True once for each newer picture.
-  bool take_new_picture();
+  bool consume_new_picture();
   [[nodiscard]] nlohmann::json picture() const;
   // `silent_s`: since the run's last word.
   [[nodiscard]] nlohmann::json state(const LiveRun* live, double silent_s) const;
@@ -45,7 +46,7 @@ class RunOnShow {
   using RealClock = std::chrono::steady_clock;
   void read_store(const LiveRun* live);
   void read_run(std::int64_t run);
-  void look_at_frames();
+  void update_frames();
   [[nodiscard]] std::int64_t last_run();
   void close();
 
@@ -57,7 +58,7 @@ class RunOnShow {
   std::optional<db::EventRecord> newest_safe_;
   std::optional<bool> carried_out_;
   Standing calibration_;         // of an ended run: calibration_of()
-  std::size_t nights_ = 0;       // kept_nights()
+  std::size_t nights_ = 0;       // stored_nights()
   std::int64_t last_frame_ = 0;  // its position, as stored
   std::int64_t before_ = 0;      // the sensor's last completed run before this one
   std::optional<RunFrames> frames_;

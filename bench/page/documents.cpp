@@ -70,7 +70,7 @@ void Documents::finish(Work& work) {
     kept_.push_back(work.id);
     forget_old();
   } else {
-    made = {"", for_people(file_text(log).substr(0, kLongestText))};
+    made = {"", terminal_safe(file_text(log).substr(0, kMaxTextLength))};
     if (made.error.empty()) made.error = "it took too long";
   }
   std::filesystem::remove(log, ignored);

@@ -31,11 +31,11 @@ nlohmann::json rounded_all(const Values& values, double steps) {
   return list;
 }
 
-double psi_or_n(const db::SeenFrame& frame) { return frame.wrench ? -frame.wrench->wrench[2] : frame.reference_psi; }
+double psi_or_n(const db::StoredFrame& frame) { return frame.wrench ? -frame.wrench->wrench[2] : frame.reference_psi; }
 
 // The whole array's models of that run; none: it has none that stream.
 std::optional<analysis::SensorModel> models_of(const db::RunStore& store, std::int64_t run) {
-  const std::optional<db::FitRecord> record = store.standing_fit(run);
+  const std::optional<db::FitRecord> record = store.default_fit(run);
   if (!record) return std::nullopt;
   analysis::SensorModel model = analysis::load_model(fmt::format("{}:{}", run, record->fit), &store);
   if (model.fitted().empty()) return std::nullopt;
@@ -71,7 +71,7 @@ std::unique_ptr<CompensatedRun> CompensatedRun::of(const db::RunStore& store, co
   return nullptr;
 }
 
-void CompensatedRun::see(const db::SeenFrame& frame, const std::vector<double>& volts) {
+void CompensatedRun::see(const db::StoredFrame& frame, const std::vector<double>& volts) {
   if (volts.size() != volts_.size()) return;
   const double gap = last_ns_ ? static_cast<double>(frame.time_ns - *last_ns_) * 1e-9 : 0.0;
   last_ns_ = frame.time_ns;
@@ -94,7 +94,7 @@ bool RunFrames::advance() {
     models_sought_ = true;
   }
   bool newer = false;
-  look_.frames_after(position_, kFramesACall, [&](const db::SeenFrame& frame) {
+  look_.frames_after(position_, kFramesACall, [&](const db::StoredFrame& frame) {
     if (position_ == 0) basis_ = array_basis(store_, run_);  // the seating check comes before the first frame
     position_ = frame.position;
     newest_ = Seen{frame, view_of_frame(*basis_, frame), {}, {}};
@@ -129,7 +129,7 @@ nlohmann::json RunFrames::picture(bool at_peak) const {
                          {"dead_known", view.dead_are_known},
                          {"saturated", view.saturated}};
   if (!seen) return told;
-  const db::SeenFrame& frame = seen->frame;
+  const db::StoredFrame& frame = seen->frame;
   told["void"] = frame.is_void;
   if (frame.wrench)
     told["press"] = {
@@ -148,9 +148,9 @@ nlohmann::json loop_points(const db::RunStore& store, std::int64_t run, int taxe
   nlohmann::json x = nlohmann::json::array(), y = x, set = x, t = x;
   nlohmann::json told = {{"run", run}, {"taxel", taxel}, {"last", after}, {"axis", "psi"}};
   const std::optional<ArrayBasis> basis = array_basis(store, record);
-  db::RunLook look(store, run);
+  db::RunFrameReader look(store, run);
   if (basis) {
-    look.frames_after(std::max(after, look.before_newest(kLoopPoints)), kLoopPoints, [&](const db::SeenFrame& frame) {
+    look.frames_after(std::max(after, look.before_newest(kLoopPoints)), kLoopPoints, [&](const db::StoredFrame& frame) {
       told["last"] = frame.position;
       const char* axis = frame.wrench ? "N" : "psi";
       if (told["axis"] != axis) x = y = set = t = nlohmann::json::array();  // a run may have both

@@ -19,7 +19,7 @@ class CompensatedRun {
  public:
   // None: no earlier run of the sensor has models that stream. Throws StoreError.
   static std::unique_ptr<CompensatedRun> of(const db::RunStore& store, const db::RunRecord& run);
-  void see(const db::SeenFrame& frame, const std::vector<double>& volts);
+  void see(const db::StoredFrame& frame, const std::vector<double>& volts);
   [[nodiscard]] const std::vector<float>& pressure_psi() const { return pressure_; }
   [[nodiscard]] const std::vector<std::uint16_t>& status() const { return status_; }  // TaxelBits
   [[nodiscard]] const std::string& words() const { return words_; }                   // "elam of run 3"
@@ -48,13 +48,13 @@ class RunFrames {
  private:
   const db::RunStore& store_;
   db::RunRecord run_;
-  db::RunLook look_;
+  db::RunFrameReader look_;
   std::optional<ArrayBasis> basis_;
   std::unique_ptr<CompensatedRun> compensated_;
   bool models_sought_ = false;
   std::int64_t position_ = 0;
   struct Seen {
-    db::SeenFrame frame;
+    db::StoredFrame frame;
     ArrayView view;
     std::vector<float> pressure_psi;  // empty: without models
     std::vector<std::uint16_t> status;

@@ -16,13 +16,13 @@ using nlohmann::ordered_json;
 
 namespace {
 
-std::string decided_words(const analysis::JudgedFigure& figure) {
+std::string decided_text(const analysis::JudgedFigure& figure) {
   if (figure.run == figure.model_run) return "judged on the models' own run alone: a held-out run is needed";
   constexpr auto kPsi = analysis::PressureUnit::kPsi;
   using Kind = analysis::Scope::Kind;
   return fmt::format("{}{}{}{}: {}, limit {}, on run {}",
-                     passes(figure.verdict) ? "closest to its limit: " : "decided by: ", in_words(figure.criterion),
-                     figure.scope.kind == Kind::kArray ? "" : " at " + in_words(figure.scope, kPsi),
+                     passes(figure.verdict) ? "closest to its limit: " : "decided by: ", display_text(figure.criterion),
+                     figure.scope.kind == Kind::kArray ? "" : " at " + display_text(figure.scope, kPsi),
                      figure.scope.kind == Kind::kSpan ? " of the taxels" : "",
                      figure_text(figure.criterion, figure.value, kPsi),
                      figure_text(figure.criterion, figure.limit, kPsi), figure.run);
@@ -36,7 +36,7 @@ ordered_json verdict_json(const Standing& stands) {
   return {{"word", to_string(*stands.verdict)},
           {"of_means", stands.rests_on_means_alone},
           {"models_of", stands.models_run()},
-          {"decided", decided_words(*deciding)}};
+          {"decided", decided_text(*deciding)}};
 }
 
 Standing calibration_of(const db::RunStore& store, std::int64_t run) {
@@ -92,7 +92,7 @@ ordered_json sensors_list(const db::RunStore& store, const analysis::Laboratory&
   return {{"sensors", std::move(list)}};
 }
 
-std::size_t kept_nights(const db::RunStore& store) {
+std::size_t stored_nights(const db::RunStore& store) {
   const auto nightly = [](const std::string& subject) { return subject.starts_with("nightly/"); };
   return static_cast<std::size_t>(std::ranges::count_if(store.subjects(), nightly));
 }

@@ -26,6 +26,6 @@ nlohmann::ordered_json runs_list(const db::RunStore& store);
 nlohmann::ordered_json sensors_list(const db::RunStore& store, const analysis::Laboratory& laboratory,
                                     const std::string& today);
 // Of how many scenarios the store keeps figures.
-std::size_t kept_nights(const db::RunStore& store);
+std::size_t stored_nights(const db::RunStore& store);
 
 }  // namespace tactbench::bench

@@ -51,7 +51,7 @@ struct PageServer::Parts {
         server(
             given.http, [this](const HttpRequest& request, Reply reply) { answer(request, std::move(reply)); },
             [this](const HttpRequest& request) {
-              return may_command(request, access) ? kKeepsItsPlace : may_read(request, access) ? 1 : 0;
+              return may_command(request, access) ? kNeverEvicted : may_read(request, access) ? 1 : 0;
             }),
         show(given.db, given.bench),
         documents(given.db),
@@ -86,7 +86,7 @@ struct PageServer::Parts {
 
   void look() {
     show.look(live());
-    if (show.take_new_picture()) server.publish(kPicture, event_text("picture", show.picture()));
+    if (show.consume_new_picture()) server.publish(kPicture, event_text("picture", show.picture()));
   }
 
   void tick() {
@@ -99,10 +99,10 @@ struct PageServer::Parts {
       look();
       if (ended && ended()) server.stop();
     }
-    const auto since = now - state_told;
+    const auto since = now - state_sent_at;
     if (since < kStateAtMost || (!state_due && since < kStateAtLeast)) return;
     state_due = false;
-    state_told = now;
+    state_sent_at = now;
     server.publish(kState, event_text("state", show.state(live(), follower.silent_s())));
   }
 
@@ -126,12 +126,12 @@ struct PageServer::Parts {
     try {
       route(request, [reply](HttpResponse response) { reply(guarded(std::move(response))); });
     } catch (const std::exception& error) {
-      reply(guarded(json_response(500, {{"error", one_line(error.what(), kLongestText)}})));
+      reply(guarded(json_response(500, {{"error", one_line(error.what(), kMaxTextLength)}})));
     }
   }
 
   void route(const HttpRequest& request, const Reply& reply) {
-    if (const std::optional<HttpResponse> file = own_file(request.path)) return reply(*file);
+    if (const std::optional<HttpResponse> file = page_asset(request.path)) return reply(*file);
     if (request.path == "/events")
       return reply({.type = "text/event-stream", .body = greeting(request), .fields = {}, .stream = true});
     if (request.path == "/command") return command(request, reply);
@@ -141,7 +141,7 @@ struct PageServer::Parts {
     }
     std::string why;
     const db::RunStore* store = show.store(&why);
-    if (store == nullptr) return reply(json_response(503, {{"error", one_line(why, kLongestText)}}));
+    if (store == nullptr) return reply(json_response(503, {{"error", one_line(why, kMaxTextLength)}}));
     if (request.path == "/loop") return reply(json_response(200, loop(*store, request)));
     if (request.path == "/runs") return reply(json_response(200, runs_list(*store)));
     if (request.path == "/sensors")
@@ -193,14 +193,14 @@ struct PageServer::Parts {
   const std::vector<std::string> addresses;  // as they stand in links
   PageAccess access;
   HttpServer server;
-  RunOnShow show;
+  DisplayedRun show;
   Documents documents;
   Commands commands;
   RunFollower follower;
   std::function<bool()> ended;
   std::string told;
   bool state_due = true;
-  std::chrono::steady_clock::time_point state_told{}, looked{};
+  std::chrono::steady_clock::time_point state_sent_at{}, looked{};
 };
 
 PageServer::PageServer(const PageOptions& options) : parts_(std::make_unique<Parts>(options)) {}

@@ -36,14 +36,14 @@ constexpr const char* kPolicyField = "Content-Security-Policy";
 }  // namespace
 
 std::optional<PageNeeds> needs_of(const std::string& path) {
-  if (own_file(path)) return PageNeeds::kNothing;
+  if (page_asset(path)) return PageNeeds::kNothing;
   if (path.starts_with(kDocumentPath)) return PageNeeds::kNothing;  // its name is the secret
   if (path == "/command") return PageNeeds::kCommand;
   if (std::ranges::find(kReadPlaces, path) != kReadPlaces.end()) return PageNeeds::kRead;
   return std::nullopt;
 }
 
-std::optional<HttpResponse> own_file(const std::string& path) {
+std::optional<HttpResponse> page_asset(const std::string& path) {
   const std::string name = path == "/" ? "page.html" : path.substr(std::min<std::size_t>(path.size(), 1));
   const std::string_view bytes = asset(name);
   if (bytes.empty()) return std::nullopt;

@@ -17,7 +17,7 @@ inline constexpr const char* kDocumentPath = "/document/";
 // None: there is no such place.
 std::optional<PageNeeds> needs_of(const std::string& path);
 // One of the page's own files; none: the path is none.
-std::optional<HttpResponse> own_file(const std::string& path);
+std::optional<HttpResponse> page_asset(const std::string& path);
 HttpResponse json_response(int status, const nlohmann::ordered_json& json);
 // A page that another verb wrote, for the frame: it brings its own style and no script.
 HttpResponse document_response(const std::string& text);

@@ -40,7 +40,7 @@ analysis::SensorModel fit_run(db::RunStore& store, const analysis::Dataset& data
 }
 
 analysis::SensorModel fit_run_dynamic(db::RunStore& store, analysis::Runs& runs, std::int64_t run) {
-  analysis::SensorModel fit = analysis::fit_dynamic_alone(runs.dataset(run));
+  analysis::SensorModel fit = analysis::fit_dynamic_single_run(runs.dataset(run));
   fit.content_sha256 = runs.record(run).content_sha256;
   fit.program_version = build_info().version;
   fit.fit = keep_fit(store, fit);
@@ -60,8 +60,8 @@ std::vector<NamedEvaluation> evaluate_runs(analysis::Runs& runs, const analysis:
   return evaluations;
 }
 
-std::string follow_sensor(db::RunStore& store, const db::RunRecord& run, const analysis::SensorModel& fit,
-                          const analysis::Evaluation& own) {
+std::string record_sensor_trend(db::RunStore& store, const db::RunRecord& run, const analysis::SensorModel& fit,
+                                const analysis::Evaluation& own) {
   if (run.sensor_serial.empty()) return {};
   std::string recipes;
   for (const db::SequenceRecord& sequence : run.sequences)
@@ -71,14 +71,14 @@ std::string follow_sensor(db::RunStore& store, const db::RunRecord& run, const a
   return subject;
 }
 
-void follow_fit(db::RunStore& store, const analysis::SensorModel& fit, const analysis::Evaluation& own) {
+void record_fit_trend(db::RunStore& store, const analysis::SensorModel& fit, const analysis::Evaluation& own) {
   const std::string kind = store.fit(fit.fit).model;
   if (kind == analysis::kElamFit || kind == analysis::kDynamicModel)
-    (void)follow_sensor(store, store.run(fit.run), fit, own);
+    (void)record_sensor_trend(store, store.run(fit.run), fit, own);
 }
 
 analysis::ReportInput report_input(analysis::Runs& runs, std::int64_t run, const analysis::SensorModel& fit,
-                                   const std::vector<NamedEvaluation>& evaluations, const Judged& judged,
+                                   const std::vector<NamedEvaluation>& evaluations, const JudgementRecord& judged,
                                    const std::vector<std::int64_t>& further, const ReportExtras* extras) {
   analysis::ReportInput input;
   input.fit = fit;
@@ -94,7 +94,7 @@ analysis::ReportInput report_input(analysis::Runs& runs, std::int64_t run, const
   input.judgement = judged.judgement;
   input.program_version = build_info().version;
   analysis::gather_run(input, runs, run, further);
-  input.method = method_words(input.run);
+  input.method = method_descriptions(input.run);
   if (extras == nullptr) return input;
   begin_stage("models");
   add_results(input, runs, *extras);
@@ -120,8 +120,8 @@ std::string report_path(const db::RunStore& store, const std::string& name) {
 }
 
 std::string write_report(analysis::Runs& runs, const analysis::SensorModel& fit,
-                         const std::vector<NamedEvaluation>& evaluations, const Judged& judged, std::string path,
-                         std::string* number, const ReportExtras& extras, bool replace) {
+                         const std::vector<NamedEvaluation>& evaluations, const JudgementRecord& judged,
+                         std::string path, std::string* number, const ReportExtras& extras, bool replace) {
   const analysis::Report report =
       analysis::render_report(report_input(runs, fit.run, fit, evaluations, judged, {}, &extras));
   const db::RunStore& store = runs.store();

@@ -31,25 +31,25 @@ std::vector<NamedEvaluation> evaluate_runs(analysis::Runs& runs, const analysis:
 
 // Stores the figures of the fit on its own run `run` under "sensor/SERIAL/RECIPES", of the dynamic model under
 // ".../dynamic", for trend and baselines; returns that subject; empty for an imported run, which has no sensor.
-std::string follow_sensor(db::RunStore& store, const db::RunRecord& run, const analysis::SensorModel& fit,
-                          const analysis::Evaluation& own);
+std::string record_sensor_trend(db::RunStore& store, const db::RunRecord& run, const analysis::SensorModel& fit,
+                                const analysis::Evaluation& own);
 
 // The figures of a stored fit that may stand for its run, of ELAM or the dynamic model; of others none.
-void follow_fit(db::RunStore& store, const analysis::SensorModel& fit, const analysis::Evaluation& own);
+void record_fit_trend(db::RunStore& store, const analysis::SensorModel& fit, const analysis::Evaluation& own);
 
 // A report's input on `run`: models and figures where there are any, verdicts, everything else that is stored.
 // `evaluations` is empty, or its first is the run's own and the others are held out. `extras` null: without model
 // comparison, further studies and uncertainty, which take most of the time. With studies in the budgets the evidence of
 // `judged` is judged again.
 analysis::ReportInput report_input(analysis::Runs& runs, std::int64_t run, const analysis::SensorModel& fit,
-                                   const std::vector<NamedEvaluation>& evaluations, const Judged& judged,
+                                   const std::vector<NamedEvaluation>& evaluations, const JudgementRecord& judged,
                                    const std::vector<std::int64_t>& further = {}, const ReportExtras* extras = nullptr);
 
 // Renders the report of `evaluations` (the first is the fit's own run) into `path`, or reports/run-N.html next to the
 // store. `replace`: a file of another kind (output_file.h). Returns the path.
 std::string write_report(analysis::Runs& runs, const analysis::SensorModel& fit,
-                         const std::vector<NamedEvaluation>& evaluations, const Judged& judged, std::string path,
-                         std::string* number, const ReportExtras& extras = {}, bool replace = false);
+                         const std::vector<NamedEvaluation>& evaluations, const JudgementRecord& judged,
+                         std::string path, std::string* number, const ReportExtras& extras = {}, bool replace = false);
 
 // reports/NAME next to the store.
 std::string report_path(const db::RunStore& store, const std::string& name);

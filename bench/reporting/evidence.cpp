@@ -50,7 +50,7 @@ std::optional<double> dwell_of(const db::RunRecord& run) {
 }
 
 // What a run shows beside that of the models.
-void look_at_conditions(analysis::Runs& runs, const analysis::SensorModel& fit, EvidenceRun& judged) {
+void find_changed_conditions(analysis::Runs& runs, const analysis::SensorModel& fit, EvidenceRun& judged) {
   const db::RunRecord &models = runs.record(fit.run), &run = runs.record(judged.run);
   const analysis::Dataset &fitted = runs.dataset(fit.run), &dataset = runs.dataset(judged.run);
   judged.trajectory = analysis::judged_trajectory(dataset, fitted);
@@ -130,7 +130,7 @@ analysis::Evidence gather_evidence(analysis::Runs& runs, const analysis::SensorM
   for (const std::int64_t source : sources)
     if (const db::RunRecord& run = runs.record(source); run.is_void())
       evidence.models_void.push_back(analysis::void_of(run));
-  analysis::OfModelsRun of_models;
+  analysis::ModelRunResults of_models;
   const auto measure = [&](EvidenceRun& own, const NamedEvaluation& named) {
     own.figures = judged_figures(runs, fit, named.evaluation, limits, own.reference, of_models);
   };
@@ -141,14 +141,14 @@ analysis::Evidence gather_evidence(analysis::Runs& runs, const analysis::SensorM
     const db::RunRecord& run = runs.record(own.run);
     own.reference = analysis::reference_uncertainty(run, notes);
     if (run.is_void()) own.voided = analysis::void_of(run);
-    own.counts = is_among(sources, own.run) ? EvidenceRun::Counts::kModelsOwn
+    own.counts = is_among(sources, own.run) ? EvidenceRun::Counts::kUsedByModels
                  : !run.is_void()           ? EvidenceRun::Counts::kYes
                  : void_too                 ? EvidenceRun::Counts::kVoidOnRequest
                                             : EvidenceRun::Counts::kVoid;
-    if (own.counts == EvidenceRun::Counts::kModelsOwn || own.counts == EvidenceRun::Counts::kVoid) continue;
+    if (own.counts == EvidenceRun::Counts::kUsedByModels || own.counts == EvidenceRun::Counts::kVoid) continue;
     if (!evidence.models_void.empty() && !void_too) continue;
     measure(own, named);
-    look_at_conditions(runs, fit, own);
+    find_changed_conditions(runs, fit, own);
     any = true;
   }
   if (!any) measure(evidence.runs.front(), evaluations.front());
@@ -178,7 +178,7 @@ std::vector<std::int64_t> source_runs(const db::RunStore& store, const analysis:
 }
 
 std::vector<db::RunRecord> named_runs(analysis::Runs& runs, const std::vector<std::int64_t>& numbers,
-                                      const RunsNamed& named, bool void_too) {
+                                      const RunSelectionRules& named, bool void_too) {
   std::vector<db::RunRecord> records;
   for (const std::int64_t run : numbers) {
     if (std::ranges::find(records, run, &db::RunRecord::run) != records.end())
@@ -190,11 +190,11 @@ std::vector<db::RunRecord> named_runs(analysis::Runs& runs, const std::vector<st
     records.push_back(runs.record(run));
     const db::RunRecord& record = records.back();
     if (!record.is_void()) continue;
-    const std::string why = in_words(analysis::void_of(record));
-    if (!void_too || !named.void_can_be_taken)
+    const std::string why = display_text(analysis::void_of(record));
+    if (!void_too || !named.void_can_be_used)
       throw Error("TB-RUN-VOID", why, named.at,
-                  named.void_can_be_taken ? "name another run, or add --void-too: the results are then marked"
-                                          : "name another run: a void run cannot be accepted");
+                  named.void_can_be_used ? "name another run, or add --void-too: the results are then marked"
+                                         : "name another run: a void run cannot be accepted");
     tty::print(stderr, "warning: {}; used because of --void-too\n", why);
   }
   return records;

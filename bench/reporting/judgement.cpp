@@ -45,10 +45,10 @@ void store_judgement(db::RunStore& store, std::int64_t fit, const Judgement& jud
 
 }  // namespace
 
-Judged judge_and_store(db::RunStore& store, analysis::Runs& runs, const analysis::SensorModel& fit,
-                       const std::vector<NamedEvaluation>& evaluations, const std::string& limits_file, bool void_too,
-                       const std::vector<analysis::InstrumentNote>& notes) {
-  Judged out{{}, read_limits(find_config(limits_file)), {}};
+JudgementRecord judge_and_store(db::RunStore& store, analysis::Runs& runs, const analysis::SensorModel& fit,
+                                const std::vector<NamedEvaluation>& evaluations, const std::string& limits_file,
+                                bool void_too, const std::vector<analysis::InstrumentNote>& notes) {
+  JudgementRecord out{{}, read_limits(find_config(limits_file)), {}};
   out.evidence = gather_evidence(runs, fit, evaluations, out.limits, void_too, notes);
   out.judgement = judge(out.evidence, out.limits);
   if (out.limits.rule == analysis::DecisionRule::kReportOnly) return out;
@@ -58,10 +58,11 @@ Judged judge_and_store(db::RunStore& store, analysis::Runs& runs, const analysis
   return out;
 }
 
-Judged judge_for_report(analysis::Runs& runs, const analysis::SensorModel& fit,
-                        const std::vector<NamedEvaluation>& evaluations, const std::string& limits_file, bool void_too,
-                        const std::vector<analysis::InstrumentNote>& notes, const StoredVerdicts& stored) {
-  Judged out;
+JudgementRecord judge_for_report(analysis::Runs& runs, const analysis::SensorModel& fit,
+                                 const std::vector<NamedEvaluation>& evaluations, const std::string& limits_file,
+                                 bool void_too, const std::vector<analysis::InstrumentNote>& notes,
+                                 const StoredVerdicts& stored) {
+  JudgementRecord out;
   if (limits_file.empty() && stored.limits_toml.empty()) return out;
   out.limits = limits_file.empty() ? parse_limits(stored.limits_toml, "the limits stored with the verdicts")
                                    : read_limits(find_config(limits_file));
@@ -101,13 +102,13 @@ Standing standing(const db::RunStore& store, std::int64_t run) {
     if (on_own(figure)) figure.verdict = Verdict::kInconclusive;
   std::map<std::pair<std::int64_t, std::int64_t>, std::string> newest;  // limits, by run and models
   for (const JudgedFigure& figure : rows) newest[{figure.run, figure.model_run}] = figure.limits_sha256;
-  bool of_readings = false;
+  bool is_per_reading = false;
   for (const JudgedFigure& figure : rows) {
     if (figure.verdict != Verdict::kFail && newest[{figure.run, figure.model_run}] != figure.limits_sha256) continue;
     out.verdict = std::max(out.verdict, std::optional(figure.verdict));
-    of_readings = of_readings || analysis::of_readings(figure.criterion);
+    is_per_reading = is_per_reading || analysis::is_per_reading(figure.criterion);
   }
-  out.rests_on_means_alone = analysis::passes(out.verdict) && !of_readings;
+  out.rests_on_means_alone = analysis::passes(out.verdict) && !is_per_reading;
   return out;
 }
 
@@ -121,7 +122,7 @@ const JudgedFigure* Standing::deciding() const {
 
 std::int64_t reporting_run(const db::RunStore& store, const Standing& of, std::int64_t run) {
   if (const std::int64_t models = of.models_run(); models != 0) return models;
-  return store.standing_fit(run) ? run : 0;
+  return store.default_fit(run) ? run : 0;
 }
 
 Judgement judgement_on(const db::RunStore& store, std::int64_t run) {
@@ -152,7 +153,7 @@ Judgement judgement_on(const db::RunStore& store, std::int64_t run) {
 std::vector<analysis::Figure> judged_figures(analysis::Runs& runs, const analysis::SensorModel& fit,
                                              const analysis::Evaluation& evaluation, const analysis::Limits& limits,
                                              const analysis::ReferenceUncertainty& reference,
-                                             analysis::OfModelsRun& of_models) {
+                                             analysis::ModelRunResults& of_models) {
   const analysis::Dataset &judged = runs.dataset(evaluation.run), &models = runs.dataset(fit.run);
   std::vector<analysis::Figure> figures =
       analysis::measured_figures(judged, models, fit, evaluation, reference, 0, &of_models);

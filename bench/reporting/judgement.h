@@ -16,7 +16,7 @@
 namespace tactbench::bench {
 
 // A judgement with its input; the evidence is empty for one that was stored.
-struct Judged {
+struct JudgementRecord {
   analysis::Evidence evidence;
   analysis::Limits limits;
   analysis::Judgement judgement;
@@ -24,15 +24,16 @@ struct Judged {
 
 // Judges by a limits file and stores the verdicts with the fit; for a report-only file stores nothing. `store`: that of
 // `runs`. Stored verdicts by other limits that are worse are reported.
-Judged judge_and_store(db::RunStore& store, analysis::Runs& runs, const analysis::SensorModel& fit,
-                       const std::vector<NamedEvaluation>& evaluations, const std::string& limits_file,
-                       bool void_too = false, const std::vector<analysis::InstrumentNote>& notes = {});
+JudgementRecord judge_and_store(db::RunStore& store, analysis::Runs& runs, const analysis::SensorModel& fit,
+                                const std::vector<NamedEvaluation>& evaluations, const std::string& limits_file,
+                                bool void_too = false, const std::vector<analysis::InstrumentNote>& notes = {});
 
 // For `report`: judges by `limits_file`, else by the limits last used for these models; without either nothing. Stores
 // nothing.
-Judged judge_for_report(analysis::Runs& runs, const analysis::SensorModel& fit,
-                        const std::vector<NamedEvaluation>& evaluations, const std::string& limits_file, bool void_too,
-                        const std::vector<analysis::InstrumentNote>& notes, const StoredVerdicts& stored);
+JudgementRecord judge_for_report(analysis::Runs& runs, const analysis::SensorModel& fit,
+                                 const std::vector<NamedEvaluation>& evaluations, const std::string& limits_file,
+                                 bool void_too, const std::vector<analysis::InstrumentNote>& notes,
+                                 const StoredVerdicts& stored);
 
 // The stored verdicts on a run without models: the newest judgement, and worse ones.
 analysis::Judgement judgement_on(const db::RunStore& store, std::int64_t run);
@@ -63,6 +64,6 @@ std::int64_t reporting_run(const db::RunStore& store, const Standing& of, std::i
 std::vector<analysis::Figure> judged_figures(analysis::Runs& runs, const analysis::SensorModel& fit,
                                              const analysis::Evaluation& evaluation, const analysis::Limits& limits,
                                              const analysis::ReferenceUncertainty& reference,
-                                             analysis::OfModelsRun& of_models);
+                                             analysis::ModelRunResults& of_models);
 
 }  // namespace tactbench::bench

@@ -111,7 +111,7 @@ void add_mounts(const analysis::Remount& found, analysis::UncertaintyInputs& inp
                                       "runs of the sensor mounted anew"};
   };
   inputs.mounting = between_two(found.common_share, found.degrees);
-  inputs.mounting_own = between_two(found.own_share, found.own_degrees);
+  inputs.mounting_per_taxel = between_two(found.per_taxel_share, found.per_taxel_degrees);
 }
 
 analysis::UncertaintyInputs budget_inputs(analysis::Runs& runs, const analysis::ReportInput& input,

@@ -249,7 +249,7 @@ void judge_as_found(analysis::Runs& runs, analysis::ReportInput& input, const st
   analysis::EvidenceRun& own = evidence.runs.emplace_back();
   own.run = found.evaluation.run;
   own.reference = analysis::reference_uncertainty(input.run, input.laboratory.instruments);
-  analysis::OfModelsRun of_models;
+  analysis::ModelRunResults of_models;
   own.figures = judged_figures(runs, models, found.evaluation, limits, own.reference, of_models);
   found.judgement = judge(evidence, limits);
   const auto overall = found.judgement.overall;

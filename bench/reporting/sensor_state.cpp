@@ -77,7 +77,7 @@ std::string advice_text(const SensorState& state) {
   else if (verdict != analysis::DriftVerdict::kRecalibrate)
     way = fmt::format("tactbench model adjust {} {} --{} -o adjusted.json", found.model_run, found.run,
                       verdict == analysis::DriftVerdict::kZero ? "zero" : "gain");
-  return fmt::format("{} ({})", in_words(found.drift), way);
+  return fmt::format("{} ({})", display_text(found.drift), way);
 }
 
 std::string yes_or_no(const SensorDrift& found) {
@@ -92,7 +92,7 @@ std::optional<db::FitRecord> earlier_models(const db::RunStore& store, const std
   std::optional<db::FitRecord> judged;
   for (const db::RunRecord& earlier : std::views::reverse(runs)) {
     if (earlier.run >= run.run || earlier.origin != run.origin) continue;
-    std::optional<db::FitRecord> fit = store.standing_fit(earlier.run);
+    std::optional<db::FitRecord> fit = store.default_fit(earlier.run);
     if (!fit || fit->fitted == 0) continue;
     if (std::ranges::find(verdicts, earlier.run, &db::VerdictRecord::model_run) == verdicts.end()) return fit;
     if (!judged) judged = std::move(fit);

@@ -45,9 +45,9 @@ constexpr std::size_t kLongestHint = 100;                                     //
 }
 
 // Keys, certificates and passwords may come from a pipe.
-std::string text_of_file(const std::string& path, std::size_t most_bytes = kLargestKey) {
-  return analysis::whole_file(path, {.most_bytes = most_bytes, .or_pipe = most_bytes == kLargestKey}, "TB-REPORT-KEY",
-                              "name a file that is there and can be read");
+std::string text_of_file(const std::string& path, std::size_t max_bytes = kLargestKey) {
+  return analysis::read_whole_file(path, {.max_bytes = max_bytes, .or_pipe = max_bytes == kLargestKey}, "TB-REPORT-KEY",
+                                   "name a file that is there and can be read");
 }
 
 Bio bytes_of(const std::string& text) { return Bio(BIO_new_mem_buf(text.data(), static_cast<int>(text.size()))); }

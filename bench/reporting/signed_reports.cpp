@@ -23,7 +23,7 @@ std::string signed_report_in(const std::string& path, const db::RunStore& store)
   const std::string text = file_text(path);
   if (text.empty()) return {};
   const std::string beginning = text.substr(0, 64);
-  if (beginning.starts_with('{') || beginning.starts_with("<!DOCTYPE html>")) return signed_number_in(text);
+  if (beginning.starts_with('{') || beginning.starts_with("<!DOCTYPE html>")) return signed_report_number_in(text);
   for (const db::ReportRecord& report : store.reports())
     if (text.find(analysis::signed_title_mark(report.number)) != std::string::npos) return report.number;
   return {};
@@ -68,14 +68,14 @@ std::vector<db::RunRecord> evidence_runs(const db::RunStore& store, const db::Re
 std::vector<std::string> void_evidence(const db::RunStore& store, const db::ReportRecord& report) {
   std::vector<std::string> words;
   for (const db::RunRecord& run : evidence_runs(store, report, nullptr))
-    if (run.is_void()) words.push_back(in_words(analysis::void_of(run)));
+    if (run.is_void()) words.push_back(display_text(analysis::void_of(run)));
   return words;
 }
 
 ReportEvidence check_evidence(const db::RunStore& store, const db::ReportRecord& report) {
   ReportEvidence found;
   for (const db::RunRecord& run : evidence_runs(store, report, &found.missing)) {
-    if (run.is_void()) found.fallen.push_back(in_words(analysis::void_of(run)));
+    if (run.is_void()) found.fallen.push_back(display_text(analysis::void_of(run)));
     for (const std::string& wrong : store.check_seals(run.run))
       found.fallen.push_back(fmt::format("run {}: the store was changed: {}", run.run, wrong));
     const db::ContentCheck data = store.check_content(run.run);
@@ -85,7 +85,7 @@ ReportEvidence check_evidence(const db::RunStore& store, const db::ReportRecord&
   return found;
 }
 
-std::vector<db::ReportRecord> reports_resting_on(const db::RunStore& store, std::int64_t run) {
+std::vector<db::ReportRecord> reports_based_on(const db::RunStore& store, std::int64_t run) {
   std::vector<db::ReportRecord> resting = store.reports();
   std::set<std::string> replaced;
   for (const db::ReportRecord& report : resting) replaced.insert(report.replaces);

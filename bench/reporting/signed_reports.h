@@ -35,6 +35,6 @@ ReportEvidence check_evidence(const db::RunStore& store, const db::ReportRecord&
 // Of these the void runs alone, without reading any data.
 std::vector<std::string> void_evidence(const db::RunStore& store, const db::ReportRecord& report);
 // The signed reports that are based on a run, its own among them; without those that a later one replaced.
-std::vector<db::ReportRecord> reports_resting_on(const db::RunStore& store, std::int64_t run);
+std::vector<db::ReportRecord> reports_based_on(const db::RunStore& store, std::int64_t run);
 
 }  // namespace tactbench::bench

@@ -160,7 +160,7 @@ std::string conditioning_of(const sequences::Recipe& recipe) {
       given.cycles, peak, given.change_percent);
 }
 
-std::string sequence_words(const sequences::Recipe& recipe) {
+std::string sequence_text(const sequences::Recipe& recipe) {
   std::string words = sweeps_of(recipe);
   if (recipe.kind == sequences::RecipeKind::kPress)
     words += fmt::format("; {} at {}, forces of {:g} N", recipe.press.object,
@@ -183,11 +183,11 @@ std::string sequence_words(const sequences::Recipe& recipe) {
 
 }  // namespace
 
-std::vector<std::string> method_words(const db::RunRecord& run) {
+std::vector<std::string> method_descriptions(const db::RunRecord& run) {
   std::vector<std::string> words;
   for (const db::SequenceRecord& sequence : run.sequences) {
     try {
-      words.push_back(sequence_words(sequences::parse_recipe(
+      words.push_back(sequence_text(sequences::parse_recipe(
           sequences::TomlDocument::from_text(sequence.recipe_toml, sequence.name), recipe_overrides(run))));
     } catch (const std::exception&) {
       words.emplace_back();  // of another version, or imported

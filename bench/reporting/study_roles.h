@@ -20,6 +20,6 @@ void check_role(const StudyRun& study, const db::RunRecord& own, const db::RunRe
 // In the order of the run's sequences: "3 repeats of 2 sweeps; a level every 4 psi, from 0 to 60 to 0 psi; waiting time
 // (dwell) 1 s ...". Pressures in psi and kPa. Empty where the recipe cannot be read
 // any more.
-std::vector<std::string> method_words(const db::RunRecord& run);
+std::vector<std::string> method_descriptions(const db::RunRecord& run);
 
 }  // namespace tactbench::bench

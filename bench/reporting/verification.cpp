@@ -162,7 +162,7 @@ class Verification {
     const analysis::Dataset& fitted = runs_.dataset(run);
     analysis::SensorModel fit = rate != 0 && creep != 0
                                     ? analysis::fit_dynamic(fitted, runs_.dataset(rate), runs_.dataset(creep))
-                                    : analysis::fit_dynamic_alone(fitted);
+                                    : analysis::fit_dynamic_single_run(fitted);
     fit.dynamics->rate = stored.dynamics->rate;
     fit.dynamics->creep = stored.dynamics->creep;
     return fit;

@@ -33,7 +33,7 @@ constexpr devices::Nanoseconds kOpening = std::chrono::seconds(10);  // an instr
 Rig::Rig(const BenchConfig& config) : config_(config) {
   refuse_placeholders(config_);
   if (config_.in_process) {
-    own_clock_ = std::make_unique<devices::TurnedClock>();
+    own_clock_ = std::make_unique<devices::ManualClock>();
     simulated_ = std::make_unique<SimulatedRig>(config_, *own_clock_, false);
   } else {
     own_clock_ = std::make_unique<devices::SteadyClock>(config_.rate);
@@ -80,8 +80,8 @@ void Rig::dismiss_dead_man() {
   if (dead_man_) dead_man_->goodbye();
 }
 
-std::pair<devices::Identity, std::vector<std::uint16_t>> Rig::look_at_module() {
-  if (!module_) throw std::logic_error("Rig::look_at_module() without [module]");
+std::pair<devices::Identity, std::vector<std::uint16_t>> Rig::inspect_module() {
+  if (!module_) throw std::logic_error("Rig::inspect_module() without [module]");
   return {module_->identity(), module_->read_all()};
 }
 
@@ -228,7 +228,7 @@ std::vector<std::uint64_t> Rig::relay_operations() const {
 }
 
 std::string Rig::as_stored(const std::string& text) const {
-  return simulated_ ? simulated_->passing_names().lasting(text) : text;
+  return simulated_ ? simulated_->ephemeral_addresses().lasting(text) : text;
 }
 Plant* Rig::plant() { return simulated_ ? &simulated_->plant() : nullptr; }
 
@@ -241,7 +241,7 @@ std::uint64_t Rig::exchanges() const {
   return sum;
 }
 
-std::vector<std::string> Rig::take_busy() const {
+std::vector<std::string> Rig::take_busy_report() const {
   std::vector<const devices::ModbusLink*> links;
   if (module_) links.push_back(&module_->link());
   if (input_module_) links.push_back(&input_module_->link());
@@ -249,7 +249,7 @@ std::vector<std::string> Rig::take_busy() const {
   for (const auto& link : environment_) links.push_back(link.get());
   std::vector<std::string> all;
   for (const devices::ModbusLink* link : links) {
-    if (std::string words = link->take_busy(); !words.empty()) all.push_back(std::move(words));
+    if (std::string words = link->take_busy_report(); !words.empty()) all.push_back(std::move(words));
   }
   return all;
 }

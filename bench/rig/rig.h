@@ -65,13 +65,13 @@ class Rig {
   // Throws std::logic_error before open().
   [[nodiscard]] devices::TactileArray& array();
   // The module of the bench and its output words; empty: it cannot read them back. Writes nothing. Throws Fault.
-  [[nodiscard]] std::pair<devices::Identity, std::vector<std::uint16_t>> look_at_module();
+  [[nodiscard]] std::pair<devices::Identity, std::vector<std::uint16_t>> inspect_module();
   void look();  // reads what is on the wires of the pressure source, and writes nothing; throws Fault
   // Null: the bench has none. All moves go through stage_gate(); stage() is for reading and for benchmarks.
   [[nodiscard]] devices::Stage* stage_gate() { return stage_gate_.get(); }
   [[nodiscard]] devices::ZaberStage* stage() { return stage_.get(); }
   // Sends z home without waiting for a reply (ZaberStage::send_home): for a stage that does not answer.
-  bool send_z_home() noexcept { return stage_ && guard_->line_is_ours() && stage_->send_home(devices::Axis::kZ); }
+  bool send_z_home() noexcept { return stage_ && guard_->may_use_stage_line() && stage_->send_home(devices::Axis::kZ); }
   [[nodiscard]] Guard& guard() { return *guard_; }
   // Starts at the first arming, on hardware and external simulators; null before, and where there is none.
   [[nodiscard]] DeadManProcess* dead_man() { return dead_man_.get(); }
@@ -90,7 +90,7 @@ class Rig {
   // How often each row's relay closed in this run; empty where the scanner does not count.
   [[nodiscard]] std::vector<std::uint64_t> relay_operations() const;
   [[nodiscard]] std::uint64_t exchanges() const;                       // on all wires so far
-  [[nodiscard]] std::vector<std::string> take_busy() const;            // ModbusLine::take_busy() of each line
+  [[nodiscard]] std::vector<std::string> take_busy_report() const;     // ModbusLine::take_busy_report() of each line
   [[nodiscard]] Plant* plant();                                        // null: not simulated in this process
   [[nodiscard]] std::string as_stored(const std::string& text) const;  // with names of simulated ends that last
 

@@ -48,12 +48,12 @@ class RunLifecycle {
     work_.recipes = request.recipes;
     work_.steps = sequences::compile(request.recipes);
     work_.on_step = request.on_step;
-    work_.on_poll = [this] { look_at_store(); };
+    work_.on_poll = [this] { check_store_in_place(); };
     work_.estimate = request.estimate;
     work_.assume_yes = request.assume_yes;
     if (!request.attended) control_.end_by_first_interrupt();
     if (request.resume != 0) {
-      lock_.take_again(request.resume);
+      lock_.lock_for_resume(request.resume);
       ResumePoint point = reopen(store, request.resume, request.recipes, work_.steps);
       result_.run = request.resume;
       frames_before_ = store.frame_count(request.resume);
@@ -61,7 +61,7 @@ class RunLifecycle {
       work_.done = std::move(point.done);
     } else {
       result_.run = store.begin_run(record_of(request));
-      lock_.take_new(result_.run);
+      lock_.lock_new_run(result_.run);
       if (const auto rest = rest_of_sensor(store, request.sensor.serial, result_.run)) {
         store.set_rest(result_.run, *rest);
       }
@@ -140,11 +140,12 @@ class RunLifecycle {
     for (const std::string& layer : fail_safe_layers(request_.bench)) recorder_->event("fail-safe", "", layer);
     record_environment(*rig_, *recorder_);
     check_scanner(request_, rig_->array().identity().serial);
-    baseline_ = sequencer_->read_baseline();
+    baseline_ = sequencer_->read_unloaded_frame();
     conductor_ =
         std::make_unique<Conductor>(*sequencer_, *recorder_, control_, board_, notify_, std::move(work_), baseline_);
     conductor_->set_state(RunState::kRunning, "devices open, chamber unloaded");
-    conductor_->outlast([&] { prepare_sensor(*sequencer_, *recorder_, store_, request_, baseline_, board_); });
+    conductor_->run_through_suspensions(
+        [&] { prepare_sensor(*sequencer_, *recorder_, store_, request_, baseline_, board_); });
   }
 
   void keep_devices() {
@@ -157,7 +158,7 @@ class RunLifecycle {
       recorder_->event("warning", "TB-CALIBRATION", line);
   }
 
-  void look_at_store() {
+  void check_store_in_place() {
     store_.require_in_place();
     if (!lock_.renew(result_.run)) return;
     recorder_->event(
@@ -176,7 +177,7 @@ class RunLifecycle {
   }
 
   void tear_down() {
-    store_lost_ = store_lost_ || ending_.met_store();
+    store_lost_ = store_lost_ || ending_.store_failed();
     proof_ = {db::SafeState::kVerified, std::string("no device was opened")};
     if (!rig_) return;
     if (sequencer_) (void)sequencer_->times().start(Spent::kTeardown);
@@ -205,12 +206,12 @@ class RunLifecycle {
     if (!recorder_) recorder_ = std::make_unique<Recorder>(store_, result_.run, no_rig_clock, offset_);
     result_.frames = recorder_->frames();
     result_.frames_kept = frames_kept();
-    result_.most_exchanges_a_step = recorder_->most_exchanges();
+    result_.most_exchanges_a_step = recorder_->max_exchanges();
     result_.store_seconds = recorder_->store_seconds();
     result_.branches_redone = conductor_ ? conductor_->redone() : 0;
     result_.safe = proof_.state;
     result_.safe_text = proof_.text;
-    ending_.take_last_command(place());
+    ending_.record_last_command(place());
     const bool safe = proof_.state == db::SafeState::kVerified;
     if (!safe) {
       ending_.by(Error("TB-SAFE-UNVERIFIED", "the safe state could not be proved", fmt::format("run {}", result_.run)));
@@ -219,26 +220,26 @@ class RunLifecycle {
     const std::string reason =
         ending_.error() ? fmt::format("{}: {}", ending_.error()->id(), ending_.error()->what()) : "all steps done";
     recorder_->when_locked(
-        [this](const db::StoreError& locked, double waited_s) { return bear_lock(locked, waited_s); });
+        [this](const db::StoreError& locked, double waited_s) { return handle_store_lock(locked, waited_s); });
     try {
       write_end(reason);
     } catch (...) {  // the store itself failed: the row stays open and the next start marks it interrupted
       if (!ending_.error()) ending_.by_exception(place());
     }
-    const std::optional<std::string> way_back = save_lost_store();
+    const std::optional<std::string> path_to_branch = save_lost_store();
     if (const std::optional<Error>& error = ending_.error()) {
       result_.error_state = proof_.text;
       result_.error_state +=
           fmt::format("; run {} kept with {}", result_.run, analysis::counted(result_.frames_kept, "frame"));
       StopRequest::keep();
       result_.error = error->with_rig_state(result_.error_state.in(analysis::PressureUnit::kPsi), safe)
-                          .with_remedy(way_back.value_or(error->remedy()));
+                          .with_remedy(path_to_branch.value_or(error->remedy()));
     }
     notify_.tell(ending_.error() ? "failed" : "done", result_.run, reason);
   }
 
   // The rig is safe, so the lock of another program is waited for; not long where something else has ended the run.
-  bool bear_lock(const db::StoreError& locked, double waited_s) {
+  bool handle_store_lock(const db::StoreError& locked, double waited_s) {
     constexpr double kLongest = 600.0;  // s
     const bool hurried = ending_.error() || signals_.signal() != 0;
     if (waited_s > (hurried ? kShortLock : kLongest)) throw db::StoreError(locked);
@@ -275,7 +276,7 @@ class RunLifecycle {
       recorder_->event("relays", "",
                        fmt::format("closed {} times, row by row", fmt::join(rig_->relay_operations(), " ")));
     }
-    if (rig_) record_news(*rig_, *recorder_, progress_);
+    if (rig_) record_notices(*rig_, *recorder_, progress_);
     if (dead_man_works_) {
       recorder_->event("dead-man", "",
                        fmt::format("it had not ended when the run was closed; what it did will stand in {}",
@@ -300,7 +301,7 @@ class RunLifecycle {
   const StopRequest signals_;
   Control control_;
   StatusBoard board_{control_, progress_};
-  Ending ending_{control_, signals_};
+  EndReason ending_{control_, signals_};
   Work work_;
   RunLock lock_;  // of the run in its store
   devices::Nanoseconds offset_{0};
@@ -312,7 +313,7 @@ class RunLifecycle {
   std::unique_ptr<Conductor> conductor_;
   std::atomic<DeadManProcess*> dead_man_{nullptr};  // the rig's, for a panic
   std::unique_ptr<ControlSocket> socket_;
-  Baseline baseline_;
+  UnloadedFrame baseline_;
   SafeProof proof_;
   bool end_delayed_ = false;     // and said so
   bool dead_man_works_ = false;  // it makes the bench safe, and had not ended in time

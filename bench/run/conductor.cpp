@@ -45,7 +45,7 @@ class During {
 }  // namespace
 
 Conductor::Conductor(Sequencer& sequencer, Recorder& recorder, Control& control, StatusBoard& board,
-                     const Notify& notify, Work work, Baseline baseline)
+                     const Notify& notify, Work work, UnloadedFrame baseline)
     : sequencer_(sequencer),
       recorder_(recorder),
       control_(control),
@@ -58,9 +58,10 @@ Conductor::Conductor(Sequencer& sequencer, Recorder& recorder, Control& control,
       stage_(sequencer, recorder),
       spans_(sequences::branches(work_.steps)) {
   sequencer_.set_listener([this] { listen(); });
-  recorder_.when_locked([this](const db::StoreError& locked, double waited_s) { return bear_lock(locked, waited_s); });
+  recorder_.when_locked(
+      [this](const db::StoreError& locked, double waited_s) { return handle_store_lock(locked, waited_s); });
   status_.steps = static_cast<int>(work_.steps.size());
-  status_.frames_planned = std::ranges::count_if(work_.steps, sequences::takes_frame);
+  status_.frames_planned = std::ranges::count_if(work_.steps, sequences::has_frame);
   publish();
 }
 
@@ -91,7 +92,7 @@ void Conductor::run() {
   }
 }
 
-void Conductor::outlast(const std::function<void()>& work) {
+void Conductor::run_through_suspensions(const std::function<void()>& work) {
   for (;;) {
     try {
       const During working(working_);
@@ -180,7 +181,8 @@ void Conductor::go_back(const BranchKey& key) {
       fmt::format("conditioned again, then the turning points before branch {} of repeat {}", key.branch, key.repeat));
   const TimeSpent::Stretch stretch(sequencer_.times(), Spent::kRedoing);
   const std::string back = fmt::format("back to branch {} of repeat {}: ", key.branch + 1, key.repeat + 1);
-  for (const Step& step : sequences::way_back(recipe, key.sequence, key.repeat, key.branch)) carry_out(step, back);
+  for (const Step& step : sequences::path_to_branch(recipe, key.sequence, key.repeat, key.branch))
+    carry_out(step, back);
 }
 
 void Conductor::conditioning(const BranchSpan& span) {
@@ -238,7 +240,7 @@ void Conductor::fail_fast(const Step& step) {
   peak_seen_ = true;
   const double volts = sequencer_.rig().array().volts_per_count().value();
   constexpr double kDeadVolts = 0.05;
-  const Baseline now = baseline_of(sequencer_.last().scans);
+  const UnloadedFrame now = unloaded_frame_of(sequencer_.last().scans);
   double sum = 0.0;
   int dead = 0;
   for (std::size_t i = 0; i < now.size(); ++i) {
@@ -271,17 +273,17 @@ void Conductor::set_state(RunState state, const std::string& reason) {
 // Shows at once that a pause was asked for or taken back.
 void Conductor::listen() {
   if (work_.on_poll) work_.on_poll();
-  record_news(sequencer_.rig(), recorder_, board_.progress());
+  record_notices(sequencer_.rig(), recorder_, board_.progress());
   check_dead_man(sequencer_.rig());
   if (control_.pause_wanted() && recorder_.state() == RunState::kRunning) {
     set_state(RunState::kPausing, "asked by " + control_.who());
     board_.note("pausing at the end of this branch; Ctrl-C (or `tactbench stop`) ends the run now");
   } else if (!control_.pause_wanted() && recorder_.state() == RunState::kPausing) {
-    (void)control_.take_resume();
+    (void)control_.consume_resume();
     set_state(RunState::kRunning, "taken back by " + control_.who());
   }
   // The stage's steps poll no pressure; while a person is waited for, the note on the terminal stands.
-  if (status_.target_n) sequencer_.tell_readings();
+  if (status_.target_n) sequencer_.publish_readings();
   if (recorder_.state() == RunState::kRunning || recorder_.state() == RunState::kPausing) board_.refresh();
 }
 
@@ -316,7 +318,7 @@ bool line_typed() {
   return ended;
 }
 
-std::string answered_words(const GivenAnswer& answer, const std::string& question) {
+std::string answered_text(const GivenAnswer& answer, const std::string& question) {
   if (answer.who == kByTerminal) return "the operator has answered: " + question;
   if (answer.text.empty()) return fmt::format("answered by {}: {}", answer.who, question);
   return fmt::format("answered by {}, \"{}\": {}", answer.who, answer.text, question);
@@ -339,7 +341,7 @@ void Conductor::wait_for_resume() {
   (void)sequencer_.times().start(Spent::kWaiting);
   const Nanoseconds start = sequencer_.rig().clock().now();
   do sequencer_.idle();  // at least once: the clock runs while a person decides
-  while (!control_.take_resume());
+  while (!control_.consume_resume());
   rested_s_ = devices::in_seconds(sequencer_.rig().clock().now() - start);
   recover();
   set_state(RunState::kRunning, fmt::format("resumed by {} after {:.0f} s", control_.who(), rested_s_));
@@ -366,7 +368,7 @@ std::size_t Conductor::after_rest(std::size_t next) {
 // Another program has locked the store, so no step may follow: what was measured last is not kept yet. A short lock is
 // waited for where the work stands, with the module fed and the pressures watched; for a longer one the run is
 // suspended like one without supply. Outside of the work the rig is vented or on its way there, which goes on.
-bool Conductor::bear_lock(const db::StoreError& locked, double waited_s) {
+bool Conductor::handle_store_lock(const db::StoreError& locked, double waited_s) {
   constexpr double kStands = 5.0, kLongest = 3600.0;  // s
   const RunState state = recorder_.state();
   if (!working_ || (state != RunState::kRunning && state != RunState::kPausing)) return false;
@@ -424,7 +426,7 @@ void Conductor::prompt(const sequences::Step& step) {
   std::optional<GivenAnswer> answer;
   while (!answer) {
     sequencer_.idle();
-    (void)control_.take_resume();  // an answer, too
+    (void)control_.consume_resume();  // an answer, too
     if (terminal && line_typed()) {
       const Control::Answer told = control_.answer(question, {}, kByTerminal);
       if (!told.taken) board_.note(told.text);
@@ -435,7 +437,7 @@ void Conductor::prompt(const sequences::Step& step) {
     board_.note(fmt::format("answered by {}{}{}", answer->who, answer->text.empty() ? "" : ": ", answer->text));
   status_.question.clear();
   recover();
-  set_state(RunState::kRunning, answered_words(*answer, step.text));
+  set_state(RunState::kRunning, answered_text(*answer, step.text));
 }
 
 bool Conductor::vented(const std::string& why) {

@@ -33,20 +33,20 @@ class Conductor {
   // The board's status has run, store and label filled in, and the frames of earlier processes. All have to outlive
   // this.
   Conductor(Sequencer& sequencer, Recorder& recorder, Control& control, StatusBoard& board, const Notify& notify,
-            Work work, Baseline baseline);
-  // Until all branches are done. Throws what ends the run: Fault, Error, Leave, StoreError.
+            Work work, UnloadedFrame baseline);
+  // Until all branches are done. Throws what ends the run: Fault, Error, RunEndRequested, StoreError.
   void run();
   void set_state(RunState state, const std::string& reason);
   // Repeats `work` after each suspension that it throws.
-  void outlast(const std::function<void()>& work);
+  void run_through_suspensions(const std::function<void()>& work);
   [[nodiscard]] StageSteps& press_steps() { return stage_; }
   [[nodiscard]] int redone() const { return redone_; }  // branches voided and done again
 
  private:
   // Waits, vented, until the conditions hold again and everything is stored. Throws Fault TB-RUN-SUSPENDED, StoreError
-  // TB-STORE-LOCKED, Leave.
+  // TB-STORE-LOCKED, RunEndRequested.
   void suspend(const Suspended& suspended);
-  bool bear_lock(const db::StoreError& locked, double waited_s);
+  bool handle_store_lock(const db::StoreError& locked, double waited_s);
   [[nodiscard]] std::size_t first_span();
   void branch(const sequences::BranchSpan& span);
   void attempt(const sequences::BranchSpan& span, bool tolerant);
@@ -75,7 +75,7 @@ class Conductor {
   StatusBoard& board_;
   const Notify& notify_;
   Work work_;
-  Baseline baseline_;
+  UnloadedFrame baseline_;
   RunStatus& status_;           // the board's
   std::int64_t frames_before_;  // of earlier processes
   StageSteps stage_;

@@ -12,25 +12,25 @@ namespace tactbench::bench {
 
 namespace {
 
-std::string news_in_words(const DeadManNews& news) {
+std::string notice_text(const DeadManNotice& news) {
   return news.id.empty() ? news.what : fmt::format("warning: {} [{}]", news.what, news.id);
 }
 
 }  // namespace
 
-void record_news(Rig& rig, Recorder& recorder, Progress& progress) {
-  const auto record = [&](const char* kind, const DeadManNews& news) {
+void record_notices(Rig& rig, Recorder& recorder, Progress& progress) {
+  const auto record = [&](const char* kind, const DeadManNotice& news) {
     recorder.event(kind, news.id, news.what);
-    progress.note(news_in_words(news));
+    progress.note(notice_text(news));
   };
-  for (const std::string& words : rig.take_busy()) record("warning", {"TB-MODBUS-BUSY", words});
+  for (const std::string& words : rig.take_busy_report()) record("warning", {"TB-MODBUS-BUSY", words});
   if (rig.dead_man() == nullptr) return;
-  for (const DeadManNews& news : rig.dead_man()->take_news()) record("dead-man", news);
+  for (const DeadManNotice& news : rig.dead_man()->take_notices()) record("dead-man", news);
 }
 
-void tell_dead_man_news(Rig& rig) {
+void print_dead_man_notices(Rig& rig) {
   if (rig.dead_man() == nullptr) return;
-  for (const DeadManNews& news : rig.dead_man()->take_news()) tty::print(stderr, "{}\n", news_in_words(news));
+  for (const DeadManNotice& news : rig.dead_man()->take_notices()) tty::print(stderr, "{}\n", notice_text(news));
 }
 
 void check_dead_man(Rig& rig) {

@@ -9,9 +9,9 @@ class Rig;
 
 // Reports what came since the last call: of the dead-man an event of kind "dead-man" and a note each, of a module that
 // was busy one of kind "warning" (TB-MODBUS-BUSY).
-void record_news(Rig& rig, Recorder& recorder, Progress& progress);
+void record_notices(Rig& rig, Recorder& recorder, Progress& progress);
 // The dead-man's for verbs that keep no record: one line each on standard error.
-void tell_dead_man_news(Rig& rig);
+void print_dead_man_notices(Rig& rig);
 // Throws Fault TB-DEADMAN-SILENT, TB-DEADMAN-ENDED, TB-DEADMAN-BLIND when it no longer watches.
 void check_dead_man(Rig& rig);
 

@@ -6,17 +6,17 @@ namespace tactbench::bench {
 
 namespace {
 
-Error error_of(const Leave& leave, const std::string& where) {
+Error error_of(const RunEndRequested& leave, const std::string& where) {
   if (leave.command != Command::kStop) {
     const bool panic = leave.command == Command::kPanic;
     return Error(panic ? ErrorId("TB-RUN-PANIC") : ErrorId("TB-RUN-ABORTED"),
                  fmt::format("{} by {}", panic ? "panic" : "aborted", leave.who), where)
-        .by_word();
+        .by_command();
   }
-  return Error("TB-RUN-STOPPED", "stopped by " + leave.who, where).by_signal(leave.signal).by_word();
+  return Error("TB-RUN-STOPPED", "stopped by " + leave.who, where).by_signal(leave.signal).by_command();
 }
 
-bool command_wins(const Leave& leave, const Error& met) {
+bool command_wins(const RunEndRequested& leave, const Error& met) {
   return leave.command == Command::kPanic || met.code() == ExitCode::kDevice;
 }
 
@@ -28,16 +28,16 @@ Error with_fault(const Error& word, const Error& met) {
 
 }  // namespace
 
-void Ending::by_exception(const std::string& where) {
+void EndReason::by_exception(const std::string& where) {
   try {
     throw;
-  } catch (const Leave& leave) {
+  } catch (const RunEndRequested& leave) {
     heard_ = leave.command;
     error_ = error_of(leave, where);
   } catch (...) {
     const Error met = as_error(std::current_exception(), where);
-    met_store_ = met_store_ || met.code() == ExitCode::kStore;
-    const std::optional<Leave> leave = control_.asked(signals_);
+    store_failed_ = store_failed_ || met.code() == ExitCode::kStore;
+    const std::optional<RunEndRequested> leave = control_.asked(signals_);
     if (!leave || !command_wins(*leave, met)) {
       heard_.reset();
       error_ = met;
@@ -49,12 +49,12 @@ void Ending::by_exception(const std::string& where) {
   }
 }
 
-void Ending::by(const Error& error) {
+void EndReason::by(const Error& error) {
   if (!error_) error_ = error;
 }
 
-void Ending::take_last_command(const std::string& where) {
-  const std::optional<Leave> leave = control_.close(signals_);
+void EndReason::record_last_command(const std::string& where) {
+  const std::optional<RunEndRequested> leave = control_.close(signals_);
   if (!leave || leave->command == heard_) return;
   const Error word = error_of(*leave, where);
   if (!error_ && leave->command != Command::kStop) {
@@ -65,13 +65,13 @@ void Ending::take_last_command(const std::string& where) {
   }
 }
 
-db::Outcome Ending::outcome() const {
+db::Outcome EndReason::outcome() const {
   if (!error_) return db::Outcome::kCompleted;
   if (heard_) return *heard_ == Command::kStop ? db::Outcome::kStopped : db::Outcome::kAborted;
   return error_->code() == ExitCode::kStopped ? db::Outcome::kAborted : db::Outcome::kFailed;
 }
 
-void Ending::write(Recorder& recorder) const {
+void EndReason::write(Recorder& recorder) const {
   if (met_) recorder.event("fault", met_->id(), met_->what());
   if (error_) recorder.event("fault", error_->id(), error_->what());
   if (last_command_) recorder.event("word", last_command_->id(), last_command_->what());

@@ -13,10 +13,10 @@
 
 namespace tactbench::bench {
 
-class Ending {
+class EndReason {
  public:
   // Both outlive this.
-  Ending(Control& control, const StopRequest& signals) : control_(control), signals_(signals) {}
+  EndReason(Control& control, const StopRequest& signals) : control_(control), signals_(signals) {}
 
   // To be called where an exception is caught: the run ends by that exception, or by a command that came before it. A
   // panic wins over any fault that follows it, since the dead-man's vent makes the sequencer's next command fail. Stop
@@ -27,12 +27,12 @@ class Ending {
   void by(const Error& error);
   // To be called after the work and the way out: a command that came meanwhile, other than stop, ends a run that
   // nothing else has ended; otherwise it is recorded as an event. No command is accepted after this.
-  void take_last_command(const std::string& where);
+  void record_last_command(const std::string& where);
 
   [[nodiscard]] const std::optional<Error>& error() const { return error_; }  // none: all was done
   [[nodiscard]] db::Outcome outcome() const;
-  [[nodiscard]] bool met_store() const { return met_store_; }  // one of the faults was the store's
-  void write(Recorder& recorder) const;                        // events of kind "fault" and "word"
+  [[nodiscard]] bool store_failed() const { return store_failed_; }  // one of the faults was the store's
+  void write(Recorder& recorder) const;                              // events of kind "fault" and "word"
 
  private:
   Control& control_;
@@ -41,7 +41,7 @@ class Ending {
   std::optional<Error> met_;           // a fault, when a command ended the run
   std::optional<Error> last_command_;  // accepted, but did not end the run
   std::optional<Command> heard_;       // the command that ended the run, if any
-  bool met_store_ = false;
+  bool store_failed_ = false;
 };
 
 }  // namespace tactbench::bench

@@ -14,7 +14,7 @@ using sequences::StepKind;
 
 namespace {
 
-std::string conditioning_words(const Step& step, const Recipe& recipe) {
+std::string conditioning_text(const Step& step, const Recipe& recipe) {
   const bool by_criterion = recipe.conditioning.change_percent > 0.0;
   // Without cycles of its own a recipe is conditioned once before a branch is done again.
   const int cycles = std::max(1, recipe.conditioning.cycles);
@@ -22,7 +22,7 @@ std::string conditioning_words(const Step& step, const Recipe& recipe) {
 }
 
 // With a frame: where the run is in its plan.
-std::string level_words(const Step& step, const Recipe& recipe, int number, int steps, bool rising) {
+std::string level_text(const Step& step, const Recipe& recipe, int number, int steps, bool rising) {
   std::string words = fmt::format("{}, step {} of {}", recipe.name, number, steps);
   if (recipe.repeats > 1) words += fmt::format(", repeat {} of {}", step.repeat + 1, recipe.repeats);
   return words + (rising ? ", loading" : ", unloading");
@@ -31,12 +31,12 @@ std::string level_words(const Step& step, const Recipe& recipe, int number, int 
 }  // namespace
 
 std::string phase_of(const Step& step, const Recipe& recipe, int number, int steps) {
-  if (step.branch < 0) return conditioning_words(step, recipe);
+  if (step.branch < 0) return conditioning_text(step, recipe);
   switch (step.kind) {
     case StepKind::kConditioning:
       return "travelling to " + analysis::both_units(step.setpoint.value());
     case StepKind::kMeasure:
-      return level_words(step, recipe, number, steps, step.branch_to > step.branch_from);
+      return level_text(step, recipe, number, steps, step.branch_to > step.branch_from);
     case StepKind::kPrompt:
       return "asking: " + step.text;
     case StepKind::kTare:
@@ -49,7 +49,7 @@ std::string phase_of(const Step& step, const Recipe& recipe, int number, int ste
       return "approaching the specimen";
     case StepKind::kPress:
       if (!step.frame) return fmt::format("pressing to {:g} N", step.force_n);
-      return level_words(step, recipe, number, steps, step.force_to_n >= step.force_from_n);
+      return level_text(step, recipe, number, steps, step.force_to_n >= step.force_from_n);
     case StepKind::kRetract:
       return "retracting the stage";
   }

@@ -232,7 +232,7 @@ NotJudged not_judged(const std::vector<sequences::Step>& steps, const std::vecto
              step.setpoint.value() <= mpe.high_psi + analysis::kTypedLevelPsi;
     });
     if (!met)
-      out.why.push_back(fmt::format("no level of [[mpe]] {} is measured", in_words(analysis::scope_of(mpe), unit)));
+      out.why.push_back(fmt::format("no level of [[mpe]] {} is measured", display_text(analysis::scope_of(mpe), unit)));
     if (!met || !counted) ++open;
   }
   if (!limits.mpe.empty() && !counted)

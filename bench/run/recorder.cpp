@@ -62,8 +62,8 @@ void Recorder::write(std::function<void()> job) {
   while (!flush()) {
     waited = true;
     const double waited_s = seconds_since(begun);
-    if (bear_) {
-      if (!bear_(*locked_, waited_s)) return;
+    if (on_lock_retry_) {
+      if (!on_lock_retry_(*locked_, waited_s)) return;
     } else if (waited_s * 1000.0 > static_cast<double>(kUsual.count())) {
       throw db::StoreError(*locked_);
     } else {
@@ -143,7 +143,7 @@ void Recorder::frame(const sequences::Step& step, const StepReadings& readings) 
     frame.trace.push_back({before.count(), poll.setpoint_psi, poll.feedback_psi, poll.reference_psi});
   }
   polls_.clear();
-  most_exchanges_ = std::max(most_exchanges_, readings.exchanges);
+  max_exchanges_ = std::max(max_exchanges_, readings.exchanges);
   write([this, stored = std::move(frame)] {
     const auto start = RealClock::now();
     store_.append_frame(run_, stored);

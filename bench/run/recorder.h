@@ -44,8 +44,8 @@ class Recorder {
 
   // Called between two tries while the store is locked, with the error and the seconds waited so far. It may throw;
   // false: the work continues, and what waits is written later. Without a handler it waits 5 s.
-  using Bear = std::function<bool(const db::StoreError& locked, double waited_s)>;
-  void when_locked(Bear bear) { bear_ = std::move(bear); }
+  using OnLockRetry = std::function<bool(const db::StoreError& locked, double waited_s)>;
+  void when_locked(OnLockRetry bear) { on_lock_retry_ = std::move(bear); }
   // Executes `job`, one transaction of the store, after everything that waits. A job that met a locked store is
   // repeated unchanged, perhaps after this has returned or thrown.
   void write(std::function<void()> job);
@@ -70,7 +70,7 @@ class Recorder {
   [[nodiscard]] RunState state() const { return state_; }
   [[nodiscard]] int frames() const { return frames_; }                     // stored by this process
   [[nodiscard]] std::int64_t void_frames() const { return void_frames_; }  // of earlier processes too
-  [[nodiscard]] int most_exchanges() const { return most_exchanges_; }
+  [[nodiscard]] int max_exchanges() const { return max_exchanges_; }
   [[nodiscard]] std::int64_t run() const { return run_; }
   // Process time since the run's start, those of earlier processes included.
   [[nodiscard]] double elapsed_s() const { return static_cast<double>(now_ns()) * 1e-9; }
@@ -95,9 +95,9 @@ class Recorder {
   std::deque<std::function<void()>> waiting_;
   std::optional<db::StoreError> locked_;
   std::chrono::steady_clock::time_point next_try_{};
-  Bear bear_;
+  OnLockRetry on_lock_retry_;
   std::function<std::string(const std::string&)> names_;
-  int frames_ = 0, most_exchanges_ = 0;
+  int frames_ = 0, max_exchanges_ = 0;
   std::int64_t void_frames_ = 0;
   double store_seconds_ = 0.0;
 };

@@ -54,7 +54,7 @@ ResumePoint reopen(db::RunStore& store, std::int64_t run, const std::vector<sequ
   for (const BranchSpan& span : spans) {
     if (span.kind != SpanKind::kBranch) continue;
     for (std::size_t i = span.first; i < span.first + span.count; ++i) {
-      if (sequences::takes_frame(steps[i])) expected[span.key][steps[i].ordinal] = steps[i].setpoint.value();
+      if (sequences::has_frame(steps[i])) expected[span.key][steps[i].ordinal] = steps[i].setpoint.value();
     }
   }
   std::map<BranchKey, std::int64_t> whole;

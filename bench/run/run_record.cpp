@@ -75,7 +75,7 @@ db::RunRecord record_of(const RunRequest& request) {
     const Recipe& recipe = request.recipes[i];
     int frames = 0;
     for (const auto& step : sequences::compile(recipe, static_cast<int>(i))) {
-      frames += sequences::takes_frame(step) && step.repeat == 0 ? 1 : 0;
+      frames += sequences::has_frame(step) && step.repeat == 0 ? 1 : 0;
     }
     record.sequences.push_back(
         {static_cast<int>(i), recipe.name, recipe.text, db::sha256_hex(recipe.text), recipe.repeats, frames});

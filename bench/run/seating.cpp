@@ -82,7 +82,7 @@ std::string why_not(const RunRequest& request, const sequences::Extremes& extrem
 }  // namespace
 
 void check_seat(Sequencer& sequencer, Recorder& recorder, const db::RunStore& store, const RunRequest& request,
-                const Baseline& unloaded, StatusBoard& board) {
+                const UnloadedFrame& unloaded, StatusBoard& board) {
   const sequences::Extremes extremes = sequences::extremes(sequences::compile(request.recipes));
   const double psi = std::min(kHighestPsi, extremes.highest.value());
   if (const std::string reason = why_not(request, extremes, psi); !reason.empty()) {
@@ -102,12 +102,12 @@ void check_seat(Sequencer& sequencer, Recorder& recorder, const db::RunStore& st
     sequencer.chamber_step(at_level(0.0, kVentedDwell));
     return read;
   }();
-  const Baseline loaded = baseline_of(scans);
+  const UnloadedFrame loaded = unloaded_frame_of(scans);
   now.unloaded_v = in_volts(unloaded.data(), unloaded.size(), volts_per_count);
   now.loaded_v = in_volts(loaded.data(), loaded.size(), volts_per_count);
   const auto last = last_seating(store, request, recorder.run(), loaded.size());
   const analysis::SeatingResult result = analysis::check_seating(scans.rows, scans.columns, now, last);
-  Baseline data = unloaded;
+  UnloadedFrame data = unloaded;
   data.insert(data.end(), loaded.begin(), loaded.end());
   recorder.check("seating", result.verdict, detail_of(result, now, scans.rows, scans.columns, volts_per_count),
                  std::move(data));

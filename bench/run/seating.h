@@ -17,6 +17,6 @@ class StatusBoard;
 // and then the loaded mean counts, rows x columns each. Skipped, with an event, where the request or the recipes use no
 // pressure. Warnings go to `board`. Throws Error TB-SEATING and what the sequencer throws.
 void check_seat(Sequencer& sequencer, Recorder& recorder, const db::RunStore& store, const RunRequest& request,
-                const Baseline& unloaded, StatusBoard& board);
+                const UnloadedFrame& unloaded, StatusBoard& board);
 
 }  // namespace tactbench::bench

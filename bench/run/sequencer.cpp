@@ -32,7 +32,7 @@ void Sequencer::follow(const sequences::Recipe& recipe) {
   suspension_.follow(recipe.suspend);
 }
 
-Baseline Sequencer::read_baseline() {
+UnloadedFrame Sequencer::read_unloaded_frame() {
   poll();
   // Until both can be true; poll() throws when that lasts.
   while (!rig_.guard().feedback().possible() || !rig_.guard().reference().possible()) {
@@ -45,7 +45,7 @@ Baseline Sequencer::read_baseline() {
                 fmt::format("the chamber holds {} before the first command", analysis::both_units(highest, 1)));
   }
   std::string flags;
-  return baseline_of(read_array(flags));
+  return unloaded_frame_of(read_array(flags));
 }
 
 void Sequencer::begin_branch(const Step& first, bool tolerant) {
@@ -82,7 +82,7 @@ void Sequencer::chamber_step(const Step& step) {
   (void)times_.start(Spent::kDwelling);
   moving_ = false;
   dwell(step);
-  if (!sequences::takes_frame(step)) return;
+  if (!sequences::has_frame(step)) return;
   (void)times_.start(Spent::kReading);
   std::string retried;
   readings_.scans = read_array(retried);
@@ -208,7 +208,7 @@ void Sequencer::poll() {
   readings_.feedback = rig_.source().feedback();
   readings_.reference = rig_.reference().read();
   recorder_.poll(setpoint_, readings_.feedback, readings_.reference);
-  tell_readings();
+  publish_readings();
   rig_.guard().check_witnesses();
   check_agreement();
   if (!guard_ || !rig_.guard().reference().possible()) return;
@@ -217,7 +217,7 @@ void Sequencer::poll() {
   broken_ = broken_ || broken.has_value();
 }
 
-void Sequencer::tell_readings() {
+void Sequencer::publish_readings() {
   RunReadings now;
   now.time_s = recorder_.elapsed_s();
   now.setpoint_psi = setpoint_.value();

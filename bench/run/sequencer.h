@@ -30,7 +30,7 @@ class Sequencer {
   void follow(const sequences::Recipe& recipe);
   // Reads the unloaded array and both pressures; throws Fault TB-CHAMBER-NOT-VENTED when the chamber is under pressure,
   // TB-CHAMBER-WITNESS when a reading cannot be true.
-  Baseline read_baseline();
+  UnloadedFrame read_unloaded_frame();
 
   // Between these two calls the measured reference must move in one direction from the branch's first level on, else a
   // step throws PathBroken; on its way there, too. Tolerant: a broken path is only flagged on its frames.
@@ -38,17 +38,18 @@ class Sequencer {
   void end_branch() { guard_.reset(); }
   void begin_step();  // starts the recipe's time limit for one step
   // A step of kind kConditioning or kMeasure. Throws Fault (devices, TB-CHAMBER-TIMEOUT, TB-CHAMBER-DISAGREE,
-  // TB-CHAMBER-WITNESS, TB-STEP-TIMEOUT), Leave, Suspended, PathBroken.
+  // TB-CHAMBER-WITNESS, TB-STEP-TIMEOUT), RunEndRequested, Suspended, PathBroken.
   void chamber_step(const sequences::Step& step);
   // Reads all K scans and retries as the recipe allows; each failure is an event and sets `flags`.
   [[nodiscard]] devices::ScanSet read_array(std::string& flags);
   [[nodiscard]] const StepReadings& last() const { return readings_; }
 
-  // Waits in slices, so that a command or a signal takes effect within 0.1 s of real time. Throws Leave, Suspended.
+  // Waits in slices, so that a command or a signal takes effect within 0.1 s of real time. Throws RunEndRequested,
+  // Suspended.
   void wait_until(devices::Nanoseconds time);
-  // Waits 0.2 s for a person on a vented rig, watching both pressures. Throws Leave.
+  // Waits 0.2 s for a person on a vented rig, watching both pressures. Throws RunEndRequested.
   void idle();
-  // Holds the present set-point for a moment, watching both pressures. Throws Leave, PathBroken.
+  // Holds the present set-point for a moment, watching both pressures. Throws RunEndRequested, PathBroken.
   void stand();
   // Waits `duration_s` at 0 psi, feeding the module and watching the pressures.
   void hold_vented(double duration_s);
@@ -68,7 +69,7 @@ class Sequencer {
     moving_ = false;
   }
   // Passes the newest readings to Control; poll() does it for those of the chamber.
-  void tell_readings();
+  void publish_readings();
 
  private:
   void watch_path(devices::Psi from, devices::Psi to);

@@ -29,20 +29,20 @@ constexpr double kConverterRange = 65535.0;
 
 // Waits until the unloaded output drifts less than required, or the time is up. Returns the newest unloaded frame;
 // `cold` where there is nothing to wait for.
-Baseline warm_up(Sequencer& sequencer, Recorder& recorder, const sequences::WarmUp& rule, const Baseline& cold,
-                 StatusBoard& board) {
+UnloadedFrame warm_up(Sequencer& sequencer, Recorder& recorder, const sequences::WarmUp& rule,
+                      const UnloadedFrame& cold, StatusBoard& board) {
   if (rule.at_most_s <= 0.0) return cold;
   board.phase(fmt::format("warming up, at most {:.0f} min", rule.at_most_s / 60.0));
   Rig& rig = sequencer.rig();
   const devices::Nanoseconds start = rig.clock().now();
   std::vector<double> drifts;
   std::string flags;
-  Baseline frame = baseline_of(sequencer.read_array(flags));
+  UnloadedFrame frame = unloaded_frame_of(sequencer.read_array(flags));
   double before = analysis::mean_of(frame);
   bool calm = false;
   while (!calm && rig.clock().now() - start < seconds(rule.at_most_s)) {
     sequencer.hold_vented(kPollInterval);
-    frame = baseline_of(sequencer.read_array(flags));
+    frame = unloaded_frame_of(sequencer.read_array(flags));
     const double now = analysis::mean_of(frame);
     drifts.push_back(100.0 * std::abs(now - before) / kConverterRange * 60.0 / kPollInterval);
     before = now;
@@ -75,9 +75,9 @@ void check_scanner(const RunRequest& request, const std::string& serial) {
 }
 
 void prepare_sensor(Sequencer& sequencer, Recorder& recorder, const db::RunStore& store, const RunRequest& request,
-                    const Baseline& baseline, StatusBoard& board) {
+                    const UnloadedFrame& baseline, StatusBoard& board) {
   (void)sequencer.times().start(Spent::kSetup);
-  const Baseline unloaded = warm_up(sequencer, recorder, request.recipes.front().warm_up, baseline, board);
+  const UnloadedFrame unloaded = warm_up(sequencer, recorder, request.recipes.front().warm_up, baseline, board);
   check_seat(sequencer, recorder, store, request, unloaded, board);
 }
 
@@ -85,7 +85,7 @@ void load_specimen(Rig& rig, const std::string& file) {
   if (file.empty() || rig.plant() == nullptr || !std::filesystem::exists(file)) return;
   constexpr std::size_t kLargestState = 256'000'000;  // bytes; 64 x 64 taxels need about a hundredth
   try {
-    rig.plant()->set_specimen_state(analysis::whole_file(file, {kLargestState}, "TB-SPECIMEN-STATE", ""));
+    rig.plant()->set_specimen_state(analysis::read_whole_file(file, {kLargestState}, "TB-SPECIMEN-STATE", ""));
   } catch (const std::exception& error) {
     throw Error("TB-SPECIMEN-STATE", fmt::format("not a specimen state: {}", error.what()), file);
   }

@@ -23,7 +23,7 @@ void check_scanner(const RunRequest& request, const std::string& serial);
 // Warm-up by the first recipe's criterion, then seating; each a stored check. Throws Error TB-SEATING and what the
 // sequencer throws; after Suspended it may be called again.
 void prepare_sensor(Sequencer& sequencer, Recorder& recorder, const db::RunStore& store, const RunRequest& request,
-                    const Baseline& baseline, StatusBoard& board);
+                    const UnloadedFrame& baseline, StatusBoard& board);
 
 // State of the simulated specimen between runs: the film's memory, kept in a file; and the object that presses on it.
 

@@ -119,7 +119,7 @@ void StageSteps::press(const Step& step, const sequences::Recipe& recipe) {
   level.dwell_s = step.dwell_s;
   level.hold_force = step.hold_force;
   std::function<void()> frame;
-  if (sequences::takes_frame(step)) frame = [&] { readings.scans = sequencer_.read_array(readings.flags); };
+  if (sequences::has_frame(step)) frame = [&] { readings.scans = sequencer_.read_array(readings.flags); };
   (void)sequencer_.times().start(Spent::kDwelling);
   const PressReading reading = press_->press(level, frame);
   if (reading.broken) {
@@ -147,7 +147,7 @@ void StageSteps::press(const Step& step, const sequences::Recipe& recipe) {
   readings.wrench = wrench;
   recorder_.frame(step, readings);
   if (!recipe.press.registers) return;
-  touches_.push_back({x_mm_, y_mm_, baseline_of(readings.scans)});
+  touches_.push_back({x_mm_, y_mm_, unloaded_frame_of(readings.scans)});
 }
 
 void StageSteps::forget() { press_.reset(); }
@@ -163,7 +163,7 @@ void StageSteps::register_mount(double pitch_mm, const std::vector<double>& base
   }
   touches_.clear();
   RegistrationOptions options;
-  options.most_rms_mm = 0.4 * pitch_mm;  // a point smaller than a taxel cannot be located better
+  options.max_rms_mm = 0.4 * pitch_mm;  // a point smaller than a taxel cannot be located better
   const MountRegistration mount = bench::register_mount(touches, pitch_mm, options);
   recorder_.check("mount", "pass", mount.json(),
                   {mount.angle_deg, mount.offset_mm[0], mount.offset_mm[1], mount.rms_mm});

@@ -24,8 +24,8 @@ std::vector<std::string> press_complaints(const sequences::Recipe& recipe, const
 class StageSteps {
  public:
   StageSteps(Sequencer& sequencer, Recorder& recorder) : sequencer_(sequencer), recorder_(recorder) {}
-  // Opens stage and force sensor at the first step. Throws Fault, Leave, PathBroken (a level was overshot), and Error
-  // TB-BENCH-NO-STAGE when the bench has none.
+  // Opens stage and force sensor at the first step. Throws Fault, RunEndRequested, PathBroken (a level was overshot),
+  // and Error TB-BENCH-NO-STAGE when the bench has none.
   void carry_out(const sequences::Step& step, const sequences::Recipe& recipe);
   // To be called after the rig was made safe: nothing is in contact any more.
   void forget();

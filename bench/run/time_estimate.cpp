@@ -97,7 +97,7 @@ sequences::TimeModel time_model(const BenchConfig& bench) {
 std::size_t steps_done(const std::vector<Step>& steps, std::int64_t frames) {
   for (const sequences::BranchSpan& span : sequences::branches(steps)) {
     if (span.kind != sequences::SpanKind::kBranch) continue;
-    for (std::size_t i = span.first; i < span.first + span.count; ++i) frames -= takes_frame(steps[i]) ? 1 : 0;
+    for (std::size_t i = span.first; i < span.first + span.count; ++i) frames -= has_frame(steps[i]) ? 1 : 0;
     if (frames < 0) return span.first;
   }
   return steps.size();
@@ -121,7 +121,7 @@ TimeEstimate::TimeEstimate(const std::vector<Recipe>& recipes, const std::vector
     }
     part.prompts += steps[i].kind == sequences::StepKind::kPrompt ? 1 : 0;
     frames_done_[i] = frames;
-    if (!takes_frame(steps[i])) continue;
+    if (!has_frame(steps[i])) continue;
     // Steps before a frame count as fractions of it.
     for (std::size_t j = since_frame; j <= i; ++j) {
       frames_done_[j] = frames + static_cast<double>(j - since_frame) / static_cast<double>(i + 1 - since_frame);

@@ -115,7 +115,7 @@ class Server {
       }
       try {
         rig_.look();
-        for (const std::string& words : rig_.take_busy()) (void)channel_.send("busy: " + words);
+        for (const std::string& words : rig_.take_busy_report()) (void)channel_.send("busy: " + words);
         if (blind) (void)channel_.send("sees");
         blind = false;
       } catch (const std::exception& error) {  // firing opens a new connection
@@ -167,7 +167,7 @@ class Server {
     const std::string what = fmt::format("dead-man fired ({}); {} after {:.2f} s; {} after {:.2f} s", why,
                                          proof.text.in(analysis::PressureUnit::kPsi), pressure_s, stage_text, stage_s);
     tty::print(stderr, "tactbench: bench '{}': {}\n", config_.id, what);
-    (void)channel_.send(std::string(kDidWord) + what);
+    (void)channel_.send(std::string(kDidPrefix) + what);
     const TripFile trip(config_.id);
     const bool latched = !(gone && safe);
     if (latched) (void)trip.store({kDeadManFired, what, run_, {}});
@@ -223,7 +223,7 @@ class Server {
 // So that a busy computer does not look like a dead one: in real time where that is allowed (`ulimit -r`), else with a
 // higher priority. The latter is not enough by itself: Linux shares a busy processor among sessions first (autogroup),
 // and this process is one of its own.
-void come_first() {
+void raise_priority() {
   const sched_param lowest{.sched_priority = 1};
   if (::sched_setscheduler(0, SCHED_RR, &lowest) != 0) (void)::setpriority(PRIO_PROCESS, 0, -10);
 }
@@ -231,7 +231,7 @@ void come_first() {
 }  // namespace
 
 int serve_dead_man(int socket) {
-  come_first();
+  raise_priority();
   devices::DescriptorChannel channel(socket);
   std::unique_ptr<MachineName> lock;
   std::unique_ptr<Server> server;

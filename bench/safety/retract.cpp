@@ -36,7 +36,7 @@ class Retraction {
     if (proof.z_mm && (overloaded_ || (proof.force_n && !is_safe(*proof.force_n)))) {
       trouble.clear();
       try {
-        proof.z_mm = go_up(options_.furthest_z_mm);
+        proof.z_mm = go_up(options_.low_end_z_mm);
       } catch (const std::exception& error) {
         trouble = error.what();
       }

@@ -17,7 +17,7 @@ struct RetractOptions {
   double speed_mm_per_s = 4.0;  // largest speed of the z axis
   double safe_force_n = 0.5;
   int records = 50;
-  double furthest_z_mm = 0.0;  // the axis' low end
+  double low_end_z_mm = 0.0;  // the axis' low end
 };
 
 struct RetractProof {

@@ -127,10 +127,10 @@ void watch_pressure_fall(Rig& rig, std::vector<Witness>& witnesses, bool feed) {
 
 // Half of the taxels back within 2 % of the converter's range of the unloaded frame: a witness that needs no module.
 // The median, so that a row that is stuck does not decide.
-std::optional<bool> array_at_baseline(Rig& rig, const Baseline& baseline) {
+std::optional<bool> array_is_unloaded(Rig& rig, const UnloadedFrame& baseline) {
   if (!rig.has_array() || baseline.empty()) return std::nullopt;
   try {
-    Baseline rise = baseline_of(rig.array().read(1));
+    UnloadedFrame rise = unloaded_frame_of(rig.array().read(1));
     for (std::size_t i = 0; i < rise.size(); ++i) rise[i] -= baseline.at(i);
     const double middle = analysis::quantile_of(std::move(rise), 0.5);
     return middle < 0.02 * 65535.0;  // outputs below the unloaded frame: that frame still relaxed
@@ -140,25 +140,25 @@ std::optional<bool> array_at_baseline(Rig& rig, const Baseline& baseline) {
 }
 
 // The same, once the film has had time to recover after the vent.
-std::optional<bool> array_back(Rig& rig, const Baseline& baseline) {
+std::optional<bool> array_back(Rig& rig, const UnloadedFrame& baseline) {
   const Nanoseconds deadline = rig.clock().now() + seconds(kFilmRelaxes);
   FedWait wait(rig);
-  std::optional<bool> at_baseline = array_at_baseline(rig, baseline);
-  while (at_baseline && !*at_baseline && rig.clock().now() < deadline) {
+  std::optional<bool> is_unloaded = array_is_unloaded(rig, baseline);
+  while (is_unloaded && !*is_unloaded && rig.clock().now() < deadline) {
     wait.until(rig.clock().now() + seconds(0.5));
-    at_baseline = array_at_baseline(rig, baseline);
+    is_unloaded = array_is_unloaded(rig, baseline);
   }
-  return at_baseline;
+  return is_unloaded;
 }
 
 // Both pressures come through one module, and a module that repeats old readings may show 0 psi at 60.
-void hear_array(Rig& rig, const Baseline& baseline, SafeProof& proof) {
+void contradict_by_array(Rig& rig, const UnloadedFrame& baseline, SafeProof& proof) {
   if (array_back(rig, baseline).value_or(true)) return;
   proof.state = db::SafeState::kUnverified;
   proof.text += "; NOT verified: the tactile array is still loaded, so one of the witnesses is wrong";
 }
 
-SafeProof prove(Rig& rig, const Baseline& baseline) {
+SafeProof prove(Rig& rig, const UnloadedFrame& baseline) {
   const BenchConfig& config = rig.config();
   bool ordered = false;
   for (int i = 0; i < kTries && !ordered; ++i) ordered = rig.source().vent();
@@ -178,12 +178,12 @@ SafeProof prove(Rig& rig, const Baseline& baseline) {
   auto below = std::ranges::count_if(witnesses, &Witness::proves);
   bool above = std::ranges::any_of(witnesses, &Witness::warns);
   if (below < 2) {
-    const std::optional<bool> at_baseline =
-        ordered && !above ? array_back(rig, baseline) : array_at_baseline(rig, baseline);
-    if (at_baseline) {
-      told += *at_baseline ? ", tactile array back at its unloaded baseline" : ", tactile array still loaded";
-      below += *at_baseline ? 1 : 0;
-      above = above || !*at_baseline;
+    const std::optional<bool> is_unloaded =
+        ordered && !above ? array_back(rig, baseline) : array_is_unloaded(rig, baseline);
+    if (is_unloaded) {
+      told += *is_unloaded ? ", tactile array back at its unloaded baseline" : ", tactile array still loaded";
+      below += *is_unloaded ? 1 : 0;
+      above = above || !*is_unloaded;
     }
   }
   // Where nothing holds the set-point at 0 psi, an empty chamber may be loaded again.
@@ -207,7 +207,7 @@ SafeProof prove(Rig& rig, const Baseline& baseline) {
 }
 
 // Where 0 V is no vent, a module that is lost after the proof loads the chamber again.
-void hear_module(Rig& rig, SafeProof& proof) {
+void warn_of_lost_module(Rig& rig, SafeProof& proof) {
   const BenchConfig& config = rig.config();
   if (zero_volt_vents(config)) return;
   try {
@@ -250,7 +250,7 @@ void retract_stage(Rig& rig, SafeProof& proof) {
   const SafetyLimits& limits = rig.config().limits;
   RetractOptions options;
   options.clear_z_mm = limits.clear_z_mm;
-  options.furthest_z_mm = rig.config().stage->options.axes[2].low.value();
+  options.low_end_z_mm = rig.config().stage->options.axes[2].low.value();
   options.speed_mm_per_s = rig.config().stage->options.axes[2].maximum_speed.value();
   options.safe_force_n = limits.contact_n;
   FedWait wait(rig);
@@ -268,15 +268,15 @@ void retract_stage(Rig& rig, SafeProof& proof) {
 
 }  // namespace
 
-Baseline baseline_of(const devices::ScanSet& scans) {
+UnloadedFrame unloaded_frame_of(const devices::ScanSet& scans) {
   const std::size_t taxels = static_cast<std::size_t>(scans.rows * scans.columns);
-  Baseline mean(taxels, 0.0);
+  UnloadedFrame mean(taxels, 0.0);
   for (std::size_t i = 0; i < scans.counts.size(); ++i)
     mean[i % taxels] += scans.counts[i] / static_cast<double>(scans.scans);
   return mean;
 }
 
-SafeProof make_safe(Rig& rig, const Baseline& baseline) noexcept {
+SafeProof make_safe(Rig& rig, const UnloadedFrame& baseline) noexcept {
   SafeProof proof;
   try {
     proof = prove(rig, baseline);
@@ -290,8 +290,8 @@ SafeProof make_safe(Rig& rig, const Baseline& baseline) noexcept {
     proof.text += fmt::format("; retraction NOT verified ({})", error.what());
   }
   try {
-    if (proof.state == db::SafeState::kVerified) hear_array(rig, baseline, proof);
-    if (proof.state == db::SafeState::kVerified) hear_module(rig, proof);
+    if (proof.state == db::SafeState::kVerified) contradict_by_array(rig, baseline, proof);
+    if (proof.state == db::SafeState::kVerified) warn_of_lost_module(rig, proof);
   } catch (const std::exception& error) {
     proof.state = db::SafeState::kUnverified;
     proof.text += fmt::format("; NOT verified ({})", error.what());

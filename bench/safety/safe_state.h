@@ -17,12 +17,12 @@ struct SafeProof {
 };
 
 // The frame of the unloaded array taken before the first load, mean counts per taxel; empty when there was none.
-using Baseline = std::vector<double>;
-Baseline baseline_of(const devices::ScanSet& scans);
+using UnloadedFrame = std::vector<double>;
+UnloadedFrame unloaded_frame_of(const devices::ScanSet& scans);
 
 // Vents, then retracts z where the stage was used, then reads the tactile array, if there is one: it may contradict the
 // pressures. Bounded by 10 s, 1.5 times SafetyLimits::vent_timeout_s and the module's watchdog (in process time), the
 // travel of z home, and a few link timeouts.
-SafeProof make_safe(Rig& rig, const Baseline& baseline) noexcept;
+SafeProof make_safe(Rig& rig, const UnloadedFrame& baseline) noexcept;
 
 }  // namespace tactbench::bench

@@ -7,7 +7,7 @@
 
 namespace tactbench::bench {
 
-struct ChamberTrouble {                 // what is broken at present
+struct ChamberFaults {                  // what is broken at present
   bool valve_shut = false;              // neither fills nor exhausts, whatever is commanded
   double no_supply_fall_psi_per_s = 0;  // above 0: cannot fill, and loses that much backward through the valve
   double leak_psi_per_s = 0.0;          // in addition to that of the options
@@ -18,7 +18,7 @@ class Chamber {
   explicit Chamber(const ChamberOptions& options) : options_(options) {}
   void command(devices::Volts volts);  // 0-10 V, clipped there
   void dump(bool open) { dump_open_ = open; }
-  void set_trouble(const ChamberTrouble& trouble) { trouble_ = trouble; }
+  void set_faults(const ChamberFaults& trouble) { trouble_ = trouble; }
   // From now on the regulator aims `psi` beyond its target (negative: below), for at most 2 s or until it is there.
   void overshoot(double psi);
   void advance(double seconds);  // fixed inner step; seconds of any size
@@ -31,7 +31,7 @@ class Chamber {
  private:
   void step(double seconds);
   ChamberOptions options_;
-  ChamberTrouble trouble_;
+  ChamberFaults trouble_;
   bool dump_open_ = false;
   double beyond_psi_ = 0.0;
   double beyond_s_ = 0.0;

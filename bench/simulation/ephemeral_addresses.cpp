@@ -10,7 +10,7 @@ bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0;
 
 }  // namespace
 
-void PassingNames::add(const std::string& where) {
+void EphemeralAddresses::add(const std::string& where) {
   const std::string host = "127.0.0.1";
   if (const std::size_t found = where.find(host + ":"); found != std::string::npos) {
     std::string port;
@@ -23,7 +23,7 @@ void PassingNames::add(const std::string& where) {
   }
 }
 
-std::string PassingNames::lasting(std::string text) const {
+std::string EphemeralAddresses::lasting(std::string text) const {
   for (const auto& [passing, name] : names_) {
     for (std::size_t at = 0; (at = text.find(passing, at)) != std::string::npos;) {
       const std::size_t end = at + passing.size();

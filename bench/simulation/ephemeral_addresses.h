@@ -9,7 +9,7 @@
 
 namespace tactbench::bench {
 
-class PassingNames {
+class EphemeralAddresses {
  public:
   // Of an address as it is served: "Modbus TCP 127.0.0.1:40001, ADAM-6024", "/dev/pts/3", "/tmp/x/scanner".
   void add(const std::string& where);

@@ -13,7 +13,7 @@ using devices::Nanoseconds;
 
 struct Kind {
   const char* word;
-  double usual_value;
+  double default_fault_value;
   std::optional<Instrument> instrument;  // whose answers it spoils
   InjectedFault injected;
 };
@@ -61,7 +61,7 @@ Nanoseconds time_of(double seconds) { return std::chrono::round<Nanoseconds>(std
 
 }  // namespace
 
-const std::vector<std::string>& fault_words() {
+const std::vector<std::string>& fault_kind_names() {
   static const std::vector<std::string> words = [] {
     std::vector<std::string> all;
     for (const Kind& kind : kKinds) all.emplace_back(kind.word);
@@ -70,7 +70,7 @@ const std::vector<std::string>& fault_words() {
   return words;
 }
 
-double usual_value(FaultKind kind) { return of(kind).usual_value; }
+double default_fault_value(FaultKind kind) { return of(kind).default_fault_value; }
 
 Faults::Faults(const std::vector<PlannedFault>& planned) {
   for (const PlannedFault& fault : planned) {
@@ -84,7 +84,7 @@ Faults::Faults(const std::vector<PlannedFault>& planned) {
 
 void Faults::add(const PlannedFault& fault, std::optional<Nanoseconds> from) {
   Entry entry{fault, from, std::nullopt, 0};
-  entry.plan.value = fault.value.value_or(usual_value(fault.kind));
+  entry.plan.value = fault.value.value_or(default_fault_value(fault.kind));
   if (fault.kind == FaultKind::kOvershoot && fault.times == 0) entry.plan.times = 1;
   if (from && std::isfinite(fault.lasts_s)) entry.until = *from + time_of(fault.lasts_s);
   entries_.push_back(entry);

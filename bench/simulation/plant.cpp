@@ -273,7 +273,7 @@ void Plant::step_to(Nanoseconds time) {
       command_ = fallback_;
       chamber_.command(fallback_);
     }
-    if (faults_.any()) suffer();
+    if (faults_.any()) apply_faults();
     const Nanoseconds end = held_ ? std::min(time, hold_until_) : time;
     const double seconds = seconds_of(end - time_);
     chamber_.advance(seconds);
@@ -285,13 +285,13 @@ void Plant::step_to(Nanoseconds time) {
   }
 }
 
-void Plant::suffer() {
+void Plant::apply_faults() {
   const auto value = [&](FaultKind kind) { return faults_.active(kind, time_); };
-  ChamberTrouble trouble;
+  ChamberFaults trouble;
   trouble.valve_shut = value(FaultKind::kValveStuck) || value(FaultKind::kRegulatorUnpowered);
   trouble.leak_psi_per_s = value(FaultKind::kLeak).value_or(0.0);
   trouble.no_supply_fall_psi_per_s = value(FaultKind::kSupplyLost).value_or(0.0);
-  chamber_.set_trouble(trouble);
+  chamber_.set_faults(trouble);
 }
 
 void Plant::follow_stage(double seconds) {

@@ -78,7 +78,7 @@ class Plant final : public devices::ChamberPort, public devices::TactilePort, pu
   void follow_stage(double seconds);           // contact up to time_
   void follow(double seconds);                 // the specimen follows the load
   void move_specimen(const Load& load, double seconds);
-  void suffer();                     // applies the faults that are active at time_
+  void apply_faults();               // applies the faults that are active at time_
   [[nodiscard]] Load load() const {  // a vacuum does not load the specimen
     return {std::max(0.0, chamber_.pressure().value()), contact_state_.force_n};
   }

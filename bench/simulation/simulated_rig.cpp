@@ -49,7 +49,7 @@ SimulatedRig::SimulatedRig(BenchConfig& config, const devices::Clock& clock, boo
   serve_scanner(config);
   if (config.stage) serve_stage(config);
   if (config.force) serve_force(config);
-  for (const Served& served : served_) passing_names_.add(served.where);
+  for (const Served& served : served_) ephemeral_addresses_.add(served.where);
 }
 
 SimulatedRig::~SimulatedRig() {

@@ -36,7 +36,7 @@ class SimulatedRig {
   SimulatedRig& operator=(const SimulatedRig&) = delete;
   [[nodiscard]] Plant& plant() { return plant_; }
   [[nodiscard]] const std::vector<Served>& served() const { return served_; }
-  [[nodiscard]] const PassingNames& passing_names() const { return passing_names_; }
+  [[nodiscard]] const EphemeralAddresses& ephemeral_addresses() const { return ephemeral_addresses_; }
 
  private:
   devices::FaultInjector injector_of(Instrument instrument);
@@ -49,7 +49,7 @@ class SimulatedRig {
   Plant plant_;
   ScratchFolder sockets_{"tactbench-sim"};
   std::vector<Served> served_;
-  PassingNames passing_names_;
+  EphemeralAddresses ephemeral_addresses_;
   std::unique_ptr<SimulatedLines> lines_;
   std::vector<PressureEnd> pressure_ends_;
   std::unique_ptr<devices::SimulatedScanner> scanner_;

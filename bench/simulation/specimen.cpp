@@ -16,8 +16,8 @@
 
 namespace tactbench::bench {
 
-std::vector<std::string> specimen_words() { return {"paper", "harsh", "foam"}; }
-std::string word_of(SpecimenKind kind) { return specimen_words().at(static_cast<std::size_t>(kind)); }
+std::vector<std::string> specimen_kind_names() { return {"paper", "harsh", "foam"}; }
+std::string keyword_of(SpecimenKind kind) { return specimen_kind_names().at(static_cast<std::size_t>(kind)); }
 
 Specimen::Specimen(const SpecimenOptions& options) : film_(std::make_unique<Film>(options)) {}
 Specimen::~Specimen() = default;
@@ -205,14 +205,14 @@ std::vector<double> tilt_shares(const SpecimenOptions& options) {
 
 }  // namespace
 
-std::vector<std::string> mount_turn_words(bool square) {
+std::vector<std::string> mount_turn_names(bool square) {
   std::vector<std::string> words = {"none",      "turned-180", "rows-mirrored", "columns-mirrored",
                                     "turned-90", "turned-270", "transposed",    "anti-transposed"};
   if (!square) words.resize(4);
   return words;
 }
 
-std::vector<std::string> mount_edge_words() { return {"first-row", "last-row", "first-column", "last-column"}; }
+std::vector<std::string> mount_edge_names() { return {"first-row", "last-row", "first-column", "last-column"}; }
 
 std::vector<double> shares_of_chamber(const SpecimenOptions& options) {
   std::vector<double> shares;
@@ -369,7 +369,7 @@ FilmMemory read_state(const std::string& text, const SpecimenOptions& options) {
       throw std::invalid_argument("specimen state: belongs to another sensor (sensor_seed, rows or columns differ)");
     }
     const bool harsh = options.kind == SpecimenKind::kHarsh, foam = options.kind == SpecimenKind::kFoam;
-    const std::string own = word_of(options.kind);
+    const std::string own = keyword_of(options.kind);
     const std::string given = json.contains("harsh") ? "harsh" : json.contains("foam") ? "foam" : "paper";
     if (given != own) {
       throw std::invalid_argument("specimen state: belongs to the specimen \"" + given + "\", this one is \"" + own +

@@ -45,7 +45,7 @@ Foam::Foam(const SpecimenOptions& options, FilmMake& make)
     taxel.densifying_psi = density * around(foam::kDensifyingPsi, foam::kElasticSpread);
     taxel.lock = foam::kLock + foam::kLockSpread * scatter.normal();
     taxel.softening_at_once = around(foam::kSofteningAtOnce, foam::kSofteningSpread);
-    taxel.softening_by_way = around(foam::kSofteningByWay, foam::kSofteningSpread);
+    taxel.softening_by_travel = around(foam::kSofteningByTravel, foam::kSofteningSpread);
     taxel.solid_share = around(foam::kSolidShare, foam::kReadoutSpread);
     taxel.fixed = around(foam::kFixedCapacitance, foam::kReadoutSpread);
     const double warm = std::exp(foam::kShiftPerKelvin * (options.temperature_c - film::kReferenceCelsius));
@@ -87,7 +87,7 @@ void Foam::advance(FoamMemory& memory, std::vector<double>& local_psi, double se
 // One piece: the strain is taken to change evenly in it, for which each branch's relaxation is exact; the strain then
 // follows from the balance at its end, which rises with the strain.
 void Foam::move(const Taxel& taxel, FoamTaxelState& state, double load_psi, double seconds) {
-  const double softened = 1.0 - taxel.softening_at_once * state.greatest - taxel.softening_by_way * state.worked_in;
+  const double softened = 1.0 - taxel.softening_at_once * state.greatest - taxel.softening_by_travel * state.worked_in;
   std::array<double, kFoamBranches> gained{};
   double kept = 0.0, gaining = 0.0;
   double times = seconds * taxel.slowest_per_s, lost = -std::expm1(-times);
@@ -132,8 +132,8 @@ void Foam::move(const Taxel& taxel, FoamTaxelState& state, double load_psi, doub
   const double forgotten = seconds / (seconds + foam::kRecoverySeconds);
   state.greatest = std::max(strain, state.greatest + (strain - state.greatest) * forgotten);
   const double way = std::abs(strain - before);
-  state.worked_in +=
-      (state.greatest - state.worked_in) * (state.worked_in < state.greatest ? way / (way + foam::kSofteningWay) : 1.0);
+  state.worked_in += (state.greatest - state.worked_in) *
+                     (state.worked_in < state.greatest ? way / (way + foam::kSofteningTravel) : 1.0);
 }
 
 double Foam::response(const FoamMemory& memory, std::size_t taxel) const {

@@ -39,8 +39,8 @@ inline constexpr std::array<double, kFoamSliders> kSlip = {0.003, 0.008, 0.02, 0
 inline constexpr double kTackPsi = 0.6;
 // Softening by the greatest compression so far: a part at once, a part with the way gone; it recovers slowly.
 inline constexpr double kSofteningAtOnce = 0.15;
-inline constexpr double kSofteningByWay = 0.10;
-inline constexpr double kSofteningWay = 0.8;
+inline constexpr double kSofteningByTravel = 0.10;
+inline constexpr double kSofteningTravel = 0.8;
 inline constexpr double kRecoverySeconds = 8.0 * 3600.0;
 // Capacitance against its own at rest, read against a fixed one: a bridge.
 inline constexpr double kSolidShare = 0.75;  // permittivity 1 + kSolidShare / (1 - e)
@@ -96,7 +96,7 @@ class Foam {
 
  private:
   struct Taxel {
-    double plateau_psi, knee, densifying_psi, lock, softening_at_once, softening_by_way, solid_share, fixed,
+    double plateau_psi, knee, densifying_psi, lock, softening_at_once, softening_by_travel, solid_share, fixed,
         slowest_per_s;
     std::array<double, kFoamBranches> relaxing{};
     std::array<double, kFoamSliders> friction{}, stiffness{};  // stiffness: per psi of the stress that presses

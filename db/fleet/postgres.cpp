@@ -171,7 +171,7 @@ struct Link::State {
     return Result(libpq().PQgetResult(handle));
   }
   // All results; an error of any is thrown after all were read. `columns`: none, rows are dropped.
-  std::vector<Row> collect(const std::size_t* columns, std::size_t most_bytes) const {
+  std::vector<Row> collect(const std::size_t* columns, std::size_t max_bytes) const {
     std::vector<Row> rows;
     std::size_t bytes = 0;
     bool answered = false;
@@ -195,7 +195,7 @@ struct Link::State {
                            static_cast<std::size_t>(libpq().PQgetlength(result.get(), i, j)));
           bytes += row.back().size() + sizeof(std::string);
         }
-        if (bytes > most_bytes) fail_answer(fmt::format("more than {} MB", most_bytes >> 20U));
+        if (bytes > max_bytes) fail_answer(fmt::format("more than {} MB", max_bytes >> 20U));
       }
     }
     if (failed) fail(failed.get());
@@ -286,7 +286,7 @@ Link::Link(const std::string& conninfo, std::chrono::seconds silence, std::chron
 Link::~Link() = default;
 
 std::vector<Row> Link::query(const std::string& sql, std::size_t columns, const std::vector<std::string>& parameters,
-                             std::size_t most_bytes) {
+                             std::size_t max_bytes) {
   std::vector<const char*> values;
   std::vector<int> lengths;
   const std::vector<int> as_bytes(parameters.size(), 1);
@@ -299,12 +299,12 @@ std::vector<Row> Link::query(const std::string& sql, std::size_t columns, const 
                                 lengths.data(), as_bytes.data(), 1) != 1)
     state_->fail_link();
   libpq().PQsetSingleRowMode(state_->handle);  // so that an answer without an end is noticed before memory is
-  return state_->collect(&columns, most_bytes);
+  return state_->collect(&columns, max_bytes);
 }
 
 Row Link::query_row(const std::string& sql, std::size_t columns, const std::vector<std::string>& parameters,
-                    std::size_t most_bytes) {
-  std::vector<Row> rows = query(sql, columns, parameters, most_bytes);
+                    std::size_t max_bytes) {
+  std::vector<Row> rows = query(sql, columns, parameters, max_bytes);
   if (rows.size() != 1) state_->fail_answer(fmt::format("{} rows where one was asked for", rows.size()));
   return std::move(rows.front());
 }
@@ -312,7 +312,7 @@ Row Link::query_row(const std::string& sql, std::size_t columns, const std::vect
 void Link::execute(const std::string& script) {
   state_->begin();
   if (libpq().PQsendQuery(state_->handle, script.c_str()) != 1) state_->fail_link();
-  (void)state_->collect(nullptr, kLargestAnswer);
+  (void)state_->collect(nullptr, kMaxAnswerBytes);
 }
 
 std::int64_t Link::number(const std::string& text) const {
@@ -325,9 +325,9 @@ std::int64_t Link::number(const std::string& text) const {
 const std::string& Link::where() const { return state_->where; }
 
 std::string without_passwords(const std::string& text) {
-  const std::string in_words = std::regex_replace(
+  const std::string display_text = std::regex_replace(
       text, std::regex(R"(((?:password|pwd)\s*=\s*)('([^'\\]|\\.)*'|(\\.|[^\s\\])+))", std::regex::icase), "$1***");
-  return std::regex_replace(in_words, std::regex(R"((://[^\s:/@]*:)\S*@)"), "$1***@");
+  return std::regex_replace(display_text, std::regex(R"((://[^\s:/@]*:)\S*@)"), "$1***@");
 }
 
 Transaction::Transaction(Link& link, const char* manner) : link_(link) {

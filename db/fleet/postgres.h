@@ -16,9 +16,9 @@ namespace tactbench::db::fleet {
 
 using Row = std::vector<std::string>;  // the bytes of each column; NULL as ""
 
-inline constexpr std::chrono::seconds kPatience(10);      // for connecting
-inline constexpr std::chrono::seconds kSilence(60);       // without a byte the server counts as lost
-inline constexpr std::size_t kLargestAnswer = 256 << 20;  // bytes of one statement's rows, unless more is expected
+inline constexpr std::chrono::seconds kPatience(10);       // for connecting
+inline constexpr std::chrono::seconds kSilence(60);        // without a byte the server counts as lost
+inline constexpr std::size_t kMaxAnswerBytes = 256 << 20;  // bytes of one statement's rows, unless more is expected
 
 class Link {
  public:
@@ -37,10 +37,10 @@ class Link {
   // `columns` is text or bytea. TB-FLEET-LOST, TB-FLEET-SILENT, TB-FLEET-ANSWER, TB-FLEET-FULL, TB-FLEET-DENIED,
   // TB-FLEET-OWNER, TB-FLEET-SQL.
   std::vector<Row> query(const std::string& sql, std::size_t columns, const std::vector<std::string>& parameters = {},
-                         std::size_t most_bytes = kLargestAnswer);
+                         std::size_t max_bytes = kMaxAnswerBytes);
   // The same, of a statement that gives one row.
   Row query_row(const std::string& sql, std::size_t columns, const std::vector<std::string>& parameters = {},
-                std::size_t most_bytes = kLargestAnswer);
+                std::size_t max_bytes = kMaxAnswerBytes);
   void execute(const std::string& script);  // several statements without parameters; their rows are dropped
   // A column that is a number. TB-FLEET-ANSWER.
   [[nodiscard]] std::int64_t number(const std::string& text) const;

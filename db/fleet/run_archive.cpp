@@ -19,10 +19,10 @@ std::string pack_run(const RunStore& store, std::int64_t run, const std::string&
   // A copy checks what it copies: content, and what is sealed beside it.
   (void)RunStore::open(path, Durability::kNormal).copy_runs_from(store, {run});
   std::string plain(std::filesystem::file_size(path), '\0');
-  if (plain.size() > kLargestStore)
+  if (plain.size() > kMaxStoreBytes)
     throw FleetError(FleetCause::kStore, "TB-FLEET-LARGE",
                      fmt::format("run {} takes {} MB, and the fleet keeps runs up to {} MB", run,
-                                 plain.size() / 1'000'000, kLargestStore / 1'000'000),
+                                 plain.size() / 1'000'000, kMaxStoreBytes / 1'000'000),
                      "it stays in the store: take a snapshot of that (tactbench runs copy --to FILE)");
   std::ifstream(path, std::ios::binary).read(plain.data(), static_cast<std::streamsize>(plain.size()));
   std::filesystem::remove(path);
@@ -39,9 +39,9 @@ void unpack_run(const std::string& body, const std::string& path) {
   std::string piece(1 << 18, '\0');
   z_stream stream{};
   stream.next_in = reinterpret_cast<const Bytef*>(body.data());
-  stream.avail_in = static_cast<uInt>(std::min(body.size(), kLargestStore));
+  stream.avail_in = static_cast<uInt>(std::min(body.size(), kMaxStoreBytes));
   int state = inflateInit(&stream);
-  while (state == Z_OK && stream.total_out <= kLargestStore && file) {
+  while (state == Z_OK && stream.total_out <= kMaxStoreBytes && file) {
     stream.next_out = reinterpret_cast<Bytef*>(piece.data());
     stream.avail_out = static_cast<uInt>(piece.size());
     state = inflate(&stream, Z_NO_FLUSH);

@@ -11,7 +11,7 @@
 namespace tactbench::db::fleet {
 
 // Bytes of a run's store: about a million frames of 16 x 16 taxels. A value in PostgreSQL has less than 1 GiB.
-inline constexpr std::size_t kLargestStore = 1'000'000'000;
+inline constexpr std::size_t kMaxStoreBytes = 1'000'000'000;
 
 // `scratch`: a temporary folder that nobody else uses. Throws StoreError when the run is not what was stored,
 // FleetError TB-FLEET-LARGE.

@@ -53,7 +53,7 @@ std::int64_t add_run(Link& link, const SentRun& run) {
     return link.number(
         link.query_row("SELECT run::text FROM fleet.owners WHERE uuid = $1::text", 1, {run.uuid}).front());
   const Row back = link.query_row("SELECT uuid, content_sha256, body FROM fleet.runs WHERE revision = $1::text::bigint",
-                                  3, {added.front()[1]}, run.body.size() + kLargestAnswer);
+                                  3, {added.front()[1]}, run.body.size() + kMaxAnswerBytes);
   if (back[0] != run.uuid || back[1] != run.content_sha256 || sha256_hex(back[2]) != sha256)
     throw FleetError(
         FleetCause::kStore, "TB-FLEET-DIFFERS",
@@ -63,7 +63,7 @@ std::int64_t add_run(Link& link, const SentRun& run) {
   return link.number(added.front()[0]);
 }
 
-FleetRun run_named(Link& link, const std::string& name) {
+FleetRun find_run_by_name(Link& link, const std::string& name) {
   constexpr std::size_t kLongest = 18, kShortestUuid = 4;
   std::vector<FleetRun> found;
   if (consists_of(name, "0123456789") && name.size() <= kLongest)
@@ -101,7 +101,7 @@ std::map<std::string, std::int64_t> runs_by_origin(Link& link) {
   return counts;
 }
 
-std::vector<FleetRun> with_what_it_rests_on(Link& link, const FleetRun& run) {
+std::vector<FleetRun> with_dependencies(Link& link, const FleetRun& run) {
   return runs_in(link,
                  "WHERE r.run IN (WITH RECURSIVE needed(run, facts) AS (SELECT run, facts FROM fleet.every_run "
                  "WHERE run = $1::text::bigint UNION SELECT e.run, e.facts FROM needed n CROSS JOIN LATERAL "
@@ -112,7 +112,7 @@ std::vector<FleetRun> with_what_it_rests_on(Link& link, const FleetRun& run) {
 
 std::string body_of(Link& link, const FleetRun& run) {
   Row row = link.query_row("SELECT body_sha256, body FROM fleet.runs WHERE revision = $1::text::bigint", 2,
-                           {std::to_string(run.revision)}, kLargestStore + kLargestAnswer);
+                           {std::to_string(run.revision)}, kMaxStoreBytes + kMaxAnswerBytes);
   if (sha256_hex(row[1]) == row[0]) return std::move(row[1]);
   throw FleetError(FleetCause::kStore, "TB-FLEET-CHANGED",
                    fmt::format("fleet {}: run {} is not what was pushed", link.where(), run.run),

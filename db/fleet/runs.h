@@ -37,13 +37,13 @@ struct FleetRun {
 };
 
 // By the fleet's number, the UUID, or its first characters (four or more). TB-FLEET-NOT-FOUND.
-FleetRun run_named(Link& link, const std::string& name);
+FleetRun find_run_by_name(Link& link, const std::string& name);
 // Runs of an origin, by start. `where`: a condition in SQL over the columns of the view fleet.every_run, evaluated with
 // the rights of who logged in, without a possibility to write, for a minute at most; empty: all. TB-FLEET-WHERE.
 std::vector<FleetRun> find_runs(Link& link, const std::string& origin, const std::string& where);
 std::map<std::string, std::int64_t> runs_by_origin(Link& link);
 // The run and the runs that its models and verdicts are based on (rests_on of the facts), as far as the fleet has them.
-std::vector<FleetRun> with_what_it_rests_on(Link& link, const FleetRun& run);
+std::vector<FleetRun> with_dependencies(Link& link, const FleetRun& run);
 // Compared with its hash. TB-FLEET-CHANGED.
 std::string body_of(Link& link, const FleetRun& run);
 

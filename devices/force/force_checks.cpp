@@ -36,9 +36,9 @@ double ForceSpread::standard_deviation_n() const {
 }
 
 void check_records(int records) {
-  if (records >= 1 && records <= kMostForceRecords) return;
+  if (records >= 1 && records <= kMaxForceRecords) return;
   throw Fault("TB-FORCE-RECORDS", kForceDevice,
-              fmt::format("a reading of {} records was requested; 1 to {} are possible", records, kMostForceRecords),
+              fmt::format("a reading of {} records was requested; 1 to {} are possible", records, kMaxForceRecords),
               "Correct the number of force records to average.");
 }
 

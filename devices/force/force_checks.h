@@ -25,7 +25,7 @@ class ForceSpread {
   std::array<double, 3> mean_{}, squares_{};
 };
 
-// Throws Fault TB-FORCE-RECORDS unless 1 <= records <= kMostForceRecords.
+// Throws Fault TB-FORCE-RECORDS unless 1 <= records <= kMaxForceRecords.
 void check_records(int records);
 // Compares `load`, in the frame of `range` (N, N*mm), with share * range of each axis. Throws Fault TB-FORCE-OVERLOAD.
 void check_overload(const Wrench& load, const SixAxes& range, double share);

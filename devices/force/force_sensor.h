@@ -29,7 +29,7 @@ struct ForceReading {
   std::optional<double> thermistor_v;     // DAQ with a thermistor: its mean, needed to scale the raw volts
 };
 
-inline constexpr int kMostForceRecords = 100'000;
+inline constexpr int kMaxForceRecords = 100'000;
 
 class ForceSensor {
  public:

@@ -178,7 +178,7 @@ class SimulatedDigitalFt::Server {
   int stop_;
   const bool free_running_;
   bool streaming_ = false;
-  EndAtWork work_;
+  EndActivity work_;
   std::thread thread_;
 };
 

@@ -215,7 +215,7 @@ class SimulatedNetFt::Server {
   std::uint32_t sample_ = 0;
   long records_ = 0;
   std::vector<RdtBytes> packets_;
-  EndAtWork work_;
+  EndActivity work_;
   std::thread thread_;
 };
 

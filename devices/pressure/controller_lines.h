@@ -12,7 +12,7 @@
 namespace tactbench::devices {
 
 inline constexpr char kLineEnd = '\r';
-inline constexpr std::size_t kLongestLine = 256;  // more is no line
+inline constexpr std::size_t kMaxLineBytes = 256;  // more is no line
 
 enum class ControllerAct { kPoll, kSetpoint, kExhaust, kCancel };  // cancel: ends an exhaust or a hold
 

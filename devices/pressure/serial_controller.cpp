@@ -42,7 +42,7 @@ std::string SerialController::read_line(const std::string& asked) {
       if (byte == kLineEnd) return line;
       line += static_cast<char>(byte);
     }
-    if (line.size() > kLongestLine) return line;
+    if (line.size() > kMaxLineBytes) return line;
   }
 }
 

@@ -74,7 +74,7 @@ void SimulatedController::serve() {
     for (const std::uint8_t byte : std::span(bytes).first(got)) {
       if (byte == kLineEnd) {
         answer(std::exchange(line_, {}));
-      } else if (line_.size() < kLongestLine) {
+      } else if (line_.size() < kMaxLineBytes) {
         line_ += static_cast<char>(byte);
       }
     }

@@ -48,7 +48,7 @@ class SimulatedController {
   std::string line_, late_;
   std::atomic<std::uint64_t> requests_{0};
   int stop_ = -1;  // readable: end
-  std::optional<EndAtWork> work_;
+  std::optional<EndActivity> work_;
   std::thread thread_;
 };
 

@@ -44,7 +44,7 @@ class SimulatedModule::Server {
 
   modbus_t* modbus_ = nullptr;
   int stop_ = -1;  // readable: end
-  EndAtWork work_;
+  EndActivity work_;
 
  private:
   virtual void serve() = 0;

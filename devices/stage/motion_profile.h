@@ -8,7 +8,7 @@ namespace tactbench::devices {
 
 class MotionProfile {
  public:
-  explicit MotionProfile(double standing_at = 0.0) : start_(standing_at), end_(standing_at) {}
+  explicit MotionProfile(double rest_position = 0.0) : start_(rest_position), end_(rest_position) {}
   // Starts at `position` with `velocity`; `speed` and `acceleration` above 0. First slows down or reverses if needed.
   static MotionProfile to(double position, double velocity, double target, double speed, double acceleration);
   static MotionProfile to_rest(double position, double velocity, double acceleration);

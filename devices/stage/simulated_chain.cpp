@@ -108,7 +108,7 @@ class SimulatedChain::Server {
       injected_ = injected;
       follow_stall();
       if (descriptors[0].revents != 0 && !obey()) return;
-      if (options_.free_running) say_what_is_due();
+      if (options_.free_running) send_due_replies();
       if (descriptors[1].revents != 0) attend();
     }
   }
@@ -184,7 +184,7 @@ class SimulatedChain::Server {
     if (now < deaf_until_) return;
     silent_ = faults_.silent_after_requests >= 0 && number >= faults_.silent_after_requests;
     silent_ = silent_ || injected_ == InjectedFault::kSilent;
-    say_what_is_due();
+    send_due_replies();
     for (const ZaberFrame& frame : std::exchange(extra_frames_, {})) reply(encode(frame));
     if (bytes[0] == 0 && log_.back().command == ZaberCommand::kRenumber) deaf_until_ = now + kRenumbering;
     for (std::size_t i = 0; i < devices_.size(); ++i) hand_to(i, bytes, now);
@@ -205,7 +205,7 @@ class SimulatedChain::Server {
     send(one, replies);
   }
 
-  void say_what_is_due() {
+  void send_due_replies() {
     for (ChainDevice& one : devices_) {
       std::vector<ZaberFrame> replies;
       one.run(clock_.now(), replies);
@@ -250,7 +250,7 @@ class SimulatedChain::Server {
   Order order_ = Order::kNone;
   std::condition_variable done_;
   int wake_;
-  EndAtWork work_;
+  EndActivity work_;
   std::thread thread_;
 };
 

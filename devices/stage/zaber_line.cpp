@@ -42,7 +42,7 @@ std::uint8_t ZaberLine::send(std::uint8_t device, ZaberCommand command, std::int
   return id;
 }
 
-void ZaberLine::send_plainly(std::uint8_t device, ZaberCommand command, std::int32_t data) {
+void ZaberLine::send_without_id(std::uint8_t device, ZaberCommand command, std::int32_t data) {
   write({device, command, data, 0});
 }
 
@@ -52,8 +52,8 @@ std::optional<ZaberFrame> ZaberLine::ask(std::uint8_t device, ZaberCommand comma
   return await([&](const ZaberFrame& frame) { return frame.device == device && frame.id == id; }, reply_timeout_);
 }
 
-std::optional<ZaberFrame> ZaberLine::ask_plainly(std::uint8_t device, ZaberCommand command, std::int32_t data) {
-  send_plainly(device, command, data);
+std::optional<ZaberFrame> ZaberLine::ask_without_id(std::uint8_t device, ZaberCommand command, std::int32_t data) {
+  send_without_id(device, command, data);
   return await(
       [&](const ZaberFrame& frame) {
         // A returned setting carries its own number.
@@ -66,7 +66,7 @@ std::optional<ZaberFrame> ZaberLine::ask_plainly(std::uint8_t device, ZaberComma
 }
 
 void ZaberLine::renumber(int devices, Nanoseconds timeout) {
-  send_plainly(0, ZaberCommand::kRenumber, 0);
+  send_without_id(0, ZaberCommand::kRenumber, 0);
   int answered = 0;
   (void)await(
       [&](const ZaberFrame& frame) { return frame.command == ZaberCommand::kRenumber && ++answered == devices; },

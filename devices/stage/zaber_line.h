@@ -29,8 +29,8 @@ class ZaberLine {
   [[nodiscard]] std::optional<ZaberFrame> ask(std::uint8_t device, ZaberCommand command, std::int32_t data);
   // The same without message id, for devices whose mode is not known: the reply is recognised by its command. The data
   // must not be negative.
-  [[nodiscard]] std::optional<ZaberFrame> ask_plainly(std::uint8_t device, ZaberCommand command, std::int32_t data);
-  void send_plainly(std::uint8_t device, ZaberCommand command, std::int32_t data);
+  [[nodiscard]] std::optional<ZaberFrame> ask_without_id(std::uint8_t device, ZaberCommand command, std::int32_t data);
+  void send_without_id(std::uint8_t device, ZaberCommand command, std::int32_t data);
   // Numbers all devices from the computer's end and waits until `devices` have answered, at most `timeout`.
   void renumber(int devices, Nanoseconds timeout);
 

@@ -33,7 +33,7 @@ class Retreat {
 
   std::optional<std::int32_t> ask(std::uint8_t device, ZaberCommand command, std::int32_t data = 0) {
     for (int attempt = 0; attempt < 2; ++attempt) {
-      const auto reply = line_.ask_plainly(device, command, data);
+      const auto reply = line_.ask_without_id(device, command, data);
       if (reply && reply->command != kError) return reply->data;
     }
     return std::nullopt;
@@ -41,17 +41,17 @@ class Retreat {
 
   bool stop_all() {
     line_.settle();
-    line_.send_plainly(0, kStop, 0);
+    line_.send_without_id(0, kStop, 0);
     std::array<bool, kAxes> stands{};
     const auto end = RetreatClock::now() + options_.halt_timeout;
     while (RetreatClock::now() < end) {
       for (std::size_t i = 0; i < stands.size(); ++i) {
         if (stands[i]) continue;
         const std::uint8_t device = options_.axes[i].device;
-        const auto status = line_.ask_plainly(device, kStatus, 0);
+        const auto status = line_.ask_without_id(device, kStatus, 0);
         stands[i] = status && status->command == kStatus && status->data == kZaberIdle;
         // A homing device may refuse to stop: the command is repeated until it is at rest.
-        if (status && !stands[i] && status->data != kZaberStopping) line_.send_plainly(device, kStop, 0);
+        if (status && !stands[i] && status->data != kZaberStopping) line_.send_without_id(device, kStop, 0);
       }
       if (std::find(stands.begin(), stands.end(), false) == stands.end()) return true;
       std::this_thread::sleep_for(kPoll);
@@ -77,7 +77,7 @@ class Retreat {
     const std::int32_t target = std::max(0, *position - units.microsteps(back_off).value_or(*position));
     // The target speed may still be that of a slow approach. A non-negative target reads the same with and without ids.
     if (const auto speed = units.speed_data(options_.axes.back().maximum_speed)) (void)ask(z(), kTargetSpeed, *speed);
-    line_.send_plainly(z(), kMoveAbsolute, target);
+    line_.send_without_id(z(), kMoveAbsolute, target);
     const auto end = RetreatClock::now() + move_timeout;
     std::optional<std::int32_t> now = position;
     while (now != target && RetreatClock::now() < end) {

@@ -176,7 +176,7 @@ bool ZaberStage::follow(Axis axis) {
   if (!motion.reply && status != kZaberIdle) {
     if (clock_.now() < motion.deadline) return false;
     end_motion(axis);
-    line_->send_plainly(option(axis).device, kStop, 0);
+    line_->send_without_id(option(axis).device, kStop, 0);
     (void)ask(axis, kStatus);  // a reply means that the stop was read
     throw Fault("TB-STAGE-OVERDUE", title(axis),
                 fmt::format("{}: {} should have ended by now and has not (status {}); a stop was sent", title(axis),
@@ -233,7 +233,7 @@ bool ZaberStage::send_home(Axis axis) noexcept {
   try {
     open();
     // The reply comes at the end of the travel. The wait lets the command arrive before a manual clock advances.
-    (void)line_->ask_plainly(option(axis).device, kHome, 0);
+    (void)line_->ask_without_id(option(axis).device, kHome, 0);
     clock_.reply_lost(options_.reply_timeout);
   } catch (...) {
     drop();  // the line may come back
@@ -334,7 +334,7 @@ std::int32_t ZaberStage::asked(Axis axis, ZaberCommand command, std::int32_t dat
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     check_halt();
     ++exchanges_;
-    const auto reply = plainly ? line_->ask_plainly(device, command, data) : line_->ask(device, command, data);
+    const auto reply = plainly ? line_->ask_without_id(device, command, data) : line_->ask(device, command, data);
     for (const Axis other : kAll) {
       if (const auto complaint = std::exchange(record(other).complaint, std::nullopt)) {
         throw Fault("TB-STAGE-REFUSED", title(other),
@@ -356,7 +356,7 @@ std::int32_t ZaberStage::ask(Axis axis, ZaberCommand command, std::int32_t data)
   return asked(axis, command, data, false);
 }
 
-std::int32_t ZaberStage::ask_plainly(Axis axis, ZaberCommand command, std::int32_t data) {
+std::int32_t ZaberStage::ask_without_id(Axis axis, ZaberCommand command, std::int32_t data) {
   return asked(axis, command, data, true);
 }
 
@@ -372,7 +372,7 @@ void ZaberStage::renumber() {
 
 void ZaberStage::arm() {
   const std::lock_guard lock(mutex_);
-  turner_ = std::this_thread::get_id();
+  clock_thread_ = std::this_thread::get_id();
   drop();  // each axis's record begins anew below: motions under way are discarded, and nothing is sent again
   halted_ = false;
   try {
@@ -398,9 +398,9 @@ void ZaberStage::arm(Axis axis) {
   one.firmware = found.firmware;
   one.microsteps = found.microsteps;
   // The mode is not volatile: written only when it differs. Home status is one of its bits and must stay.
-  const std::int32_t mode = ask_plainly(axis, kReturnSetting, static_cast<std::int32_t>(kMode));
+  const std::int32_t mode = ask_without_id(axis, kReturnSetting, static_cast<std::int32_t>(kMode));
   const std::int32_t wanted = (mode | kZaberMessageIds | (options_.knob_off ? kZaberKnobOff : 0)) & ~kZaberNoAutoReply;
-  if (mode != wanted) (void)ask_plainly(axis, kMode, wanted);
+  if (mode != wanted) (void)ask_without_id(axis, kMode, wanted);
   const std::int32_t stands = setting(axis, kMode);
   if (stands != wanted) {
     throw Fault("TB-STAGE-REFUSED", title(axis),
@@ -432,11 +432,11 @@ ZaberIdentity ZaberStage::identify(Axis axis) {
   ZaberIdentity found;
   found.axis = axis;
   try {
-    found.device_id = ask_plainly(axis, kDeviceId);
-    found.firmware = ask_plainly(axis, kFirmware);
-    found.supply = Volts(ask_plainly(axis, kSupplyVoltage) / 10.0);
-    found.status = ask_plainly(axis, kStatus);
-    found.microsteps = ask_plainly(axis, kPosition);
+    found.device_id = ask_without_id(axis, kDeviceId);
+    found.firmware = ask_without_id(axis, kFirmware);
+    found.supply = Volts(ask_without_id(axis, kSupplyVoltage) / 10.0);
+    found.status = ask_without_id(axis, kStatus);
+    found.microsteps = ask_without_id(axis, kPosition);
   } catch (const Fault& fault) {
     if (fault.id() != "TB-STAGE-TIMEOUT") throw;
     found.complaint = fault.what();
@@ -481,7 +481,7 @@ void ZaberStage::disarm() noexcept {
 }
 
 void ZaberStage::pause(Nanoseconds span) {
-  if (std::this_thread::get_id() == turner_) {
+  if (std::this_thread::get_id() == clock_thread_) {
     clock_.wait_until(clock_.now() + span);
   } else {
     std::this_thread::sleep_for(span);
@@ -510,7 +510,7 @@ bool ZaberStage::halt() noexcept {
 // Without message ids, since the devices' mode may be unknown. True: each reported that it is at rest.
 bool ZaberStage::stop_all() {
   line_->settle();
-  line_->send_plainly(0, kStop, 0);
+  line_->send_without_id(0, kStop, 0);
   std::array<bool, kAxes> stands{};
   std::array<int, kAxes> unanswered{};
   for (Nanoseconds waited{0}; waited <= options_.halt_timeout; waited += kHaltPoll) {
@@ -519,11 +519,11 @@ bool ZaberStage::stop_all() {
       const std::size_t i = index(axis);
       if (stands[i] || unanswered[i] >= kAttempts) continue;
       ++exchanges_;
-      const auto reply = line_->ask_plainly(option(axis).device, kStatus, 0);
+      const auto reply = line_->ask_without_id(option(axis).device, kStatus, 0);
       if (!reply) ++unanswered[i];
       stands[i] = reply && reply->command == kStatus && reply->data == kZaberIdle;
       // A homing device may refuse to stop (255, busy): repeated until it is at rest. Not verified on hardware.
-      if (reply && !stands[i] && reply->data != kZaberStopping) line_->send_plainly(option(axis).device, kStop, 0);
+      if (reply && !stands[i] && reply->data != kZaberStopping) line_->send_without_id(option(axis).device, kStop, 0);
       more = more || !stands[i];
     }
     if (!more) break;

@@ -103,7 +103,7 @@ class ZaberStage final : public Stage {
   void drop() noexcept;
   void listen(const ZaberFrame& frame);
   std::int32_t ask(Axis axis, ZaberCommand command, std::int32_t data = 0);
-  std::int32_t ask_plainly(Axis axis, ZaberCommand command, std::int32_t data = 0);
+  std::int32_t ask_without_id(Axis axis, ZaberCommand command, std::int32_t data = 0);
   std::int32_t asked(Axis axis, ZaberCommand command, std::int32_t data, bool plainly);
   std::int32_t setting(Axis axis, ZaberCommand command);
   void renumber();
@@ -130,7 +130,7 @@ class ZaberStage final : public Stage {
   std::atomic<bool> halted_{false};
   std::atomic<int> halting_{0};
   std::atomic<std::uint64_t> exchanges_{0};
-  std::thread::id turner_;  // the thread that armed; it may advance the clock
+  std::thread::id clock_thread_;  // the thread that armed; it may advance the clock
 };
 
 }  // namespace tactbench::devices

@@ -245,7 +245,7 @@ class SimulatedFrameSource::Server {
   int listener_ = -1;
   int stop_ = -1;
   std::vector<Subscriber> clients_;
-  EndAtWork work_;
+  EndActivity work_;
   std::thread thread_;
 };
 

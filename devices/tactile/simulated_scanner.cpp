@@ -175,7 +175,7 @@ class SimulatedScanner::Server {
   std::vector<std::array<std::uint8_t, kScanReportBytes>> reports_;
   std::vector<iovec> parts_;
   std::vector<mmsghdr> messages_;
-  EndAtWork work_;
+  EndActivity work_;
   std::thread thread_;
 };
 

@@ -17,7 +17,7 @@ constexpr Nanoseconds kLongestHeldUp = std::chrono::seconds(20);  // an end that
 Nanoseconds left_until(RealTime end) {
   const Nanoseconds left = end - std::chrono::steady_clock::now();
   if (left > Nanoseconds(0)) return left;
-  return left > -kLongestHeldUp && EndAtWork::any() ? kTurn : Nanoseconds(0);
+  return left > -kLongestHeldUp && EndActivity::any() ? kTurn : Nanoseconds(0);
 }
 
 short wait_for(int descriptor, short events, Nanoseconds timeout) {

@@ -105,17 +105,17 @@ std::string nearest_word(const std::string& word, const std::vector<std::string>
 namespace {
 
 // toml++ bounds the depth of arrays but not that of dotted keys: one of 200,000 parts would overflow the stack.
-constexpr std::size_t kLongestLine = 16384;
+constexpr std::size_t kMaxLineBytes = 16384;
 constexpr std::size_t kLargestFile = 16'000'000;  // bytes
 
 void check_lines(const std::string& text, const std::string& name) {
   std::size_t line = 1;
   for (std::size_t at = 0; at < text.size(); ++line) {
     const std::size_t end = std::min(text.find('\n', at), text.size());
-    if (end - at > kLongestLine) {
+    if (end - at > kMaxLineBytes) {
       throw FileError("TB-FILE-SYNTAX", fmt::format("a line of {} characters", end - at),
                       fmt::format("{}:{}", name, line),
-                      fmt::format("break it: a line may have {} characters", kLongestLine));
+                      fmt::format("break it: a line may have {} characters", kMaxLineBytes));
     }
     at = end + 1;
   }

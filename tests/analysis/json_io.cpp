@@ -16,9 +16,9 @@ std::string nested(int depth) {
 }  // namespace
 
 TEST_CASE("JSON: every reader refuses nesting beyond the depth limit") {
-  CHECK(parse_json(nested(kDeepestJson)).is_array());
-  for (const std::string& deep : {nested(kDeepestJson + 1), nested(10'000'000), std::string(10'000'000, '['),
-                                  "{\"a\":" + nested(kDeepestJson) + "}"}) {
+  CHECK(parse_json(nested(kMaxJsonDepth)).is_array());
+  for (const std::string& deep : {nested(kMaxJsonDepth + 1), nested(10'000'000), std::string(10'000'000, '['),
+                                  "{\"a\":" + nested(kMaxJsonDepth) + "}"}) {
     CHECK_THROWS_WITH(parse_json(deep), Catch::Contains("100"));
     CHECK_THROWS_AS(parse_ordered_json(deep), nlohmann::json::exception);
     CHECK(try_json(deep).is_discarded());

@@ -18,12 +18,12 @@ std::vector<double> moved_from(const std::vector<double>& references) {
   for (std::size_t i = 0; i < 3; ++i)
     sequence.repeats[0].steps.push_back({2.0 * static_cast<double>(i), references[i]});
   sequence.repeats[0].volts = {0.0, 1.0, 8.0};
-  return bring_to_common(sequence, 1).values;
+  return average_repeats(sequence, 1).values;
 }
 
-std::string id_of_repeats(const SequenceData& sequence, const CommonOptions& options) {
+std::string id_of_repeats(const SequenceData& sequence, const RepeatOptions& options) {
   try {
-    (void)bring_to_common(sequence, 1, options);
+    (void)average_repeats(sequence, 1, options);
   } catch (const AnalysisError& error) {
     return error.id();
   }
@@ -83,7 +83,7 @@ TEST_CASE("branches: a direction starts or reverses only when the input moves by
   CHECK((branches[1].first == 2 && branches[1].last == 4 && branches[1].ascending));
 }
 
-TEST_CASE("bring_to_common: outputs move to the set-point along the slope of their own branch") {
+TEST_CASE("average_repeats: outputs move to the set-point along the slope of their own branch") {
   // Up along v = p, down along v = 2 p - 4; the reference is off by 0.1 up and -0.2 down.
   SequenceData sequence{"s", {}};
   Repeat repeat;
@@ -96,12 +96,12 @@ TEST_CASE("bring_to_common: outputs move to the set-point along the slope of the
     repeat.volts.push_back(2.0 * (level - 0.2) - 4.0);
   }
   sequence.repeats = {repeat, repeat};
-  const TaxelTable moved = bring_to_common(sequence, 1);
+  const TaxelTable moved = average_repeats(sequence, 1);
   CHECK(moved.values[1] == Approx(2.0));
   CHECK(moved.values[2] == Approx(4.0));  // the turning sample belongs to the rise that reached it
   CHECK(moved.values[4] == Approx(-4.0));
   CHECK(moved.pressure_psi == std::vector<double>{0, 2, 4, 2, 0});
-  const TaxelTable left = bring_to_common(sequence, 1, {.move_to_setpoint = false});
+  const TaxelTable left = average_repeats(sequence, 1, {.move_to_setpoint = false});
   CHECK(left.values[1] == Approx(2.1));
   CHECK(left.pressure_psi[3] == Approx(1.8));
 }
@@ -121,17 +121,17 @@ TEST_CASE("local slope: uses the commanded step if the reference moved by less t
   for (const auto& [psi, reference] : {std::pair{0.0, 0.0}, {2.0, 2.0}, {2.0, 2.5}, {2.0, 2.5}})
     held.repeats[0].steps.push_back({psi, reference});
   held.repeats[0].volts = {0.0, 1.0, 2.0, 3.0};
-  CHECK(bring_to_common(held, 1).values[3] == 3.0);
+  CHECK(average_repeats(held, 1).values[3] == 3.0);
 }
 
-TEST_CASE("bring_to_common: averages the requested repeats, and refuses a range with a missing repeat") {
+TEST_CASE("average_repeats: averages the requested repeats, and refuses a range with a missing repeat") {
   SequenceData sequence{"s", {}};
   for (const double v : {1.0, 2.0, 6.0, 20.0}) sequence.repeats.push_back({{{0, 0}, {2, 2}, {0, 0}}, {v, v, v}});
   const auto mean = [&](int first, int last) {
-    CommonOptions options;
+    RepeatOptions options;
     options.first_repeat = first;
     options.last_repeat = last;
-    return bring_to_common(sequence, 1, options).values[1];
+    return average_repeats(sequence, 1, options).values[1];
   };
   CHECK(mean(0, 0) == 1.0);
   CHECK(mean(0, 1) == Approx(1.5));
@@ -145,7 +145,7 @@ TEST_CASE("bring_to_common: averages the requested repeats, and refuses a range 
   // Measured pressures are averaged as well.
   sequence.repeats[0].steps[1].reference_psi = 1.0;
   sequence.repeats[1].steps[1].reference_psi = 1.5;
-  const TaxelTable plain = bring_to_common(sequence, 1, {.move_to_setpoint = false, .last_repeat = 1});
+  const TaxelTable plain = average_repeats(sequence, 1, {.move_to_setpoint = false, .last_repeat = 1});
   CHECK(plain.pressure_psi[1] == Approx(1.25));
   CHECK(plain.values[1] == Approx(1.5));
   // Repeats that were not asked for may have other set-points.

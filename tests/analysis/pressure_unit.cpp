@@ -83,11 +83,11 @@ TEST_CASE("file reading: a file up to the size limit is read whole, one byte mor
     std::string text(bytes, 'a');
     if (!text.empty()) text.back() = 'z';
     write_file(path, text);
-    CHECK(whole_file(path, {.most_bytes = std::max(bytes, std::size_t{10}), .or_pipe = false}, "TB-X", "mend it") ==
+    CHECK(read_whole_file(path, {.max_bytes = std::max(bytes, std::size_t{10}), .or_pipe = false}, "TB-X", "mend it") ==
           text);
     if (bytes < 10) continue;
     try {
-      (void)whole_file(path, {.most_bytes = bytes - 1, .or_pipe = false}, "TB-X", "mend it");
+      (void)read_whole_file(path, {.max_bytes = bytes - 1, .or_pipe = false}, "TB-X", "mend it");
       FAIL_CHECK("read");
     } catch (const AnalysisError& error) {
       CHECK(error.id() == "TB-X");
@@ -95,7 +95,7 @@ TEST_CASE("file reading: a file up to the size limit is read whole, one byte mor
     }
   }
   for (const char* none : {"none", ""})
-    CHECK_THROWS_AS(whole_file(folder.path(none), {.most_bytes = 10, .or_pipe = true}, "TB-X", "mend it"),
+    CHECK_THROWS_AS(read_whole_file(folder.path(none), {.max_bytes = 10, .or_pipe = true}, "TB-X", "mend it"),
                     AnalysisError);
 }
 

@@ -411,7 +411,7 @@ TableSeries presses(std::size_t length, double input, double output) {
 
 std::vector<std::size_t> places(const TableSeries& series) {
   std::vector<std::size_t> found;
-  for (const WildSample& wild : wild_samples(series)) found.push_back(wild.place);
+  for (const ImplausibleSample& wild : implausible_samples(series)) found.push_back(wild.place);
   return found;
 }
 

@@ -83,7 +83,7 @@ TEST_CASE("network store: a finished store is readable with a warning, one with 
   }
   networked = there;
   std::vector<std::string> warnings;
-  db::tell_warnings_to([&](const std::string& text) { warnings.push_back(text); });
+  db::set_warning_handler([&](const std::string& text) { warnings.push_back(text); });
   {
     RunStore store = RunStore::open_read_only(path);
     REQUIRE(warnings.size() == 1);
@@ -104,7 +104,7 @@ TEST_CASE("network store: a finished store is readable with a warning, one with 
   write_file(log, "frames that are not in the file yet");
   CHECK(store_error([&] { RunStore::open_read_only(path); }) == "TB-STORE-NETWORK");
   networked.clear();
-  db::tell_warnings_to({});
+  db::set_warning_handler({});
 }
 
 TEST_CASE("network store: the warning escapes control characters of the file name") {
@@ -122,7 +122,7 @@ TEST_CASE("network store: the warning escapes control characters of the file nam
   REQUIRE(dup2(terminal, STDERR_FILENO) >= 0);
   for (const int descriptor : {terminal, file}) close(descriptor);
   networked.clear();
-  db::tell_warnings_to({});
+  db::set_warning_handler({});
   CHECK(code == 0);
   CHECK_THAT(read_file(told), Catch::Contains("th\\x1b[31mere/runs.db") && !Catch::Contains("\x1b"));
 }

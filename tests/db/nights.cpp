@@ -115,9 +115,9 @@ TEST_CASE("baselines: an imported baseline reads back unchanged, and the last on
   NewStore store;
   const std::int64_t first = seeded(store, 1, 2), second = seeded(store, 3, 4);
   CHECK_FALSE(store.last_baseline("rig"));
-  CHECK(store.take_baseline({0, "rig", "new film", "K. Lee", "2026-02-02", {second, first}}) == 1);
-  CHECK(store.take_baseline({0, "rig", "as made", "M. Ito", "2026-01-01", {first}}) == 2);
-  CHECK(store.take_baseline({0, "sensor", "other", "M. Ito", "2026-03-03", {second}}) == 3);
+  CHECK(store.copy_baseline({0, "rig", "new film", "K. Lee", "2026-02-02", {second, first}}) == 1);
+  CHECK(store.copy_baseline({0, "rig", "as made", "M. Ito", "2026-01-01", {first}}) == 2);
+  CHECK(store.copy_baseline({0, "sensor", "other", "M. Ito", "2026-03-03", {second}}) == 3);
   const auto last = store.last_baseline("rig");
   REQUIRE(last);
   CHECK((last->baseline == 1 && last->subject == "rig" && last->reason == "new film"));
@@ -127,11 +127,11 @@ TEST_CASE("baselines: an imported baseline reads back unchanged, and the last on
   CHECK(store.last_baseline("sensor")->runs == std::vector<std::int64_t>{second});
   CHECK_FALSE(store.last_baseline("none"));
   // Of two that were accepted at one time the later one counts.
-  CHECK(store.take_baseline({0, "rig", "once more", "K. Lee", "2026-02-02", {second}}) == 4);
+  CHECK(store.copy_baseline({0, "rig", "once more", "K. Lee", "2026-02-02", {second}}) == 4);
   CHECK(store.last_baseline("rig")->baseline == 4);
   CHECK(store.baselines().size() == 4);
   CHECK(store_error([&] {
-          store.take_baseline({0, "rig", "why", "K. Lee", "2026-04-04", {99}});
+          store.copy_baseline({0, "rig", "why", "K. Lee", "2026-04-04", {99}});
         }) == "TB-STORE-CONFLICT");
   CHECK(store.baselines().size() == 4);
 }

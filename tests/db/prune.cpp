@@ -54,7 +54,7 @@ TEST_CASE("prune: removes the frames of a nightly run, and everything else stays
   CHECK((check.holds() && check.frames == 3 && check.computed_sha256 == content && check.pruned->rule == kRule));
   CHECK_FALSE(store.check_content(other).pruned);
   CHECK(store_error([&] { (void)store.frames(run); }) == "TB-STORE-PRUNED");
-  CHECK(store_error([&] { store.each_frame(run, [](const auto&) {}); }) == "TB-STORE-PRUNED");
+  CHECK(store_error([&] { store.for_each_frame(run, [](const auto&) {}); }) == "TB-STORE-PRUNED");
   CHECK(store_error([&] { store.prune_frames(run, kRule, kUtc); }) == "TB-STORE-CONFLICT");
   Connection raw(store.path(), Access::kReadOnly);
   CHECK(raw.integer("SELECT frames_pruned FROM v_runs WHERE run = 1") == 3);

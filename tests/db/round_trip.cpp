@@ -123,7 +123,7 @@ TEST_CASE("run store: fits and verdicts read back exactly") {
   fit.model = "gpi";
   fit.stands = false;
   const std::int64_t rival = store.add_fit(fit);
-  CHECK(store.standing_fit(run)->fit == second);
+  CHECK(store.default_fit(run)->fit == second);
   CHECK(store.fits(run).back().fit == rival);
   const db::FitRecord got = store.fit(first);
   CHECK((got.fit == first && got.run == run && got.model == "elam" && got.stands && got.fitted == 256));

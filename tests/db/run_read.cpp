@@ -30,12 +30,12 @@ struct Looked {
     const Begun next = begin_example(store);
     store.append_frame(next.run, example_frame(next.branch, 9));
   }
-  [[nodiscard]] db::RunLook look() const { return {RunStore::open_read_only(store.path()), run}; }
+  [[nodiscard]] db::RunFrameReader look() const { return {RunStore::open_read_only(store.path()), run}; }
 };
 
-Positions after(db::RunLook& look, std::int64_t position, int most) {
+Positions after(db::RunFrameReader& look, std::int64_t position, int most) {
   Positions seen;
-  look.frames_after(position, most, [&](const db::SeenFrame& frame) { seen.push_back(frame.position); });
+  look.frames_after(position, most, [&](const db::StoredFrame& frame) { seen.push_back(frame.position); });
   return seen;
 }
 
@@ -43,7 +43,7 @@ Positions after(db::RunLook& look, std::int64_t position, int most) {
 
 TEST_CASE("live frames: frames after a position come in order, up to the limit, and only from their run") {
   const Looked looked;
-  db::RunLook look = looked.look();
+  db::RunFrameReader look = looked.look();
   CHECK(after(look, 0, 99) == Positions{1, 2, 3, 4, 5});
   CHECK(after(look, 0, 2) == Positions{1, 2});
   CHECK(after(look, 2, 2) == Positions{3, 4});
@@ -56,15 +56,15 @@ TEST_CASE("live frames: frames after a position come in order, up to the limit, 
 
 TEST_CASE("live frames: the position before the newest n frames is counted from the end, and is at least 0") {
   const Looked looked;
-  db::RunLook look = looked.look();
+  db::RunFrameReader look = looked.look();
   CHECK(look.before_newest(0) == 5);
   CHECK(look.before_newest(2) == 3);
   CHECK(look.before_newest(4) == 1);
   CHECK(look.before_newest(5) == 0);
   CHECK(look.before_newest(99) == 0);
   const RunStore reader = RunStore::open_read_only(looked.store.path());
-  CHECK(db::RunLook(reader, 99).before_newest(0) == 0);
-  CHECK_FALSE(db::RunLook(reader, 99).newest());
+  CHECK(db::RunFrameReader(reader, 99).before_newest(0) == 0);
+  CHECK_FALSE(db::RunFrameReader(reader, 99).newest());
 }
 
 TEST_CASE("live frames: a frame has all its measured data, and whether it is void") {
@@ -73,9 +73,9 @@ TEST_CASE("live frames: a frame has all its measured data, and whether it is voi
   bare.wrench.reset();
   bare.flags.clear();
   looked.store.append_frame(looked.run, bare);
-  db::RunLook look = looked.look();
-  std::vector<db::SeenFrame> seen;
-  look.frames_after(4, 9, [&](const db::SeenFrame& frame) { seen.push_back(frame); });
+  db::RunFrameReader look = looked.look();
+  std::vector<db::StoredFrame> seen;
+  look.frames_after(4, 9, [&](const db::StoredFrame& frame) { seen.push_back(frame); });
   REQUIRE(seen.size() == 2);
   const db::FrameRecord given = example_frame(looked.branch, 4);
   CHECK((seen[0].position == 5 && seen[0].time_ns == given.time_ns && seen[0].setpoint_psi == given.setpoint_psi));
@@ -100,8 +100,8 @@ TEST_CASE("live frames: a pressed frame without force still has its wrench") {
   frame.wrench->target_n = 0.0;
   frame.wrench->force_start_n = 0.0;
   looked.store.append_frame(looked.run, frame);
-  db::RunLook look = looked.look();
-  const std::optional<db::SeenFrame> seen = look.newest();
+  db::RunFrameReader look = looked.look();
+  const std::optional<db::StoredFrame> seen = look.newest();
   REQUIRE((seen && seen->wrench));
   CHECK((seen->wrench->target_n == 0.0 && seen->wrench->force_start_n == 0.0));
   CHECK((seen->wrench->wrench == frame.wrench->wrench && seen->wrench->place_mm == frame.wrench->place_mm));
@@ -111,16 +111,16 @@ TEST_CASE("live frames: a frame whose counts do not fit its shape is refused, an
   const Looked looked;
   Connection(looked.store.path(), Access::kReadWrite)
       .execute("PRAGMA ignore_check_constraints = ON; UPDATE frames SET scans = 3 WHERE frame = 2000000004");
-  db::RunLook look = looked.look();
+  db::RunFrameReader look = looked.look();
   CHECK(store_error([&] { (void)after(look, 2, 9); }) == "TB-STORE-SQL");
   CHECK(after(look, 4, 9) == Positions{5});
 }
 
 TEST_CASE("live frames: a reader that stops part way does not hold the writer's log") {
   Looked looked;
-  db::RunLook look = looked.look();
+  db::RunFrameReader look = looked.look();
   CHECK(after(look, 0, 2).size() == 2);
-  const auto breaks_off = [](const db::SeenFrame&) { throw std::runtime_error("enough"); };
+  const auto breaks_off = [](const db::StoredFrame&) { throw std::runtime_error("enough"); };
   CHECK_THROWS_WITH(look.frames_after(0, 9, breaks_off), "enough");
   REQUIRE(look.newest());
   looked.store.append_frame(looked.run, example_frame(looked.branch, 5));
@@ -145,7 +145,7 @@ TEST_CASE("live events: events of one run come newest first, no more than reques
 }
 
 TEST_CASE("live frames: mean counts of a frame are the means of its scans, per taxel") {
-  db::SeenFrame frame;
+  db::StoredFrame frame;
   frame.scans = 2;
   frame.rows = 1;
   frame.columns = 3;
@@ -249,13 +249,13 @@ TEST_CASE("run lookup: the last check is that of one sensor, kind and verdict, i
 TEST_CASE("run lookup: the selected fit of a run is found, else its only one, and an unknown fit is an error") {
   NewStore store;
   const std::int64_t first = store_example(store), second = store_example(store);
-  CHECK_FALSE(store.standing_fit(first));
+  CHECK_FALSE(store.default_fit(first));
   const auto add = [&](std::int64_t run, const std::string& model, bool stands) {
     return store.add_fit({0, run, model, stands, 1, "{}", "", "0.1.0", kUtc});
   };
   CHECK((add(first, "elam", true) == 1 && add(second, "mpi", false) == 2 && add(first, "gpi", false) == 3));
-  CHECK(store.standing_fit(first)->fit == 1);
-  CHECK(store.standing_fit(second)->fit == 2);  // the only one
+  CHECK(store.default_fit(first)->fit == 1);
+  CHECK(store.default_fit(second)->fit == 2);  // the only one
   CHECK(store_error([&] { (void)store.fit(9); }) == "TB-STORE-NOT-FOUND");
 }
 

@@ -67,7 +67,7 @@ TEST_CASE("approved reports: a report names the one it replaces and why, and the
   CHECK(approved("1-a", "", "").empty());
   CHECK(approved("1-b", "", "") == "TB-STORE-CONFLICT");
   for (const char* nothing : {"", " \n"}) CHECK(approved("1-b", "1-a", nothing) == "TB-STORE-BLANK");
-  CHECK(approved("1-b", "1-a", std::string(db::kLongestText + 1, 'x')) == "TB-STORE-TOO-LONG");
+  CHECK(approved("1-b", "1-a", std::string(db::kMaxTextLength + 1, 'x')) == "TB-STORE-TOO-LONG");
   CHECK(approved("1-b", "1-a", "customer's name corrected").empty());
   CHECK(approved("1-a", "1-b", "why") == "TB-STORE-CONFLICT");
   CHECK(approved("1-c", "1-a", "replaced already") == "TB-STORE-CONFLICT");

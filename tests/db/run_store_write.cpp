@@ -26,7 +26,7 @@ TEST_CASE("run store: a void branch accepts no frame, from its own run or anothe
 
 TEST_CASE("run store: names of a run and of a sensor have a maximum length") {
   NewStore store;
-  const std::string longest(db::kLongestName, 'n'), longer = longest + 'n';
+  const std::string longest(db::kMaxNameLength, 'n'), longer = longest + 'n';
   for (std::string db::SensorRecord::*member :
        {&db::SensorRecord::serial, &db::SensorRecord::type, &db::SensorRecord::scanner_serial}) {
     db::SensorRecord sensor = example_sensor();
@@ -159,7 +159,7 @@ TEST_CASE("run store: a missing run cannot be read, extended or annotated") {
       {"run", [&] { (void)store.run(99); }},
       {"branches", [&] { (void)store.branches(99); }},
       {"frames", [&] { (void)store.frames(99); }},
-      {"each_frame", [&] { store.each_frame(99, [](const db::FrameRecord&) {}); }},
+      {"for_each_frame", [&] { store.for_each_frame(99, [](const db::FrameRecord&) {}); }},
       {"frame_count", [&] { (void)store.frame_count(99); }},
       {"events", [&] { (void)store.events(99); }},
       {"checks", [&] { (void)store.checks(99); }},
@@ -169,7 +169,7 @@ TEST_CASE("run store: a missing run cannot be read, extended or annotated") {
       {"content_hash", [&] { (void)store.content_hash(99); }},
       {"fits", [&] { (void)store.fits(99); }},
       {"fit", [&] { (void)store.fit(99); }},
-      {"standing_fit", [&] { (void)store.standing_fit(99); }},
+      {"default_fit", [&] { (void)store.default_fit(99); }},
       {"verdicts", [&] { (void)store.verdicts(99); }},
       {"verdicts_of_models", [&] { (void)store.verdicts_of_models(99); }},
       {"reports", [&] { (void)store.reports(99); }},

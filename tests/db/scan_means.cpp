@@ -43,6 +43,6 @@ TEST_CASE("scans: means are per taxel, and a disagreement of any taxel is report
   CHECK(db::scans_disagree(frame, 2));
   CHECK_FALSE(db::scans_disagree(Counts{100, 200, 300, 104, 210, 300}, 2));
   CHECK_FALSE(db::scans_disagree(Counts{100, 200, 65535}, 1));
-  CHECK(std::isnan(db::agreed_count(frame, 2, 0, {100.0, 100.0})));
-  CHECK(db::agreed_count(frame, 2, 1, {100.0, 300.0}) == 200.0);
+  CHECK(std::isnan(db::consensus_count(frame, 2, 0, {100.0, 100.0})));
+  CHECK(db::consensus_count(frame, 2, 1, {100.0, 300.0}) == 200.0);
 }

@@ -122,13 +122,13 @@ TEST_CASE("store migration: keeps a backup, rows and hashes, and the newer schem
   }
   {
     Connection connection(path, Access::kReadWrite);
-    db::bring_up_to_date(connection, path, with_second_schema());
+    db::migrate_store(connection, path, with_second_schema());
     CHECK(connection.integer("PRAGMA user_version") == 2);
     CHECK(connection.text("SELECT weather FROM runs") == "not recorded");
     CHECK(connection.text("SELECT content_sha256 FROM runs") == content);
     const db::ForeignObjects found = db::foreign_objects(connection, with_second_schema());
     CHECK((found.changed.empty() && found.added.empty()));
-    db::bring_up_to_date(connection, path, with_second_schema());  // nothing to do
+    db::migrate_store(connection, path, with_second_schema());  // nothing to do
   }
   CHECK(read_file(path + ".schema-1.backup") == "mine");
   CHECK_FALSE(std::filesystem::exists(path + ".schema-1.backup.3"));
@@ -151,7 +151,7 @@ TEST_CASE("store migration: a failed migration and a store of another schema lea
   const db::Migrations wrong = {db::schema_1(), "ALTER TABLE runs ADD COLUMN weather TEXT; SELECT nothing_there()"};
   CHECK_FALSE(store_error([&] { db::migrate(connection, wrong); }).empty());
   const db::Migrations other = {"CREATE TABLE runs (run INTEGER PRIMARY KEY)", "CREATE TABLE more (a)"};
-  CHECK(store_error([&] { db::bring_up_to_date(connection, path, other); }) == "TB-STORE-OTHER-SCHEMA");
+  CHECK(store_error([&] { db::migrate_store(connection, path, other); }) == "TB-STORE-OTHER-SCHEMA");
   CHECK(connection.integer("PRAGMA user_version") == 1);
   CHECK(RunStore::open_read_only(path).check_content(1).holds());
   CHECK_FALSE(std::filesystem::exists(path + ".schema-1.backup"));

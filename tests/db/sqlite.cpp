@@ -248,7 +248,7 @@ TEST_CASE("store lock: the holder is named by program and process id, with and w
                         path});
     REQUIRE(other.line() == "locked");
     CHECK_THAT(refused(), Contains("python3 (pid " + std::to_string(other.pid()) + ")"));
-    CHECK(db::who_writes(folder.path("another")).empty());
+    CHECK(db::writer_of(folder.path("another")).empty());
   }
 }
 

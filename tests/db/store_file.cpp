@@ -41,7 +41,7 @@ bool is_store(const std::string& bytes) {
   const TemporaryFolder folder;
   write_file(folder.path("runs.db"), bytes);
   FileKind kind = FileKind::kStore;
-  const std::string id = store_error([&] { kind = db::look_at_file(folder.path("runs.db")); });
+  const std::string id = store_error([&] { kind = db::check_store_file(folder.path("runs.db")); });
   CHECK(kind == FileKind::kStore);
   CHECK((id.empty() || id == "TB-STORE-OPEN"));
   return id.empty();
@@ -61,9 +61,9 @@ TEST_CASE("store header: a store is recognised by its first 100 bytes, and not b
   CHECK_FALSE(is_store_with(15, 1, 'x'));
   CHECK_FALSE(is_store_with(0, 1, 's'));
   const TemporaryFolder folder;
-  CHECK(db::look_at_file(folder.path("runs.db")) == FileKind::kMissing);
+  CHECK(db::check_store_file(folder.path("runs.db")) == FileKind::kMissing);
   write_file(folder.path("runs.db"), "");
-  CHECK(db::look_at_file(folder.path("runs.db")) == FileKind::kEmpty);
+  CHECK(db::check_store_file(folder.path("runs.db")) == FileKind::kEmpty);
 }
 
 TEST_CASE("store header: a file with another application id is not a store") {

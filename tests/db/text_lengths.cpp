@@ -32,7 +32,7 @@ std::string umlauts(std::size_t count) {
 
 TEST_CASE("run store: names, purposes, notes and reasons have a maximum length in characters") {
   NewStore store;
-  const std::string name(db::kLongestName + 1, 'n'), text(db::kLongestText + 1, 't');
+  const std::string name(db::kMaxNameLength + 1, 'n'), text(db::kMaxTextLength + 1, 't');
   const auto refused = [](auto action) { CHECK(store_error(action) == "TB-STORE-TOO-LONG"); };
   db::SensorRecord sensor = example_sensor();
   sensor.note = text;
@@ -45,11 +45,11 @@ TEST_CASE("run store: names, purposes, notes and reasons have a maximum length i
   CHECK(store.sensors().empty());
   store.add_sensor(example_sensor());
   db::RunRecord record = example_run();
-  record.operator_name = umlauts(db::kLongestName);
+  record.operator_name = umlauts(db::kMaxNameLength);
   record.purpose = text;
   refused([&] { store.begin_run(record); });
   CHECK(store.runs().empty());
-  record.purpose = umlauts(db::kLongestText);
+  record.purpose = umlauts(db::kMaxTextLength);
   CHECK(store.begin_run(record) == 1);
   const std::int64_t run = store_example(store);
   refused([&] { store.add_note(run, text); });
@@ -94,7 +94,7 @@ TEST_CASE("run store: device texts have a maximum length and must be UTF-8, othe
   db::RunRecord record = example_run();
   record.devices.clear();
   const std::int64_t run = store.begin_run(record);
-  const std::string name(db::kLongestName + 1, 'n');
+  const std::string name(db::kMaxNameLength + 1, 'n');
   for (std::string db::DeviceRecord::*field :
        {&db::DeviceRecord::model, &db::DeviceRecord::serial, &db::DeviceRecord::firmware}) {
     db::DeviceRecord device{"tactile scanner", "M", "S", "1", "simulated", "{}"};
@@ -105,9 +105,9 @@ TEST_CASE("run store: device texts have a maximum length and must be UTF-8, othe
       record.devices = {device};
       CHECK(store_error([&] { store.begin_run(record); }) == id);
     }
-    device.*field = umlauts(db::kLongestName);
+    device.*field = umlauts(db::kMaxNameLength);
     store.set_devices(run, {device});
-    CHECK(store.run(run).devices.front().*field == umlauts(db::kLongestName));
+    CHECK(store.run(run).devices.front().*field == umlauts(db::kMaxNameLength));
   }
   CHECK(store.runs().size() == 1);
 }
@@ -116,17 +116,17 @@ TEST_CASE("run store: a run has at most a hundred tags") {
   NewStore store;
   const std::int64_t run = store_example(store);
   std::vector<std::string> tags;
-  for (std::size_t i = 0; i < db::kMostTags; ++i) tags.push_back("tag" + std::to_string(i));
+  for (std::size_t i = 0; i < db::kMaxTags; ++i) tags.push_back("tag" + std::to_string(i));
   store.set_tags(run, tags, {});
   CHECK(store_error([&] { store.set_tags(run, {"one-more"}, {}); }) == "TB-STORE-TAG");
-  CHECK(store.run(run).tags.size() == db::kMostTags);
+  CHECK(store.run(run).tags.size() == db::kMaxTags);
   store.set_tags(run, {"one-more"}, {"tag0"});
 }
 
 TEST_CASE("run store: a text that is too long is a usage error, not damage of the store") {
   std::exception_ptr thrown;
   try {
-    db::check_words("the note", std::string(db::kLongestText + 1, 't'), db::kLongestText);
+    db::check_text("the note", std::string(db::kMaxTextLength + 1, 't'), db::kMaxTextLength);
   } catch (...) {
     thrown = std::current_exception();
   }
@@ -295,7 +295,7 @@ TEST_CASE("foreign objects: no trigger runs and no view is read on an untrusted 
   connection.execute(
       "CREATE TABLE a (x); CREATE TABLE b (x); CREATE VIEW c AS SELECT x FROM a; "
       "CREATE TRIGGER t AFTER INSERT ON a BEGIN INSERT INTO b VALUES (1); END");
-  connection.trust_no_schema();
+  connection.disable_triggers_and_views();
   connection.execute("INSERT INTO a VALUES (7)");
   CHECK(connection.integer("SELECT count(*) FROM b") == 0);
   CHECK_FALSE(store_error([&] { (void)connection.integer("SELECT x FROM c"); }).empty());
@@ -304,7 +304,7 @@ TEST_CASE("foreign objects: no trigger runs and no view is read on an untrusted 
 TEST_CASE("sqlite: a value too large for a store is refused before memory is allocated") {
   const TemporaryFolder folder;
   Connection connection(folder.path("any.db"), Access::kReadWrite);
-  connection.trust_no_schema();
+  connection.disable_triggers_and_views();
   CHECK(store_error([&] { (void)connection.integer("SELECT length(zeroblob(300000000))"); }) == "TB-STORE-TOO-LARGE");
   CHECK(connection.integer("SELECT length(zeroblob(5000000))") == 5000000);
 }

@@ -28,7 +28,7 @@ class ActuatorBed {
  public:
   virtual ~ActuatorBed() = default;
   virtual Actuator& actuator() = 0;
-  virtual TurnedClock& clock() = 0;
+  virtual ManualClock& clock() = 0;
   [[nodiscard]] virtual std::string faults_begin_with() const = 0;  // "TB-CHAMBER"
 
   virtual void make_ready() = 0;             // arms, and does what else commands need
@@ -38,7 +38,7 @@ class ActuatorBed {
   [[nodiscard]] virtual bool make_safe() noexcept = 0;
 
   // At the simulated end, past the driver. May turn the clock a little.
-  virtual bool stands_safe() = 0;
+  virtual bool is_in_safe_state() = 0;
   [[nodiscard]] virtual std::uint64_t received() const = 0;  // bytes or requests so far
   [[nodiscard]] virtual std::uint64_t driven() const = 0;    // of them, orders that drive or move
   virtual void fall_silent() = 0;                            // no request is answered any more

@@ -35,7 +35,7 @@ void check_not_armed(ActuatorBed& bed) {
 
 void check_made_safe(ActuatorBed& bed) {
   CHECK(bed.make_safe());
-  CHECK(bed.stands_safe());
+  CHECK(bed.is_in_safe_state());
 }
 
 }  // namespace
@@ -57,12 +57,12 @@ TEST_CASE("actuator contract: arming does not drive the output") {
     bed.actuator().arm();
     CHECK(bed.received() > 0);
     CHECK(bed.driven() == 0);
-    CHECK(bed.stands_safe());
+    CHECK(bed.is_in_safe_state());
     bed.make_ready();
     const std::uint64_t before = bed.driven();
     bed.load();
     CHECK(bed.driven() > before);
-    CHECK_FALSE(bed.stands_safe());
+    CHECK_FALSE(bed.is_in_safe_state());
   });
 }
 
@@ -89,13 +89,13 @@ TEST_CASE(
     check_made_safe(bed);  // armed, nothing commanded
     bed.make_ready();
     bed.load();
-    REQUIRE_FALSE(bed.stands_safe());
+    REQUIRE_FALSE(bed.is_in_safe_state());
     check_made_safe(bed);
     check_made_safe(bed);
     bed.make_ready();
     bed.load();
     bed.actuator().disarm();
-    REQUIRE_FALSE(bed.stands_safe());
+    REQUIRE_FALSE(bed.is_in_safe_state());
     check_made_safe(bed);
     bed.make_ready();
     bed.load();
@@ -111,11 +111,11 @@ TEST_CASE("actuator contract: another thread than the one that armed can make it
       [](ActuatorBed& bed) {
         bed.make_ready();
         bed.load();
-        REQUIRE_FALSE(bed.stands_safe());
+        REQUIRE_FALSE(bed.is_in_safe_state());
         // The clock stands still meanwhile: that the actuator has come to rest may not be known yet.
         std::thread([&] { (void)bed.make_safe(); }).join();
         bed.clock().wait_until(bed.clock().now() + 500ms);
-        CHECK(bed.stands_safe());
+        CHECK(bed.is_in_safe_state());
         check_made_safe(bed);
       },
       {20s, 100ms});

@@ -29,7 +29,7 @@ struct DaqmxCard {
     card.fail_call = calls + called(function);
   }
   tests::FakeDaqmx& card = tests::fake_daqmx() = tests::FakeDaqmx{};
-  TurnedClock clock;
+  ManualClock clock;
 };
 
 }  // namespace tactbench::devices

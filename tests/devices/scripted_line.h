@@ -78,7 +78,7 @@ class ScriptedLine {
   Script script_;
   PseudoTerminal terminal_;
   int stop_;
-  EndAtWork work_;
+  EndActivity work_;
   std::thread thread_;
 };
 

@@ -95,7 +95,7 @@ class ScriptedServer {
   int stop_;
   int port_ = 0;
   std::vector<int> opened_;
-  EndAtWork work_;
+  EndActivity work_;
   std::thread thread_;
 };
 

@@ -33,7 +33,7 @@ Nanoseconds time_of(Act&& act) {
 }  // namespace
 
 TEST_CASE("timeouts: with a silent module a request ends after its response timeout, and a vent within bounded time") {
-  TurnedClock clock;
+  ManualClock clock;
   TestChamber chamber(clock);
   const SimulatedModule server(module_profile("beckhoff-ek9000"), 0, chamber, clock, {.silent_after_requests = 0});
   const ModbusEndpoint endpoint{"127.0.0.1", server.port(), 1, kTimeout};
@@ -55,7 +55,7 @@ TEST_CASE("timeouts: a delayed reply of a simulated instrument is waited for bey
     return InjectedFault::kNone;
   };
   const TemporaryFolder folder;
-  TurnedClock clock;
+  ManualClock clock;
   TestArray array;
   TestChamber chamber(clock);
   SECTION("analog module") {
@@ -119,7 +119,7 @@ TEST_CASE("timeouts: a reply that arrives in pieces does not extend the response
     reply.resize(9);
     ScriptedServer::send(socket, reply);
   });
-  TurnedClock clock;
+  ManualClock clock;
   ModbusLink link({"127.0.0.1", server.port(), 1, kTimeout}, "module", clock);
   std::array<std::uint16_t, 4> values{};
   const auto took =
@@ -141,7 +141,7 @@ TEST_CASE("timeouts: a reply that arrives in pieces does not extend the response
 TEST_CASE("timeouts: connecting to an unresponsive host ends after the response timeout") {
   FullQueue queue;
   queue.fill();
-  TurnedClock clock;
+  ManualClock clock;
   ModbusLink link({"127.0.0.1", queue.port(), 1, kTimeout}, "module", clock);
   std::uint16_t value = 0;
   const auto took = time_of(
@@ -154,7 +154,7 @@ TEST_CASE("timeouts: connecting to an unresponsive host ends after the response 
 TEST_CASE(
     "timeouts: with a silent scanner a scan ends after its frame timeout, and simulated instruments stop at once") {
   const TemporaryFolder folder;
-  TurnedClock clock;
+  ManualClock clock;
   TestArray array;
   TestChamber chamber(clock);
   auto server = std::make_unique<SimulatedScanner>(folder.path("s"), IdentityReport{0, 16, 16, 1.0F, "S", "1"}, array,

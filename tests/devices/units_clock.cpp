@@ -32,7 +32,7 @@ TEST_CASE("units: arithmetic and order stay within one unit") {
 }
 
 TEST_CASE("clock: a simulated clock advances only by waits and lost replies, and never goes back") {
-  TurnedClock clock;
+  ManualClock clock;
   CHECK(clock.now() == 0ns);
   clock.wait_until(2s);
   CHECK(clock.now() == 2s);

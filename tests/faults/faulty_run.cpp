@@ -274,7 +274,7 @@ Breakage on_serial_bench(Breakage breakage) {
 }
 
 std::string cell_of(Bench bench, Point point, const Breakage& breakage) {
-  INFO(breakage.name << ", " << word_of(point));
+  INFO(breakage.name << ", " << keyword_of(point));
   try {
     return suffered(bench, point, breakage);
   } catch (const std::exception& error) {

@@ -36,7 +36,7 @@ enum class Point {
   kRetreat,  // the way out after SIGTERM at 30 N
 };
 const std::vector<Point>& points_of(Bench bench);
-const char* word_of(Point point);
+const char* keyword_of(Point point);
 
 struct Breakage {
   std::string name;

@@ -23,7 +23,7 @@ const std::vector<Point>& points_of(Bench bench) {
   return bench == Bench::kChamber ? chamber : press;
 }
 
-const char* word_of(Point point) {
+const char* keyword_of(Point point) {
   static const char* const kWords[] = {"opening",         "baseline",        "conditioning",   "rising, 20 psi",
                                        "turning, 60 psi", "falling, 40 psi", "last branch",    "way out at 60 psi",
                                        "homing",          "approach",        "pressing, 15 N", "releasing, 30 N",
@@ -33,7 +33,7 @@ const char* word_of(Point point) {
 
 Breakage breakage(FaultKind kind, std::optional<double> value, long times) {
   Breakage made;
-  made.name = bench::fault_words()[static_cast<std::size_t>(kind)];
+  made.name = bench::fault_kind_names()[static_cast<std::size_t>(kind)];
   for (char& c : made.name) c = c == '_' ? ' ' : c;
   if (times == 1) made.name += ", once";
   made.plan.emplace();

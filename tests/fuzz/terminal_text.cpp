@@ -28,8 +28,8 @@ bool harmless(std::string_view text, bool may_have_lines) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
-  const std::string clean = bench::for_people(text);
-  if (!harmless(clean, true) || bench::for_people(clean) != clean) std::abort();
+  const std::string clean = bench::terminal_safe(text);
+  if (!harmless(clean, true) || bench::terminal_safe(clean) != clean) std::abort();
   if (harmless(text, true) && clean != text) std::abort();
   for (const std::size_t columns : {2U, 12U, 200U}) {
     const std::string line = bench::one_line(text, columns);

@@ -91,7 +91,8 @@ TEST_CASE("compile: a recipe of one level gives its frames only") {
     wanted.back().ordinal = i;
   }
   check_same(compile(recipe, 0), wanted);
-  const auto back = way_back(recipe, 0, 0, 0);  // a cycle to the highest level, for the recipe has none of its own
+  const auto back =
+      path_to_branch(recipe, 0, 0, 0);  // a cycle to the highest level, for the recipe has none of its own
   std::vector<Step> cycle;
   append_cycles(cycle, 0, 1, 3.0, 2.0);
   check_same(back, cycle);
@@ -116,19 +117,19 @@ TEST_CASE("way back: to a branch of a later repeat has the expected steps, field
     wanted.push_back(step_of(StepKind::kConditioning, 4, 1, level, 3.0));
     wanted.back().ramp_psi_per_s = 0.25;
   }
-  check_same(way_back(recipe, 4, 1, 1), wanted);
+  check_same(path_to_branch(recipe, 4, 1, 1), wanted);
 }
 
 TEST_CASE("way back: uses the recipe's own conditioning cycles, even a single one") {
   std::vector<Step> wanted;
   append_cycles(wanted, 0, 1, 8.0, 1.0);
-  check_same(way_back(recipe_of(kUpAndDown + "[conditioning]\ncycles = 1\npeak = 8\n"), 0, 0, 0), wanted);
+  check_same(path_to_branch(recipe_of(kUpAndDown + "[conditioning]\ncycles = 1\npeak = 8\n"), 0, 0, 0), wanted);
 }
 
 TEST_CASE("way back: of a press recipe starts with a retraction, of a levels recipe with conditioning") {
   const Recipe press = press_of("forces_n = [1]\npositions_mm = [[1, 1]]\n");
-  CHECK(way_back(press, 0, 0, 0).front().kind == StepKind::kRetract);
-  CHECK(way_back(recipe_of(kUpAndDown), 0, 0, 0).front().kind == StepKind::kConditioning);
+  CHECK(path_to_branch(press, 0, 0, 0).front().kind == StepKind::kRetract);
+  CHECK(path_to_branch(recipe_of(kUpAndDown), 0, 0, 0).front().kind == StepKind::kConditioning);
 }
 
 TEST_CASE("compile: the steps of a run are those of its recipes in order, numbered by sequence") {
@@ -232,7 +233,7 @@ TEST_CASE("way back: to a falling branch of a press has the expected steps, fiel
               "repeats = 2\ndwell_s = [1, 3]\n");
   // Position 1 begins with frame 3; its falling branch, 3, with frame 5.
   const int repeat = 1, ordinal = 5;
-  const std::vector<Step> steps = way_back(recipe, 2, repeat, 3);
+  const std::vector<Step> steps = path_to_branch(recipe, 2, repeat, 3);
   REQUIRE(steps.size() == 10);
   std::vector<Step> without_cycle = steps;
   without_cycle.erase(without_cycle.begin() + 4, without_cycle.begin() + 7);
@@ -250,7 +251,7 @@ TEST_CASE("way back: to a falling branch of a press has the expected steps, fiel
     CHECK(steps[i].dwell_s == (i == 5 ? 3.0 : 0.0));
   }
   // Its rising branch begins at contact with frame 3.
-  const auto rising = way_back(recipe, 2, repeat, 2);
+  const auto rising = path_to_branch(recipe, 2, repeat, 2);
   CHECK((rising.size() == 8 && rising.back().kind == kDown && rising.back().ordinal == 3));
 }
 

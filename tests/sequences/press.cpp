@@ -14,7 +14,7 @@ TEST_CASE("way back: to a branch of a press ends where the branch's own steps co
   for (const BranchSpan& span : branches(steps)) {
     if (span.kind != SpanKind::kBranch) continue;
     const Step& first = steps[span.first];
-    const Step end = way_back(recipe, 0, 0, first.branch).back();
+    const Step end = path_to_branch(recipe, 0, 0, first.branch).back();
     CHECK((end.x_mm == first.x_mm && end.y_mm == first.y_mm && end.ordinal == first.ordinal));
   }
 }

@@ -172,17 +172,17 @@ TEST_CASE("way back: conditions and moves to the start of the branch, without a 
     std::vector<double> found;
     for (const Step& step : steps) {
       CHECK(step.kind == StepKind::kConditioning);
-      CHECK(!takes_frame(step));
+      CHECK(!has_frame(step));
       found.push_back(step.setpoint.value());
     }
     return found;
   };
-  CHECK(levels(way_back(recipe, 0, 0, 0)) == std::vector<double>{50, 0, 50, 0});
-  CHECK(levels(way_back(recipe, 0, 3, 2)) == std::vector<double>{50, 0, 50, 0, 0, 60, 10});
+  CHECK(levels(path_to_branch(recipe, 0, 0, 0)) == std::vector<double>{50, 0, 50, 0});
+  CHECK(levels(path_to_branch(recipe, 0, 3, 2)) == std::vector<double>{50, 0, 50, 0, 0, 60, 10});
   const Recipe bare = recipe_of("turning_points = [0, 60, 10, 60, 0]\nstep = 10\n");
-  CHECK(levels(way_back(bare, 0, 0, 1)) == std::vector<double>{60, 0, 0, 60});
+  CHECK(levels(path_to_branch(bare, 0, 0, 1)) == std::vector<double>{60, 0, 0, 60});
   // Only cycles may be skipped by a criterion: they have branch -1.
-  const auto steps = way_back(recipe, 4, 3, 2);
+  const auto steps = path_to_branch(recipe, 4, 3, 2);
   for (std::size_t i = 0; i < steps.size(); ++i) {
     CHECK((steps[i].branch < 0) == (i < 4));
     CHECK(steps[i].sequence == 4);
@@ -228,7 +228,7 @@ TEST_CASE("frames at holds: all frames of turning points above the lowest level,
 
 TEST_CASE("way back: settles at every level, even if the recipe's ramps do not stop") {
   const Recipe ramps = recipe_of("turning_points = [0, 4, 2, 4]\nstep = 2\nsettle = \"none\"\nramp_psi_per_s = 0.5\n");
-  const auto back = way_back(ramps, 0, 0, 2);
+  const auto back = path_to_branch(ramps, 0, 0, 2);
   REQUIRE(back.size() == 5);  // a cycle to the highest level, then 0, 4, 2
   for (const Step& step : back) CHECK(step.settle);
 }
@@ -240,7 +240,7 @@ TEST_CASE("way back: ends where the branch starts, for every branch of the shipp
     for (const BranchSpan& span : branches(steps)) {
       if (span.kind != SpanKind::kBranch || span.key.repeat > 1) continue;
       const Step& first = steps[span.first];
-      const auto back = way_back(recipe, 0, span.key.repeat, span.key.branch);
+      const auto back = path_to_branch(recipe, 0, span.key.repeat, span.key.branch);
       CHECK(back.back().setpoint == first.branch_from);
     }
   }

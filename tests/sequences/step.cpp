@@ -38,9 +38,9 @@ TEST_CASE("frames of steps: only measuring and press steps have one, and no pres
         StepKind::kMoveXy, StepKind::kApproach, StepKind::kPress, StepKind::kRetract}) {
     Step step;
     step.kind = kind;
-    CHECK(takes_frame(step) == (kind == StepKind::kMeasure || kind == StepKind::kPress));
+    CHECK(has_frame(step) == (kind == StepKind::kMeasure || kind == StepKind::kPress));
     step.frame = false;
-    CHECK(!takes_frame(step));
+    CHECK(!has_frame(step));
   }
 }
 
@@ -50,7 +50,7 @@ TEST_CASE("branch spans: each recipe of a run has its own") {
   check_stretches(spans, {{SpanKind::kBranch, 0, 2}, {SpanKind::kBranch, 2, 2}});
   CHECK((spans[0].key == BranchKey{0, 0, 0} && spans[1].key == BranchKey{1, 0, 0}));
   const Recipe conditioned = recipe_of("turning_points = [0, 2]\nstep = 2\n[conditioning]\ncycles = 2\npeak = 2\n");
-  check_stretches(branches(way_back(conditioned, 3, 0, 0)), {{SpanKind::kConditioning, 0, 4}});
+  check_stretches(branches(path_to_branch(conditioned, 3, 0, 0)), {{SpanKind::kConditioning, 0, 4}});
 }
 
 TEST_CASE("branch spans: press steps are split into branches, conditioning and travel") {
@@ -66,7 +66,7 @@ TEST_CASE("branch spans: press steps are split into branches, conditioning and t
   CHECK(covered == steps.size());
   // retract, home, tare, move | a cycle | approach | up to the peak without frames: it conditions, too.
   const Recipe once = three_touches("[conditioning]\ncycles = 1\n");
-  check_stretches(branches(way_back(once, 0, 0, 1)),
+  check_stretches(branches(path_to_branch(once, 0, 0, 1)),
                   {{travel, 0, 4}, {conditioning, 4, 3}, {travel, 7, 1}, {conditioning, 8, 2}});
 }
 

@@ -56,17 +56,17 @@ class EndlessRun {
   [[nodiscard]] bool lives() const {
     bool running = false;
     (void)comes_true([&] {
-      const bench::Heard heard = say_to_it();
+      const bench::RunReplies heard = say_to_it();
       running = !heard.answers.empty() && heard.answers[0].status.state == bench::RunState::kRunning;
       return running || run_->ended_within(std::chrono::milliseconds(0));
     });
     if (!running) WARN("the run ended before it ran: " << log());
     return running;
   }
-  [[nodiscard]] bench::Heard say_to_it(bench::Command command = bench::Command::kStatus) const {
+  [[nodiscard]] bench::RunReplies say_to_it(bench::Command command = bench::Command::kStatus) const {
     bench::ListenOptions options;
     options.longest = std::chrono::seconds(1);
-    return bench::say_to(bench::run_names(bench_id_), command, options);
+    return bench::send_to_runs(bench::run_names(bench_id_), command, options);
   }
   [[nodiscard]] ChildProcess& process() { return *run_; }
   [[nodiscard]] std::string log() const { return read_file(folder.path("log")); }

@@ -8,7 +8,7 @@
 namespace tactbench::tests {
 
 inline std::vector<bench::LiveRun> live_runs() {
-  std::vector<bench::LiveRun> answers = bench::say_to(bench::run_names(), bench::Command::kStatus).answers;
+  std::vector<bench::LiveRun> answers = bench::send_to_runs(bench::run_names(), bench::Command::kStatus).answers;
   std::erase_if(answers, [](const bench::LiveRun& live) { return live.denied; });
   return answers;
 }

@@ -179,7 +179,7 @@ SensorModel fit_from(const Dataset& fitted, const Dataset* rate, const Dataset* 
                                          recorded->longest_s);
     found.lag_share.assign(width, found.shared.lag_share);
   }
-  const Dataset undone = lag_and_creep_undone(fitted, found, zeros, highest);
+  const Dataset undone = dataset_without_dynamics(fitted, found, zeros, highest);
   SensorModel model = fit_array(undone, fit);
   model.model = kDynamicModel;
   model.validity = validity_of_runs(before, of_others);
@@ -204,7 +204,7 @@ SensorModel fit_dynamic(const Dataset& fitted, const Dataset& rate, const Datase
   return fit_from(fitted, &rate, &creep, options);
 }
 
-SensorModel fit_dynamic_alone(const Dataset& fitted, const DynamicFitOptions& options) {
+SensorModel fit_dynamic_single_run(const Dataset& fitted, const DynamicFitOptions& options) {
   if (lowest_level(fitted) != 0.0) return fit_from(fitted, nullptr, nullptr, options);
   const std::vector<double> zeros(static_cast<std::size_t>(fitted.taxels()), 0.0);
   const ArrayDynamics shown = find_dynamics(&fitted, &fitted, zeros, std::vector<bool>(zeros.size(), true));
@@ -294,14 +294,14 @@ SensorModel fit_dynamic_table(const Histories& histories, const DynamicFitOption
 
 bool creep_of_fitted_run(const SensorDynamics& dynamics) {
   const auto& share = dynamics.shared.creep_share;
-  return undoes_creep(dynamics) && std::ranges::all_of(share, [&](double own) { return own == share.front(); });
+  return compensates_creep(dynamics) && std::ranges::all_of(share, [&](double own) { return own == share.front(); });
 }
 
-bool undoes_creep(const SensorDynamics& dynamics) {
+bool compensates_creep(const SensorDynamics& dynamics) {
   return std::ranges::any_of(dynamics.shared.creep_share, [](double share) { return share != 0.0; });
 }
 
-bool undoes_lag(const SensorDynamics& dynamics) { return dynamics.shared.lag_share != 0.0; }
+bool compensates_lag(const SensorDynamics& dynamics) { return dynamics.shared.lag_share != 0.0; }
 
 bool in_time(const SensorDynamics& dynamics) { return undoes(dynamics.shared); }
 

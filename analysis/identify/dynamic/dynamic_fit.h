@@ -29,7 +29,7 @@ SensorModel fit_dynamic(const Dataset& fitted, const Dataset& rate, const Datase
 // Like fit_dynamic() with the run itself as rate and creep run: lag where its repeats differ in pace, creep from its
 // holds or, without any, as in fit_run_creep.h. Neither is compensated where the run does not begin at 0 psi. Throws as
 // fit_array does.
-SensorModel fit_dynamic_alone(const Dataset& fitted, const DynamicFitOptions& options = {});
+SensorModel fit_dynamic_single_run(const Dataset& fitted, const DynamicFitOptions& options = {});
 
 // The same for a table whose histories have times (HistoriesOptions::timed). Throws AnalysisError TB-ANALYSIS-DYNAMICS
 // where the lowest input is not 0 or taxels have inputs of their own, and as fit_array does.
@@ -37,8 +37,8 @@ SensorModel fit_dynamic_table(const Histories& histories, const DynamicFitOption
 
 // True when its creep is the single share estimated from the fitted run, not from holds.
 bool creep_of_fitted_run(const SensorDynamics& dynamics);
-bool undoes_creep(const SensorDynamics& dynamics);
-bool undoes_lag(const SensorDynamics& dynamics);
+bool compensates_creep(const SensorDynamics& dynamics);
+bool compensates_lag(const SensorDynamics& dynamics);
 // True when its compensator needs the times of the samples.
 bool in_time(const SensorDynamics& dynamics);
 

@@ -178,7 +178,7 @@ void undo(const Dynamics& d, const ModelTaxel& taxel, bool run, std::vector<Hist
 
 }  // namespace
 
-Histories creep_and_lag_undone(const SensorModel& model, Histories histories) {
+Histories histories_without_dynamics(const SensorModel& model, Histories histories) {
   if (!in_time(*model.dynamics)) return histories;
   check_times(model, histories);
   for (TaxelHistories& taxel : histories.taxels) {

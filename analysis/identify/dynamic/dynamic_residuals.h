@@ -20,6 +20,6 @@ void find_dynamic_residuals(const Dataset& fitted, const Dataset& undone, const 
 // The histories of a run follow each other, including the conditioning between them; those of a table each begin at
 // rest. Histories of taxels that the model lacks or did not fit are unchanged. For a model with dynamics. Throws
 // AnalysisError TB-MODEL-DYNAMIC where samples lack the times that it needs, and as compensator_of does.
-Histories creep_and_lag_undone(const SensorModel& model, Histories histories);
+Histories histories_without_dynamics(const SensorModel& model, Histories histories);
 
 }  // namespace tactbench::analysis

@@ -107,7 +107,7 @@ void find_scales(const Track& track, const std::vector<Hold>& holds, const Eigen
                  const std::vector<double>& zero_v, const std::vector<bool>& usable, ArrayDynamics& result) {
   const std::array<double, kCreepElements>& share = result.shared.creep_share;
   const double total = share[0] + share[1] + share[2];
-  const double most = total > 0.0 ? std::min(kMostCreepScale, kMostCreep / total) : kMostCreepScale;
+  const double most = total > 0.0 ? std::min(kMaxCreepScale, kMaxCreep / total) : kMaxCreepScale;
   Eigen::VectorXd off(shape.size()), level(shape.size());
   struct Scale {
     std::size_t taxel;

@@ -8,7 +8,7 @@ namespace tactbench::analysis {
 namespace {
 
 constexpr double kShareStep = 0.02;                // of a share
-constexpr double kMostCreep = 0.16;                // of each relaxation time
+constexpr double kMaxCreep = 0.16;                 // of each relaxation time
 constexpr double kOfRun = 0.5;                     // a relaxation time that is longer shows no end
 constexpr double kCreepHelps = 0.8;                // of the misfit without creep
 constexpr double kHalf = 5.0;                      // psi; the misfit hardly depends on it
@@ -47,7 +47,7 @@ struct Least {
 
 // The misfit falls to its minimum and rises beyond it: found in steps from 0, then by a parabola.
 template <class Misfit>
-Least least_of(const Misfit& at, double without, double step = kShareStep, double most = kMostCreep) {
+Least least_of(const Misfit& at, double without, double step = kShareStep, double most = kMaxCreep) {
   double before = without, here = without, next = at(step), share = 0.0;
   while (next < here && share + 2.0 * step <= most) {
     share += step;
@@ -90,7 +90,7 @@ double CreepMisfit::operator()(const Dynamics& d) const {
   one.creep_scale = {1.0};
   one.lag_share = {d.lag_share};
   try {
-    const SensorModel model = fit_array(lag_and_creep_undone(mean_, one, {zero_v_}, highest_), fit_);
+    const SensorModel model = fit_array(dataset_without_dynamics(mean_, one, {zero_v_}, highest_), fit_);
     const ModelFit& own = model.taxels.front().fit;
     if (own.model == nullptr) return std::numeric_limits<double>::infinity();
     return own.j / (own.full_scale * own.full_scale);
@@ -158,8 +158,8 @@ Dynamics dynamics_of_recording(const CreepMisfit& misfit, double highest, double
   return best;
 }
 
-Dataset lag_and_creep_undone(Dataset data, const ArrayDynamics& dynamics, const std::vector<double>& zero_v,
-                             double span) {
+Dataset dataset_without_dynamics(Dataset data, const ArrayDynamics& dynamics, const std::vector<double>& zero_v,
+                                 double span) {
   const auto width = static_cast<std::size_t>(data.taxels());
   const Dynamics& d = dynamics.shared;
   DynamicsState state;

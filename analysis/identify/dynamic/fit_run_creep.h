@@ -43,8 +43,8 @@ Dynamics creep_of_one_run(const CreepMisfit& misfit);
 Dynamics dynamics_of_recording(const CreepMisfit& misfit, double highest, double step_s, double longest_s);
 
 // The outputs of a run with lag and creep removed, at the pressures that have arrived.
-Dataset lag_and_creep_undone(Dataset data, const ArrayDynamics& dynamics, const std::vector<double>& zero_v,
-                             double span);
+Dataset dataset_without_dynamics(Dataset data, const ArrayDynamics& dynamics, const std::vector<double>& zero_v,
+                                 double span);
 
 // The samples of a dataset in time order, and the creep along them.
 

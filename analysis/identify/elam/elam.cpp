@@ -345,7 +345,7 @@ class Direction {
   [[nodiscard]] Eigen::VectorXd clipped(Eigen::VectorXd at) const {
     at.head(own()) = at.head(own()).cwiseMax(0.0).cwiseMin(1.0);
     const Eigen::Index pieces = at.size() - own();
-    at.tail(pieces) = at.tail(pieces).cwiseMax(-kMostPieceLog).cwiseMin(kMostPieceLog);
+    at.tail(pieces) = at.tail(pieces).cwiseMax(-kMaxPieceLog).cwiseMin(kMaxPieceLog);
     return at;
   }
   void put(const Eigen::VectorXd& at, ElamModel& model, ElamPieces& pieces) const {

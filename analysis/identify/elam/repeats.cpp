@@ -60,7 +60,7 @@ Off off_from_others(const std::vector<std::vector<double>>& repeats, std::size_t
 }  // namespace
 
 std::vector<RepeatDrift> repeat_drifts(const Dataset& dataset, std::span<const std::size_t> taxels,
-                                       const CommonOptions& options) {
+                                       const RepeatOptions& options) {
   std::vector<RepeatDrift> drifts;
   const auto width = static_cast<std::size_t>(dataset.taxels());
   for (const SequenceData& sequence : dataset.sequences) {
@@ -70,9 +70,9 @@ std::vector<RepeatDrift> repeat_drifts(const Dataset& dataset, std::span<const s
     const SequenceData mean = mean_sequence(alike, width, taxels);
     std::vector<std::vector<double>> means(count);
     for (std::size_t r = 0; r < count; ++r) {
-      CommonOptions one = options;
+      RepeatOptions one = options;
       one.first_repeat = one.last_repeat = static_cast<int>(r);
-      means[r] = bring_to_common(mean, 1, one).values;
+      means[r] = average_repeats(mean, 1, one).values;
     }
     RepeatDrift drift;
     drift.sequence = sequence.name;

@@ -20,8 +20,8 @@ struct RepeatDrift {
 };
 
 // One per sequence of three or more repeats at the pace of the first: with two none could say which one drifted. To
-// leave the first one out of a fit: CommonOptions::first_repeat.
+// leave the first one out of a fit: RepeatOptions::first_repeat.
 std::vector<RepeatDrift> repeat_drifts(const Dataset& dataset, std::span<const std::size_t> taxels,
-                                       const CommonOptions& options);
+                                       const RepeatOptions& options);
 
 }  // namespace tactbench::analysis

@@ -19,7 +19,7 @@ std::string differing(const std::string& what, double stored, double recomputed)
   return fmt::format("{}: stored {:.17g}, recomputed {:.17g}", what, stored, recomputed);
 }
 
-std::string differing_words(const std::string& what, const std::string& stored, const std::string& recomputed) {
+std::string differing_text(const std::string& what, const std::string& stored, const std::string& recomputed) {
   return fmt::format("{}: stored '{}', recomputed '{}'", what, stored, recomputed);
 }
 
@@ -49,12 +49,12 @@ std::string compare_objects(const std::string& what, const nlohmann::json& store
                             double tolerance) {
   for (const auto& [key, value] : stored.items()) {
     const std::string name = fmt::format("{}.{}", what, key);
-    if (!recomputed.contains(key)) return differing_words(name, json_line(value), "nothing");
+    if (!recomputed.contains(key)) return differing_text(name, json_line(value), "nothing");
     std::string found = compare_json(name, value, recomputed[key], tolerance);
     if (!found.empty()) return found;
   }
   for (const auto& [key, value] : recomputed.items())
-    if (!stored.contains(key)) return differing_words(fmt::format("{}.{}", what, key), "nothing", json_line(value));
+    if (!stored.contains(key)) return differing_text(fmt::format("{}.{}", what, key), "nothing", json_line(value));
   return {};
 }
 
@@ -68,7 +68,7 @@ std::string compare_json(const std::string& what, const nlohmann::json& stored, 
   }
   if (stored.is_array() && recomputed.is_array()) return compare_arrays(what, stored, recomputed, tolerance);
   if (stored.is_object() && recomputed.is_object()) return compare_objects(what, stored, recomputed, tolerance);
-  return stored == recomputed ? std::string() : differing_words(what, json_line(stored), json_line(recomputed));
+  return stored == recomputed ? std::string() : differing_text(what, json_line(stored), json_line(recomputed));
 }
 
 std::string scope_named(const db::VerdictRecord& v) {
@@ -99,16 +99,16 @@ std::string first_difference(const std::vector<db::VerdictRecord>& stored,
   for (std::size_t i = 0; i < stored.size(); ++i) {
     const db::VerdictRecord &a = stored[i], &b = recomputed[i];
     const std::string name = scope_named(b);
-    if (scope_named(a) != name) return differing_words(fmt::format("verdict {}", i + 1), scope_named(a), name);
+    if (scope_named(a) != name) return differing_text(fmt::format("verdict {}", i + 1), scope_named(a), name);
     if (!same_number(a.value, b.value, tolerance)) return differing(fmt::format("{}, value", name), a.value, b.value);
     if (with_u && !same_number(a.expanded, b.expanded, tolerance))
       return differing(fmt::format("{}, U", name), a.expanded, b.expanded);
     if (!same_number(a.limit, b.limit, tolerance)) return differing(fmt::format("{}, limit", name), a.limit, b.limit);
-    if (a.unit != b.unit) return differing_words(fmt::format("{}, unit", name), a.unit, b.unit);
-    if (a.rule != b.rule) return differing_words(fmt::format("{}, rule", name), a.rule, b.rule);
-    if (a.verdict != b.verdict) return differing_words(name, a.verdict, b.verdict);
+    if (a.unit != b.unit) return differing_text(fmt::format("{}, unit", name), a.unit, b.unit);
+    if (a.rule != b.rule) return differing_text(fmt::format("{}, rule", name), a.rule, b.rule);
+    if (a.verdict != b.verdict) return differing_text(name, a.verdict, b.verdict);
     if (a.limits_sha256 != b.limits_sha256) {
-      return differing_words("limits, SHA-256", a.limits_sha256, b.limits_sha256);
+      return differing_text("limits, SHA-256", a.limits_sha256, b.limits_sha256);
     }
   }
   return {};

@@ -249,7 +249,7 @@ std::optional<std::int64_t> number_from(std::string_view text) {
 }
 
 // Whether reports and compensation of the whole array may rest on it where no fit is named.
-bool stands_for_run(const SensorModel& fit, const std::string& label) {
+bool is_default_fit(const SensorModel& fit, const std::string& label) {
   if (fit.dynamics) return label == kDynamicModel;
   return label == kElamFit && fit.origin != "imported" && fit.all_sequences && fit.parent_sha256.empty() &&
          fit.array().size() == static_cast<std::size_t>(fit.rows) * static_cast<std::size_t>(fit.columns);
@@ -291,7 +291,7 @@ std::int64_t store_fit(db::RunStore& store, const SensorModel& model, const std:
   db::FitRecord record;
   record.run = own.run;
   record.model = label_of(own);
-  record.stands = stands_for_run(own, record.model);
+  record.stands = is_default_fit(own, record.model);
   record.fitted = static_cast<int>(own.fitted().size());
   record.document = to_line(own);
   record.made_by = made_by;
@@ -321,7 +321,7 @@ SensorModel load_fit(const db::FitRecord& record) {
 }
 
 SensorModel load_fit(const db::RunStore& store, std::int64_t run) {
-  const std::optional<db::FitRecord> record = store.standing_fit(run);
+  const std::optional<db::FitRecord> record = store.default_fit(run);
   if (!record)
     throw AnalysisError("TB-ANALYSIS-NO-FIT", fmt::format("run {} has no stored fit", run),
                         fmt::format("make one: tactbench fit {}", run));
@@ -332,9 +332,10 @@ SensorModel load_model(const std::string& model, const db::RunStore* store) {
   const auto colon = model.find(':');
   const auto run = number_from(std::string_view(model).substr(0, colon));
   if (!run) {
-    return document_from_text(whole_file(model, {kLongestJson}, "TB-MODEL-OPEN",
-                                         "MODEL is the path of a .json file, or RUN or RUN:FIT of the store (--db)"),
-                              model);
+    return document_from_text(
+        read_whole_file(model, {kMaxJsonBytes}, "TB-MODEL-OPEN",
+                        "MODEL is the path of a .json file, or RUN or RUN:FIT of the store (--db)"),
+        model);
   }
   if (store == nullptr)
     throw AnalysisError("TB-MODEL-OPEN", fmt::format("{} names a run, and no store is given", model), "add --db FILE");

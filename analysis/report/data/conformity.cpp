@@ -47,7 +47,7 @@ doc::Phrase figure_phrase(Criterion criterion, double value, double expanded) {
 
 std::string requirement_name(const JudgedFigure& figure, PressureUnit unit) {
   const bool array = figure.scope.kind == Scope::Kind::kArray;
-  return in_words(figure.criterion) + (array ? "" : ", " + in_words(figure.scope, unit));
+  return display_text(figure.criterion) + (array ? "" : ", " + display_text(figure.scope, unit));
 }
 
 std::vector<DecisionRule> rules_of(const Judgement& judgement) {

@@ -189,12 +189,12 @@ Json laboratory_json(const Laboratory& l) {
           {"sha256", l.sha256}};
 }
 
-Json history_json(const RunHistory& history) {
+Json run_log_json(const RunLog& history) {
   Json events = Json::array(), voids = Json::array(), surroundings = Json::array(), checks = Json::array();
-  for (const HistoryEvent& event : history.events) events.push_back({JSON_FIELDS(event, time_s, kind, text)});
+  for (const RunLogEvent& event : history.events) events.push_back({JSON_FIELDS(event, time_s, kind, text)});
   for (const VoidBranch& branch : history.voids)
     voids.push_back({JSON_FIELDS(branch, sequence, repeat, branch, attempt, reason)});
-  for (const SurroundingsRange& range : history.surroundings)
+  for (const EnvironmentRange& range : history.surroundings)
     surroundings.push_back({JSON_FIELDS(range, quantity, low, high, readings)});
   for (const db::CheckRecord& check : history.checks)
     checks.push_back({JSON_FIELDS(check, kind, verdict), {"detail", ordered_json_or_null(check.detail_json)}});
@@ -275,7 +275,7 @@ std::string identification_json(const ReportInput& input) {
                     {"sensor", input.sensor ? sensor_json(*input.sensor) : Json()},
                     {"held_out", held_out},
                     {"further", further},
-                    {"history", history_json(input.history)},
+                    {"history", run_log_json(input.history)},
                     {"laboratory", laboratory_json(input.laboratory)},
                     {"models_sha256", input.fit.taxels.empty() ? "" : model_sha256(input.fit)},
                     {"approvals", parse_ordered_json(approvals_json(input))}});
@@ -435,7 +435,7 @@ EffectJson creep_effect_json(const CreepEffect& creep) {
           {"covered_to_s", creep.to_s},
           {"levels", std::move(levels)},
           {"carried_back", creep.extrapolated_back},
-          {"basis", creep.in_words()}};
+          {"basis", creep.display_text()}};
 }
 
 EffectJson temperature_effect_json(const TemperatureEffect& effect) {
@@ -449,7 +449,7 @@ EffectJson temperature_effect_json(const TemperatureEffect& effect) {
           {"half_width_c", effect.half_width_c()},
           {"resolution_c", effect.resolution_c},
           {"runs", std::move(runs)},
-          {"basis", effect.in_words()}};
+          {"basis", effect.display_text()}};
 }
 
 }  // namespace tactbench::analysis

@@ -85,7 +85,7 @@ MoreJson instrument_json(const InstrumentUncertainty& instrument) {
     rows.push_back(out);
   }
   return {{"unit", instrument.unit},
-          {"certificate_covers", in_words(instrument.covers)},
+          {"certificate_covers", display_text(instrument.covers)},
           {"rows", rows},
           {"expanded", instrument.expanded()},
           {"factor", 2.0},
@@ -126,7 +126,7 @@ std::string as_found_json(const ReportInput& input) {
     MoreJson verdicts = MoreJson::array();
     for (const JudgedFigure& figure : previous->judgement.figures) verdicts.push_back(figure_json(figure));
     found["verdicts"] = std::move(verdicts);
-    found["overall"] = verdict_word(previous->judgement.overall);
+    found["overall"] = verdict_text(previous->judgement.overall);
     found["doubt"] = previous->doubt;
   }
   return json_text(found);

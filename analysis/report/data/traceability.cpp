@@ -44,7 +44,7 @@ Traceability traced_to(const TracedQuantity& traced, const db::RunRecord& run, s
                                       instrument_name(calibration), calibration.certificate);
   if (!calibration.calibrated_by.empty()) statement += fmt::format(" of {}", calibration.calibrated_by);
   if (!calibration.calibrated_on.empty()) statement += fmt::format(", calibrated {}", calibration.calibrated_on);
-  if (calibration.stated_u) statement += ", " + in_words(*calibration.stated_u, unit);
+  if (calibration.stated_u) statement += ", " + display_text(*calibration.stated_u, unit);
   const bool overdue = due_state(calibration, run.started_utc) == DueState::kOverdue;
   statement += calibration.due.empty() ? std::string(", due date not stated.")
                : overdue
@@ -58,7 +58,7 @@ Traceability pressure_traceability(const db::RunRecord& run, std::span<const Ins
     Traceability traced = traced_to(kTracedPressure, run, notes, unit);
     if (const auto beyond = reference_uncertainty(run, notes).beyond; traced.traceable && beyond) {
       traced.traceable = false;
-      traced.statement += fmt::format(" But {}, and no U is stated there.", in_words(*beyond, unit));
+      traced.statement += fmt::format(" But {}, and no U is stated there.", display_text(*beyond, unit));
     }
     return traced;
   }
@@ -107,7 +107,7 @@ std::vector<std::string> instrument_warnings(const ReportInput& input) {
   };
   for (const auto& [name, run] : runs_of(input)) {
     const auto beyond = reference_uncertainty(*run, input.laboratory.instruments).beyond;
-    if (beyond) add(fmt::format("{}: {}", name, in_words(*beyond, input.unit)));
+    if (beyond) add(fmt::format("{}: {}", name, display_text(*beyond, input.unit)));
     for (const db::DeviceRecord& device : run->devices) {
       const InstrumentCalibration calibration = calibration_of(device, input.laboratory.instruments);
       const std::string who = fmt::format("{} ({})", device.role, instrument_name(calibration));

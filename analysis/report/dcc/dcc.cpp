@@ -116,7 +116,7 @@ Markup statement(const char* name, const Markup& more, const char* ref_type = ""
   return markup("<dcc:statement{}>{}{}</dcc:statement>\n", attribute, name_of(name), more);
 }
 
-Markup statements(const PageData& data) {
+Markup dcc_statements(const PageData& data) {
   const ReportInput& input = data.input;
   const Issue& issue = data.issue;
   Markup out = Markup::literal("<dcc:statements>\n");
@@ -185,7 +185,7 @@ std::string dcc_of(const PageData& data) {
   out += items(input);
   out += laboratory(input.laboratory);
   out += people(data);
-  out += statements(data);
+  out += dcc_statements(data);
   out += Markup::literal("</dcc:administrativeData>\n");
   out += dcc::measurement_results(data);
   out += Markup::literal("</dcc:digitalCalibrationCertificate>\n");

@@ -35,7 +35,7 @@ const char* conformity_word(Verdict verdict) {
 Markup conformity(const Judgement& judgement, std::optional<Verdict> verdict, const std::string& said) {
   const char* const word = verdict && !judgement.not_judged ? conformity_word(*verdict) : "";
   const std::string why = *word != '\0'          ? ""
-                          : judgement.not_judged ? "not judged: " + in_words(*judgement.not_judged, kUnit)
+                          : judgement.not_judged ? "not judged: " + display_text(*judgement.not_judged, kUnit)
                           : verdict              ? std::string(to_string(*verdict)) + ": conformity is not stated"
                                                  : "not judged: no tolerance limits were given";
   const std::string words = said.empty() ? why : why.empty() ? said : why + ". " + said;
@@ -96,7 +96,7 @@ Markup text_data(const std::string& words) { return markup("<dcc:text>{}</dcc:te
 Markup conditions(const ReportInput& input, const char* status) {
   Markup out, state;
   const auto temperature =
-      std::ranges::find(input.history.surroundings, std::string("temperature_c"), &SurroundingsRange::quantity);
+      std::ranges::find(input.history.surroundings, std::string("temperature_c"), &EnvironmentRange::quantity);
   if (temperature != input.history.surroundings.end()) {
     Markup data;
     for (const auto& [type, name, celsius] : {std::tuple("basic_temperatureMin", "lowest", temperature->low),
@@ -197,7 +197,7 @@ Markup readings_of(const ReportInput& input, const ConditionUncertainty& kind, b
     for (std::size_t i = 0; i < kind.pressure_psi.size(); ++i)
       if (kind.up[i] == up) levels += level_list(kind, i);
     if (levels.value.empty()) continue;
-    const char* const direction = branch_in_words(up);
+    const char* const direction = direction_text(up);
     parts.results += markup("<dcc:result>{}<dcc:data><dcc:list>{}{}{}</dcc:list></dcc:data></dcc:result>\n",
                             name_of(fmt::format("Gauge pressure, {}", direction)), name_of(direction),
                             taxel_names(input, kind.taxels()), levels);
@@ -234,7 +234,7 @@ Markup judged(const ReportInput& input, const Judgement& judgement, const char* 
   ResultParts parts{
       .name = name, .methods = calibration_method(input), .results = {}, .ref_type = "", .status = status};
   for (const DecisionRule rule : rules_of(judgement))
-    parts.methods += method("Decision rule", rule_in_words(rule), "ILAC-G8:09/2019", "basic_conformity");
+    parts.methods += method("Decision rule", rule_text(rule), "ILAC-G8:09/2019", "basic_conformity");
   Markup figures;
   for (const JudgedFigure& figure : judgement.figures) figures += judged_figure(input, judgement, figure);
   parts.results = markup("<dcc:result>{}<dcc:data>\n{}</dcc:data></dcc:result>\n", name_of(name), figures);
@@ -248,9 +248,9 @@ Markup conformity_statement(const ReportInput& input) {
   std::string said;
   if (!judgement.limits_sha256.empty())
     said = fmt::format("All requirements on all judged runs together: {}; limits file SHA-256 {}",
-                       statement_in_words(judgement, kUnit), judgement.limits_sha256);
+                       statement_text(judgement, kUnit), judgement.limits_sha256);
   std::string rules;
-  for (const DecisionRule rule : rules_of(judgement)) rules += (rules.empty() ? "" : " ") + rule_in_words(rule) + ".";
+  for (const DecisionRule rule : rules_of(judgement)) rules += (rules.empty() ? "" : " ") + rule_text(rule) + ".";
   return markup("<dcc:statement refType=\"basic_conformity\">{}{}{}</dcc:statement>\n", name_of("Conformity"),
                 rules.empty() ? Markup() : markup("<dcc:convention>{}</dcc:convention>", stated_text(rules)),
                 conformity(judgement, judgement.overall, said));
@@ -262,9 +262,10 @@ Markup measurement_results(const PageData& data) {
   for (const ConditionUncertainty& kind : input.uncertainty->conditions)
     if (kind.valid() && !kind.pressure_psi.empty()) out += readings_of(input, kind, input.more.previous.has_value());
   const bool both = input.more.previous.has_value();
-  out += judged(input, input.judgement, both ? "Judged figures, as left" : "Judged figures",
+  out += judged(input, input.judgement, both ? "JudgementRecord figures, as left" : "JudgementRecord figures",
                 both ? "afterAdjustment" : "");
-  if (both) out += judged(input, input.more.previous->judgement, "Judged figures, as found", "beforeAdjustment");
+  if (both)
+    out += judged(input, input.more.previous->judgement, "JudgementRecord figures, as found", "beforeAdjustment");
   return out += Markup::literal("</dcc:measurementResults>\n");
 }
 

@@ -2,11 +2,12 @@
 
 namespace tactbench::analysis::doc {
 
-StyledText strong(std::string text) { return {std::move(text), Look::kStrong, {}}; }
-StyledText quiet(std::string text) { return {std::move(text), Look::kQuiet, {}}; }
-StyledText code_words(std::string text) { return {text.empty() ? "none" : std::move(text), Look::kCode, {}}; }
+StyledText strong(std::string text) { return {std::move(text), TextStyle::kStrong, {}}; }
+StyledText quiet(std::string text) { return {std::move(text), TextStyle::kQuiet, {}}; }
+StyledText code_text(std::string text) { return {text.empty() ? "none" : std::move(text), TextStyle::kCode, {}}; }
 StyledText stated(const std::string& untrusted) {
-  return {untrusted.find_first_not_of(" \t\r\n") == std::string::npos ? "not stated" : untrusted, Look::kPlain, {}};
+  return {
+      untrusted.find_first_not_of(" \t\r\n") == std::string::npos ? "not stated" : untrusted, TextStyle::kPlain, {}};
 }
 
 Quantity number(double value, int digits) { return {.value = value, .digits = digits}; }
@@ -27,7 +28,7 @@ Quantity pressure_with_u(double psi, double expanded_psi) {
 Quantity bare_pressure_with_u(double psi, double expanded_psi) {
   return {.value = psi, .expanded = expanded_psi, .pressure = true};
 }
-Quantity pressure_beside_u(double psi, double expanded_psi) {
+Quantity pressure_rounded_to_u(double psi, double expanded_psi) {
   return {.value = psi, .expanded = expanded_psi, .pressure = true, .with_expanded = false};
 }
 
@@ -67,9 +68,9 @@ template void Document::add(Paragraph);
 template void Document::add(List);
 template void Document::add(Table);
 template void Document::add(Drawing);
-template void Document::add(Beside);
-template void Document::add(Framed);
-template void Document::add(NewPage);
+template void Document::add(SideBySide);
+template void Document::add(VerdictBox);
+template void Document::add(PageBreak);
 
 Table pairs(std::string caption, std::vector<std::pair<std::string, Phrase>> rows) {
   Table table{.id = {}, .caption = std::move(caption), .columns = {}, .rows = {}};

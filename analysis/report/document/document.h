@@ -15,11 +15,11 @@
 
 namespace tactbench::analysis::doc {
 
-enum class Look { kPlain, kStrong, kQuiet, kCode, kGood, kDoubt, kBad };
+enum class TextStyle { kPlain, kStrong, kQuiet, kCode, kGood, kDoubt, kBad };
 
 struct StyledText {
   std::string text = {};
-  Look look = Look::kPlain;
+  TextStyle look = TextStyle::kPlain;
   std::string to = {};  // the id of a heading or table that it leads to; empty: no link
 };
 
@@ -73,7 +73,7 @@ class Phrase {
 
 StyledText strong(std::string text);
 StyledText quiet(std::string text);
-StyledText code_words(std::string text);
+StyledText code_text(std::string text);
 // As typed by a person; "not stated" when empty or blank.
 StyledText stated(const std::string& untrusted);
 Quantity number(double value, int digits);
@@ -81,12 +81,12 @@ Quantity number_with_u(double value, double expanded);
 Quantity two_digits(double expanded);  // U itself
 Quantity percent_of(double share, int digits);
 // Pressures. `digits`: decimals of psi.
-Quantity pressure(double psi, int digits = 1);                   // "20.7 kPa"
-Quantity both_units(double psi, int digits = 1);                 // "20.7 kPa (3.0 psi)"
-Quantity bare_pressure(double psi, int digits = 1);              // "20.7", where a heading names the unit
-Quantity pressure_with_u(double psi, double expanded_psi);       // "3.1 ± 0.4 kPa"
-Quantity bare_pressure_with_u(double psi, double expanded_psi);  // "3.1 ± 0.4"
-Quantity pressure_beside_u(double psi, double expanded_psi);     // "3.1", at U's decimal place
+Quantity pressure(double psi, int digits = 1);                    // "20.7 kPa"
+Quantity both_units(double psi, int digits = 1);                  // "20.7 kPa (3.0 psi)"
+Quantity bare_pressure(double psi, int digits = 1);               // "20.7", where a heading names the unit
+Quantity pressure_with_u(double psi, double expanded_psi);        // "3.1 ± 0.4 kPa"
+Quantity bare_pressure_with_u(double psi, double expanded_psi);   // "3.1 ± 0.4"
+Quantity pressure_rounded_to_u(double psi, double expanded_psi);  // "3.1", at U's decimal place
 
 struct Heading {
   int level = 2;  // 1 the document, 2 a section, 3 a part
@@ -130,19 +130,19 @@ struct Drawing {
 
 struct Document;
 // Documents side by side; `shares` of the width, as many.
-struct Beside {
+struct SideBySide {
   std::vector<Document> parts;
   std::vector<int> shares = {};
   bool ruled = false;  // a line above and below
 };
 // The verdict of page 1, framed.
-struct Framed {
-  Look look = Look::kPlain;
+struct VerdictBox {
+  TextStyle look = TextStyle::kPlain;
   std::vector<Document> parts;
 };
-struct NewPage {};
+struct PageBreak {};
 
-using Block = std::variant<Heading, Paragraph, List, Table, Drawing, Beside, Framed, NewPage>;
+using Block = std::variant<Heading, Paragraph, List, Table, Drawing, SideBySide, VerdictBox, PageBreak>;
 
 struct Document {
   std::vector<Block> blocks;

@@ -31,9 +31,9 @@ std::string text_of(const Quantity& quantity, PressureUnit unit) {
     const int digits = known               ? gum_decimals(expanded)
                        : quantity.pressure ? shown.digits(quantity.digits)
                                            : quantity.digits;
-    std::string text = fixed_text(known ? rounded_beside(value, expanded) : value, digits);
+    std::string text = fixed_text(known ? rounded_to_uncertainty(value, expanded) : value, digits);
     if (known && quantity.with_expanded && std::isfinite(value))
-      text += " ± " + fixed_text(rounded_beside(expanded, expanded), digits);
+      text += " ± " + fixed_text(rounded_to_uncertainty(expanded, expanded), digits);
     const bool named = quantity.pressure && quantity.unit != Quantity::Unit::kNone;
     return named ? text + "\u00A0" + shown.symbol() : text;
   };
@@ -48,26 +48,26 @@ std::string text_of(const Phrase& phrase, PressureUnit unit) {
 }
 
 std::string sign_of(Verdict verdict) {
-  switch (look_of(verdict)) {
-    case Look::kGood:
+  switch (style_of(verdict)) {
+    case TextStyle::kGood:
       return "✓";
-    case Look::kBad:
+    case TextStyle::kBad:
       return "✗";
     default:
       return verdict == Verdict::kReportOnly ? "–" : "▲";
   }
 }
 
-Look look_of(Verdict verdict) {
+TextStyle style_of(Verdict verdict) {
   switch (verdict) {
     case Verdict::kReportOnly:
-      return Look::kPlain;
+      return TextStyle::kPlain;
     case Verdict::kPass:
-      return Look::kGood;
+      return TextStyle::kGood;
     case Verdict::kFail:
-      return Look::kBad;
+      return TextStyle::kBad;
     default:
-      return Look::kDoubt;
+      return TextStyle::kDoubt;
   }
 }
 
@@ -78,20 +78,20 @@ using html::Text;
 
 namespace {
 
-const char* class_of(Look look) {
+const char* class_of(TextStyle look) {
   switch (look) {
-    case Look::kStrong:
+    case TextStyle::kStrong:
       return "b";
-    case Look::kQuiet:
+    case TextStyle::kQuiet:
       return "q";
-    case Look::kGood:
+    case TextStyle::kGood:
       return "good";
-    case Look::kDoubt:
+    case TextStyle::kDoubt:
       return "doubt";
-    case Look::kBad:
+    case TextStyle::kBad:
       return "bad";
-    case Look::kCode:
-    case Look::kPlain:
+    case TextStyle::kCode:
+    case TextStyle::kPlain:
       break;
   }
   return "";
@@ -112,15 +112,15 @@ struct PieceMarkup {
 
   Markup operator()(const StyledText& words) const {
     Markup out = with_breaks(words.text);
-    if (words.look == Look::kCode)
+    if (words.look == TextStyle::kCode)
       out = markup("<code>{}</code>", out);
-    else if (words.look != Look::kPlain)
+    else if (words.look != TextStyle::kPlain)
       out = markup("<span class=\"{}\">{}</span>", Attribute(class_of(words.look)), out);
     return words.to.empty() ? out : markup("<a href=\"#{}\">{}</a>", Attribute(words.to), out);
   }
   Markup operator()(Verdict verdict) const {
     return markup("<span class=\"{} word\"><span class=\"sign\">{}</span> {}</span>",
-                  Attribute(class_of(look_of(verdict))), Text(sign_of(verdict)), Text(to_string(verdict)));
+                  Attribute(class_of(style_of(verdict))), Text(sign_of(verdict)), Text(to_string(verdict)));
   }
   template <class Other>
   Markup operator()(const Other& other) const {
@@ -200,7 +200,7 @@ class HtmlPrinter {
     out += markup("</figure>\n");
     return out;
   }
-  Markup operator()(const Beside& beside) const {
+  Markup operator()(const SideBySide& beside) const {
     Markup out = markup("<div class=\"beside{}\">\n", Attribute(beside.ruled ? " ruled" : ""));
     for (std::size_t i = 0; i < beside.parts.size(); ++i)
       out += markup("<div style=\"flex:{} 1 0\">\n{}</div>\n", i < beside.shares.size() ? beside.shares[i] : 1,
@@ -208,13 +208,13 @@ class HtmlPrinter {
     out += markup("</div>\n");
     return out;
   }
-  Markup operator()(const Framed& framed) const {
+  Markup operator()(const VerdictBox& framed) const {
     Markup out = markup("<div class=\"framed {}\">\n", Attribute(class_of(framed.look)));
     for (const Document& part : framed.parts) out += markup("<div>\n{}</div>\n", document(part));
     out += markup("</div>\n");
     return out;
   }
-  Markup operator()(const NewPage&) const { return markup("<div class=\"newpage\"></div>\n"); }
+  Markup operator()(const PageBreak&) const { return markup("<div class=\"newpage\"></div>\n"); }
 
   [[nodiscard]] Markup document(const Document& all) const {
     Markup out;
@@ -297,9 +297,9 @@ class TextPrinter {
     return (table.caption.empty() ? "" : table.caption + "\n") + grid(table);
   }
   std::string operator()(const Drawing& figure) const { return lines_of("[" + figure.title + "]"); }
-  std::string operator()(const Beside& beside) const { return all_of(beside.parts); }
-  std::string operator()(const Framed& framed) const { return all_of(framed.parts); }
-  std::string operator()(const NewPage&) const { return {}; }
+  std::string operator()(const SideBySide& beside) const { return all_of(beside.parts); }
+  std::string operator()(const VerdictBox& framed) const { return all_of(framed.parts); }
+  std::string operator()(const PageBreak&) const { return {}; }
 
   [[nodiscard]] std::string document(const Document& all) const {
     std::string out;

@@ -16,7 +16,7 @@ using analysis::fixed_text;
 std::string text_of(const Quantity& quantity, PressureUnit unit);
 std::string text_of(const Phrase& phrase, PressureUnit unit);
 std::string sign_of(Verdict verdict);  // "✓", "▲", "✗"
-Look look_of(Verdict verdict);
+TextStyle style_of(Verdict verdict);
 
 html::Markup to_html(const Document& document, PressureUnit unit);
 html::Markup to_html(const Phrase& phrase, PressureUnit unit);

@@ -65,7 +65,7 @@ std::vector<std::size_t> ranked(const std::vector<ReportInput>& runs, const std:
 }
 
 // A sensor that was not judged, though there are limits, is counted with the judged: its evidence is missing.
-doc::Framed yield_part(const std::vector<ReportInput>& sensors, const std::vector<std::string>& left_out) {
+doc::VerdictBox yield_part(const std::vector<ReportInput>& sensors, const std::vector<std::string>& left_out) {
   std::map<std::string, int> verdicts;
   int with_limits = 0, good = 0;
   std::optional<Verdict> worst;
@@ -96,7 +96,7 @@ doc::Framed yield_part(const std::vector<ReportInput>& sensors, const std::vecto
                  left_out.empty() ? std::string("none") : fmt::format("{}", fmt::join(left_out, "; "))}});
   table.dense = true;
   counts.add(std::move(table));
-  return {worst ? doc::look_of(*worst) : doc::Look::kDoubt, {words, counts}};
+  return {worst ? doc::style_of(*worst) : doc::TextStyle::kDoubt, {words, counts}};
 }
 
 std::string outlying_figures(const std::vector<BatchColumn>& columns, std::size_t run) {
@@ -136,8 +136,8 @@ doc::Table rank_table(const std::vector<ReportInput>& runs, const std::vector<Ba
     for (const auto& [key, title] : shown) {
       const BatchColumn& column = column_named(columns, key);
       const bool outlier = std::abs(column.scores[i]) > kOutlierScore;
-      row.cells.push_back(
-          Phrase(doc::Words{outlier ? "▲ " : "", doc::Look::kDoubt}, shown_figure(*column.figure, column.values[i])));
+      row.cells.push_back(Phrase(doc::StyledText{outlier ? "▲ " : "", doc::TextStyle::kDoubt},
+                                 shown_figure(*column.figure, column.values[i])));
     }
     row.cells.push_back(overall_phrase(run, "none"));
     table.rows.push_back(std::move(row));
@@ -167,7 +167,7 @@ Document outliers_part(const std::vector<ReportInput>& runs, const std::vector<B
 }
 
 // The part of a figure's name after the last comma: its unit.
-std::string unit_words(const std::string& name) {
+std::string unit_text(const std::string& name) {
   const std::size_t comma = name.rfind(", ");
   return comma == std::string::npos ? name : "in " + name.substr(comma + 2);
 }
@@ -176,7 +176,7 @@ Document histograms_part(const std::vector<ReportInput>& runs, const std::vector
   const PressureUnit unit = runs.front().unit;
   Document out;
   out.add(doc::Heading{2, "Distributions and limits", "histograms"});
-  doc::Beside pair;
+  doc::SideBySide pair;
   for (const char* key : {"mean_error_psi", "worst_taxel_mean_error_psi", "comp_distance_of_mean_fs",
                           "hysteresis_max_fs", "gain_std", "excluded_taxels"}) {
     const OverviewFigure& figure = *column_named(columns, key).figure;
@@ -188,7 +188,7 @@ Document histograms_part(const std::vector<ReportInput>& runs, const std::vector
     std::set<double> limits;
     for (const ReportInput& run : runs)
       if (const double limit = limit_of(figure, run); std::isfinite(limit)) limits.insert(limit);
-    Chart chart{.title = name + ", number of runs", .height = 150.0, .x = {unit_words(name)}, .y = {"runs"}};
+    Chart chart{.title = name + ", number of runs", .height = 150.0, .x = {unit_text(name)}, .y = {"runs"}};
     const double margin =
         spread.high > spread.low ? 0.02 * (spread.high - spread.low) : std::max(0.5, 0.1 * std::abs(spread.high));
     chart.bars.push_back(
@@ -205,11 +205,11 @@ Document histograms_part(const std::vector<ReportInput>& runs, const std::vector
     }
     const int digits = is_pressure(figure) ? unit.digits(figure.digits) : figure.digits;
     Document part;
-    part.add(doc::Figure{chart_svg(chart),
-                         chart.title,
-                         {name, "; ", counted(spread.count, "run"), ": ", doc::number(spread.low, digits), " to ",
-                          doc::number(spread.high, digits), ", median ", doc::number(spread.median, digits), beyond,
-                          limits.size() > 1 ? "; the runs were judged by several limits: none is drawn" : ""}});
+    part.add(doc::Drawing{chart_svg(chart),
+                          chart.title,
+                          {name, "; ", counted(spread.count, "run"), ": ", doc::number(spread.low, digits), " to ",
+                           doc::number(spread.high, digits), ", median ", doc::number(spread.median, digits), beyond,
+                           limits.size() > 1 ? "; the runs were judged by several limits: none is drawn" : ""}});
     pair.parts.push_back(std::move(part));
     if (pair.parts.size() == 2) out.add(std::exchange(pair, {}));
   }

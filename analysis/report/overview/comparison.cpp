@@ -49,11 +49,11 @@ doc::Table who_table(const ReportInput& a, const ReportInput& b) {
   text("outcome", [](const ReportInput& i) { return std::string(db::to_string(i.run.outcome)); });
   both("declared void", [](const ReportInput& i) {
     if (!i.run.is_void()) return Phrase("no");
-    return Phrase(doc::Words{fmt::format("✗ VOID: by {}, {}: {}", i.run.void_by, i.run.void_utc, i.run.void_reason),
-                             doc::Look::kBad});
+    return Phrase(doc::StyledText{
+        fmt::format("✗ VOID: by {}, {}: {}", i.run.void_by, i.run.void_utc, i.run.void_reason), doc::TextStyle::kBad});
   });
   both("content, SHA-256",
-       [](const ReportInput& i) { return Phrase(doc::code_words(i.run.content_sha256.substr(0, 16))); });
+       [](const ReportInput& i) { return Phrase(doc::code_text(i.run.content_sha256.substr(0, 16))); });
   return table;
 }
 
@@ -72,7 +72,7 @@ Phrase change_in_words(const ReportInput& a, const ReportInput& b) {
 }
 
 // Of each run whether it is good; framed by the second's.
-doc::Framed verdicts(const ReportInput& a, const ReportInput& b) {
+doc::VerdictBox verdicts(const ReportInput& a, const ReportInput& b) {
   const bool stated = states_conformity(b.judgement.overall) && !b.judgement.not_judged;
   Document words;
   words.add(doc::Paragraph{change_in_words(a, b), doc::Paragraph::kLarge});
@@ -87,7 +87,7 @@ doc::Framed verdicts(const ReportInput& a, const ReportInput& b) {
           date_of(own->run.started_utc), overall_phrase(*own, "no tolerance limits were given")}});
   Document right;
   right.add(std::move(table));
-  return {stated ? doc::look_of(*b.judgement.overall) : doc::Look::kDoubt, {words, right}};
+  return {stated ? doc::style_of(*b.judgement.overall) : doc::TextStyle::kDoubt, {words, right}};
 }
 
 doc::Table figures_table(const ReportInput& a, const ReportInput& b) {
@@ -166,7 +166,7 @@ Document ratio_figures(const ReportInput& a, const ReportInput& b, const std::ve
                      .high = 1.0 + reach,
                      .two_sided = true,
                      .size = 200.0};
-  left.add(doc::Figure{
+  left.add(doc::Drawing{
       taxel_map_svg(map),
       map.title,
       {"Output of each taxel at ", doc::pressure(b.behaviour.equilibration_psi),
@@ -175,8 +175,8 @@ Document ratio_figures(const ReportInput& a, const ReportInput& b, const std::ve
   Chart chart{.title = "Number of taxels by ratio of outputs", .x = {"second over first"}, .y = {"taxels"}};
   const double margin = std::max(0.02 * (spread.high - spread.low), 1e-3);
   chart.bars.push_back(bars_of(ratios, spread.low - margin, spread.high + margin, 20));
-  right.add(doc::Figure{chart_svg(chart), chart.title, {}});
-  out.add(doc::Beside{{left, right}, {1, 1}});
+  right.add(doc::Drawing{chart_svg(chart), chart.title, {}});
+  out.add(doc::SideBySide{{left, right}, {1, 1}});
   return out;
 }
 

@@ -73,7 +73,7 @@ const std::vector<OverviewFigure>& overview_figures() {
        [](const ReportInput& i) { return when(evaluated(i), i.evaluation.comp_distance); }, 2, 100.0, ""},
       {"branches void and attempts after faults", "retries",
        [](const ReportInput& i) {
-         const auto attempts = std::ranges::count(i.history.events, std::string("attempt"), &HistoryEvent::kind);
+         const auto attempts = std::ranges::count(i.history.events, std::string("attempt"), &RunLogEvent::kind);
          return when(i.history.loaded, static_cast<double>(attempts) + static_cast<double>(i.history.voids.size()));
        },
        0, 1.0, ""},
@@ -115,8 +115,8 @@ std::string content_of_run(const ReportInput& input) {
        JSON_FIELDS(input.run, origin, content_sha256),
        {"figures", figures},
        {"verdicts", verdicts},
-       {"overall", verdict_word(input.judgement.overall)},
-       {"not_judged", input.judgement.not_judged ? in_words(*input.judgement.not_judged, PressureUnit::kPsi) : ""},
+       {"overall", verdict_text(input.judgement.overall)},
+       {"not_judged", input.judgement.not_judged ? display_text(*input.judgement.not_judged, PressureUnit::kPsi) : ""},
        {"pressure_psi", number_list(input.behaviour.pressure_psi)},
        {"mean_loop", loops},
        {"gain", number_list(input.behaviour.gain)}});
@@ -127,10 +127,10 @@ doc::Phrase overall_phrase(const ReportInput& input, const char* without_limits)
   if (!judgement.overall) return without_limits;
   doc::Phrase out(*judgement.overall);
   if (judgement.not_judged)
-    out.add("\nnot judged: " + in_words(*judgement.not_judged, input.unit));
+    out.add("\nnot judged: " + display_text(*judgement.not_judged, input.unit));
   else if (const auto now = worst_of(judgement.figures); judgement.overall != now)
-    out.add("\nstored; now " + verdict_word(now));
-  for (const Remark& remark : judgement.remarks) out.add("\n" + in_words(remark, input.unit));
+    out.add("\nstored; now " + verdict_text(now));
+  for (const Remark& remark : judgement.remarks) out.add("\n" + display_text(remark, input.unit));
   return out;
 }
 
@@ -286,9 +286,9 @@ doc::Document loops_overlaid(const std::vector<const ReportInput*>& runs) {
   if (chart.curves.empty())
     out.add(doc::Paragraph{{"not available"}});
   else
-    out.add(doc::Figure{chart_svg(chart),
-                        chart.title,
-                        {"Loops of the mean taxels before correction, ", counted(chart.curves.size(), "run"), "."}});
+    out.add(doc::Drawing{chart_svg(chart),
+                         chart.title,
+                         {"Loops of the mean taxels before correction, ", counted(chart.curves.size(), "run"), "."}});
   return out;
 }
 

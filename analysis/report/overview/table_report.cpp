@@ -121,12 +121,12 @@ Report render_table_report(const TableReportInput& input) {
                                 counted(h.sequences.size(), "sequence"), fmt::join(h.sequences, ", "))},
            {"input, output", fmt::format("{}, {}", doc::stated(h.input_unit).text, doc::stated(h.output_unit).text)}}));
   for (const std::string& warning : h.warnings)
-    body.add(doc::Paragraph{{doc::Words{"▲ " + warning, doc::Look::kDoubt}}});
+    body.add(doc::Paragraph{{doc::StyledText{"▲ " + warning, doc::TextStyle::kDoubt}}});
   body.add(doc::Heading{2, "Loop", "loop"});
   std::vector<const SensorModel*> newest;
   if (!input.models.empty()) newest.push_back(&input.models.back());
   const auto add_chart = [&](const Chart& chart) {
-    body.add(doc::Figure{chart_svg(chart), chart.title, {chart.title + "."}});
+    body.add(doc::Drawing{chart_svg(chart), chart.title, {chart.title + "."}});
   };
   add_chart(fitted_loop(h, newest, input.unit));
   if (!newest.empty()) add_chart(fitted_errors(h, *newest.front(), input.unit));

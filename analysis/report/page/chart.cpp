@@ -120,7 +120,8 @@ class ChartDrawing {
     };
     x_.from = (chart_.y.label.empty() ? 4.0 : 17.0) + widest(y_.ticks(wanted_up()), 1.0) + 6.0;
     x_.to = chart_.width - (chart_.x.beside.empty() ? 8.0 : 18.0);  // half of the last tick's label
-    if (!chart_.y.beside.empty()) x_.to = chart_.width - 22.0 - widest(beside_ticks(y_, chart_.y, wanted_up()), 1.0);
+    if (!chart_.y.beside.empty())
+      x_.to = chart_.width - 22.0 - widest(second_axis_ticks(y_, chart_.y, wanted_up()), 1.0);
     if (chart_.labels_at_ends) {
       std::size_t letters = 0;
       for (const Curve& curve : chart_.curves) letters = std::max(letters, letters_in(curve.label));
@@ -132,8 +133,8 @@ class ChartDrawing {
   }
   [[nodiscard]] int wanted_up() const { return chart_.height < 150 ? 4 : 7; }
   [[nodiscard]] int wanted_along() const { return x_.to - x_.from < 200 ? 4 : 6; }
-  static std::vector<double> beside_ticks(const Scale& scale, const Axis& axis, int wanted) {
-    return nice_ticks(scale.low * axis.beside_factor, scale.high * axis.beside_factor, wanted);
+  static std::vector<double> second_axis_ticks(const Scale& scale, const Axis& axis, int wanted) {
+    return nice_ticks(scale.low * axis.second_unit_factor, scale.high * axis.second_unit_factor, wanted);
   }
 
   [[nodiscard]] Markup axes() const {
@@ -153,11 +154,11 @@ class ChartDrawing {
     double below = y_.from + 13;
     if (!chart_.x.beside.empty()) {
       below += 12.0;
-      const auto ticks = beside_ticks(x_, chart_.x, wanted_along());
+      const auto ticks = second_axis_ticks(x_, chart_.x, wanted_along());
       for (const double tick : ticks) {
         const bool last = tick == ticks.back();
         out += markup("<text class=\"mid quiet\" x=\"{}\" y=\"{}\">{}{}</text>",
-                      CssNumber(x_.at(tick / chart_.x.beside_factor), 1), CssNumber(below, 1),
+                      CssNumber(x_.at(tick / chart_.x.second_unit_factor), 1), CssNumber(below, 1),
                       Text(fixed_text(tick, decimals_of(ticks))), Text(last ? "\u00A0" + chart_.x.beside : ""));
       }
     }
@@ -170,12 +171,12 @@ class ChartDrawing {
                     Text(chart_.y.label));
     out += markup("<path class=\"axis\" d=\"M{} {}V{}H{}\"/>", left, top, bottom, right);
     if (chart_.y.beside.empty()) return out;
-    const auto ticks = beside_ticks(y_, chart_.y, wanted_up());
+    const auto ticks = second_axis_ticks(y_, chart_.y, wanted_up());
     for (const double tick : ticks)
-      out +=
-          markup("<path class=\"axis\" d=\"M{} {}h3\"/><text x=\"{}\" y=\"{}\">{}</text>", right,
-                 CssNumber(y_.at(tick / chart_.y.beside_factor), 1), CssNumber(x_.to + 5, 1),
-                 CssNumber(y_.at(tick / chart_.y.beside_factor) + 3.5, 1), Text(fixed_text(tick, decimals_of(ticks))));
+      out += markup("<path class=\"axis\" d=\"M{} {}h3\"/><text x=\"{}\" y=\"{}\">{}</text>", right,
+                    CssNumber(y_.at(tick / chart_.y.second_unit_factor), 1), CssNumber(x_.to + 5, 1),
+                    CssNumber(y_.at(tick / chart_.y.second_unit_factor) + 3.5, 1),
+                    Text(fixed_text(tick, decimals_of(ticks))));
     out += markup(
         "<path class=\"axis\" d=\"M{} {}V{}\"/><text class=\"mid\" transform=\"translate({} {}) "
         "rotate(-90)\">{}</text>",

@@ -51,8 +51,8 @@ struct Axis {
   std::string label = {};
   std::optional<double> low = {}, high = {};  // else from the data
   bool logarithmic = false;
-  std::string beside = {};     // the same in another unit: its name; empty: none
-  double beside_factor = 1.0;  // value x factor
+  std::string beside = {};          // the same in another unit: its name; empty: none
+  double second_unit_factor = 1.0;  // value x factor
 };
 
 struct Chart {

@@ -146,7 +146,7 @@ Text significant(double number, int digits) {
 
 namespace tactbench::analysis {
 
-double rounded_beside(double value, double expanded) {
+double rounded_to_uncertainty(double value, double expanded) {
   if (!std::isfinite(value) || !std::isfinite(expanded) || expanded < 99.5) return value;
   const double place = std::pow(10.0, std::floor(std::log10(expanded)) - 1.0);
   return place * std::nearbyint(value / place);
@@ -169,7 +169,7 @@ std::string fixed_text(double value, int digits) {
 }
 
 std::string two_digits_text(double expanded) {
-  return fixed_text(rounded_beside(expanded, expanded), gum_decimals(expanded));
+  return fixed_text(rounded_to_uncertainty(expanded, expanded), gum_decimals(expanded));
 }
 
 }  // namespace tactbench::analysis

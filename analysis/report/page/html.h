@@ -97,7 +97,7 @@ namespace tactbench::analysis {
 int gum_decimals(double expanded);
 // `value` rounded to the last significant digit of `expanded`: 106 has two significant digits as 110, so that its value
 // is rounded to tens.
-double rounded_beside(double value, double expanded);
+double rounded_to_uncertainty(double value, double expanded);
 // Half to even, U+2212 for a minus, no sign for zero, "–" for what is not finite.
 std::string fixed_text(double value, int digits);
 std::string two_digits_text(double expanded);

@@ -22,10 +22,10 @@ Document annex_of_maps(const PageData& data) {
   const PressureUnit unit = data.input.unit;
   out.add(doc::Paragraph{
       {"White: a tenth of ", doc::both_units(readings.tolerance_psi), " or less; darkest: four times it."}});
-  doc::Beside row;
+  doc::SideBySide row;
   for (const ReadingLevel& level : readings.levels) {
     TaxelMap map{.title = fmt::format("|error| + U at {}, {}", doc::text_of(doc::pressure(level.pressure_psi), unit),
-                                      branch_in_words(level.up)),
+                                      direction_text(level.up)),
                  .rows = data.input.health.rows,
                  .columns = data.input.health.columns,
                  .values = {},
@@ -36,7 +36,7 @@ Document annex_of_maps(const PageData& data) {
                  .counted = false};
     for (std::size_t i = 0; i < level.error_psi.size(); ++i) map.values.push_back(unit.of(level.sum_psi(i)));
     Document part;
-    part.add(doc::Figure{taxel_map_svg(map), map.title, {map.title}});
+    part.add(doc::Drawing{taxel_map_svg(map), map.title, {map.title}});
     row.parts.push_back(std::move(part));
     if (row.parts.size() == 4) out.add(std::exchange(row, {}));
   }
@@ -140,7 +140,7 @@ Document annex_of_events(const PageData& data) {
                     .caption = "Pauses, retries and warnings",
                     .columns = {{"time, s", true}, {"kind"}, {"what"}},
                     .dense = true};
-  for (const HistoryEvent& event : input.history.events)
+  for (const RunLogEvent& event : input.history.events)
     events.rows.push_back({{doc::number(event.time_s, 0), event.kind, doc::stated(event.text)}});
   doc::Table voids{.id = "annex-voids",
                    .caption = "Void branches: kept in the store, left out of every figure, done again",
@@ -161,21 +161,21 @@ Document annex_of_hashes(const PageData& data) {
   const db::RunRecord& run = input.run;
   std::vector<std::pair<std::string, Phrase>> rows = {
       {"run", std::to_string(run.run)},
-      {"UUID", doc::code_words(run.uuid)},
+      {"UUID", doc::code_text(run.uuid)},
       {"computer", doc::stated(run.host)},
       {"seeds", fmt::format("noise and faults {}, sensor {}", run.seed, run.sensor_seed)},
-      {"settings changed on the command line", doc::code_words(run.overrides_json)},
+      {"settings changed on the command line", doc::code_text(run.overrides_json)},
       {"program of the run", fmt::format("{}, commit {}{}; {}", run.program_version, run.git_commit,
                                          run.git_dirty ? " (dirty)" : "", run.build_id)},
       {"program of this report", input.program_version},
-      {"run's content", doc::code_words(run.content_sha256)},
-      {"bench file", doc::code_words(run.bench_sha256)},
-      {"sensor file", doc::code_words(run.sensor_sha256)},
-      {"models", doc::code_words(input.fit.taxels.empty() ? "" : model_sha256(input.fit))},
-      {"limits file", doc::code_words(input.judgement.limits_sha256)},
-      {"laboratory file", doc::code_words(input.laboratory.sha256)}};
+      {"run's content", doc::code_text(run.content_sha256)},
+      {"bench file", doc::code_text(run.bench_sha256)},
+      {"sensor file", doc::code_text(run.sensor_sha256)},
+      {"models", doc::code_text(input.fit.taxels.empty() ? "" : model_sha256(input.fit))},
+      {"limits file", doc::code_text(input.judgement.limits_sha256)},
+      {"laboratory file", doc::code_text(input.laboratory.sha256)}};
   for (const db::SequenceRecord& sequence : run.sequences)
-    rows.emplace_back("recipe " + sequence.name, doc::code_words(sequence.recipe_sha256));
+    rows.emplace_back("recipe " + sequence.name, doc::code_text(sequence.recipe_sha256));
   Document out;
   out.add(doc::pairs("Program, files, SHA-256", std::move(rows)));
   return out;
@@ -192,7 +192,7 @@ Document annex(const PageData& data, const std::string& name) {
   Document out;
   const auto* const maker = std::ranges::find(kMakers, name, &std::pair<std::string_view, Maker>::first);
   if (maker == std::end(kMakers)) return out;
-  out.add(doc::NewPage{});
+  out.add(doc::PageBreak{});
   out.add(doc::Heading{2, "Annex: " + name, "annex-of-" + name});
   Document own = maker->second(data);
   if (own.blocks.empty()) own.add(doc::Paragraph{{"not available"}});

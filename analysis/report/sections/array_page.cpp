@@ -53,8 +53,8 @@ TaxelMap error_map(const ReadingFigures& readings, const ReadingLevel& level, co
           .numbered = true};
 }
 
-doc::Figure map_figure(const ReadingFigures& readings, const ReadingLevel& level, const Health& health,
-                       PressureUnit unit) {
+doc::Drawing map_figure(const ReadingFigures& readings, const ReadingLevel& level, const Health& health,
+                        PressureUnit unit) {
   const TaxelMap map = error_map(readings, level, health, unit);
   const auto all = std::ranges::count_if(map.values, [](double value) { return std::isfinite(value); });
   const auto within = std::ranges::count_if(map.values, [&](double value) { return value <= map.bold_above; });
@@ -67,7 +67,7 @@ doc::Figure map_figure(const ReadingFigures& readings, const ReadingLevel& level
                        doc::text_of(doc::pressure(readings.tolerance_psi), unit))}};
 }
 
-doc::Figure spread(const ReadingFigures& readings, const ReadingLevel& level, PressureUnit unit) {
+doc::Drawing spread(const ReadingFigures& readings, const ReadingLevel& level, PressureUnit unit) {
   const std::vector<double> sums = finite_of(sums_in(level, unit));
   const double tolerance = unit.of(readings.tolerance_psi), within = unit.of(level.within_psi);
   const double high = 1.6 * std::max(tolerance, within);
@@ -109,7 +109,7 @@ doc::Table worst_taxels(const ReadingFigures& readings, double psi, int columns,
   return table;
 }
 
-doc::Figure sensitivity(const ReportInput& input) {
+doc::Drawing sensitivity(const ReportInput& input) {
   const Behaviour& b = input.behaviour;
   const std::vector<double> gains = finite_of(b.gain);
   const auto [least, most] = std::ranges::minmax(gains);
@@ -173,7 +173,7 @@ std::string findings(const Health& health) {
 
 }  // namespace
 
-Document whole_array(const PageData& data) {
+Document array_page(const PageData& data) {
   const ReportInput& input = data.input;
   const PressureUnit unit = input.unit;
   Document out, left, right;
@@ -181,7 +181,7 @@ Document whole_array(const PageData& data) {
   const double psi = data.readings ? level_of_maps(*data.readings) : kNan;
   if (std::isfinite(psi)) {
     const ReadingFigures& readings = *data.readings;
-    doc::Beside maps;
+    doc::SideBySide maps;
     for (const bool up : {true, false}) {
       Document part;
       part.add(map_figure(readings, *readings.level(psi, up), input.health, unit));
@@ -193,16 +193,16 @@ Document whole_array(const PageData& data) {
       return std::pair(factor * unit.of(readings.tolerance_psi),
                        doc::fixed_text(factor * unit.of(readings.tolerance_psi), 1));
     };
-    out.add(doc::Figure{colour_scale_svg(scale,
-                                         {mark(0.1),
-                                          mark(0.3),
-                                          {unit.of(readings.tolerance_psi),
-                                           doc::text_of(doc::bare_pressure(readings.tolerance_psi), unit) +
-                                               (readings.by_mpe ? " (limit)" : " (2 %)")},
-                                          mark(4.0)},
-                                         640.0),
-                        "Colour scale",
-                        {}});
+    out.add(doc::Drawing{colour_scale_svg(scale,
+                                          {mark(0.1),
+                                           mark(0.3),
+                                           {unit.of(readings.tolerance_psi),
+                                            doc::text_of(doc::bare_pressure(readings.tolerance_psi), unit) +
+                                                (readings.by_mpe ? " (limit)" : " (2 %)")},
+                                           mark(4.0)},
+                                          640.0),
+                         "Colour scale",
+                         {}});
     left.add(spread(readings, *readings.level(psi, true), unit));
     left.add(worst_taxels(readings, psi, input.health.columns, unit));
   }
@@ -212,13 +212,13 @@ Document whole_array(const PageData& data) {
   if (input.more.previous) {
     shorter.add(found_and_left(data));
     if (!input.more.previous->doubt.empty())
-      shorter.add(doc::Paragraph{{doc::Words{"✗ " + input.more.previous->doubt, doc::Look::kBad}}});
+      shorter.add(doc::Paragraph{{doc::StyledText{"✗ " + input.more.previous->doubt, doc::TextStyle::kBad}}});
   } else if (!input.evaluation.levels.empty()) {
     shorter.add(doc::Paragraph{
         {doc::strong("As found: "), "not assessed, no earlier models of the sensor were used (--previous)."}});
   }
   shorter.add(doc::Paragraph{{doc::strong("Health: "), findings(input.health)}});
-  doc::Beside both;
+  doc::SideBySide both;
   for (Document* part : {&left, &right})
     if (!part->blocks.empty()) both.parts.push_back(std::move(*part));
   out.add(std::move(both));
@@ -250,7 +250,7 @@ void add_direction(const ReadingFigures& readings, double psi, bool up, int colu
   const doc::Quantity sum = doc::bare_pressure(level->within_psi);
   row.cells.push_back(doc::bare_pressure(level->median_error_psi));
   row.cells.push_back(doc::bare_pressure(level->median_expanded_psi));
-  row.cells.push_back(within ? Phrase(doc::Words{"✓ ", doc::Look::kGood}, sum) : Phrase(sum));
+  row.cells.push_back(within ? Phrase(doc::StyledText{"✓ ", doc::TextStyle::kGood}, sum) : Phrase(sum));
   row.cells.push_back(doc::bare_pressure(level->worst_psi));
   row.cells.push_back(doc::Taxel{level->worst, columns});
 }
@@ -275,7 +275,7 @@ doc::Table levels_table(const ReadingFigures& readings, int columns, PressureUni
   return table;
 }
 
-doc::Figure uncertainty_chart(const ReadingFigures& readings, bool up, PressureUnit unit) {
+doc::Drawing uncertainty_chart(const ReadingFigures& readings, bool up, PressureUnit unit) {
   Chart chart{.title = fmt::format("U of a reading, {}", up ? "increasing" : "decreasing"),
               .heading = fmt::format("U in {}, {}", unit.symbol(), up ? "increasing" : "decreasing"),
               .width = 336.0,
@@ -301,7 +301,7 @@ doc::Figure uncertainty_chart(const ReadingFigures& readings, bool up, PressureU
 
 }  // namespace
 
-Document every_level(const PageData& data) {
+Document levels_page(const PageData& data) {
   Document out;
   if (!data.readings) return out;
   const ReadingFigures& readings = *data.readings;
@@ -311,7 +311,7 @@ Document every_level(const PageData& data) {
   if (!readings.known()) {
     out.add(doc::Paragraph{{"Error: mean corrected indication of full sweeps less the reference value. U of a reading "
                             "was not established for any history: ",
-                            doc::Words{"why", doc::Look::kPlain, "kinds"}, "."},
+                            doc::StyledText{"why", doc::TextStyle::kPlain, "kinds"}, "."},
                            doc::Paragraph::kNote});
     return out;
   }
@@ -323,7 +323,7 @@ Document every_level(const PageData& data) {
                           ". The error is known and may be taken off; U then remains. Error, U and k of each taxel and "
                           "level are in the data (report --format json)."},
                          doc::Paragraph::kNote});
-  doc::Beside charts;
+  doc::SideBySide charts;
   for (const bool up : {true, false}) {
     Document part;
     part.add(uncertainty_chart(readings, up, unit));

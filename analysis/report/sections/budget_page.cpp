@@ -28,15 +28,16 @@ doc::Table kinds(const ReportInput& input) {
   for (const ConditionUncertainty& kind : input.uncertainty->conditions) {
     const std::string& name = kind.name;
     if (kind.valid())
-      table.rows.push_back(
-          {{Phrase(doc::Words{"✓ ", doc::Look::kGood}, name), doc::bare_pressure(kind.median_psi), kind.basis}});
+      table.rows.push_back({{Phrase(doc::StyledText{"✓ ", doc::TextStyle::kGood}, name),
+                             doc::bare_pressure(kind.median_psi), kind.basis}});
     else if (kind.histories == 0)
       not_measured += (not_measured.empty() ? "" : "; ") + name;
     else
-      table.rows.push_back({{Phrase(doc::Words{"✗ ", doc::Look::kBad}, name), "–", "not valid: " + kind.not_valid}});
+      table.rows.push_back(
+          {{Phrase(doc::StyledText{"✗ ", doc::TextStyle::kBad}, name), "–", "not valid: " + kind.not_valid}});
   }
   if (!not_measured.empty())
-    table.rows.push_back({{Phrase(doc::Words{"✗ ", doc::Look::kBad}, "not measured"), "–", not_measured}});
+    table.rows.push_back({{Phrase(doc::StyledText{"✗ ", doc::TextStyle::kBad}, "not measured"), "–", not_measured}});
   return table;
 }
 
@@ -55,7 +56,7 @@ doc::Table budget(const ReportInput& input, const LevelUncertainty& level) {
       .id = "budget",
       .caption = fmt::format("Budget of the median taxel ({}) at {}, {}",
                              doc::text_of(Phrase(doc::Taxel{own.taxel, input.health.columns}), unit),
-                             doc::text_of(doc::both_units(level.pressure_psi), unit), branch_in_words(level.up)),
+                             doc::text_of(doc::both_units(level.pressure_psi), unit), direction_text(level.up)),
       .columns = {{"contribution"},
                   {"type"},
                   {"width", true},
@@ -101,7 +102,7 @@ Document decision_rule(const Judgement& judgement) {
   const std::vector<DecisionRule> rules = rules_of(judgement);
   if (rules.empty()) out.add(doc::Paragraph{{"none: nothing was judged"}});
   for (const DecisionRule rule : rules)
-    out.add(doc::Paragraph{{title_case(rule_in_words(rule)) + "."}, doc::Paragraph::kNote});
+    out.add(doc::Paragraph{{title_case(rule_text(rule)) + "."}, doc::Paragraph::kNote});
   return out;
 }
 
@@ -144,10 +145,10 @@ Document signature(const PageData& data) {
 
 doc::Table integrity(const PageData& data) {
   const ReportInput& input = data.input;
-  const auto short_hash = [](const std::string& hash) { return doc::code_words(hash.substr(0, 16)); };
+  const auto short_hash = [](const std::string& hash) { return doc::code_text(hash.substr(0, 16)); };
   doc::Table table =
-      doc::pairs("Data and integrity", {{"all data", doc::code_words("tactbench report RUN --format json")},
-                                        {"check a copy", doc::code_words("tactbench report verify FILE")},
+      doc::pairs("Data and integrity", {{"all data", doc::code_text("tactbench report RUN --format json")},
+                                        {"check a copy", doc::code_text("tactbench report verify FILE")},
                                         {"run, SHA-256", short_hash(input.run.content_sha256)},
                                         {"models", short_hash(input.fit.taxels.empty() ? "" : model_sha256(input.fit))},
                                         {"limits file", short_hash(input.judgement.limits_sha256)},
@@ -159,7 +160,7 @@ doc::Table integrity(const PageData& data) {
 
 }  // namespace
 
-Document why_so(const PageData& data) {
+Document budget_page(const PageData& data) {
   const ReportInput& input = data.input;
   Document out, left, right;
   out.add(doc::Heading{2, "Checks, uncertainty, decision rule", "why"});
@@ -170,7 +171,7 @@ Document why_so(const PageData& data) {
   out.add(decision_rule(input.judgement));
   left.add(signature(data));
   right.add(integrity(data));
-  out.add(doc::Beside{{left, right}, {1, 1}});
+  out.add(doc::SideBySide{{left, right}, {1, 1}});
   return out;
 }
 

@@ -24,7 +24,7 @@ std::string state_of(const Issue& issue) {
   return fmt::format("Issued {}, signed by {}", issue.issued, issue.authorised_by);
 }
 
-doc::Beside letterhead(const PageData& data) {
+doc::SideBySide letterhead(const PageData& data) {
   const Laboratory& lab = data.input.laboratory;
   Document left, right, code;
   Phrase who(lab.laboratory.empty() ? doc::quiet("Laboratory not stated") : doc::strong(lab.laboratory));
@@ -39,13 +39,13 @@ doc::Beside letterhead(const PageData& data) {
   // The number, the hash of the content, how to check a copy.
   const std::string check =
       fmt::format("report {}\nSHA-256 {}\ntactbench report verify FILE", data.issue.number, data.issue.content_sha256);
-  code.add(doc::Figure{qr_code_svg(check, check, 84.0), check, {}});
+  code.add(doc::Drawing{qr_code_svg(check, check, 84.0), check, {}});
   return {{left, right, code}, {9, 7, 2}};
 }
 
-doc::Beside facts(const PageData& data) {
+doc::SideBySide facts(const PageData& data) {
   const ReportInput& input = data.input;
-  doc::Beside out{.parts = {}, .shares = {}, .ruled = true};
+  doc::SideBySide out{.parts = {}, .shares = {}, .ruled = true};
   const auto fact = [&](const char* name, const Phrase& value) {
     Document part;
     part.add(doc::Paragraph{{doc::quiet(name), "\n", value}});
@@ -53,11 +53,11 @@ doc::Beside facts(const PageData& data) {
   };
   fact("Item", {doc::strong(fmt::format("Tactile array {} × {}", input.health.rows, input.health.columns)), "\n",
                 doc::stated(input.sensor ? input.sensor->type : "")});
-  fact("Serial number", {doc::Words{doc::stated(input.run.sensor_serial).text, doc::Look::kStrong}, "\nscanner ",
-                         doc::stated(scanner_serial_of(input.run, input.sensor))});
+  fact("Serial number", {doc::StyledText{doc::stated(input.run.sensor_serial).text, doc::TextStyle::kStrong},
+                         "\nscanner ", doc::stated(scanner_serial_of(input.run, input.sensor))});
   fact("Customer",
        {doc::stated(input.laboratory.customer), order_of(input).empty() ? "" : "\norder " + order_of(input)});
-  Phrase when(doc::Words{date_of(input.run.started_utc), doc::Look::kStrong});
+  Phrase when(doc::StyledText{date_of(input.run.started_utc), doc::TextStyle::kStrong});
   if (data.readings) when.add("\n0 to ").add(doc::both_units(data.readings->full_psi)).add(" gauge");
   fact(states_uncertainty(input) ? "Calibrated" : "Measured", when);
   const std::string until = valid_until(input.laboratory, input.run.started_utc);
@@ -65,7 +65,7 @@ doc::Beside facts(const PageData& data) {
   return out;
 }
 
-Phrase decided_words(const ReportInput& input, const JudgedFigure& figure, PressureUnit unit) {
+Phrase decided_text(const ReportInput& input, const JudgedFigure& figure, PressureUnit unit) {
   return {requirement_name(figure, unit),
           ": ",
           figure_phrase(figure.criterion, figure.value, figure.u.expanded),
@@ -75,7 +75,7 @@ Phrase decided_words(const ReportInput& input, const JudgedFigure& figure, Press
           title_of_judged(input, figure.run)};
 }
 
-Document verdict_words(const ReportInput& input, PressureUnit unit) {
+Document verdict_names(const ReportInput& input, PressureUnit unit) {
   const Judgement& judgement = input.judgement;
   Document out;
   const auto large = [&](const std::string& words) { out.add(doc::Paragraph{{words}, doc::Paragraph::kLarge}); };
@@ -84,7 +84,7 @@ Document verdict_words(const ReportInput& input, PressureUnit unit) {
   const auto all = std::ssize(judgement.figures);
   if (judgement.not_judged) {
     large("▲ Not judged");
-    out.add(doc::Paragraph{{title_case(in_words(*judgement.not_judged, unit)) + "."}});
+    out.add(doc::Paragraph{{title_case(display_text(*judgement.not_judged, unit)) + "."}});
   } else if (!states_conformity(judgement.overall)) {
     large("No verdict");
     out.add(doc::Paragraph{{all == 0 ? "No tolerance limits were given." : "The limits file asks for a report only."}});
@@ -94,28 +94,28 @@ Document verdict_words(const ReportInput& input, PressureUnit unit) {
           (judgement.rests_on_means_alone ? ", of means alone" : ""));
     if (passes(overall) && judgement.closest_pass)
       out.add(doc::Paragraph{{fmt::format("{} of {} passed. Closest to its limit: ", met, counted(all, "check")),
-                              decided_words(input, judgement.figures[*judgement.closest_pass], unit), "."}});
+                              decided_text(input, judgement.figures[*judgement.closest_pass], unit), "."}});
     else if (judgement.deciding)
-      out.add(doc::Paragraph{{"Decided by ", decided_words(input, judgement.figures[*judgement.deciding], unit),
+      out.add(doc::Paragraph{{"Decided by ", decided_text(input, judgement.figures[*judgement.deciding], unit),
                               fmt::format(". {} of {} passed.", met, counted(all, "check"))}});
     if (judgement.rests_on_means_alone)
       out.add(doc::Paragraph{{"No limit is on single readings, each of which may be off by more than any mean."}});
-    if (judgement.untraced) out.add(doc::Paragraph{{title_case(in_words(*judgement.untraced, unit)) + "."}});
+    if (judgement.untraced) out.add(doc::Paragraph{{title_case(display_text(*judgement.untraced, unit)) + "."}});
     if (passes(overall) && !judgement.not_assessed.empty())
       out.add(doc::Paragraph{{doc::quiet("Under repeatability conditions only.")}});
   }
   const auto warn = [&](const std::string& words) {
-    out.add(doc::Paragraph{{doc::Words{"▲ " + words + ".", doc::Look::kDoubt}}});
+    out.add(doc::Paragraph{{doc::StyledText{"▲ " + words + ".", doc::TextStyle::kDoubt}}});
   };
   if (const auto worst = std::ranges::max_element(judgement.stored_worse, {}, &JudgedFigure::verdict);
       worst != judgement.stored_worse.end())
     warn(fmt::format("A stored verdict on these models is worse: {}, {}", to_string(worst->verdict),
                      title_of_judged(input, worst->run)));
-  for (const Remark& remark : judgement.remarks) warn(title_case(in_words(remark, unit)));
+  for (const Remark& remark : judgement.remarks) warn(title_case(display_text(remark, unit)));
   return out;
 }
 
-Document runs_words(const ReportInput& input, PressureUnit unit) {
+Document runs_text(const ReportInput& input, PressureUnit unit) {
   Document out;
   const Judgement& judgement = input.judgement;
   if (judgement.runs.empty()) return out;
@@ -147,7 +147,7 @@ Document runs_words(const ReportInput& input, PressureUnit unit) {
   return out;
 }
 
-std::string within_words(const ReadingFigures& readings, double psi, PressureUnit unit) {
+std::string within_text(const ReadingFigures& readings, double psi, PressureUnit unit) {
   const std::string share = doc::fixed_text(100.0 * psi / readings.full_psi, 0);
   return fmt::format("± {} ({} % of full pressure{})", doc::text_of(doc::pressure(psi), unit), share,
                      readings.by_mpe ? ", the limit" : "");
@@ -155,7 +155,7 @@ std::string within_words(const ReadingFigures& readings, double psi, PressureUni
 
 std::string headline(const std::optional<ReadingFigures>& readings, PressureUnit unit) {
   if (!readings || !readings->known()) return "How wrong a single reading can be was not established";
-  const std::string within = within_words(*readings, readings->headline_psi, unit);
+  const std::string within = within_text(*readings, readings->headline_psi, unit);
   if (!readings->headline.any) return fmt::format("At no pressure do 95 % of the taxels read to {}", within);
   return fmt::format("95 % of the taxels read to {}, {}", within, span_text(readings->headline, unit));
 }
@@ -174,7 +174,7 @@ Phrase chart_caption(const ReadingFigures& readings) {
       readings.by_mpe ? ", the maximum permissible error."
                       : fmt::format(", {:.0f} % of full pressure.", 100.0 * kToleratedShare),
       " Values: ",
-      doc::Words{"every level", doc::Look::kPlain, "levels"},
+      doc::StyledText{"every level", doc::TextStyle::kPlain, "levels"},
       "."};
 }
 
@@ -187,15 +187,17 @@ Document uses(const ReportInput& input) {
     for (const ConditionUncertainty& kind : input.uncertainty->conditions) {
       const std::string& name = kind.name;
       if (kind.valid())
-        list.items.push_back({doc::Words{"✓ ", doc::Look::kGood}, name, ": median U ", doc::pressure(kind.median_psi)});
+        list.items.push_back(
+            {doc::StyledText{"✓ ", doc::TextStyle::kGood}, name, ": median U ", doc::pressure(kind.median_psi)});
       else
         others += (others.empty() ? "" : "; ") + name;
     }
-  if (!others.empty()) list.items.push_back({doc::Words{"✗ ", doc::Look::kBad}, doc::quiet("not for: " + others)});
+  if (!others.empty())
+    list.items.push_back({doc::StyledText{"✗ ", doc::TextStyle::kBad}, doc::quiet("not for: " + others)});
   if (list.items.empty()) list.items.push_back({"U of a reading was not assessed"});
   if (!input.history.presses)
     list.items.push_back(
-        {doc::Words{"✓ ", doc::Look::kGood}, "uniform pressure on the whole array, ",
+        {doc::StyledText{"✓ ", doc::TextStyle::kGood}, "uniform pressure on the whole array, ",
          input.laboratory.mounting.empty() ? "interface material as calibrated" : input.laboratory.mounting});
   out.add(std::move(list));
   return out;
@@ -205,10 +207,10 @@ Document measured_by(const ReportInput& input) {
   Document out;
   out.add(doc::Heading{3, "Measured by", {}});
   for (const Traceability& one : traceability_of(input, input.unit))
-    out.add(doc::Paragraph{
-        {one.traceable ? doc::Words{one.statement} : doc::Words{"✗ " + one.statement, doc::Look::kBad}}});
+    out.add(doc::Paragraph{{one.traceable ? doc::StyledText{one.statement}
+                                          : doc::StyledText{"✗ " + one.statement, doc::TextStyle::kBad}}});
   for (const std::string& warning : instrument_warnings(input))
-    out.add(doc::Paragraph{{doc::Words{"▲ " + warning, doc::Look::kDoubt}}});
+    out.add(doc::Paragraph{{doc::StyledText{"▲ " + warning, doc::TextStyle::kDoubt}}});
   return out;
 }
 
@@ -219,7 +221,7 @@ Document taxels_and_open(const PageData& data) {
   const auto all = static_cast<std::ptrdiff_t>(input.health.rows * input.health.columns);
   const auto excluded = std::ranges::count_if(input.health.findings, &TaxelHealth::excluded);
   Phrase used(fmt::format("{} of {} used", all - excluded, all));
-  const Phrase findings = findings_in_brief(input.health);
+  const Phrase findings = findings_summary(input.health);
   if (!findings.empty()) used.add("; ").add(findings);
   out.add(doc::Paragraph{used.add(".")});
   if (data.readings && data.readings->worst.taxel >= 0) {
@@ -227,11 +229,11 @@ Document taxels_and_open(const PageData& data) {
     out.add(doc::Paragraph{
         {"Worst taxel: ", doc::strong(doc::text_of(Phrase(doc::Taxel{worst.taxel, input.health.columns}), input.unit)),
          ", ", doc::pressure_with_u(worst.error_psi, worst.expanded_psi), " at ", doc::pressure(worst.pressure_psi),
-         " ", branch_in_words(worst.up), worst.kind.empty() ? "" : ", " + worst.kind, "."}});
+         " ", direction_text(worst.up), worst.kind.empty() ? "" : ", " + worst.kind, "."}});
   }
-  if (const std::string names = not_assessed_in_words(input.judgement); !names.empty()) {
+  if (const std::string names = not_assessed_text(input.judgement); !names.empty()) {
     out.add(doc::Heading{3, "Not assessed", {}});
-    out.add(doc::Paragraph{{names + " (", doc::Words{"why", doc::Look::kPlain, "not-assessed"}, ")."}});
+    out.add(doc::Paragraph{{names + " (", doc::StyledText{"why", doc::TextStyle::kPlain, "not-assessed"}, ")."}});
   }
   return out;
 }
@@ -243,15 +245,15 @@ Document front_page(const PageData& data) {
   Document out;
   out.add(letterhead(data));
   if (input.run.is_void())
-    out.add(doc::Paragraph{{doc::Words{fmt::format("✗ VOID: declared void by {}: {} ({}). It no longer counts.",
-                                                   input.run.void_by, input.run.void_reason, input.run.void_utc),
-                                       doc::Look::kBad}},
+    out.add(doc::Paragraph{{doc::StyledText{fmt::format("✗ VOID: declared void by {}: {} ({}). It no longer counts.",
+                                                        input.run.void_by, input.run.void_reason, input.run.void_utc),
+                                            doc::TextStyle::kBad}},
                            doc::Paragraph::kLarge});
   out.add(facts(data));
-  const Document runs = runs_words(input, input.unit);
+  const Document runs = runs_text(input, input.unit);
   const bool stated = states_conformity(input.judgement.overall) && !input.judgement.not_judged;
-  doc::Framed verdict{stated ? doc::look_of(*input.judgement.overall) : doc::Look::kDoubt,
-                      {verdict_words(input, input.unit)}};
+  doc::VerdictBox verdict{stated ? doc::style_of(*input.judgement.overall) : doc::TextStyle::kDoubt,
+                          {verdict_names(input, input.unit)}};
   if (!runs.blocks.empty()) verdict.parts.push_back(runs);
   out.add(std::move(verdict));
   if (data.readings) {
@@ -261,9 +263,9 @@ Document front_page(const PageData& data) {
   } else if (input.more.contacts.empty()) {
     out.add(doc::Heading{2, "How wrong a reading can be was not assessed", "readings"});
   } else {
-    out.add(under_objects(data));
+    out.add(contact_pages(data));
   }
-  out.add(doc::Beside{
+  out.add(doc::SideBySide{
       .parts = {uses(input), taxels_and_open(data), measured_by(input)}, .shares = {1, 1, 1}, .ruled = true});
   return out;
 }
@@ -304,10 +306,10 @@ Chart panel(const ReadingFigures& readings, bool up, PressureUnit unit) {
       .y = {up ? fmt::format("error of a reading in {}", unit.symbol()) : "", -most, most},
       .heading_stroke = stroke};
   chart.x.beside = unit.beside().symbol();
-  chart.x.beside_factor = unit.beside().of(1.0) / unit.of(1.0);
+  chart.x.second_unit_factor = unit.beside().of(1.0) / unit.of(1.0);
   if (!up) {
     chart.y.beside = "% of full pressure";
-    chart.y.beside_factor = 100.0 / unit.of(readings.full_psi);
+    chart.y.second_unit_factor = 100.0 / unit.of(readings.full_psi);
   }
   Band spread{
       readings.known() ? "95 % of the taxels, with U" : "95 % of the taxels", {}, {}, {}, up ? "#d7e4f2" : "#f1e0d3"};
@@ -342,12 +344,12 @@ Chart panel(const ReadingFigures& readings, bool up, PressureUnit unit) {
 
 }  // namespace
 
-doc::Beside readings_chart(const ReadingFigures& readings, PressureUnit unit) {
-  doc::Beside out;
+doc::SideBySide readings_chart(const ReadingFigures& readings, PressureUnit unit) {
+  doc::SideBySide out;
   for (const bool up : {true, false}) {
     const Chart chart = panel(readings, up, unit);
     doc::Document part;
-    part.add(doc::Figure{chart_svg(chart), chart.title, {}});
+    part.add(doc::Drawing{chart_svg(chart), chart.title, {}});
     out.parts.push_back(std::move(part));
     out.shares.push_back(static_cast<int>(chart.width));
   }

@@ -34,7 +34,7 @@ doc::Table chain(const PageData& data) {
                doc::quiet("\ncertificate " + doc::stated(standard.certificate).text)),
         has_reference(input.run)
             ? Phrase(doc::stated(standard.serial), "\n",
-                     u > 0.0 ? Phrase("U = ", doc::pressure_beside_u(u, u), " ", input.unit.symbol(), " (k = 2)")
+                     u > 0.0 ? Phrase("U = ", doc::pressure_rounded_to_u(u, u), " ", input.unit.symbol(), " (k = 2)")
                              : Phrase("U not stated"))
             : Phrase("none took part: the regulator’s feedback stands in"),
         Phrase("No. " + data.issue.number, doc::quiet("\n" + date_of(input.run.started_utc))),
@@ -60,21 +60,21 @@ doc::Table instruments(const ReportInput& input) {
     const auto or_dash = [](const std::string& text) { return Phrase(text.empty() ? "–" : text); };
     Phrase due = or_dash(fields.due);
     if (due_state(fields, input.run.started_utc) == DueState::kOverdue)
-      due = {doc::Words{"✗ overdue since " + fields.due, doc::Look::kBad}};
+      due = {doc::StyledText{"✗ overdue since " + fields.due, doc::TextStyle::kBad}};
     Phrase name(fields.role, doc::quiet("\n" + doc::stated(fields.model).text));
-    for (const std::string& more : fields.remarks) name.add(doc::Words{"\n▲ " + more, doc::Look::kDoubt});
+    for (const std::string& more : fields.remarks) name.add(doc::StyledText{"\n▲ " + more, doc::TextStyle::kDoubt});
     if (!fields.note.empty()) name.add(doc::quiet("\n" + fields.note));
     const bool certified = fields.traceable();
     table.rows.push_back({{name, or_dash(fields.serial).add(device.firmware.empty() ? "" : "\n" + device.firmware),
                            or_dash(fields.certificate), or_dash(fields.calibrated_by), or_dash(fields.calibrated_on),
-                           due, fields.stated_u ? Phrase(in_words(*fields.stated_u, input.unit)) : Phrase("–"),
-                           Phrase(certified ? in_words(covers_of(device)) : "–")}});
+                           due, fields.stated_u ? Phrase(display_text(*fields.stated_u, input.unit)) : Phrase("–"),
+                           Phrase(certified ? display_text(covers_of(device)) : "–")}});
   }
   if (input.run.devices.empty()) table.rows.push_back({{"not stated"}});
   return table;
 }
 
-doc::Figure counting(const Health& health) {
+doc::Drawing counting(const Health& health) {
   TaxelMap map{.title = "How taxels are counted: row 0, column 0 is at the upper left",
                .rows = health.rows,
                .columns = health.columns,
@@ -90,7 +90,7 @@ doc::Figure counting(const Health& health) {
 
 std::string surroundings_of(const ReportInput& input) {
   std::string words;
-  for (const SurroundingsRange& range : input.history.surroundings) {
+  for (const EnvironmentRange& range : input.history.surroundings) {
     const bool celsius = range.quantity == "temperature_c";
     words += fmt::format("{}{} to {} {} ({})", words.empty() ? "" : "; ", doc::fixed_text(range.low, 1),
                          doc::fixed_text(range.high, 1),
@@ -147,7 +147,7 @@ doc::Paragraph statements(const PageData& data) {
 
 }  // namespace
 
-Document against_what(const PageData& data) {
+Document item_and_instruments(const PageData& data) {
   const ReportInput& input = data.input;
   const db::RunRecord& run = input.run;
   const Laboratory& lab = input.laboratory;
@@ -189,7 +189,7 @@ Document against_what(const PageData& data) {
   item.add(counting(input.health));
   conditions.add(of_conditions.table("Conditions"));
   conditions.add(of_laboratory.table("Laboratory and customer"));
-  out.add(doc::Beside{{item, conditions}, {1, 1}});
+  out.add(doc::SideBySide{{item, conditions}, {1, 1}});
   out.add(statements(data));
   return out;
 }

@@ -30,7 +30,7 @@ doc::Table method(const PageData& data) {
     const bool known = i < input.method.size() && !input.method[i].empty();
     rows.emplace_back(sequence.name, known ? input.method[i] : counted(sequence.repeats, "repeat"));
   }
-  const RunHistory& history = input.history;
+  const RunLog& history = input.history;
   rows.emplace_back("frames", fmt::format("{} used, {} flagged, {} in void branches", history.frames, history.flagged,
                                           history.void_frames));
   if (!input.fit.taxels.empty())
@@ -48,7 +48,7 @@ doc::Table method(const PageData& data) {
   return table;
 }
 
-doc::Figure loops(const ReportInput& input) {
+doc::Drawing loops(const ReportInput& input) {
   const Behaviour& b = input.behaviour;
   Chart chart{.title =
                   "Output before correction against pressure: loops of the mean taxel and of those with the least, "
@@ -81,8 +81,8 @@ doc::Figure loops(const ReportInput& input) {
           {"Output before correction; hysteresis, mean over the levels, in % of the taxel’s own full scale."}};
 }
 
-doc::Beside trajectories(const ReportInput& input) {
-  doc::Beside out;
+doc::SideBySide trajectories(const ReportInput& input) {
+  doc::SideBySide out;
   const std::size_t shown = std::min(input.applied.size(), kMostTrajectories);
   for (std::size_t i = 0; i < shown; ++i) {
     const AppliedPressures& own = input.applied[i];
@@ -99,10 +99,10 @@ doc::Beside trajectories(const ReportInput& input) {
     }
     chart.curves = {std::move(curve)};
     Document part;
-    part.add(doc::Figure{chart_svg(chart),
-                         chart.title,
-                         {doc::strong(own.verification ? "Verification: " : "Calibration: "), own.title,
-                          own.repeats > 1 ? fmt::format(", first of {}", counted(own.repeats, "repeat")) : ""}});
+    part.add(doc::Drawing{chart_svg(chart),
+                          chart.title,
+                          {doc::strong(own.verification ? "Verification: " : "Calibration: "), own.title,
+                           own.repeats > 1 ? fmt::format(", first of {}", counted(own.repeats, "repeat")) : ""}});
     out.parts.push_back(std::move(part));
   }
   return out;
@@ -110,7 +110,7 @@ doc::Beside trajectories(const ReportInput& input) {
 
 // Also says 0: otherwise a clean run would look like an unchecked one.
 Document deviations(const ReportInput& input) {
-  const RunHistory& history = input.history;
+  const RunLog& history = input.history;
   Document out;
   out.add(doc::Heading{3, "Deviations from the method", {}});
   if (!history.loaded) {
@@ -118,7 +118,7 @@ Document deviations(const ReportInput& input) {
     return out;
   }
   const auto count = [&](const char* kind) {
-    return std::ranges::count(history.events, std::string(kind), &HistoryEvent::kind);
+    return std::ranges::count(history.events, std::string(kind), &RunLogEvent::kind);
   };
   std::string flags, checks;
   for (const auto& [word, frames] : history.flags)
@@ -134,7 +134,7 @@ Document deviations(const ReportInput& input) {
                    history.frames, flags.empty() ? "" : " (" + flags + ")", checks.empty() ? "none recorded" : checks,
                    input.laboratory.deviations.empty() ? "none stated" : input.laboratory.deviations)}});
   doc::List list;
-  for (const HistoryEvent& event : history.events)
+  for (const RunLogEvent& event : history.events)
     if (event.kind == "warning" || event.kind == "fault")
       list.items.push_back({fmt::format("at {} s, {}: ", doc::fixed_text(event.time_s, 0), event.kind), event.text});
   const std::size_t all = list.items.size();
@@ -223,7 +223,7 @@ doc::Table not_assessed(const PageData& data) {
 
 }  // namespace
 
-Document how_measured(const PageData& data) {
+Document method_page(const PageData& data) {
   const ReportInput& input = data.input;
   Document out, left, right;
   out.add(doc::Heading{2, "How it was measured", "how"});
@@ -233,7 +233,7 @@ Document how_measured(const PageData& data) {
   }
   left.add(method(data));
   if (!input.behaviour.loops.empty()) right.add(loops(input));
-  out.add(right.blocks.empty() ? doc::Beside{{left}, {1}} : doc::Beside{{left, right}, {1, 1}});
+  out.add(right.blocks.empty() ? doc::SideBySide{{left}, {1}} : doc::SideBySide{{left, right}, {1, 1}});
   out.add(deviations(input));
   doc::Table figures = repeatability(input);
   if (!figures.rows.empty()) out.add(std::move(figures));

@@ -23,19 +23,19 @@ struct PageData {
   Issue issue = {};
 };
 
-doc::Document front_page(const PageData& data);       // 1: what a customer must know
-doc::Document against_what(const PageData& data);     // 2: item, instruments, conditions
-doc::Document how_measured(const PageData& data);     // 3: method, loops, pressures applied
-doc::Document every_level(const PageData& data);      // 4: error and U at every level
-doc::Document whole_array(const PageData& data);      // 5: maps, spread, as found and as left
-doc::Document why_so(const PageData& data);           // 6: budget, decision rule, statements, hashes
-doc::Document under_objects(const PageData& data);    // where there are runs that pressed; of a run without U: page 1
-doc::Document further_studies(const PageData& data);  // where there are any
+doc::Document front_page(const PageData& data);            // 1: what a customer must know
+doc::Document item_and_instruments(const PageData& data);  // 2: item, instruments, conditions
+doc::Document method_page(const PageData& data);           // 3: method, loops, pressures applied
+doc::Document levels_page(const PageData& data);           // 4: error and U at every level
+doc::Document array_page(const PageData& data);            // 5: maps, spread, as found and as left
+doc::Document budget_page(const PageData& data);           // 6: budget, decision rule, statements, hashes
+doc::Document contact_pages(const PageData& data);  // where there are runs that pressed; of a run without U: page 1
+doc::Document studies_pages(const PageData& data);  // where there are any
 // By name: maps, taxels, models, parameters, events, hashes.
 doc::Document annex(const PageData& data, const std::string& name);
 
 // The chart of page 1, one panel per direction.
-doc::Beside readings_chart(const ReadingFigures& readings, PressureUnit unit);
+doc::SideBySide readings_chart(const ReadingFigures& readings, PressureUnit unit);
 // "28 to 345 kPa"; "at 28 kPa alone"; "nowhere".
 std::string span_text(const MeasuringInterval& span, PressureUnit unit);
 std::string title_case(std::string words);

@@ -40,8 +40,9 @@ void add_crosstalk_rows(const Crosstalk& study, doc::Table& table) {
   for (const auto& [what, lines] : {std::pair{"row", &study.ghost_rows}, std::pair{"column", &study.ghost_columns}})
     for (const CrosstalkLine& line : *lines)
       ghosts += fmt::format("{}{} {}", ghosts.empty() ? "" : ", ", what, line.line);
-  table.rows.push_back({{"ghost rows and columns",
-                         ghosts.empty() ? Phrase("none") : Phrase(doc::Words{"▲ " + ghosts, doc::Look::kDoubt})}});
+  table.rows.push_back(
+      {{"ghost rows and columns",
+        ghosts.empty() ? Phrase("none") : Phrase(doc::StyledText{"▲ " + ghosts, doc::TextStyle::kDoubt})}});
 }
 
 const ContactLevel& highest_level(const ContactResult& contact) {
@@ -64,7 +65,7 @@ doc::Table forces(const ContactResult& contact) {
                                {"corrected | area, mm²", true}},
                    .dense = true};
   for (const ContactLevel& level : contact.levels) {
-    doc::Row row{{doc::number(level.target_n, 1), branch_in_words(level.rising),
+    doc::Row row{{doc::number(level.target_n, 1), direction_text(level.rising),
                   u > 0.0 ? doc::number_with_u(level.force_n, u) : doc::number(level.force_n, 2)}};
     for (const auto& [figures, off] : {std::pair{&level.raw, level.raw_place_error_mm},
                                        std::pair{&level.compensated, level.compensated_place_error_mm}}) {
@@ -78,7 +79,7 @@ doc::Table forces(const ContactResult& contact) {
   return table;
 }
 
-doc::Figure force_chart(const ContactResult& contact) {
+doc::Drawing force_chart(const ContactResult& contact) {
   Chart chart{.title = "Total force of the array over that of the force sensor",
               .width = 330.0,
               .height = 210.0,
@@ -103,7 +104,7 @@ doc::Figure force_chart(const ContactResult& contact) {
   return {chart_svg(chart), chart.title, {"Total force."}};
 }
 
-doc::Figure frame(const ContactResult& contact, const ReportInput& input) {
+doc::Drawing frame(const ContactResult& contact, const ReportInput& input) {
   const ContactLevel& level = highest_level(contact);
   TaxelMap map{.title = "Corrected frame under the object",
                .rows = input.fit.rows,
@@ -130,7 +131,7 @@ Document object_part(const ContactResult& contact, const ReportInput& input) {
        doc::number(contact.compensated_max_error_n, 2), " N; indication ", doc::number(contact.raw_mean_error_n, 2),
        " N, at most ", doc::number(contact.raw_max_error_n, 2), " N.",
        contact.compensated_mean_error_n > contact.raw_mean_error_n
-           ? Phrase(doc::Words{" ▲ The corrected force is worse than the indication.", doc::Look::kDoubt})
+           ? Phrase(doc::StyledText{" ▲ The corrected force is worse than the indication.", doc::TextStyle::kDoubt})
            : Phrase("")}});
   std::string u = contact.force_uncertainty.u() > 0.0
                       ? fmt::format("U of the force sensor {} N (k = 2)",
@@ -142,21 +143,21 @@ Document object_part(const ContactResult& contact, const ReportInput& input) {
   if (contact.levels.empty()) return out;
   left.add(force_chart(contact));
   if (contact.positions == 1) right.add(frame(contact, input));
-  out.add(right.blocks.empty() ? doc::Beside{{left}, {1}} : doc::Beside{{left, right}, {3, 2}});
+  out.add(right.blocks.empty() ? doc::SideBySide{{left}, {1}} : doc::SideBySide{{left, right}, {3, 2}});
   out.add(forces(contact));
   double clamped = 0.0;
   for (const ContactLevel& level : contact.levels) clamped = std::max(clamped, level.clamped_taxels);
   if (clamped > 0.0)
-    out.add(doc::Paragraph{{doc::Words{
+    out.add(doc::Paragraph{{doc::StyledText{
         fmt::format("▲ Up to {} taxels stood at the highest pressure of their models: what lies above is not seen.",
                     doc::fixed_text(clamped, 1)),
-        doc::Look::kDoubt}}});
+        doc::TextStyle::kDoubt}}});
   return out;
 }
 
 }  // namespace
 
-Document further_studies(const PageData& data) {
+Document studies_pages(const PageData& data) {
   const Studies& studies = data.input.more.studies;
   doc::Table table{
       .id = "studies", .caption = "Further studies", .columns = {{"study"}, {"result"}}, .rows = {}, .dense = true};
@@ -174,15 +175,16 @@ Document further_studies(const PageData& data) {
                                   doc::pressure(studies.uniformity.u_offset_psi, 3))}});
     if (studies.uniformity.residual_other_sense_psi < 0.8 * studies.uniformity.residual_rms_psi)
       table.rows.push_back(
-          {{"angles", Phrase(doc::Words{"▲ taken clockwise they explain more: were they typed with the opposite sign?",
-                                        doc::Look::kDoubt})}});
+          {{"angles",
+            Phrase(doc::StyledText{"▲ taken clockwise they explain more: were they typed with the opposite sign?",
+                                   doc::TextStyle::kDoubt})}});
   }
   Document out;
   if (!table.rows.empty()) out.add(std::move(table));
   return out;
 }
 
-Document under_objects(const PageData& data) {
+Document contact_pages(const PageData& data) {
   Document out;
   if (data.input.more.contacts.empty()) return out;
   const auto& contacts = data.input.more.contacts;

@@ -19,8 +19,8 @@ constexpr std::array<std::string_view, 7> kMaxima = {
 bool above_zero(double value) { return value > 0.0; }
 
 // The EWMA of `start_up` and `later`, which may be logarithms.
-void follow_ewma(FigureChart& chart, std::span<const double> start_up, std::span<const double> later) {
-  std::optional<EwmaChart> ewma = EwmaChart::begin(start_up);
+void follow_ewma(ControlChart& chart, std::span<const double> start_up, std::span<const double> later) {
+  std::optional<EwmaControlChart> ewma = EwmaControlChart::begin(start_up);
   if (!ewma) return;
   for (const double value : later) ewma->add(value);
   if (ewma->state().later == 0) return;
@@ -41,8 +41,8 @@ FigureKind figure_kind(std::string_view name) {
   return std::ranges::find(kMaxima, name) == kMaxima.end() ? FigureKind::kMean : FigureKind::kMaximum;
 }
 
-FigureChart chart_figure(std::string_view name, std::span<const double> start_up, std::span<const double> later) {
-  FigureChart chart;
+ControlChart control_chart(std::string_view name, std::span<const double> start_up, std::span<const double> later) {
+  ControlChart chart;
   chart.kind = figure_kind(name);
   chart.slope = theil_sen_slope(later.last(std::min(kSlopeRuns, later.size())));
   chart.band = control_band(start_up, kGrossFalseAlarm);

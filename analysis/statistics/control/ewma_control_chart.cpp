@@ -10,9 +10,9 @@
 namespace tactbench::analysis {
 namespace {
 
-// Independent runs that kChartRuns are worth: the probability that |statistic| reaches a value in any of them, divided
-// by the probability that it does in one, by 1/n (rows) and by the probability of one run in half decades from 1 to
-// 1e-6 (columns). By simulation: 4 million histories of an EWMA a row (40 million in the last), each averaged over
+// Independent runs that kControlRuns are worth: the probability that |statistic| reaches a value in any of them,
+// divided by the probability that it does in one, by 1/n (rows) and by the probability of one run in half decades from
+// 1 to 1e-6 (columns). By simulation: 4 million histories of an EWMA a row (40 million in the last), each averaged over
 // all s exactly, since s is independent of the EWMA's numerator; relative standard error 2 % in the last
 // column, below 0.5 % in the first nine. tests/analysis/statistics/control/ewma_table_slow.cpp draws them again.
 constexpr std::size_t kSizes = 8, kDecades = 13;
@@ -36,7 +36,7 @@ double worth_in_row(std::size_t row, double place) {
 
 }  // namespace
 
-double chart_probability(double statistic, int start_up) {
+double ewma_probability(double statistic, int start_up) {
   const double one_run = student_two_sided(statistic, start_up - 1.0);
   if (!(one_run > 0.0)) return 0.0;
   const double place = -2.0 * std::log10(one_run);
@@ -47,9 +47,9 @@ double chart_probability(double statistic, int start_up) {
   return std::min(1.0, one_run * std::lerp(worth_in_row(row, place), worth_in_row(row + 1, place), share));
 }
 
-std::optional<EwmaChart> EwmaChart::begin(std::span<const double> start_up) {
-  if (start_up.size() < kLeastStartUp) return std::nullopt;
-  EwmaChart chart;
+std::optional<EwmaControlChart> EwmaControlChart::begin(std::span<const double> start_up) {
+  if (start_up.size() < kMinStartUpRuns) return std::nullopt;
+  EwmaControlChart chart;
   chart.state_.start_up = static_cast<int>(start_up.size());
   chart.state_.mean = mean_of(start_up);
   chart.state_.deviation = sample_deviation(start_up);
@@ -59,7 +59,7 @@ std::optional<EwmaChart> EwmaChart::begin(std::span<const double> start_up) {
   return chart;
 }
 
-void EwmaChart::add(double value) {
+void EwmaControlChart::add(double value) {
   const double u = (value - state_.mean) / state_.deviation;
   if (std::abs(u) > most_) return;
   ++state_.later;
@@ -71,6 +71,6 @@ void EwmaChart::add(double value) {
   state_.statistic = state_.ewma / std::sqrt(variance);
 }
 
-double EwmaChart::probability() const { return chart_probability(state_.statistic, state_.start_up); }
+double EwmaControlChart::probability() const { return ewma_probability(state_.statistic, state_.start_up); }
 
 }  // namespace tactbench::analysis

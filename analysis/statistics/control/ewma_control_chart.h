@@ -7,10 +7,10 @@
 
 namespace tactbench::analysis {
 
-inline constexpr double kEwmaWeight = 0.2;        // lambda: Lucas and Saccucci 1990, Technometrics 32, 1
-inline constexpr int kLeastStartUp = 8;           // runs of a baseline that a chart can begin with
-inline constexpr int kRecommendedStartUp = 20;    // runs of a baseline that a chart should begin with
-inline constexpr int kChartRuns = 60;             // runs over which the rate of false alarms is stated
+inline constexpr double kEwmaWeight = 0.2;          // lambda: Lucas and Saccucci 1990, Technometrics 32, 1
+inline constexpr int kMinStartUpRuns = 8;           // runs of a baseline that a chart can begin with
+inline constexpr int kRecommendedStartUpRuns = 20;  // runs of a baseline that a chart should begin with
+inline constexpr int kControlRuns = 60;             // runs over which the rate of false alarms is stated
 inline constexpr double kGrossFalseAlarm = 1e-5;  // a run: that one value of a sound figure lies outside its wide band
 
 // z_0 = 0, z_t = lambda u_t + (1 - lambda) z_(t-1), u = (x - mean) / s; mean and s of the n start-up values. Of normal
@@ -26,17 +26,17 @@ struct EwmaState {
   double statistic = 0.0;  // Student's t; 0 without later values
 };
 
-class EwmaChart {
+class EwmaControlChart {
  public:
-  // None from fewer than kLeastStartUp start-up values or from equal ones (1e-9 of their mean). All finite.
-  static std::optional<EwmaChart> begin(std::span<const double> start_up);
+  // None from fewer than kMinStartUpRuns start-up values or from equal ones (1e-9 of their mean). All finite.
+  static std::optional<EwmaControlChart> begin(std::span<const double> start_up);
 
   // A value outside the wide band (control_band() at kGrossFalseAlarm) stays out of the average: it is a gross change,
   // reported by itself, and would alarm for days after it was mended. Finite.
   void add(double value);
   [[nodiscard]] const EwmaState& state() const { return state_; }
-  // Probability that a figure without a change has this statistic, or a larger one, in any of the first kChartRuns runs
-  // after its baseline.
+  // Probability that a figure without a change has this statistic, or a larger one, in any of the first kControlRuns
+  // runs after its baseline.
   [[nodiscard]] double probability() const;
 
  private:
@@ -45,9 +45,9 @@ class EwmaChart {
   double left_ = 1.0;  // (1 - lambda)^t
 };
 
-// Probability of |statistic| or more in any of the first kChartRuns runs, n >= kLeastStartUp start-up values: Student's
-// probability of one run times the number of independent runs that the sixty are worth, which is tabulated (see the
-// source).
-double chart_probability(double statistic, int start_up);
+// Probability of |statistic| or more in any of the first kControlRuns runs, n >= kMinStartUpRuns start-up values:
+// Student's probability of one run times the number of independent runs that the sixty are worth, which is tabulated
+// (see the source).
+double ewma_probability(double statistic, int start_up);
 
 }  // namespace tactbench::analysis

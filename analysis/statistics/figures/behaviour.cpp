@@ -82,12 +82,12 @@ void gather_gains(Behaviour& b, const ExternalLoop& loop, std::size_t width) {
 
 }  // namespace
 
-std::optional<ExternalLoop> loop_of(const Dataset& dataset, const CommonOptions& options) {
+std::optional<ExternalLoop> loop_of(const Dataset& dataset, const RepeatOptions& options) {
   std::vector<TaxelTable> sequences;
   for (const SequenceData& data : dataset.sequences) {
     if (options.last_repeat >= static_cast<int>(data.repeats.size())) continue;
     try {
-      sequences.push_back(bring_to_common(data, dataset.taxels(), options));
+      sequences.push_back(average_repeats(data, dataset.taxels(), options));
     } catch (const AnalysisError& error) {
       if (error.id() != "TB-ANALYSIS-NO-LOOP") throw;  // a sequence at one level has no part in a loop
     }
@@ -104,7 +104,7 @@ namespace {
 
 // Square of the standard deviation (n - 1).
 double repeats_variance(const std::vector<double>& values) {
-  return squares_about(values, mean_by_shares(values)) / static_cast<double>(values.size() - 1);
+  return sum_of_squares_about(values, mean_by_shares(values)) / static_cast<double>(values.size() - 1);
 }
 
 void gather_repeatability(Behaviour& b, const Dataset& dataset, std::size_t width) {

@@ -77,6 +77,6 @@ Behaviour behaviour_of(const Dataset& dataset, const std::vector<int>& taxels);
 std::vector<Creep> creep_of(const Dataset& dataset, const std::vector<int>& taxels);
 
 // The external loop over the sequences that have the repeats asked for; none where no sequence sweeps the full range.
-std::optional<ExternalLoop> loop_of(const Dataset& dataset, const CommonOptions& options = {});
+std::optional<ExternalLoop> loop_of(const Dataset& dataset, const RepeatOptions& options = {});
 
 }  // namespace tactbench::analysis

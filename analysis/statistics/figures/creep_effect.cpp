@@ -108,7 +108,7 @@ HeldLevel level_of_hold(const Dataset& dataset, const HeldFrames& hold, const Se
 }
 
 // As the model's stream reads it.
-Dataset with_own_creep_undone(Dataset run, const SensorModel& fit) {
+Dataset with_fit_run_creep_removed(Dataset run, const SensorModel& fit) {
   ArrayDynamics own{fit.dynamics->shared, {}, {}};
   own.shared.lag_share = 0.0;
   std::vector<double> zero_v;
@@ -117,7 +117,7 @@ Dataset with_own_creep_undone(Dataset run, const SensorModel& fit) {
     own.lag_share.push_back(0.0);
     zero_v.push_back(taxel.fitted() ? taxel.y0() : 0.0);
   }
-  return lag_and_creep_undone(std::move(run), own, zero_v, fit.pressure_psi.back());
+  return dataset_without_dynamics(std::move(run), own, zero_v, fit.pressure_psi.back());
 }
 
 void keep_larger(HeldLevel& kept, const HeldLevel& other) {
@@ -144,7 +144,7 @@ double CreepEffect::share(std::size_t taxel, double pressure_psi, bool up) const
   return std::lerp(below->share[taxel], above->share[taxel], at);
 }
 
-std::string CreepEffect::in_words() const {
+std::string CreepEffect::display_text() const {
   if (!assessed()) return {};
   std::string held;
   for (const HeldLevel& level : levels)
@@ -167,7 +167,7 @@ std::string CreepEffect::in_words() const {
 CreepEffect creep_effect_of(const Dataset& calibration, std::span<const Dataset> runs,
                             const SensorModel& measured_fit) {
   CreepEffect effect;
-  effect.undone = measured_fit.dynamics && undoes_creep(*measured_fit.dynamics);
+  effect.undone = measured_fit.dynamics && compensates_creep(*measured_fit.dynamics);
   if (effect.undone && measured_fit.dynamics->creep.run != 0) {
     for (const Dataset& run : runs) check_same_sensor(run, measured_fit);
     effect.not_assessed = "the model undoes creep; what it leaves of it is in the errors of held-out runs";
@@ -180,7 +180,7 @@ CreepEffect creep_effect_of(const Dataset& calibration, std::span<const Dataset>
   for (const Dataset& run : runs) {
     check_same_sensor(run, measured_fit);
     Dataset dataset = as_modelled(run, measured_fit);
-    if (effect.undone) dataset = with_own_creep_undone(std::move(dataset), fit);
+    if (effect.undone) dataset = with_fit_run_creep_removed(std::move(dataset), fit);
     few = few || !held_frames_of(dataset, 3).empty();
     for (const HeldFrames& hold : held_frames_of(dataset)) {
       const Repeat& repeat = dataset.sequences[hold.sequence].repeats[hold.repeat];
@@ -219,7 +219,7 @@ CreepEffect creep_effect_of(const Dataset& calibration, std::span<const Dataset>
         effect.read_after_s);
   } else if (few) {
     effect.not_assessed =
-        fmt::format("the holds given have fewer than {} frames: a run of creep-hold would show it", kFewestHeld);
+        fmt::format("the holds given have fewer than {} frames: a run of creep-hold would show it", kMinHeldFrames);
   }
   return effect;
 }
@@ -232,7 +232,7 @@ Creep line_through(const std::vector<double>& held_s, const std::vector<double>&
   std::vector<double> decades;
   for (const double time : held_s) decades.push_back(std::log10(time));
   const LineFit line = line_fit_by_shares(decades, output_v);
-  const double rest = squares_off(line, decades, output_v);
+  const double rest = residual_sum_of_squares(line, decades, output_v);
   Creep creep;
   creep.from_s = held_s.front();
   creep.to_s = held_s.back();

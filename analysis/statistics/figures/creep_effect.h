@@ -13,8 +13,8 @@
 
 namespace tactbench::analysis {
 
-inline constexpr std::size_t kFewestHeld = 20;  // frames of a hold that count
-inline constexpr double kHeldAbovePsi = 0.5;    // holds and readings below are not used
+inline constexpr std::size_t kMinHeldFrames = 20;  // frames of a hold that count
+inline constexpr double kHeldAbovePsi = 0.5;       // holds and readings below are not used
 
 // Frames [first, end) of one repeat at one set-point above kHeldAbovePsi, commanded once.
 struct HeldFrames {
@@ -25,7 +25,7 @@ struct HeldFrames {
     return at.steps[first].held_s + at.steps[step].time_s - at.steps[first].time_s;
   }
 };
-std::vector<HeldFrames> held_frames_of(const Dataset& dataset, std::size_t fewest_frames = kFewestHeld);
+std::vector<HeldFrames> held_frames_of(const Dataset& dataset, std::size_t fewest_frames = kMinHeldFrames);
 
 // One level that was held. Of several holds of one level on one branch each taxel's largest share counts.
 struct HeldLevel {
@@ -51,7 +51,7 @@ struct CreepEffect {
   // Share of a taxel's output over its zero. Linear between held levels, constant beyond them; a branch without a held
   // level takes the other branch's values.
   [[nodiscard]] double share(std::size_t taxel, double pressure_psi, bool up) const;
-  [[nodiscard]] std::string in_words() const;  // data and assumptions in words; empty when not assessed
+  [[nodiscard]] std::string display_text() const;  // data and assumptions in words; empty when not assessed
 };
 
 // `runs`: of the same sensor, the calibration itself among them where it holds levels. Of a model with the creep

@@ -69,7 +69,7 @@ class WindowSums {
 
 }  // namespace
 
-bool any_way(std::span<const WindowErrors> windows) {
+bool has_any_branch(std::span<const WindowErrors> windows) {
   return std::ranges::any_of(windows, [](const WindowErrors& window) { return window.branches > 0.0; });
 }
 

@@ -56,7 +56,7 @@ FrameErrors frame_errors(const Dataset& run, const SensorModel& fit, int threads
 std::vector<WindowErrors> pooled_errors(std::span<const FrameHistory> histories, const SensorModel& fit,
                                         const LevelCorrections& corrections = {},
                                         std::optional<std::size_t> all_but = {});
-bool any_way(std::span<const WindowErrors> windows);  // through any of them
+bool has_any_branch(std::span<const WindowErrors> windows);  // through any of them
 
 // The correction at a pressure, linear between levels and constant beyond them. NaN counts as 0.
 double correction_at(const LevelCorrections& corrections, const SensorModel& fit, std::size_t taxel,

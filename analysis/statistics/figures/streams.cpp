@@ -8,7 +8,7 @@ namespace {
 
 CompensatedSequence empty_sequence(const SequenceData& data, int taxels) {
   CompensatedSequence sequence;
-  sequence.raw = bring_to_common(data, taxels);
+  sequence.raw = average_repeats(data, taxels);
   const std::size_t steps = sequence.raw.pressure_psi.size();
   sequence.pressure = {sequence.raw.pressure_psi, std::vector<double>(sequence.raw.values.size(), 0.0),
                        sequence.raw.branches};

@@ -28,7 +28,7 @@ double mean_by_shares(std::span<const double> values) {
   return values.empty() ? kNan : mean;
 }
 
-double squares_about(std::span<const double> values, double centre) {
+double sum_of_squares_about(std::span<const double> values, double centre) {
   double squares = 0.0;
   for (const double value : values) squares += (value - centre) * (value - centre);
   return squares;
@@ -36,7 +36,7 @@ double squares_about(std::span<const double> values, double centre) {
 
 double sample_variance(std::span<const double> values) {
   if (values.size() < 2) return kNan;
-  return squares_about(values, mean_of(values)) / static_cast<double>(values.size() - 1);
+  return sum_of_squares_about(values, mean_of(values)) / static_cast<double>(values.size() - 1);
 }
 
 double sample_deviation(std::span<const double> values) { return std::sqrt(sample_variance(values)); }
@@ -84,7 +84,7 @@ LineFit line_fit_by_shares(std::span<const double> x, std::span<const double> y)
   return line_fit(x, y, mean_by_shares(x), mean_by_shares(y));
 }
 
-double squares_off(const LineFit& line, std::span<const double> x, std::span<const double> y) {
+double residual_sum_of_squares(const LineFit& line, std::span<const double> x, std::span<const double> y) {
   const double slope = line.slope();
   double squares = 0.0;
   for (std::size_t i = 0; i < x.size(); ++i) {

@@ -24,8 +24,8 @@ double mean_of_chosen(std::span<const double> values, std::span<const Place> cho
   return sum / static_cast<double>(chosen.size());
 }
 
-double squares_about(std::span<const double> values, double centre);  // sum of (value - centre)^2
-// squares_about(mean) / (n - 1) and its root: JCGM 100, 4.2.2, Eq. (4). NaN below two values.
+double sum_of_squares_about(std::span<const double> values, double centre);  // sum of (value - centre)^2
+// sum_of_squares_about(mean) / (n - 1) and its root: JCGM 100, 4.2.2, Eq. (4). NaN below two values.
 double sample_variance(std::span<const double> values);
 double sample_deviation(std::span<const double> values);
 
@@ -50,7 +50,7 @@ LineFit line_fit(std::span<const double> x, std::span<const double> y);
 LineFit line_fit(std::span<const double> x, std::span<const double> y, double mean_x, double mean_y);
 LineFit line_fit_by_shares(std::span<const double> x, std::span<const double> y);  // means by mean_by_shares()
 // Sum of the squared residuals of the line.
-double squares_off(const LineFit& line, std::span<const double> x, std::span<const double> y);
+double residual_sum_of_squares(const LineFit& line, std::span<const double> x, std::span<const double> y);
 
 // Scatter of a mean from few repetitions, pooled over what the mean is taken of (JCGM 100, H.3.6, 4.2.4 note; G.4.1).
 

@@ -116,7 +116,7 @@ ModelScore score_model(const SensorModel& document, const Histories& histories,
   check_same_source(document, histories);
   // The direct models of a dynamic one are the static film's.
   std::optional<Histories> undone;
-  if (document.dynamics) undone = creep_and_lag_undone(document, histories);
+  if (document.dynamics) undone = histories_without_dynamics(document, histories);
   const Histories& direct = undone ? *undone : histories;
   std::vector<Score> scores(document.taxels.size());
   for_each_index(scores.size(), threads, [&](std::size_t i) {

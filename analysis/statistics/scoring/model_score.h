@@ -21,7 +21,7 @@ void check_same_source(const SensorModel& document, const Histories& histories);
 // On the named sequences (empty: all). Of a model with lag and creep the direct model's errors are those of its static
 // film, creep and lag removed at the inputs measured. Its compensated errors, and all models' of a table, are those of
 // `compensate`; of others one rule applies to all inverses. Throws as check_same_source and
-// creep_and_lag_undone, and TB-ANALYSIS-NO-TAXEL.
+// histories_without_dynamics, and TB-ANALYSIS-NO-TAXEL.
 ModelScore score_model(const SensorModel& document, const Histories& histories,
                        const std::vector<std::string>& sequences, int threads = 0);
 

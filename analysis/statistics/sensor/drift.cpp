@@ -106,7 +106,7 @@ const char* to_string(DriftVerdict verdict) {
 bool Drift::zero_moved() const { return std::abs(zero) > zero_u; }
 bool Drift::gain_moved() const { return gain_u > 0.0 && std::abs(gain) > gain_u; }
 
-std::string in_words(const Drift& drift) {
+std::string display_text(const Drift& drift) {
   if (!drift.drifted()) return to_string(drift.verdict);
   const char* const moved = drift.zero_moved() && drift.gain_moved() ? "zero and gain moved"
                             : drift.zero_moved()                     ? "the zero moved"
@@ -118,7 +118,7 @@ std::string in_words(const Drift& drift) {
 Drift drift_of(const SensorModel& document, const Histories& measured_histories, double tolerance) {
   check_same_source(document, measured_histories);
   std::optional<Histories> undone;
-  if (document.dynamics) undone = creep_and_lag_undone(document, measured_histories);
+  if (document.dynamics) undone = histories_without_dynamics(document, measured_histories);
   const Histories& histories = undone ? *undone : measured_histories;
   Drift drift;
   double own_error = 0.0;

@@ -34,7 +34,7 @@ struct Drift {
   [[nodiscard]] bool gain_moved() const;
 };
 // "good"; else what moved and what that takes: "the gain moved: gain adjustment enough".
-std::string in_words(const Drift& drift);
+std::string display_text(const Drift& drift);
 
 // tolerance 0: twice the mean error of the model's own fit, at least 0.5 % of full scale. A gain is fitted where the
 // inputs cover at least a tenth of the model's range. Throws AnalysisError as score_model does.

@@ -231,9 +231,9 @@ struct Line {
   bool judged = true;
 };
 
-class Axis {
+class LineSearch {
  public:
-  Axis(const SeatingTaxels& taxels, bool along_rows, const SeatingOptions& options)
+  LineSearch(const SeatingTaxels& taxels, bool along_rows, const SeatingOptions& options)
       : taxels_(taxels), along_rows_(along_rows), options_(options) {
     const int count = along_rows ? taxels.rows : taxels.columns;
     std::vector<double> answers;
@@ -401,7 +401,7 @@ void find_open_lines(SeatingTaxels& taxels, double least_v) {
 
 std::vector<SeatingFinding> check_lines(const SeatingTaxels& taxels, bool along_rows, const SeatingOptions& options,
                                         std::vector<bool>& lost) {
-  return Axis(taxels, along_rows, options).findings(lost);
+  return LineSearch(taxels, along_rows, options).findings(lost);
 }
 
 }  // namespace tactbench::analysis

@@ -180,10 +180,10 @@ Remount remount_of(std::span<const MountedRun> mounts) {
   remount.within_share = std::sqrt(remount.within_share / counted);
   remount.s_share = std::sqrt(remount.s_share / counted);
   remount.common_share = std::sqrt(remount.common_share / counted);
-  remount.own_share = std::sqrt(std::max(0.0, std::pow(remount.s_share, 2) - std::pow(remount.common_share, 2)));
+  remount.per_taxel_share = std::sqrt(std::max(0.0, std::pow(remount.s_share, 2) - std::pow(remount.common_share, 2)));
   remount.degrees = static_cast<int>(mounts.size()) - 1;
   const auto fitted = std::ranges::count_if(remount.taxel_between_psi, [](double s) { return std::isfinite(s); });
-  remount.own_degrees = remount.degrees * std::max(1, static_cast<int>(fitted) - 1);
+  remount.per_taxel_degrees = remount.degrees * std::max(1, static_cast<int>(fitted) - 1);
   remount.not_assessed.clear();
   return remount;
 }

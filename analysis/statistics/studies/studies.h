@@ -50,9 +50,9 @@ struct Remount {
   std::vector<double> taxel_between_psi;     // taxels: root mean square over the levels; NaN where not fitted
   double within_share = 0.0, s_share = 0.0;  // of within / p and between / p, see above
   // between / p in two: what all taxels have in common (mounts - 1 degrees of freedom), and a taxel's own.
-  double common_share = 0.0, own_share = 0.0;
-  int degrees = 0;      // of freedom: mounts - 1
-  int own_degrees = 0;  // (mounts - 1)(taxels - 1)
+  double common_share = 0.0, per_taxel_share = 0.0;
+  int degrees = 0;            // of freedom: mounts - 1
+  int per_taxel_degrees = 0;  // (mounts - 1)(taxels - 1)
   [[nodiscard]] bool assessed() const { return not_assessed.empty(); }
 };
 

@@ -96,19 +96,19 @@ struct Scatter {
     for (const double each : needed) logarithms.push_back(std::log(each));
     const auto count = static_cast<double>(needed.size());
     // Each is held against the others, whose mean lies on the other side of that of all.
-    squares += std::pow((count - 1.0) / count, 2) * squares_about(logarithms, mean_of(logarithms));
+    squares += std::pow((count - 1.0) / count, 2) * sum_of_squares_about(logarithms, mean_of(logarithms));
     dof += count - 1.0;
   }
 };
 
 class Counting {
  public:
-  Counting(const CountedErrors& counted, const SensorModel& fit, const LevelCorrections& corrections,
-           std::span<const LevelReadings> levels, const std::function<double(double)>& hidden_psi)
+  Counting(const EmpiricalErrors& counted, const SensorModel& fit, const LevelCorrections& corrections,
+           std::span<const LevelReadings> levels, const std::function<double(double)>& unobservable_u_psi)
       : counted_(counted),
         fit_(fit),
         corrections_(corrections),
-        hidden_psi_(hidden_psi),
+        hidden_psi_(unobservable_u_psi),
         width_(fit.array().size()),
         fitted_(fit.fitted()) {
     for (std::size_t at = 0; at < levels.size(); ++at)
@@ -146,7 +146,7 @@ class Counting {
   [[nodiscard]] std::vector<std::vector<double>> squares_of(std::size_t which, const Windows& own) const {
     std::vector<const Windows*> kinds = {&own};
     for (std::size_t kind = 0; kind < kHistoryKinds; ++kind)
-      if (kind != which && any_way(windows_[kind])) kinds.push_back(&windows_[kind]);
+      if (kind != which && has_any_branch(windows_[kind])) kinds.push_back(&windows_[kind]);
     return mean_squares(own, kinds, fitted_, width_);
   }
 
@@ -197,7 +197,7 @@ class Counting {
     return std::sqrt(own.squares / own.dof / static_cast<double>(needed.each.size()));
   }
 
-  [[nodiscard]] std::string why_not(const CountedEvidence& evidence, const Needed& needed, double open) const {
+  [[nodiscard]] std::string why_not(const EmpiricalEvidence& evidence, const Needed& needed, double open) const {
     const std::size_t count = evidence.histories.size();
     if (count == 0) return "no held-out history of this kind was measured";
     if (count < kLeastHistories) return "one history alone cannot check U: measure a second one";
@@ -209,7 +209,7 @@ class Counting {
   }
 
   ConditionUncertainty of(std::size_t which, const Needed& needed, const Scatter& scatter) const {
-    const CountedEvidence& evidence = counted_.made_in[which];
+    const EmpiricalEvidence& evidence = counted_.made_in[which];
     ConditionUncertainty out;
     const double open = open_of(needed, scatter), factor = needed.all * std::exp(kUpperQuartile * open);
     const std::string why = why_not(evidence, needed, open);
@@ -235,7 +235,7 @@ class Counting {
     return out;
   }
 
-  [[nodiscard]] static std::string basis(const CountedEvidence& evidence, const ConditionUncertainty& out) {
+  [[nodiscard]] static std::string basis(const EmpiricalEvidence& evidence, const ConditionUncertainty& out) {
     std::string words =
         fmt::format("{} of {}, {} readings of each taxel", counted(out.histories, "history", "histories"),
                     counted(evidence.runs.size(), "run"), out.readings);
@@ -250,7 +250,7 @@ class Counting {
     return words;
   }
 
-  const CountedErrors& counted_;
+  const EmpiricalErrors& counted_;
   const SensorModel& fit_;
   const LevelCorrections& corrections_;
   const std::function<double(double)>& hidden_psi_;
@@ -260,7 +260,7 @@ class Counting {
   std::array<Windows, kUseConditions> windows_;
 };
 
-void add(CountedEvidence& evidence, KindHistories one, bool of_same_unit) {
+void add(EmpiricalEvidence& evidence, KindHistories one, bool of_same_unit) {
   if (of_same_unit && !evidence.histories.empty() && evidence.histories.back().run == one.history.run) {
     std::vector<std::size_t>& frames = evidence.histories.back().frames;
     frames.insert(frames.end(), one.history.frames.begin(), one.history.frames.end());
@@ -279,9 +279,9 @@ void add(CountedEvidence& evidence, KindHistories one, bool of_same_unit) {
 
 }  // namespace
 
-CountedErrors counted_errors(const Dataset& calibration, const HistoryRuns& history, const SensorModel& fit,
-                             int threads) {
-  CountedErrors out;
+EmpiricalErrors empirical_errors(const Dataset& calibration, const HistoryRuns& history, const SensorModel& fit,
+                                 int threads) {
+  EmpiricalErrors out;
   const double low = fit.pressure_psi.front(), high = fit.pressure_psi.back();
   const std::optional<ArrivalTimes> usual = arrival_times(calibration);
   const std::array<std::pair<UseCondition, const std::vector<const Dataset*>*>, 4> given = {
@@ -307,11 +307,11 @@ CountedErrors counted_errors(const Dataset& calibration, const HistoryRuns& hist
   return out;
 }
 
-std::vector<ConditionUncertainty> counted_uncertainty(const CountedErrors& counted, const SensorModel& fit,
-                                                      const LevelCorrections& corrections,
-                                                      std::span<const LevelReadings> levels,
-                                                      const std::function<double(double psi)>& hidden_psi) {
-  return Counting(counted, fit, corrections, levels, hidden_psi).all();
+std::vector<ConditionUncertainty> empirical_uncertainty(const EmpiricalErrors& counted, const SensorModel& fit,
+                                                        const LevelCorrections& corrections,
+                                                        std::span<const LevelReadings> levels,
+                                                        const std::function<double(double psi)>& unobservable_u_psi) {
+  return Counting(counted, fit, corrections, levels, unobservable_u_psi).all();
 }
 
 }  // namespace tactbench::analysis

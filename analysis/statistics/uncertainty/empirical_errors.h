@@ -25,35 +25,35 @@ struct HistoryRuns {
 
 // Histories observed under one condition. In the state of the calibration each history is one of its kind; in another
 // state all histories of a run are one, because they share that state.
-struct CountedEvidence {
+struct EmpiricalEvidence {
   std::vector<FrameHistory> histories;
   std::vector<UseCondition> kinds;                                 // of the histories, each once
   std::vector<std::int64_t> runs;                                  // each once
   double arrival_low_s = 0.0, arrival_high_s = 0.0, held_s = 0.0;  // from command to frame: shortest, longest, hold
 };
 
-struct CountedErrors {
+struct EmpiricalErrors {
   std::vector<FrameErrors> runs;  // that the histories point into
-  std::array<CountedEvidence, kUseConditions> made_in;
-  CountedErrors() = default;
-  CountedErrors(CountedErrors&&) = default;
-  CountedErrors& operator=(CountedErrors&&) = default;
-  [[nodiscard]] const CountedEvidence& in(UseCondition condition) const {
+  std::array<EmpiricalEvidence, kUseConditions> made_in;
+  EmpiricalErrors() = default;
+  EmpiricalErrors(EmpiricalErrors&&) = default;
+  EmpiricalErrors& operator=(EmpiricalErrors&&) = default;
+  [[nodiscard]] const EmpiricalEvidence& in(UseCondition condition) const {
     return made_in[static_cast<std::size_t>(condition)];
   }
 };
 
 // Outputs rising (as_modelled). A history is at another dwell where its frames come more than twice as soon or late as
 // those of the calibration's sweeps and branches; held pressures are not.
-CountedErrors counted_errors(const Dataset& calibration, const HistoryRuns& history, const SensorModel& fit,
-                             int threads = 0);
+EmpiricalErrors empirical_errors(const Dataset& calibration, const HistoryRuns& history, const SensorModel& fit,
+                                 int threads = 0);
 
 // Each UseCondition, in order. `levels`: those of the fit up, then down, as sweep_errors gives them; U is stated where
-// there are readings and the reference is known. `hidden_psi`: u of what held-out runs cannot show, at a pressure; NaN
-// where it is not known.
-std::vector<ConditionUncertainty> counted_uncertainty(const CountedErrors& counted, const SensorModel& fit,
-                                                      const LevelCorrections& corrections,
-                                                      std::span<const LevelReadings> levels,
-                                                      const std::function<double(double psi)>& hidden_psi);
+// there are readings and the reference is known. `unobservable_u_psi`: u of what held-out runs cannot show, at a
+// pressure; NaN where it is not known.
+std::vector<ConditionUncertainty> empirical_uncertainty(const EmpiricalErrors& counted, const SensorModel& fit,
+                                                        const LevelCorrections& corrections,
+                                                        std::span<const LevelReadings> levels,
+                                                        const std::function<double(double psi)>& unobservable_u_psi);
 
 }  // namespace tactbench::analysis

@@ -19,7 +19,7 @@ std::vector<bool> held_steps(const std::vector<Sample>& steps, double above) {
   for (std::size_t first = 0, end = 0; first < steps.size(); first = end) {
     for (end = first; end < steps.size() && same_level(steps[end].setpoint_psi, steps[first].setpoint_psi);) ++end;
     if (steps[first].setpoint_psi > above && end - first >= 2 &&
-        steps[end - 1].held_s - steps[first].held_s >= kHeldLeastS)
+        steps[end - 1].held_s - steps[first].held_s >= kMinHeldS)
       std::fill(held.begin() + static_cast<std::ptrdiff_t>(first), held.begin() + static_cast<std::ptrdiff_t>(end),
                 true);
   }
@@ -42,7 +42,8 @@ std::optional<UseCondition> inner_kind(const std::vector<Sample>& steps, const s
     inner_before = !kinds[i].full;
     from = to;
   }
-  if (lengths.size() >= kSmallLeast && median_of(lengths) <= kSmallShare * range) return UseCondition::kSmallReversals;
+  if (lengths.size() >= kMinSmallReversals && median_of(lengths) <= kSmallShare * range)
+    return UseCondition::kSmallReversals;
   if (turns.empty()) return {};
   const auto [least, most] = std::ranges::minmax(turns);
   return most - least >= kWholeShare * range ? std::optional(UseCondition::kReversals) : std::nullopt;

@@ -67,10 +67,10 @@ ReadingUncertainty reading_uncertainty(const ConditionUncertainty& condition, st
 // quoted where one U is quoted.
 std::optional<UseCondition> worst_of(std::span<const ConditionUncertainty> conditions);
 
-inline constexpr double kHeldLeastS = 5.0;     // a level with several frames over this long is held
-inline constexpr double kSmallShare = 0.15;    // of the range: small reversals are no larger in the median, ...
-inline constexpr std::size_t kSmallLeast = 5;  // ... and not fewer than this
-inline constexpr double kWholeShare = 0.5;     // of the range lies between the turning points of "the whole range"
+inline constexpr double kMinHeldS = 5.0;              // a level with several frames over this long is held
+inline constexpr double kSmallShare = 0.15;           // of the range: small reversals are no larger in the median, ...
+inline constexpr std::size_t kMinSmallReversals = 5;  // ... and not fewer than this
+inline constexpr double kWholeShare = 0.5;  // of the range lies between the turning points of "the whole range"
 
 // Of each step the kind that its frame is evidence for; none: for no kind that has a name.
 // - A sequence that holds pressures above the lowest: its frames at held levels are kHeld, the others nothing.

@@ -95,7 +95,7 @@ void add_note(InstrumentCalibration& calibration, const InstrumentNote& note) {
 
 }  // namespace
 
-std::string in_words(const StatedU& stated, PressureUnit unit) {
+std::string display_text(const StatedU& stated, PressureUnit unit) {
   const std::string value = stated.unit == "psi" && unit != PressureUnit(PressureUnit::kPsi)
                                 ? fmt::format("{:.3g} {}", unit.of(stated.expanded), unit.symbol())
                                 : fmt::format("{:g} {}", stated.expanded, stated.unit);
@@ -173,7 +173,7 @@ std::string scanner_serial_of(const db::RunRecord& run, const std::optional<db::
   return sensor->scanner_serial;
 }
 
-std::string in_words(const Untraced& untraced, PressureUnit unit) {
+std::string display_text(const TraceabilityGap& untraced, PressureUnit unit) {
   if (!untraced.overdue_since.empty()) return "reference overdue since " + untraced.overdue_since;
   const auto at = [&](double psi) { return unit.short_text(psi); };
   const std::string covering = untraced.corrected

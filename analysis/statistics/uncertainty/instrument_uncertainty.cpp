@@ -31,7 +31,7 @@ CertificateCovers covers_of(const db::DeviceRecord& device) {
                                 : CertificateCovers::kNotStated;
 }
 
-const char* in_words(CertificateCovers covers) {
+const char* display_text(CertificateCovers covers) {
   return covers == CertificateCovers::kChain        ? "the whole chain"
          : covers == CertificateCovers::kTransducer ? "the transducer alone"
                                                     : "not stated";

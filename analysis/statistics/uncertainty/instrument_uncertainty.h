@@ -15,7 +15,7 @@ namespace tactbench::analysis {
 // Of what the certificate speaks: the sensing element by itself, or with what reads it, as it was in the run.
 enum class CertificateCovers { kNotStated, kChain, kTransducer };
 CertificateCovers covers_of(const db::DeviceRecord& device);
-const char* in_words(CertificateCovers covers);  // "the whole chain", "the transducer alone", "not stated"
+const char* display_text(CertificateCovers covers);  // "the whole chain", "the transducer alone", "not stated"
 
 // Why a part of the chain has no row of its own. `from`: it needs none, and why. Both empty: it has one.
 struct ChainPart {

@@ -54,7 +54,7 @@ void read_certificate(const ReferenceJson& calibration, ReferenceUncertainty& re
 void find_range(const ReferenceJson& calibration, const db::RunRecord& run, ReferenceUncertainty& reference) {
   const std::vector<double> stated = numbers_in(calibration, "certificate_range_psi");
   if (stated.size() == 2) reference.low_psi = stated[0], reference.high_psi = stated[1];
-  Untraced beyond;
+  TraceabilityGap beyond;
   if (calibration.contains("correction") && calibration["correction"].is_object()) {
     const std::vector<double> readings = numbers_in(calibration["correction"], "reading_psi");
     const std::vector<double> corrections = numbers_in(calibration["correction"], "correction_psi");
@@ -113,7 +113,7 @@ void read_limits(const ReferenceJson& calibration, ReferenceUncertainty& referen
   }
 }
 
-void say_what_is_missing(ReferenceUncertainty& reference) {
+void set_missing_reasons(ReferenceUncertainty& reference) {
   if (reference.reading_psi.empty())
     reference.certificate_missing =
         reference.independent
@@ -159,8 +159,8 @@ bool ReferenceUncertainty::holds_at(double pressure_psi) const {
   return pressure_psi >= low_psi - spare && pressure_psi <= high_psi + spare;
 }
 
-std::optional<Untraced> ReferenceUncertainty::untraced() const {
-  return overdue ? Untraced{.overdue_since = calibration.due} : beyond;
+std::optional<TraceabilityGap> ReferenceUncertainty::untraced() const {
+  return overdue ? TraceabilityGap{.overdue_since = calibration.due} : beyond;
 }
 
 double ReferenceUncertainty::certificate_u(double pressure_psi) const {
@@ -221,7 +221,7 @@ ReferenceUncertainty reference_uncertainty(const db::RunRecord& run, std::span<c
   }
   reference.overdue = due_state(reference.calibration, run.started_utc) == DueState::kOverdue;
   set_drift(reference, run.started_utc);
-  say_what_is_missing(reference);
+  set_missing_reasons(reference);
   return reference;
 }
 

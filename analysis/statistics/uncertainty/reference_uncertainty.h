@@ -39,11 +39,11 @@ struct ReferenceUncertainty {
   double coverage_factor = 2.0;
   // Pressures that it holds for; no ends: it states none.
   double low_psi = -std::numeric_limits<double>::infinity(), high_psi = std::numeric_limits<double>::infinity();
-  std::optional<Untraced> beyond;  // pressures of the run lie outside, not traceable
-  double drift_stated_psi = 0.0;   // limit of the change from calibration to due date; 0: not stated
-  double drift_psi = 0.0;          // limit on the run's day: the stated one, times drift_growth(); never less
-  std::string drift_basis;         // the same in words
-  double resolution_psi = 0.0;     // one digit or one converter step; 0: not known
+  std::optional<TraceabilityGap> beyond;  // pressures of the run lie outside, not traceable
+  double drift_stated_psi = 0.0;          // limit of the change from calibration to due date; 0: not stated
+  double drift_psi = 0.0;                 // limit on the run's day: the stated one, times drift_growth(); never less
+  std::string drift_basis;                // the same in words
+  double resolution_psi = 0.0;            // one digit or one converter step; 0: not known
   CertificateCovers covers = CertificateCovers::kNotStated;
   std::array<ReferenceLimit, kReferenceParts> limits;  // by ReferencePart
   [[nodiscard]] const ReferenceLimit& limit(ReferencePart part) const { return limits[static_cast<std::size_t>(part)]; }
@@ -53,7 +53,7 @@ struct ReferenceUncertainty {
   // Within 1 % of the range beyond its ends, by which a regulator misses its set-point, counts as held.
   [[nodiscard]] bool holds_at(double pressure_psi) const;
   // Why errors against the reference are not traceable: overdue, or beyond the certificate; none: they are.
-  [[nodiscard]] std::optional<Untraced> untraced() const;
+  [[nodiscard]] std::optional<TraceabilityGap> untraced() const;
   // u(p) = U(p) / k in psi (JCGM 100, 4.3.3), between the certificate's points linear, beyond them the last one's.
   [[nodiscard]] double certificate_u(double pressure_psi) const;
   [[nodiscard]] double largest_certificate_u() const;

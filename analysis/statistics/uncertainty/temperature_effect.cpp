@@ -78,7 +78,7 @@ int most_repeats(const Dataset& dataset) {
 // None where the run does not sweep the calibration's levels. Like is held against like: as many first repeats of both,
 // for a film that is being conditioned changes from repeat to repeat.
 std::optional<ThermalRun> thermal_run(const Dataset& dataset, const Dataset& calibration, const Fitted& fitted) {
-  const CommonOptions first{.first_repeat = 0,
+  const RepeatOptions first{.first_repeat = 0,
                             .last_repeat = std::min(most_repeats(dataset), most_repeats(calibration)) - 1};
   const std::optional<ExternalLoop> theirs = loop_of(dataset, first), ours = loop_of(calibration, first);
   if (!theirs || !ours) return std::nullopt;
@@ -130,14 +130,15 @@ LineOverKelvin line_over_kelvin(std::span<const ThermalRun> runs, double OutputC
   }
   if (line.repeats_dof > 0.0) line.repeats_u = std::sqrt(within / line.repeats_dof * weighted);
   line.runs_dof = n - 2.0;
-  if (line.runs_dof > 0.0) line.runs_u = std::sqrt(squares_off(fit, kelvins, changes) / line.runs_dof / fit.xx);
+  if (line.runs_dof > 0.0)
+    line.runs_u = std::sqrt(residual_sum_of_squares(fit, kelvins, changes) / line.runs_dof / fit.xx);
   return line;
 }
 
 // Standard deviation of the taxels' own slopes. A taxel's mean need not be taken off: the kelvins add up to 0.
 double deviation_of_taxels(std::span<const ThermalRun> runs, double OutputChange::*member) {
   const std::vector<double> kelvins = kelvins_of(runs);
-  const double mean_t = mean_by_shares(kelvins), tt = squares_about(kelvins, mean_t);
+  const double mean_t = mean_by_shares(kelvins), tt = sum_of_squares_about(kelvins, mean_t);
   std::vector<double> slopes;
   for (std::size_t taxel = 0; taxel < runs.front().taxels.size(); ++taxel) {
     double ty = 0.0;
@@ -182,7 +183,7 @@ double TemperatureEffect::width_v(double over_zero_v) const {
   return half_width_c() * std::sqrt(squares);
 }
 
-std::string TemperatureEffect::in_words() const {
+std::string TemperatureEffect::display_text() const {
   if (!assessed()) return {};
   const auto [coldest, warmest] = std::ranges::minmax(temperature_c);
   return fmt::format(

@@ -43,7 +43,8 @@ struct TemperatureEffect {
   // Half-width in volt at an output so far over its zero: half_width_c times the root of the squares of coefficient,
   // its u and the taxels' deviation.
   [[nodiscard]] double width_v(double over_zero_v) const;
-  [[nodiscard]] std::string in_words() const;  // what was found, and what is not kept apart; empty when not assessed
+  [[nodiscard]] std::string display_text()
+      const;  // what was found, and what is not kept apart; empty when not assessed
 };
 
 double mean_temperature_c(const Dataset& dataset);  // NaN without readings

@@ -150,7 +150,7 @@ void keep_given(const UncertaintyInputs& inputs, Uncertainty& out) {
   };
   keep(UncertaintySource::kUniformity, inputs.uniformity);
   keep(UncertaintySource::kMounting, inputs.mounting);
-  keep(UncertaintySource::kMountingOwn, inputs.mounting_own);
+  keep(UncertaintySource::kMountingPerTaxel, inputs.mounting_per_taxel);
   if (out.reference.drift_missing.empty())
     out.from[static_cast<std::size_t>(UncertaintySource::kDrift)] = out.reference.drift_basis;
   for (std::size_t part = 0; part < kReferenceParts; ++part)
@@ -158,8 +158,8 @@ void keep_given(const UncertaintyInputs& inputs, Uncertainty& out) {
         out.reference.limits[part].part.from;
   out.creep = inputs.creep;
   out.temperature = inputs.temperature;
-  out.from[static_cast<std::size_t>(UncertaintySource::kCreep)] = inputs.creep.in_words();
-  out.from[static_cast<std::size_t>(UncertaintySource::kTemperature)] = inputs.temperature.in_words();
+  out.from[static_cast<std::size_t>(UncertaintySource::kCreep)] = inputs.creep.display_text();
+  out.from[static_cast<std::size_t>(UncertaintySource::kTemperature)] = inputs.temperature.display_text();
 }
 
 }  // namespace
@@ -213,8 +213,8 @@ Uncertainty assess_uncertainty(const Dataset& measured, const SensorModel& measu
   }
   out.chosen = chosen_level(out.levels);
   out.dwell = maker.dwell();
-  out.conditions = counted_uncertainty(maker.counted(), fit, maker.corrections(), errors.levels,
-                                       [&](double psi) { return maker.hidden_psi(psi); });
+  out.conditions = empirical_uncertainty(maker.counted(), fit, maker.corrections(), errors.levels,
+                                         [&](double psi) { return maker.unobservable_u_psi(psi); });
   return out;
 }
 
@@ -229,10 +229,10 @@ std::vector<ConditionUncertainty> reading_conditions(const Dataset& measured, co
   fit.falling = false;
   const ReferenceUncertainty reference = reference_uncertainty(run);
   const bool certified = reference.certificate_missing.empty();
-  return counted_uncertainty(counted_errors(dataset, rising.inputs.history, fit, threads), fit,
-                             mean_errors(sweeps, fit.array().size()), sweeps.levels, [&](double psi) {
-                               return certified && reference.holds_at(psi) ? reference.combined_u(psi) : kNan;
-                             });
+  return empirical_uncertainty(empirical_errors(dataset, rising.inputs.history, fit, threads), fit,
+                               mean_errors(sweeps, fit.array().size()), sweeps.levels, [&](double psi) {
+                                 return certified && reference.holds_at(psi) ? reference.combined_u(psi) : kNan;
+                               });
 }
 
 // One budget: what contributes to the uncertainty of a compensated reading, and how much.
@@ -322,11 +322,12 @@ void BudgetMaker::find_missing(const Dataset& dataset) {
   if (!inputs_.temperature.assessed() && dataset.temperatures_c.empty())
     missing(UncertaintySource::kTemperature) = "the run has no temperature readings";
   if (!inputs_.mounting) missing(UncertaintySource::kMounting) = "no runs of this sensor mounted anew";
-  if (!inputs_.mounting_own) missing(UncertaintySource::kMountingOwn) = "no runs of this sensor mounted anew";
+  if (!inputs_.mounting_per_taxel)
+    missing(UncertaintySource::kMountingPerTaxel) = "no runs of this sensor mounted anew";
   if (errors_.groups < 2)
     missing(UncertaintySource::kConditioning) = "all full sweeps have the same way behind them: one group";
   missing(UncertaintySource::kDwell) = dwell_.not_assessed;
-  if (!any_way(reversals_))
+  if (!has_any_branch(reversals_))
     missing(UncertaintySource::kHistory) = "neither this run nor a held-out one has inner branches";
 }
 
@@ -449,7 +450,7 @@ GroupedScatter grouped_scatter(std::span<const double> errors, std::span<const i
   double squares_within = 0.0, squares_between = 0.0, n_squares = 0.0;
   for (const std::vector<double>& own : groups) {
     const double mean = mean_of(own), n = static_cast<double>(own.size());
-    squares_within += squares_about(own, mean);
+    squares_within += sum_of_squares_about(own, mean);
     squares_between += n * (mean - all) * (mean - all);
     n_squares += n * n;
   }
@@ -482,11 +483,11 @@ double known_square(const Budget& budget) {
 
 void BudgetMaker::find_histories(const Dataset& dataset, int threads) {
   corrections_ = mean_errors(errors_, fit_.array().size());
-  counted_ = counted_errors(dataset, inputs_.history, fit_, threads);
+  counted_ = empirical_errors(dataset, inputs_.history, fit_, threads);
   std::vector<FrameHistory> reversals = counted_.in(UseCondition::kReversals).histories;
   std::ranges::copy(counted_.in(UseCondition::kSmallReversals).histories, std::back_inserter(reversals));
   reversals_ = pooled_errors(reversals, fit_, corrections_);
-  if (!any_way(reversals_)) {
+  if (!has_any_branch(reversals_)) {
     const FrameErrors own = frame_errors(dataset, fit_, threads);
     FrameHistory inner{&own, {}};
     for (std::size_t i = 0; i < own.frames.size(); ++i)
@@ -558,10 +559,10 @@ void BudgetMaker::add_given(Budget& budget) const {
   };
   add_it(UncertaintySource::kUniformity, inputs_.uniformity, 0.0);
   add_it(UncertaintySource::kMounting, inputs_.mounting, 1.0);
-  add_it(UncertaintySource::kMountingOwn, inputs_.mounting_own, 0.0);
+  add_it(UncertaintySource::kMountingPerTaxel, inputs_.mounting_per_taxel, 0.0);
 }
 
-double BudgetMaker::hidden_psi(double pressure_psi) const {
+double BudgetMaker::unobservable_u_psi(double pressure_psi) const {
   if (!reference_.certificate_missing.empty() || !reference_.holds_at(pressure_psi)) return kNan;
   return std::hypot(reference_.combined_u(pressure_psi),
                     inputs_.uniformity ? inputs_.uniformity->u(pressure_psi) : 0.0);

@@ -44,7 +44,7 @@ enum class UncertaintySource {
   kCreep,
   kTemperature,
   kMounting,
-  kMountingOwn,
+  kMountingPerTaxel,
   kConditioning,
   kDwell,
   kHistory,
@@ -69,9 +69,9 @@ struct GivenUncertainty {
   [[nodiscard]] double u(double pressure_psi) const { return std::hypot(psi, share * pressure_psi); }
 };
 struct UncertaintyInputs {
-  std::optional<GivenUncertainty> uniformity;    // the chamber's pressure over the array
-  std::optional<GivenUncertainty> mounting;      // between two mounts, what all taxels have in common
-  std::optional<GivenUncertainty> mounting_own;  // between two mounts, a taxel's own
+  std::optional<GivenUncertainty> uniformity;          // the chamber's pressure over the array
+  std::optional<GivenUncertainty> mounting;            // between two mounts, what all taxels have in common
+  std::optional<GivenUncertainty> mounting_per_taxel;  // between two mounts, a taxel's own
   HistoryRuns history = {};
   // What moves the output, times the inverse's slope: one share of p would hide where the curve is flat.
   CreepEffect creep = {};                  // of a reading later than the calibration's
@@ -159,10 +159,10 @@ class BudgetMaker {
   [[nodiscard]] Budget budget(std::size_t taxel, std::size_t level) const;
   [[nodiscard]] const std::array<std::string, kUncertaintySources>& missing() const { return missing_; }
   [[nodiscard]] const DwellEffect& dwell() const { return dwell_; }
-  [[nodiscard]] const CountedErrors& counted() const { return counted_; }
+  [[nodiscard]] const EmpiricalErrors& counted() const { return counted_; }
   [[nodiscard]] const LevelCorrections& corrections() const { return corrections_; }  // mean errors of full sweeps
   // u of the effects that no run of this sensor in this chamber against this reference can show; NaN: not known.
-  [[nodiscard]] double hidden_psi(double pressure_psi) const;
+  [[nodiscard]] double unobservable_u_psi(double pressure_psi) const;
 
  private:
   void find_missing(const Dataset& dataset);
@@ -185,7 +185,7 @@ class BudgetMaker {
   const ReferenceUncertainty& reference_;
   const UncertaintyInputs& inputs_;
   LevelCorrections corrections_;
-  CountedErrors counted_;
+  EmpiricalErrors counted_;
   std::vector<WindowErrors> reversals_;  // of held-out runs, else of the calibration's own inner branches
   DwellEffect dwell_;
   std::vector<double> common_scatter_;  // levels: share of the scatter between sweeps that is common to the taxels

@@ -66,18 +66,18 @@ class Calibration {
   void carry_out() {
     check();
     print_stage(1, "sensor", sensor());
-    with_way_on([this] { print_stage(2, "measure", measured()); });
-    with_way_on([this] { print_stage(3, "held out", held_out()); });
-    with_way_on([this] { print_stage(4, "fit", fitted()); });
-    with_way_on([this] { print_stage(5, "report", reported()); });
+    with_resume_command([this] { print_stage(2, "measure", measured()); });
+    with_resume_command([this] { print_stage(3, "held out", held_out()); });
+    with_resume_command([this] { print_stage(4, "fit", fitted()); });
+    with_resume_command([this] { print_stage(5, "report", reported()); });
     if (!result_.registered) {
       const SensorState found =
           sensor_state(db::RunStore::open_read_only(session_.db), result_.sensor, analysis::Laboratory());
       if (found.drift) result_.drift = drift_text(found);
     }
     if (session_.json) return print_json("calibrate", calibration_json(result_));
-    if (const std::string word = large_verdict(result_.judgement); !word.empty() && !session_.quiet)
-      tty::print("\n{}\n", large_word(word, "  "));
+    if (const std::string word = verdict_banner(result_.judgement); !word.empty() && !session_.quiet)
+      tty::print("\n{}\n", block_letters(word, "  "));
     print_document(verdict_document(result_, session_), result_.unit);
     if (session_.quiet) tty::print("report {}: {}\n", result_.report_number, result_.report_path);
   }
@@ -285,12 +285,12 @@ class Calibration {
 
   // Does a stage's work; what it throws names the command that continues.
   template <class Work>
-  void with_way_on(const Work& work) {
+  void with_resume_command(const Work& work) {
     try {
       work();
     } catch (...) {
       const Error error = as_error(std::current_exception());
-      const std::string way = way_on(error);
+      const std::string way = resume_command(error);
       if (way.empty()) throw;
       std::string remedy = error.remedy();
       if (remedy.ends_with('.')) remedy.pop_back();
@@ -306,14 +306,14 @@ class Calibration {
                                                  : error.rig_state();
   }
 
-  [[nodiscard]] std::string way_on(const Error& error) {
+  [[nodiscard]] std::string resume_command(const Error& error) {
     // Seated badly, or hopeless: that run is not worth completing.
     const bool measure_anew = error.code() == ExitCode::kCriterionFailed;
     const bool resumed = begun_ != 0 && !measure_anew;
     std::int64_t run = result_.run, held_out = result_.held_out;
     if (resumed) (run == 0 ? run : held_out) = begun_;
     if (run == 0 && begun_ == 0) return {};
-    const std::string again = calibrate_again(options_, session_, run, held_out);
+    const std::string again = resume_command_line(options_, session_, run, held_out);
     return resumed ? fmt::format("to continue: tactbench resume {} --db {}, then {}", begun_, command_word(session_.db),
                                  again)
                    : "to continue: " + again;
@@ -337,8 +337,8 @@ const std::vector<CalibrationForm>& calibration_forms() {
   return forms;
 }
 
-std::string calibrate_again(const CalibrateOptions& options, Session& session, std::int64_t run,
-                            std::int64_t held_out) {
+std::string resume_command_line(const CalibrateOptions& options, Session& session, std::int64_t run,
+                                std::int64_t held_out) {
   const CalibrateOptions standard;
   const OperatorProfile& profile = session.profile.values();
   std::string words = "tactbench calibrate " + command_word(options.serial);
@@ -499,7 +499,7 @@ nlohmann::ordered_json calibration_json(const CalibrationResult& result) {
   return {JSON_FIELDS(result, sensor, registered, origin, run, held_out),
           {"model", analysis::label_of(result.fit.model)},
           {"limits", result.limits},
-          {"verdict", analysis::verdict_word(verdict)},
+          {"verdict", analysis::verdict_text(verdict)},
           {"shown", verdict ? shown_verdict(*verdict, result.origin) : std::string("no verdict")},
           {"statement", headline(result.judgement, result.origin, analysis::PressureUnit::kPsi)},
           {"bad_taxels", bad},
@@ -527,7 +527,7 @@ const std::map<char, Letter>& letters() {
 
 }  // namespace
 
-std::string large_word(const std::string& word, const std::string& margin) {
+std::string block_letters(const std::string& word, const std::string& margin) {
   std::string text;
   for (std::size_t row = 0; row < Letter().size(); ++row) {
     std::string line = margin;

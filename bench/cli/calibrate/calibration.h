@@ -31,7 +31,8 @@ struct CalibrateOptions {
 
 // The command line that continues with these options from existing runs: "tactbench calibrate MY-1 --run 1". Options
 // that the profile gives are left out. 0: no such run.
-std::string calibrate_again(const CalibrateOptions& options, Session& session, std::int64_t run, std::int64_t held_out);
+std::string resume_command_line(const CalibrateOptions& options, Session& session, std::int64_t run,
+                                std::int64_t held_out);
 
 // Recipes for the models and for the held-out run, one pair per form; `minutes` chooses among these forms. Longest
 // first.
@@ -79,6 +80,6 @@ nlohmann::ordered_json calibration_json(const CalibrationResult& result);
 
 // `word` in five lines of block letters, each line after `margin` and with a line end, without trailing blanks. Letters
 // A C E F I L N O P S U V in either case; throws std::invalid_argument for any other.
-std::string large_word(const std::string& word, const std::string& margin);
+std::string block_letters(const std::string& word, const std::string& margin);
 
 }  // namespace tactbench::bench

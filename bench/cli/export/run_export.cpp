@@ -84,7 +84,7 @@ void run_document(const db::RunStore& store, const db::RunRecord& run, std::ostr
   stream << head;
   write_list(stream, "frames", [&](const PutItem& put) {
     const std::vector<db::BranchRecord> branches = store.branches(run.run);
-    store.each_frame(run.run, [&](const db::FrameRecord& f) { put(frame_json(f, branch_in(branches, f.branch))); });
+    store.for_each_frame(run.run, [&](const db::FrameRecord& f) { put(frame_json(f, branch_in(branches, f.branch))); });
   });
   write_list(stream, "series", [&](const PutItem& put) {
     for (const db::SeriesRecord& s : store.series(run.run)) {
@@ -185,7 +185,7 @@ void add_run_copy(CLI::App& runs, Session& session) {
                    "numbers of ended runs; with --from also UUIDs; none: the whole store into a new "
                    "file, also while a run is written")
       ->take_all();
-  add_from(*verb, *from);
+  add_from_option(*verb, *from);
   verb->add_option("--to", *file, "the other store; made if it does not exist")->required();
   verb->callback([names, file, from, &session] {
     if (names->empty() && !from->empty())
@@ -196,10 +196,10 @@ void add_run_copy(CLI::App& runs, Session& session) {
       for (const std::string& name : *names) numbers.push_back(run_number(name));
       return copy_runs(numbers, *file, session);
     }
-    FromFleet fleet(session, *from);
+    FleetImport fleet(session, *from);
     std::vector<db::fleet::FleetRun> chosen;
     for (const std::string& name : *names) {
-      chosen.push_back(run_named(fleet.link(), name));
+      chosen.push_back(find_run_by_name(fleet.link(), name));
       numbers.push_back(chosen.back().run);
     }
     fleet.take(chosen);
@@ -312,7 +312,7 @@ void frames_csv(const db::RunStore& store, const db::RunRecord& run, std::ostrea
   std::string text;
   const auto out = std::back_inserter(text);
   stream << run_lines(run, scale);
-  store.each_frame(run.run, [&](const db::FrameRecord& f) {
+  store.for_each_frame(run.run, [&](const db::FrameRecord& f) {
     if (++position == 1) stream << csv_names(f.rows, f.columns, scale.has_value());
     text.clear();
     const db::BranchRecord& b = branch_in(branches, f.branch);

@@ -252,7 +252,7 @@ Json row_of(const fleet::FleetRun& run, Json facts) {
 }
 
 void list_fleet(const ReadOptions& options, const RunsListOptions& wanted, Session& session) {
-  FromFleet from(session, options.from);
+  FleetImport from(session, options.from);
   RunsList list(wanted, session);
   const std::vector<fleet::FleetRun> runs = fleet::find_runs(from.link(), options.origin, options.where);
   for (const fleet::FleetRun& run : runs) {
@@ -273,8 +273,8 @@ void list_fleet(const ReadOptions& options, const RunsListOptions& wanted, Sessi
 
 // A JSON document is one document, so what is the fleet's own goes into lines for people alone.
 void show_fleet(const ReadOptions& options, Session& session) {
-  FromFleet from(session, options.from);
-  const fleet::FleetRun run = fleet::run_named(from.link(), options.run);
+  FleetImport from(session, options.from);
+  const fleet::FleetRun run = fleet::find_run_by_name(from.link(), options.run);
   from.take({run});
   show_run(run.run, session);
   if (!session.json)
@@ -282,7 +282,7 @@ void show_fleet(const ReadOptions& options, Session& session) {
 }
 
 void trend_fleet(const ReadOptions& options, const TrendOptions& trend_options, Session& session) {
-  FromFleet from(session, options.from);
+  FleetImport from(session, options.from);
   std::vector<fleet::FleetRun> runs;  // with figures, since a list of all runs of a fleet is long
   for (fleet::FleetRun& run : fleet::find_runs(from.link(), options.origin, options.where)) {
     const nlohmann::json facts = analysis::try_json(run.facts);

@@ -60,7 +60,7 @@ void check_dynamic(const FitOptions& options) {
         "alone is named",
         "measure the other (tactbench run rate creep-levels) and name both, --rate RUN --creep RUN; or name none, and "
         "both are left in");
-  if (!names_run(models.source) && models.rate_run != 0)
+  if (!is_run_number(models.source) && models.rate_run != 0)
     refuse("lag and creep of a table are found in the table, and runs of them are named",
            "leave out --rate and --creep, or fit a run");
   if (options.for_others || !models.fit.empty() || models.mean_taxel)
@@ -75,9 +75,9 @@ void choose_model(const FitOptions& options, FitModelsOptions& models) {
   else if (models.rate_run != 0 || models.creep_run != 0)
     models.models = {analysis::kDynamicModel};
   else if (options.for_others)
-    models.elam_since = "the options are of other models than dynamic";
+    models.elam_reason = "the options are of other models than dynamic";
   else if (!models.fit.empty() || models.mean_taxel)
-    models.elam_since = "dynamic is of all sequences and of the whole array";
+    models.elam_reason = "dynamic is of all sequences and of the whole array";
 }
 
 void fit(FitOptions options, Session& session) {
@@ -87,7 +87,7 @@ void fit(FitOptions options, Session& session) {
   options.models.identify.free_run = options.mode == "free-run";
   options.models.identify.genetic = options.way == "ga";
   check_dynamic(options);
-  if (names_runs(options.models.source)) return fit_many(options.models, session);
+  if (is_run_list(options.models.source)) return fit_many(options.models, session);
   fit_models(options.models, session);
 }
 
@@ -109,7 +109,7 @@ void add_identification(CLI::App& verb, FitOptions& options) {
   verb.add_flag("--memory", options.models.identify.memory, "ELAM: return-point memory, inner loops close (ours)");
   verb.add_flag("--exact-outer", options.models.identify.exact_outer, "ELAM: external branches follow the patterns");
   verb.add_option("--splits", options.models.identify.splits, "ELAM: split points a branch (ours when more than 1)")
-      ->check(CLI::Range(1, analysis::kMostSplits))
+      ->check(CLI::Range(1, analysis::kMaxSplits))
       ->capture_default_str();
   verb.add_option("--starts", options.models.identify.starts, "GPI: starts of its search")
       ->check(CLI::Range(1, 4096))
@@ -187,16 +187,16 @@ void add_compare(CLI::App& app, Session& session) {
   add_identification(*verb, *options);
   for (const char* const name : {"--fit", "--score"}) verb->get_option(name)->group("Options");
   verb->callback([options, &session] {
-    if (names_runs(options->models.source))
+    if (is_run_list(options->models.source))
       throw Error("TB-USAGE", "models are compared on one run, and several are named", "compare", "name one");
     fit(*options, session);
   });
 }
 
 std::string why_elam(const FitModelsOptions& options, const analysis::Histories& fitted) {
-  if (!options.elam_since.empty() || fitted.origin != "imported") return options.elam_since;
+  if (!options.elam_reason.empty() || fitted.origin != "imported") return options.elam_reason;
   return fmt::format("{} is {}", fitted.source,
-                     names_run(options.source) ? "imported" : "a table; --model dynamic takes one with time_s");
+                     is_run_number(options.source) ? "imported" : "a table; --model dynamic takes one with time_s");
 }
 
 bool without_inner_branches(const analysis::SensorModel& dynamic) {
@@ -236,7 +236,7 @@ std::vector<std::int64_t> chosen_runs(const std::string& source, const db::RunSt
 
 }  // namespace
 
-bool names_runs(const std::string& source) {
+bool is_run_list(const std::string& source) {
   return source.find_first_of("-,") != std::string::npos && !run_ranges(source).empty();
 }
 

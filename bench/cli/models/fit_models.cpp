@@ -49,7 +49,7 @@ std::vector<std::string> not_fitted(const analysis::Histories& histories, const 
 }
 
 // By what turns were told, and with which noise inputs are given back.
-std::string table_words(const analysis::Histories& histories, const std::vector<std::string>& fitted) {
+std::string imported_table_text(const analysis::Histories& histories, const std::vector<std::string>& fitted) {
   const analysis::TaxelHistories& taxel = histories.taxels.back();
   std::size_t branches = 0;
   for (const analysis::History& history : analysis::named(taxel.fit, fitted)) branches += history.branches.size();
@@ -60,7 +60,9 @@ std::string table_words(const analysis::Histories& histories, const std::vector<
 // What is scored is named once, and is not what the models are made from.
 void check_scored(const FitModelsOptions& options, const analysis::Histories& histories) {
   // 01 and 1 are one run.
-  const auto plain = [](const std::string& name) { return names_run(name) ? std::to_string(std::stoll(name)) : name; };
+  const auto plain = [](const std::string& name) {
+    return is_run_number(name) ? std::to_string(std::stoll(name)) : name;
+  };
   std::vector<std::string> named;
   for (const std::string& name : options.score) {
     const bool sequence = std::ranges::find(histories.sequences, name) != histories.sequences.end();
@@ -87,7 +89,7 @@ class Fit {
     if (!options.plot.empty()) check_output(options.plot, kSvgFile, session.replace);
     if (!options.limits.empty()) (void)read_limits(find_config(options.limits));
     if (!options.lab.empty()) laboratory_ = read_laboratory(find_config(options.lab));
-    if (!names_run(options.source)) return;
+    if (!is_run_number(options.source)) return;
     (void)db::RunStore::open_read_only(session.db)
         .run(std::stoll(options.source));  // no store is made for a wrong name
     runs_.emplace(store_.emplace(db::RunStore::open(session.db)));
@@ -111,7 +113,7 @@ class Fit {
 
  private:
   void work() {
-    LongWork progress("fit", session_.quiet || session_.json, fit_stages(options_.models));
+    WorkProgress progress("fit", session_.quiet || session_.json, fit_stages(options_.models));
     options_.table.timed = std::ranges::find(options_.models, analysis::kDynamicModel) != options_.models.end();
     histories_ = read(options_.source, options_.fit);
     // A run of a bench, every taxel of it: what figures are taken on, and verdicts.
@@ -150,7 +152,7 @@ class Fit {
 
   // `fitted`: sequences of it that the models are made from; empty: all.
   analysis::Histories read(const std::string& source, const std::vector<std::string>& fitted) {
-    analysis::Histories histories = names_run(source) && runs_
+    analysis::Histories histories = is_run_number(source) && runs_
                                         ? read_run(*runs_, std::stoll(source), "fit", options_.table, session_, fitted)
                                         : read_source(source, options_.table, session_, fitted);
     return options_.mean_taxel ? analysis::mean_taxel_of(std::move(histories)) : histories;
@@ -166,7 +168,7 @@ class Fit {
         continue;
       }
       others_.push_back(read(name, {}));
-      targets_.push_back({names_run(name) ? "run " + name : name, &others_.back(), {}});
+      targets_.push_back({is_run_number(name) ? "run " + name : name, &others_.back(), {}});
     }
     if (options_.score.empty()) own = not_fitted(histories_, options_.fit);
     if (!own.empty())
@@ -194,7 +196,7 @@ class Fit {
     }
     const analysis::Dataset& fitted = runs_->dataset(histories_.run);
     keep_dynamic(rate.run != 0 ? analysis::fit_dynamic(fitted, runs_->dataset(rate.run), runs_->dataset(creep.run))
-                               : analysis::fit_dynamic_alone(fitted),
+                               : analysis::fit_dynamic_single_run(fitted),
                  rate, creep);
   }
 
@@ -235,7 +237,7 @@ class Fit {
                    session_.replace);
     }
     for (FittedRun& fitted : fitted_) {
-      follow_fit(*store_, *fitted.model, fitted.evaluations.front().evaluation);
+      record_fit_trend(*store_, *fitted.model, fitted.evaluations.front().evaluation);
       if (options_.limits.empty()) continue;
       fitted.judgement = judge_and_store(*store_, *runs_, *fitted.model, fitted.evaluations, options_.limits,
                                          session_.void_too, laboratory_.instruments)
@@ -306,7 +308,7 @@ class Fit {
                     fmt::join(rows_.front().document.sequences, ", "),
                     histories_.taxels.back().taxel == analysis::kMeanTaxel ? "; figures of the mean taxel" : "",
                     histories_.falling ? "; the output falls with the input and is negated" : ""));
-    if (histories_.origin == "imported") add(table_words(histories_, options_.fit));
+    if (histories_.origin == "imported") add(imported_table_text(histories_, options_.fit));
     out.add(fits_document(rows_, session_.all));
     out.add(scores_document(rows_, targets_, histories_.input_unit.empty() ? "input units" : histories_.input_unit,
                             session_.unit(), session_.all));
@@ -441,12 +443,12 @@ std::string dynamics_text(const analysis::SensorModel& fit) {
   if (!fit.dynamics) return {};
   const analysis::Dynamics& d = fit.dynamics->shared;
   const std::string creep =
-      analysis::undoes_creep(*fit.dynamics)
+      analysis::compensates_creep(*fit.dynamics)
           ? fmt::format("removed ({:.1f} % within {:.0f} s)",
                         100.0 * std::accumulate(d.creep_share.begin(), d.creep_share.end(), 0.0), d.creep_s.back())
           : "left in (needs a run of creep-levels)";
   return fmt::format("creep {}; lag {}", creep,
-                     analysis::undoes_lag(*fit.dynamics)
+                     analysis::compensates_lag(*fit.dynamics)
                          ? fmt::format("removed ({:.1f} %, {:.2g} s)", 100.0 * d.lag_share, d.lag_s)
                          : "left in (needs a run of rate)");
 }

@@ -22,7 +22,7 @@ struct FitModelsOptions {
   // models: empty: the dynamic model, or ELAM of what that does not take. score: sequences of the source, runs, tables;
   // empty: what was not fitted.
   std::vector<std::string> models, fit, score;
-  std::string elam_since;                    // why ELAM is made where none is named; empty: the data decide
+  std::string elam_reason;                   // why ELAM is made where none is named; empty: the data decide
   std::vector<std::int64_t> held_out;        // runs that figures are taken on, too
   std::int64_t rate_run = 0, creep_run = 0;  // of the dynamic model; 0: not named
   std::string limits, lab;                   // files

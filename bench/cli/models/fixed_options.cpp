@@ -33,7 +33,7 @@ void add_fixed_options(CLI::App& verb, FixedWords& words) {
 
 analysis::FixedModel fixed_model(const std::string& name, const analysis::SensorModel& model,
                                  analysis::FixedOptions options, const Session& session) {
-  if (options.per_count == 0.0 && names_run(name.substr(0, name.find(':')))) try {
+  if (options.per_count == 0.0 && is_run_number(name.substr(0, name.find(':')))) try {
       const db::RunStore store = db::RunStore::open_read_only(session.db);
       options.per_count = analysis::volts_per_count(store.run(model.run));
     } catch (const analysis::AnalysisError&) {

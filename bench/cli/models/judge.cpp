@@ -31,7 +31,7 @@ void judge(const JudgeOptions& options, Session& session) {
   if (!options.limits.empty()) (void)read_limits(find_config(options.limits));  // before an hour of anything
   const analysis::Laboratory laboratory =
       options.lab.empty() ? analysis::Laboratory() : read_laboratory(find_config(options.lab));
-  const ModelNamed named = model_named(options.model, 0);
+  const ModelReference named = parse_model_reference(options.model, 0);
   (void)db::RunStore::open_read_only(session.db).run(named.run);  // no store is made for a wrong name
   db::RunStore store = db::RunStore::open(session.db);
   analysis::Runs runs(store);
@@ -39,7 +39,7 @@ void judge(const JudgeOptions& options, Session& session) {
   check_models_of_array(runs, model, named);
   (void)named_runs(runs, options.runs, {"judge", named.run}, session.void_too);
   check_independent_of_dynamics(store, model, options.runs);
-  LongWork progress("judge", session.quiet || session.json, {{"figures", 1.0}});
+  WorkProgress progress("judge", session.quiet || session.json, {{"figures", 1.0}});
   progress.begin("figures");
   FittedRun fitted{&model, evaluate_runs(runs, model, options.runs), {}};
   if (!options.limits.empty()) {

@@ -73,7 +73,7 @@ void live(const LiveVerbOptions& options, const Session& session) {
   CsvFile csv(options.csv);
   const auto columns = static_cast<std::size_t>(model.columns);
   const analysis::PressureUnit unit = session.unit();
-  SummedFrame last;
+  FrameSummary last;
   double next_line = 0.0;
   const LiveSummary summary = live_frames(config, model, options.live, [&](const LiveFrame& frame) {
     csv.write(frame);
@@ -129,8 +129,8 @@ void add_live(CLI::App& app, Session& session) {
   });
 }
 
-SummedFrame summed(const LiveFrame& frame) {
-  SummedFrame sum;
+FrameSummary summed(const LiveFrame& frame) {
+  FrameSummary sum;
   int counted = 0;
   for (std::size_t t = 0; t < frame.status.size(); ++t) {
     const unsigned bits = frame.status[t];
@@ -153,7 +153,7 @@ SummedFrame summed(const LiveFrame& frame) {
   return sum;
 }
 
-std::string frame_line(const LiveFrame& frame, const SummedFrame& sum, std::size_t columns,
+std::string frame_line(const LiveFrame& frame, const FrameSummary& sum, std::size_t columns,
                        analysis::PressureUnit unit) {
   const TaxelFlags& flags = sum.flags;
   return fmt::format(
@@ -180,7 +180,7 @@ std::string frame_rows(const LiveFrame& frame) {
   return rows;
 }
 
-nlohmann::ordered_json live_json(const LiveSummary& summary, const SummedFrame& last) {
+nlohmann::ordered_json live_json(const LiveSummary& summary, const FrameSummary& last) {
   const TaxelFlags& flags = last.flags;
   return {{"other_scanner", summary.other_scanner},
           {"outside_validity", summary.outside},

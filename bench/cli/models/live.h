@@ -14,15 +14,15 @@ struct TaxelFlags {
   int flat = 0, unknown = 0, out_of_range = 0, dead = 0, lost = 0, outside = 0;
 };
 
-struct SummedFrame {
+struct FrameSummary {
   double mean_psi = 0.0, highest_psi = 0.0;  // of the taxels that are not dead
   std::size_t highest = 0;                   // the first taxel of that pressure
   TaxelFlags flags;
 };
-SummedFrame summed(const LiveFrame& frame);
+FrameSummary summed(const LiveFrame& frame);
 
 // Both end with a line break.
-std::string frame_line(const LiveFrame& frame, const SummedFrame& sum, std::size_t columns,
+std::string frame_line(const LiveFrame& frame, const FrameSummary& sum, std::size_t columns,
                        analysis::PressureUnit unit);
 std::string summary_line(const LiveSummary& summary);
 
@@ -31,6 +31,6 @@ inline constexpr const char* kFramesHead = "frame,time_s,taxel,pressure_psi,unce
 std::string frame_rows(const LiveFrame& frame);
 
 // The members from "other_scanner" on.
-nlohmann::ordered_json live_json(const LiveSummary& summary, const SummedFrame& last);
+nlohmann::ordered_json live_json(const LiveSummary& summary, const FrameSummary& last);
 
 }  // namespace tactbench::bench

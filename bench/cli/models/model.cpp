@@ -58,7 +58,7 @@ void show(const std::string& name, const Session& session) {
   namespace doc = analysis::doc;
   std::vector<std::pair<std::string, doc::Phrase>> lines;
   const auto line = [&](const char* what, const std::string& value) {
-    lines.emplace_back(what, value.empty() ? "not stated" : one_line(value, kLongestText));
+    lines.emplace_back(what, value.empty() ? "not stated" : one_line(value, kMaxTextLength));
   };
   tty::print("{} of {} ({}), sha256 {}\n", analysis::label_of(model), one_line(model.source), one_line(model.origin),
              analysis::sha256_of(model).substr(0, 12));
@@ -176,7 +176,7 @@ void check_model(const std::string& name, const FitModelsOptions& options, Sessi
     print_json("model.check", json);
     return;
   }
-  tty::print("{} of {} on {}: {}\n", analysis::label_of(model), model.source, histories.source, in_words(drift));
+  tty::print("{} of {} on {}: {}\n", analysis::label_of(model), model.source, histories.source, display_text(drift));
   for (const std::string& line : analysis::outside_validity(model, histories))
     tty::print("  outside the model's validity: {}\n", line);
   tty::print("  mean residual of {}, % FS: as it is {:.3f}, re-zeroed {:.3f}, with gain {:.3f} (tolerance {:.3f})\n",

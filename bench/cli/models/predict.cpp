@@ -247,7 +247,7 @@ void apply(PredictOptions options, const Session& session, analysis::TableNeeds 
   if (!reader.units_line().empty()) text += reader.units_line() + units + "\n";
   if (!options.output.empty()) check_output(options.output, kind_of_file(text), session.replace);
   const auto flush = [&] {
-    const std::string& sent = ::isatty(STDOUT_FILENO) != 0 ? text = for_people(text) : text;
+    const std::string& sent = ::isatty(STDOUT_FILENO) != 0 ? text = terminal_safe(text) : text;
     if (std::fwrite(sent.data(), 1, sent.size(), stdout) != sent.size() || std::fflush(stdout) != 0)
       throw Error("TB-FILE-WRITE", "the table cannot be written", "standard output",
                   "check space and permissions of the file, or who reads the pipe");

@@ -73,7 +73,7 @@ std::vector<ScenarioResult> carry_out_showing(const Suite& suite, const NightOpt
                                               const std::function<void(const std::vector<ScenarioResult>&)>& on_result,
                                               const Session& session) {
   const std::size_t count = suite.scenarios.size();
-  LongWork progress("nightly", session.quiet || session.json, {{analysis::counted(count, "scenario"), 1.0}});
+  WorkProgress progress("nightly", session.quiet || session.json, {{analysis::counted(count, "scenario"), 1.0}});
   analysis::Work carried_out(count);
   return carry_out_night(suite, night, [&](const std::vector<ScenarioResult>& so_far) {
     carried_out.add();
@@ -110,21 +110,21 @@ void nightly(const NightlyOptions& options, Session& session) {
     write_night_lists(options.files, suite, so_far, session);
   };
   std::vector<ScenarioResult> results = carry_out_showing(suite, night, write_lists, session);
-  std::vector<Followed> followed;
+  std::vector<SubjectTrend> followed;
   if (options.keeps) {
     db::RunStore store = db::RunStore::open(session.db, db::Durability::kNormal);
-    take_night({0,
-                whole.name,
-                whole.file,
-                whole.text,
-                to_json(options.selection),
-                shard.number,
-                shard.of,
-                begun,
-                utc_now(),
-                this_build(),
-                {}},
-               whole, results, in_stores_of(night.stores), store);
+    store_night({0,
+                 whole.name,
+                 whole.file,
+                 whole.text,
+                 to_json(options.selection),
+                 shard.number,
+                 shard.of,
+                 begun,
+                 utc_now(),
+                 this_build(),
+                 {}},
+                whole, results, in_stores_of(night.stores), store);
     // One part is compared when all are there.
     if (shard.is_whole()) followed = compare_night(suite, results, store);
     write_night_lists(options.files, suite, results, session);
@@ -176,7 +176,7 @@ void add_nightly(CLI::App& app, Session& session) {
   add_nightly_options(*verb, *options, session);
   verb->callback([options, &session] {
     options->keeps = session.typed("--db");
-    session.take_db_only_as_typed();
+    session.use_db_only_if_typed();
     nightly(*options, session);
   });
 }

@@ -143,7 +143,7 @@ void demo(const DemoOptions& options, Session& session) {
   const StopRequest signals;  // also between the runs
   const BenchConfig bench = read_bench(find_config("simulated.toml"), split_overrides(settings(options)).bench);
   db::RunStore store = open_for_running(session.db, bench);
-  if (options.page) start_page_beside(session.db, bench.id, "demo");
+  if (options.page) start_background_page(session.db, bench.id, "demo");
   const SensorType type = read_sensor_type(find_config("sensor.toml"));
   static constexpr std::array kInSerial = {"", "HARSH-", "FOAM-"};
   const auto kind = static_cast<std::size_t>(bench.simulation->plant.specimen.kind);
@@ -184,10 +184,10 @@ void demo(const DemoOptions& options, Session& session) {
     errors[name] = analysis::evaluate(runs.dataset(numbers[kReversals]), other).mean_error_psi;
   };
   if (!elam) compare(analysis::kElamFit, analysis::fit_array(fitted));
-  compare("monotone", analysis::fit_models_alone("monotone", analysis::histories_of(fitted), {}, {}));
+  compare("monotone", analysis::fit_models_without_residuals("monotone", analysis::histories_of(fitted), {}, {}));
   lap("other models");
-  follow_fit(store, fit, evaluations.front().evaluation);
-  const Judged judged = judge_and_store(store, runs, fit, evaluations, "limits.toml");
+  record_fit_trend(store, fit, evaluations.front().evaluation);
+  const JudgementRecord judged = judge_and_store(store, runs, fit, evaluations, "limits.toml");
   const analysis::Judgement& judgement = judged.judgement;
   std::string number;
   ReportExtras extras;
@@ -269,7 +269,7 @@ void add_demo(CLI::App& app, Session& session) {
   verb->add_flag("--timing", options->timing, "print the time of each stage");
   add_all(*verb, session);
   verb->callback([options, &session] {
-    session.take_db_only_as_typed();
+    session.use_db_only_if_typed();
     demo(*options, session);
   });
 }

@@ -41,7 +41,7 @@ namespace {
 
 // The models named: of a run its standing fit, if that is of the whole array; none where it has none: then the report
 // says what it does not show.
-analysis::SensorModel models_for(analysis::Runs& runs, const ModelNamed& named) {
+analysis::SensorModel models_for(analysis::Runs& runs, const ModelReference& named) {
   const db::RunStore& store = runs.store();
   const std::int64_t model_run = named.run;
   if (named.fit != 0) {
@@ -50,7 +50,7 @@ analysis::SensorModel models_for(analysis::Runs& runs, const ModelNamed& named) 
     return fit;
   }
   if (runs.record(model_run).origin == "imported") check_models_of_array(runs, {}, named);
-  const std::optional<db::FitRecord> record = store.standing_fit(model_run);
+  const std::optional<db::FitRecord> record = store.default_fit(model_run);
   if (!record) return {};
   analysis::SensorModel fit = analysis::load_fit(*record);
   return fit.fitted().empty() ? analysis::SensorModel{} : fit;
@@ -89,7 +89,7 @@ std::vector<NamedEvaluation> evaluations_for(analysis::Runs& runs, const analysi
 analysis::ReportInput input_for(analysis::Runs& runs, const ReportOptions& options, std::int64_t run,
                                 const Session& session) {
   const bool several = options.compare || options.batch;
-  const ModelNamed named = model_named(options.model, run);
+  const ModelReference named = parse_model_reference(options.model, run);
   const std::int64_t model_run = named.run;
   const analysis::SensorModel fit = models_for(runs, named);
   check_independent_of_dynamics(runs.store(), fit, options.held_out);
@@ -103,7 +103,7 @@ analysis::ReportInput input_for(analysis::Runs& runs, const ReportOptions& optio
   const bool by_store = options.held_out.empty() && run == fit.run;
   const std::vector<NamedEvaluation> evaluations =
       evaluations_for(runs, fit, run, by_store ? stored.runs : options.held_out);
-  Judged judged;
+  JudgementRecord judged;
   if (evaluations.empty() && options.limits.empty())
     judged.judgement = judgement_on(runs.store(), run);
   else
@@ -171,7 +171,7 @@ WrittenReport several_runs(analysis::Runs& runs, const ReportOptions& options, c
   return out;
 }
 
-std::string as_found_words(const analysis::AsFound& found, bool by_store, analysis::PressureUnit unit) {
+std::string as_found_text(const analysis::AsFound& found, bool by_store, analysis::PressureUnit unit) {
   return fmt::format("as found, by the models {}{}: mean |error| {}{}", found.model,
                      by_store ? " (--previous none leaves it out)" : "", unit.text(found.evaluation.mean_error_psi, 2),
                      found.judgement.overall ? fmt::format(", {}", to_string(*found.judgement.overall)) : "");
@@ -233,7 +233,7 @@ WrittenReport one_run(db::RunStore& store, analysis::Runs& runs, const ReportOpt
   }
   out.started_utc = input.run.started_utc;
   if (input.more.previous)
-    out.as_found = as_found_words(*input.more.previous, options.extras.previous.empty(), session.unit());
+    out.as_found = as_found_text(*input.more.previous, options.extras.previous.empty(), session.unit());
   out.judgements.push_back(std::move(input.judgement));
   return out;
 }
@@ -300,7 +300,7 @@ WrittenReport write_reports(ReportOptions options, Session& session) {
   if (!options.output.empty()) check_output(options.output, kind_written(options, table), session.replace);
   check_report_runs(runs, options, session);
   const bool one = !options.compare && !options.batch;
-  LongWork progress("report", session.quiet || session.json, report_stages(options));
+  WorkProgress progress("report", session.quiet || session.json, report_stages(options));
   WrittenReport written = table ? table_report(runs, options, session)
                           : one ? one_run(store, runs, options, session)
                                 : several_runs(runs, options, session);
@@ -318,7 +318,7 @@ WrittenReport write_reports(ReportOptions options, Session& session) {
   }
   session.code = exit_code_of(worst_of(written.judgements));
   if (key && written.written) written.signature = sign_file(*key, path, written.report.number);
-  if (written.written && one) keep_file_of_signed(written.path, written.report.number, options.runs.front(), session);
+  if (written.written && one) record_signed_file(written.path, written.report.number, options.runs.front(), session);
   return written;
 }
 
@@ -393,9 +393,9 @@ void add_report(CLI::App& app, Session& session) {
   add_reports_list(*verb, session);
 }
 
-ModelNamed model_named(const std::string& text, std::int64_t run) {
+ModelReference parse_model_reference(const std::string& text, std::int64_t run) {
   if (text.empty()) return {run, 0};
-  ModelNamed named;
+  ModelReference named;
   const char* const end = text.data() + text.size();
   auto read = std::from_chars(text.data(), end, named.run);
   bool good = read.ec == std::errc() && named.run > 0;
@@ -432,7 +432,7 @@ void choose_runs(ReportOptions& options, const db::RunStore& store, bool void_to
     const auto holds = [&](const RunRange& range) { return range.holds(run.run); };
     if ((!ranges.empty() && std::ranges::none_of(ranges, holds)) || !fits_metadata(metadata, run)) continue;
     if ((run.is_void() && !void_too) || run.origin == "imported") continue;
-    if (const std::optional<db::FitRecord> fit = store.standing_fit(run.run); fit && fit->fitted > 0)
+    if (const std::optional<db::FitRecord> fit = store.default_fit(run.run); fit && fit->fitted > 0)
       options.runs.push_back(run.run);
   }
   if (options.runs.empty())
@@ -471,7 +471,7 @@ void check_independent_of_dynamics(const db::RunStore& store, const analysis::Se
                   "--held-out");
 }
 
-void check_models_of_array(analysis::Runs& runs, const analysis::SensorModel& fit, const ModelNamed& named) {
+void check_models_of_array(analysis::Runs& runs, const analysis::SensorModel& fit, const ModelReference& named) {
   const auto refuse = [&](const char* why) {
     throw Error("TB-USAGE",
                 fmt::format("a report cannot use {} {}{}: {}", named.fit == 0 ? "the models of run" : "fit", named.run,
@@ -505,7 +505,7 @@ void check_report_runs(analysis::Runs& runs, const ReportOptions& options, const
     (void)named_runs(runs, options.runs, {"report --compare and --batch"}, session.void_too);
     return;
   }
-  const ModelNamed named = model_named(options.model, run);
+  const ModelReference named = parse_model_reference(options.model, run);
   const std::int64_t model_run = named.run;
   if (model_run != run) (void)named_runs(runs, {model_run}, {"--model"}, session.void_too);
   (void)named_runs(runs, {options.runs.begin() + 1, options.runs.end()}, {"runs after the report's own"},

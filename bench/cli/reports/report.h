@@ -36,11 +36,11 @@ void add_sign_options(CLI::App& verb, ReportOptions& options);
 
 // The run and fit (0: the standing one, of its dynamic model and ELAM the newer) whose models are used; {`run`, 0}
 // where none is named.
-struct ModelNamed {
+struct ModelReference {
   std::int64_t run = 0, fit = 0;
 };
 // Throws TB-USAGE.
-ModelNamed model_named(const std::string& text, std::int64_t run);
+ModelReference parse_model_reference(const std::string& text, std::int64_t run);
 
 // The runs named; with --batch also of ranges and of a lot or order those that have models and count. Throws TB-USAGE.
 void choose_runs(ReportOptions& options, const db::RunStore& store, bool void_too);
@@ -53,7 +53,7 @@ void check_independent_of_dynamics(const db::RunStore& store, const analysis::Se
                                    const std::vector<std::int64_t>& held_out);
 
 // Models named by RUN:FIT are of a run that the bench made and of single taxels. Throws TB-USAGE.
-void check_models_of_array(analysis::Runs& runs, const analysis::SensorModel& fit, const ModelNamed& named);
+void check_models_of_array(analysis::Runs& runs, const analysis::SensorModel& fit, const ModelReference& named);
 
 // Checks that all runs on the command line exist and may be used (evidence.h). The report's own run may be void.
 void check_report_runs(analysis::Runs& runs, const ReportOptions& options, const Session& session);

@@ -41,8 +41,8 @@ void check_signature(const analysis::Judgement& judgement, std::int64_t run, con
                     run));
   }
   if (exit_code_of(judgement.overall) == ExitCode::kPass) return;
-  std::string word = analysis::verdict_word(judgement.overall);
-  if (judgement.not_judged) word += ", not judged: " + in_words(*judgement.not_judged, session.unit());
+  std::string word = analysis::verdict_text(judgement.overall);
+  if (judgement.not_judged) word += ", not judged: " + display_text(*judgement.not_judged, session.unit());
   tty::print(stderr, "warning: signed with the verdict {}\n", shown_verdict(word, origin));
 }
 
@@ -116,11 +116,11 @@ struct Finding {
   std::optional<SignatureFinding> signature = {};
 };
 
-Finding look_at(const KnownReport& known, const std::string& path) {
+Finding inspect_report(const KnownReport& known, const std::string& path) {
   Finding out;
   out.file = path;
   out.sha256 = db::sha256_hex(
-      analysis::whole_file(path, {.most_bytes = kLargestReport}, "TB-TABLE-OPEN", "check its name and rights"));
+      analysis::read_whole_file(path, {.max_bytes = kLargestReport}, "TB-TABLE-OPEN", "check its name and rights"));
   const std::string& notes = known.run.notes;
   if (const std::size_t at = notes.find(report_file_note(known.report.number, out.sha256)); at != std::string::npos) {
     const std::size_t begin = at == 0 ? 0 : notes.rfind('\n', at) + 1;  // npos + 1 is 0
@@ -142,7 +142,7 @@ void tell_file(const Finding& one) {
   tty::print("file      {}{}{}\n", one_line(one.file), one.file.empty() ? "" : ": ", one.words);
   if (!one.signature) return;
   const SignatureFinding& signature = *one.signature;
-  tty::print("signature {}{}{}\n", one_line(signature.words, kLongestText),
+  tty::print("signature {}{}{}\n", one_line(signature.words, kMaxTextLength),
              signature.signer.empty() ? "" : "; by " + one_line(signature.signer),
              signature.signed_utc.empty() ? "" : ", " + signature.signed_utc + " by the signer's clock");
 }
@@ -191,12 +191,12 @@ void tell(const std::string& number, const std::optional<KnownReport>& known, co
   if (known && evidence.fallen.empty() && evidence.missing.empty())
     tty::print("evidence  holds: none of the {} that it rests on is void or changed\n",
                analysis::counted(known->report.evidence.size(), "run"));
-  for (const std::string& line : evidence.fallen) tty::print("evidence  FALLEN: {}\n", one_line(line, kLongestText));
+  for (const std::string& line : evidence.fallen) tty::print("evidence  FALLEN: {}\n", one_line(line, kMaxTextLength));
   for (const std::string& line : evidence.missing)
-    tty::print("evidence  cannot be told: {}\n", one_line(line, kLongestText));
+    tty::print("evidence  cannot be told: {}\n", one_line(line, kMaxTextLength));
   if (known && !known->next.number.empty())
     tty::print("replaced by report {}{}{}\n", known->next.number, known->next.reason.empty() ? "" : ": ",
-               one_line(known->next.reason, kLongestText));
+               one_line(known->next.reason, kMaxTextLength));
 }
 
 }  // namespace
@@ -205,13 +205,13 @@ std::string report_file_note(const std::string& number, const std::string& sha25
   return fmt::format("file of the signed report {}: sha256 {}", number, sha256);
 }
 
-void keep_file_of_signed(const std::string& path, const std::string& number, std::int64_t run, const Session& session) {
+void record_signed_file(const std::string& path, const std::string& number, std::int64_t run, const Session& session) {
   if (!std::filesystem::is_regular_file(path)) return;
   const db::RunStore store = db::RunStore::open_read_only(session.db);
   const std::vector<db::ReportRecord> signed_ones = store.reports(run);
   if (std::ranges::find(signed_ones, number, &db::ReportRecord::number) == signed_ones.end()) return;
   const std::string bytes =
-      analysis::whole_file(path, {.most_bytes = kLargestReport}, "TB-TABLE-OPEN", "check its name and rights");
+      analysis::read_whole_file(path, {.max_bytes = kLargestReport}, "TB-TABLE-OPEN", "check its name and rights");
   const std::string line = report_file_note(number, db::sha256_hex(bytes));
   if (store.run(run).notes.find(line) != std::string::npos) return;
   try {
@@ -246,12 +246,12 @@ void verify_report(const std::string& named, const std::string& root, Session& s
                         fmt::format("report {} is none that was signed in {}", number, session.db),
                         ExitCode::kCriterionFailed});
   } else if (is_file) {
-    findings.push_back(look_at(*known, named));
+    findings.push_back(inspect_report(*known, named));
   } else {
     for (const char* ending : kReportEndings)
       if (const std::string path = report_path(store, fmt::format("run-{}.{}", number, ending));
           std::filesystem::is_regular_file(path))
-        findings.push_back(look_at(*known, path));
+        findings.push_back(inspect_report(*known, path));
     if (findings.empty())
       findings.push_back(
           {"", "", "no file", "its file does not lie beside the store: name it", ExitCode::kInconclusive});
@@ -301,7 +301,7 @@ void list(std::int64_t only, const Session& session) {
             file.empty() ? "elsewhere" : one_line(file)}});
       const auto remark = [&](const char* what, const std::string& text) {
         out.add(
-            analysis::doc::Paragraph{{fmt::format("{}: {}: {}", report.number, what, one_line(text, kLongestText))}});
+            analysis::doc::Paragraph{{fmt::format("{}: {}: {}", report.number, what, one_line(text, kMaxTextLength))}});
       };
       for (const std::string& why : void_runs) remark("its evidence fell", why);
       if (!report.reason.empty()) remark("reason", report.reason);

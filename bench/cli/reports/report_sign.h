@@ -34,7 +34,7 @@ std::string report_file_note(const std::string& number, const std::string& sha25
 
 // Records the hash of a written file where report `number` is signed; a path that is not a regular file is skipped. A
 // store that cannot be written is a warning.
-void keep_file_of_signed(const std::string& path, const std::string& number, std::int64_t run, const Session& session);
+void record_signed_file(const std::string& path, const std::string& number, std::int64_t run, const Session& session);
 
 // `named`: a file, or the number of a signed report, whose files next to the store are checked. Sets session.code: pass
 // where a file is unchanged and its run counts, criterion failed where something was changed or the run is void,

@@ -49,7 +49,7 @@ CLI::Validator as_psi() {
 
 // Called in every wait of this verb while it controls the chamber.
 void check_interruptions(Rig& rig, const StopRequest& stop) {
-  tell_dead_man_news(rig);
+  print_dead_man_notices(rig);
   check_dead_man(rig);
   rig.guard().check_witnesses();
   if (stop.signal() != 0) stopped("stopped by a signal");
@@ -197,7 +197,7 @@ void calibrate(const CalibrationOptions& options, const Session& session) {
   }
   const SafeProof proof = make_safe(rig, {});
   if (proof.state == db::SafeState::kVerified) rig.dismiss_dead_man();
-  tell_dead_man_news(rig);
+  print_dead_man_notices(rig);
   const std::string safe = proof.text.in(session.unit());
   tty::print(stderr, "{}\n", safe);
   if (failed) {

@@ -54,7 +54,7 @@ void show(const ConfigOptions& options, Session& session) {
   std::size_t widest = 0;
   std::vector<std::string> lines;
   for (const sequences::Setting& setting : shown) {
-    lines.push_back(one_line(fmt::format("{} = {}", setting.key, setting.value), kLongestText));
+    lines.push_back(one_line(fmt::format("{} = {}", setting.key, setting.value), kMaxTextLength));
     widest = std::max(widest, display_width(lines.back()));
   }
   widest = std::min<std::size_t>(widest, 72);

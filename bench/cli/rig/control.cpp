@@ -28,7 +28,7 @@ namespace tactbench::bench {
 
 namespace {
 
-struct ControlOptions : NamedRun {  // bench of `resume`: a file
+struct ControlOptions : LiveRunSelector {  // bench of `resume`: a file
   std::string on_event;
   bool assume_yes = false, abort = false;
 };
@@ -37,15 +37,16 @@ struct ControlOptions : NamedRun {  // bench of `resume`: a file
 LiveRun taken_by(const LiveRun& chosen, Command command) {
   std::optional<LiveRun> answer = send_command(chosen.name, command, chosen.server);
   if (!answer) {
-    refuse_word("TB-RUN-NOT-LIVE", fmt::format("run {} no longer answers", chosen.status.run), shown_name(chosen.name),
-                fmt::format("see `tactbench runs show {} --db {}`", chosen.status.run, chosen.status.store));
+    refuse_command("TB-RUN-NOT-LIVE", fmt::format("run {} no longer answers", chosen.status.run),
+                   shown_name(chosen.name),
+                   fmt::format("see `tactbench runs show {} --db {}`", chosen.status.run, chosen.status.store));
   }
   if (answer->denied) {
-    refuse_word("TB-RUN-DENIED", fmt::format("the run on bench '{}': {}", answer->bench, answer->text),
-                shown_name(chosen.name), "give the command as one of these users");
+    refuse_command("TB-RUN-DENIED", fmt::format("the run on bench '{}': {}", answer->bench, answer->text),
+                   shown_name(chosen.name), "give the command as one of these users");
   }
   if (!answer->taken) {
-    refuse_word("TB-RUN-WORD", answer->text, shown_name(chosen.name), "see `tactbench runs list`");
+    refuse_command("TB-RUN-WORD", answer->text, shown_name(chosen.name), "see `tactbench runs list`");
   }
   return *std::move(answer);
 }
@@ -70,7 +71,8 @@ void say(const ControlOptions& options, const Session& session, Command command,
   const bool named = !options.bench.empty() || options.db_given || options.run != 0;
   const bool all = command == Command::kPanic && named && found.runs.size() > 1;
   const std::optional<LiveRun> chosen =
-      all ? std::nullopt : std::optional(only_one(found, options, to_string(command), command == Command::kPanic));
+      all ? std::nullopt
+          : std::optional(require_single_run(found, options, to_string(command), command == Command::kPanic));
   for (const SilentBench& silent : found.silent)
     if (!silent.stranger) tty::print(stderr, "warning: {}\n", silent_text(silent));
   const LiveRun answer = all ? panic_all(found.runs) : taken_by(*chosen, command);
@@ -100,14 +102,14 @@ void resume(const ControlOptions& options, Session& session) {
       return run.outcome != db::Outcome::kCompleted && !run.is_void() && run.origin != "imported";
     });
     if (open != runs.rend())
-      refuse_word("TB-RUN-NOT-LIVE", "no run is live", session.db,
-                  fmt::format("the last one that did not complete: tactbench resume {}", open->run));
+      refuse_command("TB-RUN-NOT-LIVE", "no run is live", session.db,
+                     fmt::format("the last one that did not complete: tactbench resume {}", open->run));
   }
   // A number alone must not resume a run of another store when this store's was meant.
   const bool ours = std::any_of(found.runs.begin(), found.runs.end(),
                                 [&](const LiveRun& run) { return same_store(run.status.store, session.db); });
   if (options.run != 0 && !options.db_given && !ours && std::filesystem::exists(session.db)) {
-    refuse_word(
+    refuse_command(
         "TB-RUN-AMBIGUOUS", fmt::format("a live run {} belongs to another store than '{}'", options.run, session.db),
         "runs listed in /proc/net/unix as " + shown_name(""),
         fmt::format("name its store: tactbench resume {} --db STORE; live: {}", options.run, listed(found.runs)));
@@ -130,7 +132,7 @@ void add_control(CLI::App& app, Session& session) {
       verb->add_flag("--yes", options->assume_yes, "answer operator prompts with yes");
     }
     verb->callback([options, &session, command] {
-      take_typed(*options, session);
+      use_typed_options(*options, session);
       if (command == Command::kResume) return resume(*options, session);
       say(*options, session, options->abort ? Command::kAbort : command, candidates(*options, session));
     });
@@ -169,7 +171,7 @@ bool same_store(const std::string& one, const std::string& other) {
   return std::filesystem::weakly_canonical(one, ignored) == std::filesystem::weakly_canonical(other, ignored);
 }
 
-Candidates candidates(const NamedRun& named, const Session& session) {
+Candidates candidates(const LiveRunSelector& named, const Session& session) {
   const auto meant = [&](const LiveRun& live) {
     return (named.run == 0 || live.status.run == named.run) &&
            (!named.db_given || same_store(live.status.store, session.db));
@@ -177,7 +179,7 @@ Candidates candidates(const NamedRun& named, const Session& session) {
   ListenOptions listen;
   listen.wanted = meant;
   if (named.run != 0 && named.db_given) listen.enough = meant;  // there can be no second one
-  Heard heard = say_to(run_names(bench_id_of(named.bench)), Command::kStatus, listen);
+  RunReplies heard = send_to_runs(run_names(bench_id_of(named.bench)), Command::kStatus, listen);
   Candidates found;
   for (LiveRun& live : heard.answers) (live.denied || meant(live) ? found.runs : found.others).push_back(live);
   // Prefers runs of trusted users, and runs that accept commands of this user: others may only hold the name.
@@ -208,32 +210,35 @@ std::string listed(const std::vector<LiveRun>& runs, const std::vector<SilentBen
   return fmt::format("{}", fmt::join(lines, "; "));
 }
 
-[[noreturn]] void refuse_word(ErrorId id, const std::string& what, const std::string& name, const std::string& remedy) {
+[[noreturn]] void refuse_command(ErrorId id, const std::string& what, const std::string& name,
+                                 const std::string& remedy) {
   throw Error(id, what, name, remedy);
 }
 
 [[noreturn]] void refuse_silent(const std::vector<SilentBench>& silent) {
   const SilentBench& first = silent.front();
   if (unheard(first)) {
-    refuse_word("TB-RUN-DENIED",
-                fmt::format("{}: neither root, nor your own user, nor of the group '{}'{}", listed({}, silent),
-                            kGroupName, first.lied ? ", nor at work on a run of the store that it names" : ""),
-                shown_name(first.name),
-                first.lied
-                    ? fmt::format("nothing was commanded by it: look at the rig; `kill {}` ends that process",
-                                  first.server->process)
-                    : fmt::format("ask that user, or give the command as root; members of the group '{}' may command "
-                                  "each other's runs",
-                                  kGroupName));
+    refuse_command(
+        "TB-RUN-DENIED",
+        fmt::format("{}: neither root, nor your own user, nor of the group '{}'{}", listed({}, silent), kGroupName,
+                    first.lied ? ", nor at work on a run of the store that it names" : ""),
+        shown_name(first.name),
+        first.lied ? fmt::format("nothing was commanded by it: look at the rig; `kill {}` ends that process",
+                                 first.server->process)
+                   : fmt::format("ask that user, or give the command as root; members of the group '{}' may command "
+                                 "each other's runs",
+                                 kGroupName));
   }
   const std::string process = first.server ? std::to_string(first.server->process) : "PID";
-  refuse_word("TB-RUN-SILENT", listed({}, silent), shown_name(first.name),
-              fmt::format("check the rig: the process is stopped, or opens its devices. `kill -CONT {0}` continues a "
-                          "stopped process, `kill -KILL {0}` ends it, and its dead-man vents",
-                          process));
+  refuse_command(
+      "TB-RUN-SILENT", listed({}, silent), shown_name(first.name),
+      fmt::format("check the rig: the process is stopped, or opens its devices. `kill -CONT {0}` continues a "
+                  "stopped process, `kill -KILL {0}` ends it, and its dead-man vents",
+                  process));
 }
 
-LiveRun only_one(const Candidates& found, const NamedRun& named, const std::string& verb, bool urgent) {
+LiveRun require_single_run(const Candidates& found, const LiveRunSelector& named, const std::string& verb,
+                           bool urgent) {
   const std::string place = "runs listed in /proc/net/unix as " + shown_name("");
   // In an emergency the command goes to every run that answers. Any other command could end or resume the wrong run.
   const bool exact = !named.bench.empty() || named.db_given || urgent;
@@ -242,22 +247,22 @@ LiveRun only_one(const Candidates& found, const NamedRun& named, const std::stri
     return found.runs.front();
   }
   if (!found.runs.empty()) {
-    refuse_word("TB-RUN-AMBIGUOUS", fmt::format("{} runs are live", found.runs.size() + found.silent.size()), place,
-                fmt::format("name one: tactbench {} --bench ID, or RUN --db STORE; live: {}", verb,
-                            listed(found.runs, found.silent)));
+    refuse_command("TB-RUN-AMBIGUOUS", fmt::format("{} runs are live", found.runs.size() + found.silent.size()), place,
+                   fmt::format("name one: tactbench {} --bench ID, or RUN --db STORE; live: {}", verb,
+                               listed(found.runs, found.silent)));
   }
   if (!found.silent.empty()) refuse_silent(found.silent);
-  refuse_word("TB-RUN-NOT-LIVE",
-              named.run != 0 ? fmt::format("no live run {} answers", named.run) : "no live run answers", place,
-              found.others.empty() ? "see `tactbench runs list`; continue an ended run with `tactbench resume RUN`"
-                                   : "live: " + listed(found.others));
+  refuse_command("TB-RUN-NOT-LIVE",
+                 named.run != 0 ? fmt::format("no live run {} answers", named.run) : "no live run answers", place,
+                 found.others.empty() ? "see `tactbench runs list`; continue an ended run with `tactbench resume RUN`"
+                                      : "live: " + listed(found.others));
 }
 
-void add_named_run(CLI::App& verb, NamedRun& named) {
+void add_named_run(CLI::App& verb, LiveRunSelector& named) {
   verb.add_option("run", named.run, "its number; may be omitted when one run is live");
 }
 
-void take_typed(NamedRun& named, const Session& session) {
+void use_typed_options(LiveRunSelector& named, const Session& session) {
   named.db_given = session.typed("--db");
   named.bench = session.typed_bench();
 }
@@ -273,7 +278,7 @@ struct EndedRun {
 };
 
 // The named run, else the store's last one of that bench; none: there is no store, or no run in it.
-std::optional<EndedRun> run_of_store(const NamedRun& named, const Session& session) {
+std::optional<EndedRun> run_of_store(const LiveRunSelector& named, const Session& session) {
   if (named.run == 0 && !named.db_given && !std::filesystem::exists(session.db)) return std::nullopt;
   const db::RunStore store = db::RunStore::open_read_only(session.db);
   std::int64_t number = named.run;
@@ -337,7 +342,7 @@ void print_status_json(const Candidates& found, const std::optional<EndedRun>& e
                         {"last_run", ended ? stored_json(ended->run, ended->carried_out) : nlohmann::ordered_json()}});
 }
 
-void show_status(const NamedRun& named, const Session& session) {
+void show_status(const LiveRunSelector& named, const Session& session) {
   const Candidates found = candidates(named, session);
   std::optional<EndedRun> ended;
   if (found.runs.empty()) ended = run_of_store(named, session);
@@ -354,7 +359,7 @@ bool in_terminal() {
 }
 
 // The run has ended already: says so, as at the end of a watch.
-bool show_ended(const NamedRun& named, const Candidates& found, Session& session) {
+bool show_ended(const LiveRunSelector& named, const Candidates& found, Session& session) {
   if (named.run == 0 || !found.runs.empty() || !found.silent.empty()) return false;
   const std::optional<EndedRun> ended = run_of_store(named, session);
   if (!ended || ended->carried_out == true) return false;
@@ -363,11 +368,11 @@ bool show_ended(const NamedRun& named, const Candidates& found, Session& session
   return true;
 }
 
-void watch_live(const NamedRun& named, Session& session) {
+void watch_live(const LiveRunSelector& named, Session& session) {
   const Candidates found = candidates(named, session);
   if (show_ended(named, found, session)) return;
-  const LiveRun live = only_one(found, named, "status --watch", true);
-  if (live.denied) refuse_word("TB-RUN-DENIED", denied_text(live), live.name, "watch it as one of these users");
+  const LiveRun live = require_single_run(found, named, "status --watch", true);
+  if (live.denied) refuse_command("TB-RUN-DENIED", denied_text(live), live.name, "watch it as one of these users");
   const StopRequest stop;
   WatchRunOptions options;
   options.terminal = in_terminal();
@@ -387,7 +392,7 @@ void watch_live(const NamedRun& named, Session& session) {
 }  // namespace
 
 void add_status(CLI::App& app, Session& session) {
-  auto named = std::make_shared<NamedRun>();
+  auto named = std::make_shared<LiveRunSelector>();
   auto follow = std::make_shared<bool>(false);
   CLI::App* verb = app.add_subcommand("status", "what live runs do; when none is live, how the last one ended");
   add_named_run(*verb, *named);
@@ -397,7 +402,7 @@ void add_status(CLI::App& app, Session& session) {
       "is no terminal. Ctrl-C ends the watching, not the run. The exit code is that of the run");
   verb->footer("Reads only. NO_COLOR=1 draws the heat map in characters.");
   verb->callback([named, follow, &session] {
-    take_typed(*named, session);
+    use_typed_options(*named, session);
     if (*follow && session.json)
       throw Error("TB-USAGE", "what --watch draws is no JSON", "--json", "leave --watch or --json out");
     *follow ? watch_live(*named, session) : show_status(*named, session);

@@ -17,7 +17,7 @@ namespace tactbench::bench {
 
 struct Session;
 
-struct NamedRun {
+struct LiveRunSelector {
   std::int64_t run = 0;  // 0: not named
   bool db_given = false;
   std::string bench;  // an id, or a bench file; empty: any
@@ -30,21 +30,22 @@ struct Candidates {
 };
 
 // Asks all of them; waits at most 2 s.
-Candidates candidates(const NamedRun& named, const Session& session);
+Candidates candidates(const LiveRunSelector& named, const Session& session);
 // The single matching run, for `verb`. `urgent`: also when other benches that could match do not answer. Throws Error
 // TB-RUN-AMBIGUOUS, TB-RUN-NOT-LIVE, TB-RUN-SILENT, TB-RUN-DENIED.
-LiveRun only_one(const Candidates& found, const NamedRun& named, const std::string& verb, bool urgent);
+LiveRun require_single_run(const Candidates& found, const LiveRunSelector& named, const std::string& verb, bool urgent);
 // Throws Error TB-RUN-SILENT or TB-RUN-DENIED for the first of them.
 [[noreturn]] void refuse_silent(const std::vector<SilentBench>& silent);
-[[noreturn]] void refuse_word(ErrorId id, const std::string& what, const std::string& name, const std::string& remedy);
+[[noreturn]] void refuse_command(ErrorId id, const std::string& what, const std::string& name,
+                                 const std::string& remedy);
 
 bool same_store(const std::string& one, const std::string& other);
 std::string bench_id_of(const std::string& bench);  // of a bench file's name, or the id itself. Throws FileError
 std::string silent_text(const SilentBench& silent);
 std::string listed(const std::vector<LiveRun>& runs, const std::vector<SilentBench>& silent = {});
 
-void add_named_run(CLI::App& verb, NamedRun& named);
+void add_named_run(CLI::App& verb, LiveRunSelector& named);
 // Uses --db and --bench only as typed: no file may redirect a command to another run.
-void take_typed(NamedRun& named, const Session& session);
+void use_typed_options(LiveRunSelector& named, const Session& session);
 
 }  // namespace tactbench::bench

@@ -63,9 +63,9 @@ void check(const DevicesOptions& options, Session& session) {
     list.push_back({{"role", device.role},
                     {"state", to_string(device.state)},
                     JSON_FIELDS(device, found, reading, notes, remedy)});
-    analysis::doc::Phrase text(one_line(device.found, kLongestText));
+    analysis::doc::Phrase text(one_line(device.found, kMaxTextLength));
     const auto add = [&](const std::string& line) {
-      if (!line.empty()) text.add("\n" + one_line(line, kLongestText));
+      if (!line.empty()) text.add("\n" + one_line(line, kMaxTextLength));
     };
     add(device.reading);
     for (const std::string& note : device.notes)
@@ -140,11 +140,10 @@ std::int64_t run_of_check(const RigCheckOptions& options, const std::vector<std:
   return carry_out_run(own, session).run;
 }
 
-std::string judged_word(const Followed& followed) {
-  if (std::ranges::none_of(followed.figures,
-                           [](const FollowedFigure& figure) { return figure.chart.band.has_value(); }))
+std::string judged_word(const SubjectTrend& followed) {
+  if (std::ranges::none_of(followed.figures, [](const TrendFigure& figure) { return figure.chart.band.has_value(); }))
     return "no baseline";  // or one of fewer than three runs
-  if (!outside_lines(followed).empty()) return "outside";
+  if (!outside_band_lines(followed).empty()) return "outside";
   return shift_lines(followed).empty() ? "within" : "shifted";
 }
 
@@ -155,7 +154,7 @@ std::string conclusion(const std::string& rig, const std::string& standard) {
   if (rig == "no baseline" || standard == "no baseline")
     return fmt::format(
         "not judged: accept a baseline of at least {} checks (tactbench trend accept RUNS --reason --by)",
-        analysis::kLeastStartUp);
+        analysis::kMinStartUpRuns);
   if (rig_moved && standard_moved)
     return "the rig changed, and the standard's figures with it: do not calibrate sensors on it";
   if (rig_moved)
@@ -169,20 +168,20 @@ std::string conclusion(const std::string& rig, const std::string& standard) {
 struct CheckedSubject {
   std::string title;
   std::int64_t run = 0;
-  Followed followed;
+  SubjectTrend followed;
 };
 
 CheckedSubject checked(db::RunStore& store, const std::string& title, const std::string& subject, std::int64_t run,
                        const std::map<std::string, double>& figures) {
   store.replace_figures(run, subject, figures);
-  return {title, run, follow_alone(store, subject)};
+  return {title, run, trend_of_subject(store, subject)};
 }
 
 void show_checked(const CheckedSubject& subject) {
   tty::print("{}, run {} ({}): {}\n", subject.title, subject.run, subject.followed.subject,
              judged_word(subject.followed));
   analysis::doc::Table table{.columns = {{"figure"}, {"value", true}, {"baseline"}, {}}};
-  for (const FollowedFigure& figure : subject.followed.figures)
+  for (const TrendFigure& figure : subject.followed.figures)
     table.rows.push_back(
         {{one_line(figure.name), fmt::format("{:.4g}", figure.values.back()),
           figure.chart.band ? fmt::format("{:.4g} to {:.4g}", figure.chart.band->low, figure.chart.band->high) : "",
@@ -195,13 +194,13 @@ void show_checked(const CheckedSubject& subject) {
 
 nlohmann::ordered_json checked_json(const CheckedSubject& subject) {
   nlohmann::ordered_json figures;
-  for (const FollowedFigure& figure : subject.followed.figures) figures[figure.name] = figure.values.back();
+  for (const TrendFigure& figure : subject.followed.figures) figures[figure.name] = figure.values.back();
   return {{"what", subject.title},
           {"subject", subject.followed.subject},
           {"run", subject.run},
           {"state", judged_word(subject.followed)},
           {"figures", figures},
-          {"outside", outside_lines(subject.followed)},
+          {"outside", outside_band_lines(subject.followed)},
           {"shifted", shift_lines(subject.followed)}};
 }
 
@@ -223,8 +222,8 @@ void check_rig(const RigCheckOptions& options, Session& session) {
   analysis::Runs runs(store);
   const analysis::SensorModel fit = fit_run(store, runs.dataset(standard));
   const std::string standard_subject =
-      follow_sensor(store, runs.record(standard), fit, evaluate_runs(runs, fit, {}).front().evaluation);
-  subjects.push_back({"check standard", standard, follow_alone(store, standard_subject)});
+      record_sensor_trend(store, runs.record(standard), fit, evaluate_runs(runs, fit, {}).front().evaluation);
+  subjects.push_back({"check standard", standard, trend_of_subject(store, standard_subject)});
   std::string rig_word = judged_word(subjects.front().followed);
   if (options.press && rig_word == "within") rig_word = judged_word(subjects[1].followed);
   const std::string standard_word = judged_word(subjects.back().followed);

@@ -71,7 +71,7 @@ void init(const InitOptions& options, const Session& session) {
   const auto write = [&](const std::string& name, const std::string& text,
                          const std::vector<sequences::KeyFacts>& keys) {
     const std::string target = (fs::path(options.folder) / name).string();
-    write_output(target, with_meanings(text, keys), session.replace);
+    write_output(target, with_key_comments(text, keys), session.replace);
     written.push_back(target);
   };
   for (const StarterFile& file : files) {
@@ -211,7 +211,7 @@ std::string key_reference() {
   return text;
 }
 
-std::string with_meanings(const std::string& toml, const std::vector<KeyFacts>& keys) {
+std::string with_key_comments(const std::string& toml, const std::vector<KeyFacts>& keys) {
   std::istringstream lines(toml);
   std::string text, table;
   std::set<std::string> written;

@@ -24,7 +24,7 @@ std::string key_reference();
 
 // `toml` with the meaning of each key as a comment above its first line, also where that line is commented out ("# key
 // = 1").
-std::string with_meanings(const std::string& toml, const std::vector<sequences::KeyFacts>& keys);
+std::string with_key_comments(const std::string& toml, const std::vector<sequences::KeyFacts>& keys);
 
 void add_key_reference(CLI::App& app);  // the hidden verb reference-keys, for tests/docs/reference.py
 

@@ -175,7 +175,7 @@ void add_page(CLI::App& app, Session& session) {
   });
 }
 
-void start_page_beside(const std::string& db, const std::string& bench_id, const std::string& operator_name) {
+void start_background_page(const std::string& db, const std::string& bench_id, const std::string& operator_name) {
   std::vector<std::string> words = {"/proc/self/exe", "page",   "--db",     db,
                                     "--bench",        bench_id, "--beside", std::to_string(::getpid())};
   if (!operator_name.empty()) words.push_back("--operator=" + operator_name);

@@ -65,7 +65,7 @@ ordered_json step_json(const Step& step) {
           JSON_FIELDS(step, sequence, repeat, branch, ordinal),
           {"setpoint_psi", step.setpoint.value()},
           JSON_FIELDS(step, force_n, x_mm, y_mm, dwell_s, ramp_psi_per_s),
-          {"frame", takes_frame(step)},
+          {"frame", has_frame(step)},
           {"line", step_line(step)}};
 }
 
@@ -176,7 +176,7 @@ void print_plan(const Plan& plan, const TimeEstimate& time, bool steps, const Se
       .columns = {
           {"recipe"}, {"steps", true}, {"frames", true}, {"highest", true}, {"time", true}, {"10 to 90 %", true}}};
   const auto row = [&](const std::string& name, const std::vector<Step>& of, const TimeBand& band) {
-    const auto frames = std::ranges::count_if(of, [](const Step& step) { return takes_frame(step); });
+    const auto frames = std::ranges::count_if(of, [](const Step& step) { return has_frame(step); });
     const sequences::Extremes e = sequences::extremes(of);
     table.rows.push_back({{name, std::to_string(of.size()), std::to_string(frames),
                            e.pressurizes ? unit.text(e.highest.value(), 1) : fmt::format("{:.1f} N", e.largest_force_n),
@@ -209,7 +209,7 @@ void print_plan(const Plan& plan, const TimeEstimate& time, bool steps, const Se
     const analysis::InstrumentCalibration calibration = analysis::calibration_of(record);
     if (session.all)
       add(fmt::format("{}, serial {}: {}", record.role, analysis::or_not_stated(calibration.serial),
-                      calibration_words(calibration, utc_now().substr(0, 10), unit)));
+                      calibration_text(calibration, utc_now().substr(0, 10), unit)));
   }
   if (plan.limits) add(judged_text(plan, *plan.limits, unit));
   print_document(out, unit);
@@ -306,7 +306,7 @@ struct RecipeExtent {
 RecipeExtent extent_of(const std::vector<Recipe>& recipes, analysis::PressureUnit unit) {
   const std::vector<sequences::Step> steps = sequences::compile(recipes);
   RecipeExtent extent{steps.size(), 0, {}};
-  for (const sequences::Step& step : steps) extent.frames += takes_frame(step) ? 1 : 0;
+  for (const sequences::Step& step : steps) extent.frames += has_frame(step) ? 1 : 0;
   const sequences::Extremes reached = sequences::extremes(steps);
   extent.highest =
       reached.pressurizes ? unit.text(reached.highest.value(), 1) : fmt::format("{:.1f} N", reached.largest_force_n);

@@ -150,7 +150,7 @@ CarriedOut begin_and_carry_out(const RunOptions& options, const Session& session
   const BenchLock bench_lock(request.bench);
   request.bench_name = bench_lock.name();
   db::RunStore store = open_for_running(session.db, request.bench);
-  if (options.page) start_page_beside(session.db, request.bench.id, options.operator_name);
+  if (options.page) start_background_page(session.db, request.bench.id, options.operator_name);
   request.on_begun = [&](std::int64_t run) {
     if (!tags.empty()) store.set_tags(run, tags, {});
     if (options.on_begun) options.on_begun(run);

@@ -166,7 +166,7 @@ void add_db_prune(CLI::App& db, Session& session) {
       "give the file's free space back afterwards; needs as much again meanwhile, and no other program in the "
       "store");
   verb->callback([options, &session] {
-    session.take_db_only_as_typed();
+    session.use_db_only_if_typed();
     prune(*options, session);
   });
 }

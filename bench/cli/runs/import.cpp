@@ -32,7 +32,7 @@ TableFile read_table_file(const std::string& path, const TableOptions& options) 
   return file;
 }
 
-void tell_reading(const std::string& path, const analysis::Table& table) {
+void print_table_assumptions(const std::string& path, const analysis::Table& table) {
   for (const std::string& line : table.assumed) tty::print(stderr, "{}: {}\n", path, line);
   const analysis::SkippedRows& skipped = table.skipped;
   if (skipped.count == 0) return;
@@ -41,7 +41,7 @@ void tell_reading(const std::string& path, const analysis::Table& table) {
              skipped.count > skipped.first.size() ? fmt::format("; the first {} are named", skipped.first.size()) : "");
 }
 
-void tell_doubts(const analysis::Histories& histories) {
+void print_table_doubts(const analysis::Histories& histories) {
   for (const std::string& line : histories.warnings) tty::print(stderr, "warning: {}: {}\n", histories.source, line);
 }
 
@@ -59,13 +59,13 @@ struct ImportOptions {
 };
 
 void import(const ImportOptions& options, const Session& session) {
-  LongWork progress("import", session.quiet || session.json,
-                    {{"reading the table", 6.0}, {"looking at the data", 3.0, false}, {"storing", 1.0, false}});
+  WorkProgress progress("import", session.quiet || session.json,
+                        {{"reading the table", 6.0}, {"looking at the data", 3.0, false}, {"storing", 1.0, false}});
   const TableFile file = read_table_file(options.file, options.table);
   progress.begin("looking at the data");
-  tell_reading(options.file, file.table);
+  print_table_assumptions(options.file, file.table);
   // Refuses a table on which no model can be fitted.
-  tell_doubts(analysis::histories_of(file.table.series, options.file, options_of(options.table)));
+  print_table_doubts(analysis::histories_of(file.table.series, options.file, options_of(options.table)));
   db::RunRecord run = program_record();
   run.origin = "imported";
   run.operator_name = options.operator_name;

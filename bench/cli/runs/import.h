@@ -23,8 +23,8 @@ TableFile read_table_file(const std::string& path, const TableOptions& options);
 analysis::HistoriesOptions options_of(const TableOptions& table, const std::vector<std::string>& fitted = {});
 
 // Prints on standard error what was assumed in reading the table, and which rows were left out.
-void tell_reading(const std::string& path, const analysis::Table& table);
+void print_table_assumptions(const std::string& path, const analysis::Table& table);
 // Prints on standard error what is doubtful about the data.
-void tell_doubts(const analysis::Histories& histories);
+void print_table_doubts(const analysis::Histories& histories);
 
 }  // namespace tactbench::bench

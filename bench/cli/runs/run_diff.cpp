@@ -67,10 +67,10 @@ nlohmann::ordered_json comparable(const db::RunStore& store, const db::RunRecord
     json["checks"].push_back(fmt::format("{} {}", check.kind, check.verdict));
   }
   for (const analysis::JudgedFigure& figure : analysis::figures_of(store.verdicts(run.run))) {
-    json["verdicts"]
-        [fmt::format("{} ({})", to_string(figure.criterion), in_words(figure.scope, analysis::PressureUnit::kPsi))] =
-            fmt::format("{}: {:.9g} {}, limit {:g}", to_string(figure.verdict), figure.value,
-                        to_string(quantity_of(figure.criterion)), figure.limit);
+    json["verdicts"][fmt::format("{} ({})", to_string(figure.criterion),
+                                 display_text(figure.scope, analysis::PressureUnit::kPsi))] =
+        fmt::format("{}: {:.9g} {}, limit {:g}", to_string(figure.verdict), figure.value,
+                    to_string(quantity_of(figure.criterion)), figure.limit);
   }
   return json;
 }

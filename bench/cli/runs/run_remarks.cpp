@@ -47,7 +47,7 @@ void tag_run(const RunRemark& remark, const Session& session) {
 }
 
 void note_run(const RunRemark& remark, const Session& session) {
-  db::check_said("the note", remark.text, db::kLongestText);  // without the time that is put before it
+  db::check_nonblank_text("the note", remark.text, db::kMaxTextLength);  // without the time that is put before it
   db::RunStore store = store_for_remark(session, remark.run);
   store.add_note(remark.run, fmt::format("{} {}", utc_now(), remark.text));
   tell_remark("runs.note", store.run(remark.run), "noted", session);
@@ -56,7 +56,7 @@ void note_run(const RunRemark& remark, const Session& session) {
 void void_run(const RunRemark& remark, const Session& session) {
   db::RunStore store = store_for_remark(session, remark.run);
   store.void_run(remark.run, remark.text, remark.by, utc_now());
-  const std::vector<db::ReportRecord> fallen = reports_resting_on(store, remark.run);
+  const std::vector<db::ReportRecord> fallen = reports_based_on(store, remark.run);
   if (session.json) {
     nlohmann::ordered_json json = analysis::run_json(store.run(remark.run));
     for (const db::ReportRecord& report : fallen) json["signed_reports"].push_back(report.number);

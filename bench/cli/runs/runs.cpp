@@ -145,9 +145,9 @@ void RunsList::add(const ListedRun& listed, nlohmann::ordered_json row) {
                   tags.empty() ? "" : fmt::format(" [{}]", fmt::join(tags, " ")));
   const std::string word =
       listed.verdict ? to_string(*listed.verdict) + std::string(listed.means_alone ? ", means" : "") : "-";
-  table_.rows.push_back(
-      {{std::to_string(run.run), minute_of(run.started_utc), one_line(run.sensor_serial), one_line(lot_of(run)),
-        run.origin, db::to_string(run.outcome), word, std::to_string(listed.frames), one_line(remarks, kLongestText)}});
+  table_.rows.push_back({{std::to_string(run.run), minute_of(run.started_utc), one_line(run.sensor_serial),
+                          one_line(lot_of(run)), run.origin, db::to_string(run.outcome), word,
+                          std::to_string(listed.frames), one_line(remarks, kMaxTextLength)}});
 }
 
 void RunsList::end(bool any_stored) {
@@ -223,7 +223,7 @@ std::string specimen_text(const db::RunRecord& run) {
   if (run.origin != "simulated") return {};
   const std::optional<BenchConfig> bench = stored_bench(run);
   if (!bench || !bench->simulation) return {};
-  return word_of(bench->simulation->plant.specimen.kind);
+  return keyword_of(bench->simulation->plant.specimen.kind);
 }
 
 }  // namespace
@@ -273,7 +273,7 @@ void show_run(std::int64_t number, const Session& session, bool all_events) {
   namespace doc = analysis::doc;
   std::vector<std::pair<std::string, doc::Phrase>> lines;
   const auto line = [&](const char* name, const std::string& value) {
-    lines.emplace_back(name, value.empty() ? "not stated" : one_line(value, kLongestText));
+    lines.emplace_back(name, value.empty() ? "not stated" : one_line(value, kMaxTextLength));
   };
   const bool all = session.all || all_events;
   const auto at = [](std::int64_t time_ns) {
@@ -308,8 +308,8 @@ void show_run(std::int64_t number, const Session& session, bool all_events) {
     if (!all && !calibrated) continue;
     line("device", fmt::format("{}: {}, serial {}, {}{}", device.role, device.model,
                                device.serial.empty() ? "not stated" : device.serial, device.origin,
-                               calibrated ? "; " + calibration_words(analysis::calibration_of(device), run.started_utc,
-                                                                     session.unit())
+                               calibrated ? "; " + calibration_text(analysis::calibration_of(device), run.started_utc,
+                                                                    session.unit())
                                           : ""));
   }
   for (const db::CheckRecord& check : checks)
@@ -342,7 +342,7 @@ void add_runs_list_options(CLI::App& verb, RunsListOptions& options) {
   verb.add_option("--tag", options.tag, "only with this tag");
   add_metadata_options(verb, options.metadata, true);
   verb.add_option("--verdict", options.verdict, "only with this verdict, on the run or on its models; none: not judged")
-      ->type_name(WantedVerdict::type_name());
+      ->type_name(VerdictFilter::type_name());
   verb.add_flag("--all", options.all, "include void runs");
 }
 

@@ -42,9 +42,9 @@ bool fits_metadata(const MetadataOptions& asked, const db::RunRecord& run);
 
 // Parses --verdict, in the words of the column: "conditional pass" or conditional-pass; with a leading "simulated" only
 // simulated runs; none or "-" for runs without a verdict.
-class WantedVerdict {
+class VerdictFilter {
  public:
-  explicit WantedVerdict(const std::string& typed) : any_(typed.empty()) {
+  explicit VerdictFilter(const std::string& typed) : any_(typed.empty()) {
     if (any_) return;
     std::string word = typed == "-" ? kNone : typed;
     std::ranges::replace(word, '-', ' ');
@@ -64,7 +64,7 @@ class WantedVerdict {
   }
 
   static std::vector<std::string> words() {
-    std::vector<std::string> all = analysis::verdict_words();
+    std::vector<std::string> all = analysis::verdict_names();
     all.emplace_back(kNone);
     return all;
   }
@@ -115,7 +115,7 @@ class RunsList {
  private:
   const RunsListOptions& options_;
   const Session& session_;
-  WantedVerdict wanted_;
+  VerdictFilter wanted_;
   std::unique_ptr<nlohmann::ordered_json> rows_;
   analysis::doc::Table table_;
   int left_out_ = 0, listed_ = 0;

@@ -69,7 +69,7 @@ nlohmann::ordered_json state_json(const db::SensorRecord& sensor, const SensorSt
   json["runs"] = nlohmann::ordered_json::array();
   for (const db::RunRecord& run : state.runs) json["runs"].push_back(run.run);
   json["last_utc"] = state.runs.empty() ? "" : state.runs.back().started_utc;
-  json["verdict"] = analysis::verdict_word(state.verdict ? state.verdict->verdict : std::nullopt);
+  json["verdict"] = analysis::verdict_text(state.verdict ? state.verdict->verdict : std::nullopt);
   json["judged_run"] = state.judged_run;
   json["valid_until"] = state.valid_until;
   if (!state.drift) return json;
@@ -127,7 +127,7 @@ void print_sensors(const std::vector<std::pair<std::string, SensorState>>& senso
 void list_sensors(const SensorsOptions& options, const Session& session) {
   const db::RunStore store = db::RunStore::open_read_only(session.db);
   const analysis::Laboratory laboratory = laboratory_of(options);
-  LongWork progress("sensors", session.quiet || session.json, {{"drift", 1.0, false}});
+  WorkProgress progress("sensors", session.quiet || session.json, {{"drift", 1.0, false}});
   auto json = nlohmann::ordered_json::array();
   std::vector<std::pair<std::string, SensorState>> sensors;
   for (const db::SensorRecord& sensor : store.sensors()) {
@@ -154,7 +154,7 @@ void show_sensor(const SensorsOptions& options, const Session& session) {
     print_json("sensors.show", json);
     return;
   }
-  const auto typed = [](const std::string& text) { return one_line(analysis::doc::stated(text).text, kLongestText); };
+  const auto typed = [](const std::string& text) { return one_line(analysis::doc::stated(text).text, kMaxTextLength); };
   analysis::doc::Table facts = analysis::doc::pairs(
       "sensor " + one_line(sensor->serial),
       {{"drifted", drift_text(state)},

@@ -109,7 +109,7 @@ std::vector<RunRange> run_ranges(const std::string& text) {
   return ranges;
 }
 
-bool names_run(const std::string& source) {
+bool is_run_number(const std::string& source) {
   constexpr std::size_t kLongest = 18;  // largest number of digits of a run's number
   return !source.empty() && source.size() <= kLongest && source.find_first_not_of("0123456789") == std::string::npos;
 }
@@ -122,30 +122,30 @@ analysis::Histories read_run(analysis::Runs& runs, std::int64_t number, const st
                                                            : analysis::histories_of(runs.dataset(run.run));
   histories.run = run.run;
   histories.content_sha256 = run.content_sha256;
-  tell_doubts(histories);
+  print_table_doubts(histories);
   return histories;
 }
 
 analysis::Histories read_source(const std::string& source, const TableOptions& table, const Session& session,
                                 const std::vector<std::string>& fitted) {
-  if (names_run(source)) {
+  if (is_run_number(source)) {
     const db::RunStore store = db::RunStore::open_read_only(session.db);
     analysis::Runs runs(store);
     return read_run(runs, std::stoll(source), "run " + source, table, session, fitted);
   }
   const TableFile file = read_table_file(source, table);
-  tell_reading(source, file.table);
+  print_table_assumptions(source, file.table);
   analysis::Histories histories = analysis::histories_of(file.table.series, source, options_of(table, fitted));
   histories.content_sha256 = file.sha256;
   histories.input_unit = file.table.input_unit;
   histories.output_unit = file.table.output_unit;
   histories.assumed = file.table.assumed;
-  tell_doubts(histories);
+  print_table_doubts(histories);
   return histories;
 }
 
 analysis::SensorModel load_model(const std::string& model, const Session& session) {
-  if (!names_run(model.substr(0, model.find(':')))) return analysis::load_model(model, nullptr);
+  if (!is_run_number(model.substr(0, model.find(':')))) return analysis::load_model(model, nullptr);
   const db::RunStore store = db::RunStore::open_read_only(session.db);
   analysis::Runs runs(store);
   check_model_named(runs, model, "model " + model, session);
@@ -154,7 +154,7 @@ analysis::SensorModel load_model(const std::string& model, const Session& sessio
 
 void check_model_named(analysis::Runs& runs, const std::string& model, const std::string& at, const Session& session) {
   const std::string run = model.substr(0, model.find(':'));
-  if (names_run(run)) (void)named_runs(runs, {std::stoll(run)}, {at}, session.void_too);
+  if (is_run_number(run)) (void)named_runs(runs, {std::stoll(run)}, {at}, session.void_too);
 }
 
 std::vector<std::string> split_list(const std::string& text) {
@@ -182,7 +182,7 @@ std::string fleet_named(const std::string& given, Session& session) {
 
 }  // namespace
 
-void add_from(CLI::App& verb, std::string& from) {
+void add_from_option(CLI::App& verb, std::string& from) {
   verb.add_option(
       "--from", from,
       "not from a store, but from the fleet: `fleet` for the one that TACTBENCH_FLEET or tactbench.toml names, "
@@ -190,23 +190,23 @@ void add_from(CLI::App& verb, std::string& from) {
 }
 
 std::int64_t run_number(const std::string& text) {
-  if (names_run(text)) return std::stoll(text);
+  if (is_run_number(text)) return std::stoll(text);
   throw Error("TB-USAGE", fmt::format("'{}' is not a run number", text), "command line",
               "tactbench runs list shows the numbers; a UUID is taken with --from alone");
 }
 
-FromFleet::FromFleet(Session& session, const std::string& given)
+FleetImport::FleetImport(Session& session, const std::string& given)
     : session_(session), link_(fleet_named(given, session)), folder_("tactbench-fleet"), db_before_(session.db) {
   fleet::check_schema(link_);
   session_.fleet = link_.where();
 }
 
-FromFleet::~FromFleet() {
+FleetImport::~FleetImport() {
   session_.db = db_before_;
   session_.fleet.clear();
 }
 
-void FromFleet::take_one(db::RunStore& store, const fleet::FleetRun& run) {
+void FleetImport::take_one(db::RunStore& store, const fleet::FleetRun& run) {
   const std::string path = folder_.path() + "/body.db";
   for (const char* ending : {"-wal", "-shm"}) std::filesystem::remove(path + ending);
   fleet::unpack_run(fleet::body_of(link_, run), path);
@@ -227,7 +227,7 @@ void FromFleet::take_one(db::RunStore& store, const fleet::FleetRun& run) {
   (void)store.copy_runs_from(body, {runs.front().run});
 }
 
-void FromFleet::take(const std::vector<fleet::FleetRun>& runs, const std::vector<fleet::FleetRun>& also) {
+void FleetImport::take(const std::vector<fleet::FleetRun>& runs, const std::vector<fleet::FleetRun>& also) {
   session_.db = folder_.path() + "/fleet.db";
   db::RunStore store = db::RunStore::open(session_.db, db::Durability::kNormal);
   std::map<std::int64_t, std::pair<const fleet::FleetRun*, bool>> all;  // by number, since those of a store grow
@@ -241,7 +241,7 @@ void FromFleet::take(const std::vector<fleet::FleetRun>& runs, const std::vector
           fmt::format("fleet {}: run {}, pushed by {}: {}", link_.where(), own->run, own->pushed_by, error.what());
       if (must || error.cause() == fleet::FleetCause::kLink)
         throw fleet::FleetError(error.cause(), error.id(), what, error.remedy());
-      tty::print(stderr, "warning: {} [{}]; it is left out\n", one_line(what, kLongestText), error.id());
+      tty::print(stderr, "warning: {} [{}]; it is left out\n", one_line(what, kMaxTextLength), error.id());
     };
     const auto changed = [&](const std::string& what) {
       leave(fleet::FleetError(fleet::FleetCause::kStore, "TB-FLEET-CHANGED", what,

@@ -37,7 +37,7 @@ struct RunRange {
 std::vector<RunRange> run_ranges(const std::string& text);
 
 // "12" is a run of session.db, anything else the path of a table.
-bool names_run(const std::string& source);
+bool is_run_number(const std::string& source);
 // A run, measured or imported from a table; `at` names it in messages. `fitted`: the sequences that models will be
 // fitted on; empty: all. What is doubtful about a table goes to standard error. Throws AnalysisError, StoreError, Error
 // TB-RUN-VOID.
@@ -62,19 +62,19 @@ std::vector<std::string> split_list(const std::string& text);
 // then reads.
 
 // --from on a verb that reads runs.
-void add_from(CLI::App& verb, std::string& from);
+void add_from_option(CLI::App& verb, std::string& from);
 
 // "12". Throws Error TB-USAGE.
 std::int64_t run_number(const std::string& text);
 
-class FromFleet {
+class FleetImport {
  public:
   // `given`: how to connect; for "fleet" and "" as TACTBENCH_FLEET or tactbench.toml says, Error TB-USAGE when neither
   // does. Throws FleetError: TB-FLEET-CONNECT, TB-FLEET-LOGIN, TB-FLEET-TLS, TB-FLEET-EMPTY, TB-FLEET-SCHEMA.
-  FromFleet(Session& session, const std::string& given);
-  ~FromFleet();
-  FromFleet(const FromFleet&) = delete;
-  FromFleet& operator=(const FromFleet&) = delete;
+  FleetImport(Session& session, const std::string& given);
+  ~FleetImport();
+  FleetImport(const FleetImport&) = delete;
+  FleetImport& operator=(const FleetImport&) = delete;
 
   [[nodiscard]] db::fleet::Link& link() { return link_; }
   // From here to the end of this object session.db is a new temporary store with these runs, under the fleet's numbers,

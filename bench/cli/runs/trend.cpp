@@ -40,12 +40,12 @@ std::vector<std::string> chosen_subjects(const TrendOptions& options, const db::
                                : fmt::format("there are: {}", fmt::join(subjects, ", ")));
 }
 
-nlohmann::ordered_json followed_json(const Followed& followed) {
+nlohmann::ordered_json followed_json(const SubjectTrend& followed) {
   nlohmann::ordered_json json = {{"subject", followed.subject}};
   if (followed.same_seeds != 0) json["same_seeds_as_run"] = followed.same_seeds;
   json["figures"] = nlohmann::ordered_json::array();
-  for (const FollowedFigure& figure : followed.figures) {
-    const analysis::FigureChart& chart = figure.chart;
+  for (const TrendFigure& figure : followed.figures) {
+    const analysis::ControlChart& chart = figure.chart;
     nlohmann::ordered_json own = {JSON_FIELDS(figure, name, runs, values, missing, outside, shifted, outlier)};
     if (chart.band)
       own["baseline"] = {{"runs", chart.band->values},         {"mean", chart.band->mean},
@@ -62,7 +62,7 @@ nlohmann::ordered_json followed_json(const Followed& followed) {
   return json;
 }
 
-std::string baseline_text(const Followed& followed) {
+std::string baseline_text(const SubjectTrend& followed) {
   if (!followed.baseline) return "no baseline";
   std::string text = fmt::format("baseline of {}", analysis::counted(followed.baseline->runs.size(), "run"));
   if (followed.repeated > 0)
@@ -74,7 +74,7 @@ std::string baseline_text(const Followed& followed) {
   return text;
 }
 
-std::string judged_text(const FollowedFigure& figure) {
+std::string judged_text(const TrendFigure& figure) {
   if (figure.missing) return "MISSING";
   if (figure.outside) return "OUTSIDE";
   if (figure.shifted)
@@ -84,16 +84,16 @@ std::string judged_text(const FollowedFigure& figure) {
   return figure.compared ? "within" : "";
 }
 
-void show_followed(const Followed& followed) {
-  const auto has_band = [](const FollowedFigure& figure) { return figure.chart.band.has_value(); };
+void show_followed(const SubjectTrend& followed) {
+  const auto has_band = [](const TrendFigure& figure) { return figure.chart.band.has_value(); };
   const bool banded = std::ranges::any_of(followed.figures, has_band);
   analysis::doc::Table table{.id = {}, .columns = {{"figure"}, {"former", true}, {"newest", true}, {"runs", true}}};
   if (banded) table.columns.push_back({"band", true});
   table.columns.emplace_back();
-  for (const FollowedFigure& figure : followed.figures) {
+  for (const TrendFigure& figure : followed.figures) {
     const auto& band = figure.chart.band;
     std::vector<analysis::doc::Phrase>& cells = table.rows.emplace_back().cells;
-    cells = {in_words(one_line(figure.name)).text(),
+    cells = {display_text(one_line(figure.name)).text(),
              figure.values.size() > 1 ? fmt::format("{:.4g}", figure.former()) : "–",
              fmt::format("{:.4g}", figure.values.back()), sparkline(figure.values, scale_of(figure), kTrendWidth)};
     if (banded) cells.emplace_back(band ? fmt::format("{:.4g} to {:.4g}", band->low, band->high) : "–");
@@ -109,22 +109,22 @@ void show_followed(const Followed& followed) {
 
 void trend(const TrendOptions& options, Session& session) {
   const db::RunStore store = db::RunStore::open_read_only(session.db);
-  std::vector<Followed> subjects;
+  std::vector<SubjectTrend> subjects;
   std::string origin;
   std::size_t figures = 0;
   for (const std::string& subject : chosen_subjects(options, store))
-    if (Followed followed = follow(store, subject); followed.run != 0) subjects.push_back(std::move(followed));
+    if (SubjectTrend followed = follow(store, subject); followed.run != 0) subjects.push_back(std::move(followed));
   if (subjects.empty())
     throw Error("TB-TREND-NONE", "all runs with such figures are void", store.path(),
                 "tactbench runs list --all shows why");
-  std::vector<Followed*> family;
-  for (Followed& followed : subjects) family.push_back(&followed);
-  judge_together(family);
+  std::vector<SubjectTrend*> family;
+  for (SubjectTrend& followed : subjects) family.push_back(&followed);
+  judge_shifts(family);
   mark_outliers(subjects);
-  for (Followed& followed : subjects) {
+  for (SubjectTrend& followed : subjects) {
     if (!options.figure.empty())
-      std::erase_if(followed.figures, [&](const FollowedFigure& figure) {
-        return figure.name != options.figure && in_words(figure.name).name != options.figure;
+      std::erase_if(followed.figures, [&](const TrendFigure& figure) {
+        return figure.name != options.figure && display_text(figure.name).name != options.figure;
       });
     figures += followed.figures.size();
     if (origin != "simulated") origin = followed.origin;
@@ -132,14 +132,14 @@ void trend(const TrendOptions& options, Session& session) {
   if (figures == 0)
     throw Error("TB-TREND-NONE", fmt::format("there is no figure '{}'", options.figure), "--figure",
                 "omit it to list all");
-  const auto any = [&](bool FollowedFigure::*what) {
-    return std::ranges::any_of(subjects, [&](const Followed& f) { return std::ranges::any_of(f.figures, what); });
+  const auto any = [&](bool TrendFigure::*what) {
+    return std::ranges::any_of(subjects, [&](const SubjectTrend& f) { return std::ranges::any_of(f.figures, what); });
   };
-  const bool compared = any(&FollowedFigure::compared);
+  const bool compared = any(&TrendFigure::compared);
   if (options.check) {
-    session.code = any(&FollowedFigure::outside)                ? ExitCode::kCriterionFailed
-                   : any(&FollowedFigure::shifted) || !compared ? ExitCode::kInconclusive
-                                                                : ExitCode::kPass;
+    session.code = any(&TrendFigure::outside)                ? ExitCode::kCriterionFailed
+                   : any(&TrendFigure::shifted) || !compared ? ExitCode::kInconclusive
+                                                             : ExitCode::kPass;
     if (!compared)
       tty::print(
           stderr,
@@ -150,14 +150,14 @@ void trend(const TrendOptions& options, Session& session) {
     write_output(options.html, trend_page("Figures over time", origin, subjects), session.replace);
   if (session.json) {
     auto json = nlohmann::ordered_json::array();
-    for (const Followed& followed : subjects) json.push_back(followed_json(followed));
+    for (const SubjectTrend& followed : subjects) json.push_back(followed_json(followed));
     print_json("trend",
                {{"store", session.fleet.empty() ? session.db : session.fleet}, {"origin", origin}, {"subjects", json}});
     return;
   }
   if (origin == "simulated") tty::print("SIMULATED DATA\n");
   if (!compared) tty::print("no baseline to compare with: bars begin at 0\n");
-  for (const Followed& followed : subjects) show_followed(in_unit(followed, session.unit()));
+  for (const SubjectTrend& followed : subjects) show_followed(in_unit(followed, session.unit()));
   if (!options.html.empty()) tty::print("{}\n", options.html);
 }
 
@@ -226,18 +226,18 @@ std::size_t counted_runs(const db::RunStore& store, const std::string& subject, 
 void refuse_short(const db::RunStore& store, const std::map<std::string, std::vector<std::int64_t>>& chosen) {
   for (const auto& [subject, runs] : chosen) {
     const std::size_t counted = counted_runs(store, subject, runs);
-    if (counted >= analysis::kLeastStartUp) continue;
+    if (counted >= analysis::kMinStartUpRuns) continue;
     throw Error(
         "TB-BASELINE-SHORT",
         fmt::format("{} has {} among these runs{}; a chart needs {}, and {} are recommended", subject,
                     analysis::counted(counted, "measurement"), counted < runs.size() ? ", each counted once" : "",
-                    analysis::kLeastStartUp, analysis::kRecommendedStartUp),
+                    analysis::kMinStartUpRuns, analysis::kRecommendedStartUpRuns),
         store.path(),
         subject.starts_with("nightly/")
             ? fmt::format("carry them out with seeds of their own: tactbench nightly SUITE --db FILE --seeds {}",
-                          analysis::kRecommendedStartUp)
+                          analysis::kRecommendedStartUpRuns)
             : fmt::format("measure {} more, or accept other subjects alone: --subject SUBJECT",
-                          analysis::kLeastStartUp - counted));
+                          analysis::kMinStartUpRuns - counted));
   }
 }
 
@@ -256,14 +256,15 @@ void accept_baseline(const BaselineOptions& options, const Session& session) {
     const std::size_t counted = runs.size() - repeated.size();
     json.push_back({{"baseline", number}, {"subject", subject}, {"runs", runs}, {"counted", counted}});
     if (session.json) continue;
-    few = few || counted < analysis::kRecommendedStartUp;
+    few = few || counted < analysis::kRecommendedStartUpRuns;
     tty::print("{:<40} {} runs accepted{}\n", one_line(subject), runs.size(),
                repeated.empty() ? "" : fmt::format(", {} of them counted once each", counted));
     for (const auto& [run, earlier] : repeated)
       tty::print("  run {} repeats run {}: the same content, or the same figures\n", run, earlier);
   }
   if (few)
-    tty::print("fewer than {} runs: charts find small shifts later (docs/nights.md)\n", analysis::kRecommendedStartUp);
+    tty::print("fewer than {} runs: charts find small shifts later (docs/nights.md)\n",
+               analysis::kRecommendedStartUpRuns);
   if (session.json) print_json("trend.accept", {{"store", session.db}, {"baselines", json}});
 }
 
@@ -282,7 +283,7 @@ void list_baselines(const Session& session) {
     tty::print(
         "no baseline is accepted: tactbench trend accept RUNS --reason TEXT --by NAME accepts runs whose figures "
         "tactbench trend lists, at least {}\n",
-        analysis::kLeastStartUp);
+        analysis::kMinStartUpRuns);
   else
     print_table(std::move(table));
 }

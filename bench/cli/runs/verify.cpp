@@ -136,7 +136,7 @@ void add_verify(CLI::App& app, Session& session) {
                                       "its fits, verdicts, approvals and "
                                       "voids.");
   verb->add_option("run", *run, "run number; with --from also a UUID; none: the whole store");
-  add_from(*verb, *from);
+  add_from_option(*verb, *from);
   verb->footer(
       "Exit codes: 0 all as stored, 1 a recomputed fit or verdict differs, 5 content, fits, verdicts, approvals or "
       "voids were changed, 6 not ended, or the frames were removed by a rule (db prune).");
@@ -145,9 +145,9 @@ void add_verify(CLI::App& app, Session& session) {
       throw Error("TB-USAGE", "of a fleet one run is verified, and none is named", "--from", "name it by its UUID");
     if (run->empty()) return verify_store(session);
     if (from->empty()) return verify(run_number(*run), session);
-    FromFleet fleet(session, *from);
-    const db::fleet::FleetRun named = run_named(fleet.link(), *run);
-    fleet.take({named}, with_what_it_rests_on(fleet.link(), named));
+    FleetImport fleet(session, *from);
+    const db::fleet::FleetRun named = find_run_by_name(fleet.link(), *run);
+    fleet.take({named}, with_dependencies(fleet.link(), named));
     verify(named.run, session);
   });
 }

@@ -35,7 +35,7 @@ Connection::~Connection() {
 }
 
 void Connection::start() {
-  arm(host_.options.longest_request);
+  arm(host_.options.request_timeout);
   wire_->open([self = shared_from_this()](bool ok, std::size_t) { ok ? self->expect_request() : self->close(); });
 }
 
@@ -60,9 +60,9 @@ void Connection::arm(std::chrono::milliseconds longest) {
 void Connection::expect_request() {
   parser_ = std::make_unique<Parser>();
   parser_->eager(true);
-  parser_->header_limit(static_cast<std::uint32_t>(host_.options.longest_head));
-  parser_->body_limit(host_.options.longest_body);
-  arm(host_.options.longest_request);
+  parser_->header_limit(static_cast<std::uint32_t>(host_.options.max_head_bytes));
+  parser_->body_limit(host_.options.max_body_bytes);
+  arm(host_.options.request_timeout);
   unread_.empty() ? read_more() : take_bytes();
 }
 
@@ -79,7 +79,8 @@ void Connection::take_bytes() {
   error_code error;
   const std::size_t taken = parser_->put(buffer(unread_), error);
   unread_.erase(0, taken);
-  if (error == http::error::header_limit || (!parser_->is_header_done() && unread_.size() > host_.options.longest_head))
+  if (error == http::error::header_limit ||
+      (!parser_->is_header_done() && unread_.size() > host_.options.max_head_bytes))
     return refuse(431, "the request's head is too long\n");
   if (error == http::error::body_limit) return refuse(413, "the request's body is too long\n");
   if (error && error != http::error::need_more) return refuse(400, "this is not a request\n");
@@ -109,7 +110,7 @@ void Connection::handle() {
 }
 
 void Connection::answer(HttpResponse response, bool goes_on) {
-  if (response.stream && host_.viewers >= host_.options.most_viewers) {
+  if (response.stream && host_.viewers >= host_.options.max_viewers) {
     response = text_response(503, fmt::format("{} viewers look already\n", host_.viewers));
     response.fields.emplace_back("Retry-After", "10");
   }

@@ -58,9 +58,9 @@ struct HttpServer::Server {
 
   void take(tcp::socket socket) {
     connections.remove_if([](const std::weak_ptr<Connection>& one) { return rank_of(one) < 0; });
-    if (connections.size() >= host.options.most_connections) {
+    if (connections.size() >= host.options.max_connections) {
       const auto least = std::ranges::min_element(connections, {}, rank_of);  // of equal ones the oldest
-      if (rank_of(*least) >= kKeepsItsPlace) return;
+      if (rank_of(*least) >= kNeverEvicted) return;
       least->lock()->close();
       connections.erase(least);
     }

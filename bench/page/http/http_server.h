@@ -16,22 +16,22 @@ namespace tactbench::bench {
 
 struct HttpOptions {
   std::string address = "127.0.0.1";
-  std::uint16_t port = 0;               // 0: the system chooses
-  std::string certificate, key;         // files in PEM; both or none: without them the talk is not encrypted
-  std::size_t longest_head = 8 * 1024;  // bytes; more: 431
-  std::size_t longest_body = 4 * 1024;  // more: 413
-  std::size_t most_viewers = 32;        // streams; more: 503
-  std::size_t most_connections = 96;    // then the oldest of the lowest rank makes room
-  std::chrono::milliseconds longest_request{10'000};  // from its first moment to its last byte, and between two
+  std::uint16_t port = 0;                 // 0: the system chooses
+  std::string certificate, key;           // files in PEM; both or none: without them the talk is not encrypted
+  std::size_t max_head_bytes = 8 * 1024;  // bytes; more: 431
+  std::size_t max_body_bytes = 4 * 1024;  // more: 413
+  std::size_t max_viewers = 32;           // streams; more: 503
+  std::size_t max_connections = 96;       // then the oldest of the lowest rank makes room
+  std::chrono::milliseconds request_timeout{10'000};  // from its first moment to its last byte, and between two
   std::chrono::milliseconds longest_write{30'000};    // a viewer that takes nothing for so long is dropped
 };
 
-inline constexpr int kKeepsItsPlace = 2;  // a connection of this rank never makes room for another
+inline constexpr int kNeverEvicted = 2;  // a connection of this rank never makes room for another
 
 class HttpServer {
  public:
   using Handler = std::function<void(const HttpRequest&, Reply)>;
-  // What a request's key makes its connection: 0, a stranger, as long as none has come, up to kKeepsItsPlace.
+  // What a request's key makes its connection: 0, a stranger, as long as none has come, up to kNeverEvicted.
   using Rank = std::function<int(const HttpRequest&)>;
   // Listens from now on. Throws Error TB-PAGE-ADDRESS, TB-PAGE-CERTIFICATE.
   HttpServer(const HttpOptions& options, Handler handler, Rank rank = {});

@@ -35,7 +35,7 @@ Control::Answer Control::ask(Command command, const std::string& who) {
     } else if (command == Command::kResume) {
       if (!waits) return {false, fmt::format("run {} is {}, not paused", status_.run, to_string(state))};
       if (!status_.question.empty()) {
-        if (Answer told = take_answer(status_.question_id, {}, who); !told.taken) return told;
+        if (Answer told = accept_answer(status_.question_id, {}, who); !told.taken) return told;
       }
       pause_ = false;
       resume_ = true;
@@ -44,7 +44,7 @@ Control::Answer Control::ask(Command command, const std::string& who) {
                                 : state == RunState::kPaused ? "conditioned again, then the next branch"
                                                              : "the pause is taken back");
     } else {
-      if (command > command_) leaver_ = who;
+      if (command > command_) end_requested_by_ = who;
       command_ = std::max(command_, command);
       panic = command == Command::kPanic;
       answer.text = fmt::format("run {} ends: {}", status_.run,
@@ -60,10 +60,10 @@ Control::Answer Control::answer(int question, const std::string& text, const std
   const std::lock_guard lock(mutex_);
   if (closed_ || status_.state == RunState::kStopping || status_.state == RunState::kEnded)
     return {false, fmt::format("run {} is ending: it waits for no answer", status_.run)};
-  return take_answer(question, text, who);
+  return accept_answer(question, text, who);
 }
 
-Control::Answer Control::take_answer(int question, const std::string& text, const std::string& who) {
+Control::Answer Control::accept_answer(int question, const std::string& text, const std::string& who) {
   if (answer_ && answer_->question == question)
     return {false, fmt::format("question {} has its answer already, by {}", question, answer_->who)};
   if (status_.question.empty() || status_.question_id != question)
@@ -87,13 +87,14 @@ RunStatus Control::status() const {
   return status;
 }
 
-std::optional<Leave> Control::leave(const StopRequest& signals) const {
-  if (command_ == Command::kPanic) return Leave{command_, 0, leaver_};
-  if (const int number = signals.ending(); number != 0) return Leave{Command::kStop, number, signal_text(number)};
+std::optional<RunEndRequested> Control::leave(const StopRequest& signals) const {
+  if (command_ == Command::kPanic) return RunEndRequested{command_, 0, end_requested_by_};
+  if (const int number = signals.ending(); number != 0)
+    return RunEndRequested{Command::kStop, number, signal_text(number)};
   if (signals.interrupts() - interrupts_answered_ >= interrupts_that_end_) {
-    return Leave{Command::kStop, SIGINT, signal_text(SIGINT)};
+    return RunEndRequested{Command::kStop, SIGINT, signal_text(SIGINT)};
   }
-  if (command_ != Command::kStatus) return Leave{command_, 0, leaver_};
+  if (command_ != Command::kStatus) return RunEndRequested{command_, 0, end_requested_by_};
   return std::nullopt;
 }
 
@@ -108,7 +109,7 @@ void Control::poll(const StopRequest& signals) {
   interrupts_seen_ = interrupts;
 }
 
-std::optional<Leave> Control::asked(const StopRequest& signals) const {
+std::optional<RunEndRequested> Control::asked(const StopRequest& signals) const {
   const std::lock_guard lock(mutex_);
   return leave(signals);
 }
@@ -119,7 +120,7 @@ void Control::finish(const StopRequest& signals) {
   finished_ = true;
 }
 
-std::optional<Leave> Control::close(const StopRequest& signals) {
+std::optional<RunEndRequested> Control::close(const StopRequest& signals) {
   const std::lock_guard lock(mutex_);
   closed_ = true;
   return leave(signals);
@@ -130,7 +131,7 @@ bool Control::pause_wanted() const {
   return pause_;
 }
 
-bool Control::take_resume() {
+bool Control::consume_resume() {
   const std::lock_guard lock(mutex_);
   if (resume_) {
     pause_ = false;

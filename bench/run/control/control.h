@@ -27,7 +27,7 @@ enum class Command {
 const char* to_string(Command command);
 
 // Thrown from the sequencer's wait when the run is to end.
-struct Leave {
+struct RunEndRequested {
   Command command = Command::kStop;
   int signal = 0;   // SIGINT, SIGTERM, SIGHUP, ...; 0: by a command
   std::string who;  // "Ctrl-C", "alice (pid 812)"
@@ -53,18 +53,19 @@ class Control {
   // Without an operator who could resume the run after a pause: the first Ctrl-C ends it. Set before it begins.
   void end_by_first_interrupt() { interrupts_that_end_ = 1; }
 
-  // The sequencer's side. poll() throws Leave when the run is to end; otherwise it turns signals into commands.
+  // The sequencer's side. poll() throws RunEndRequested when the run is to end; otherwise it turns signals into
+  // commands.
   void poll(const StopRequest& signals);
-  // The Leave that poll() would throw: a panic before signals before other commands. None: the run continues.
-  [[nodiscard]] std::optional<Leave> asked(const StopRequest& signals) const;
-  // All steps are done. Throws Leave for commands until now; a later pause or stop is answered as too late. Abort and
-  // panic are still accepted.
+  // The RunEndRequested that poll() would throw: a panic before signals before other commands. None: the run continues.
+  [[nodiscard]] std::optional<RunEndRequested> asked(const StopRequest& signals) const;
+  // All steps are done. Throws RunEndRequested for commands until now; a later pause or stop is answered as too late.
+  // Abort and panic are still accepted.
   void finish(const StopRequest& signals);
   // From now on no command is accepted; returns the one until now.
-  std::optional<Leave> close(const StopRequest& signals);
+  std::optional<RunEndRequested> close(const StopRequest& signals);
   [[nodiscard]] bool pause_wanted() const;
   // True once after a resume.
-  [[nodiscard]] bool take_resume();
+  [[nodiscard]] bool consume_resume();
   // To the question published with that number; none yet. A resume is an answer without text.
   [[nodiscard]] std::optional<GivenAnswer> answer_to(int question) const;
   // Readings are kept as see() gave them.
@@ -74,8 +75,8 @@ class Control {
   [[nodiscard]] std::string who() const;  // asked last
 
  private:
-  [[nodiscard]] std::optional<Leave> leave(const StopRequest& signals) const;         // under the lock
-  Answer take_answer(int question, const std::string& text, const std::string& who);  // likewise
+  [[nodiscard]] std::optional<RunEndRequested> leave(const StopRequest& signals) const;  // under the lock
+  Answer accept_answer(int question, const std::string& text, const std::string& who);   // likewise
   mutable std::mutex mutex_;
   RunStatus status_;
   std::chrono::steady_clock::time_point told_ = std::chrono::steady_clock::now();  // by publish() or see()
@@ -84,8 +85,8 @@ class Control {
   bool pause_ = false, resume_ = false;
   int interrupts_seen_ = 0, interrupts_answered_ = 0;  // answered: the pause was taken back or ended
   int interrupts_that_end_ = 2;
-  std::string who_, leaver_;           // asked last; asked for the end
-  std::optional<GivenAnswer> answer_;  // the last one
+  std::string who_, end_requested_by_;  // asked last; asked for the end
+  std::optional<GivenAnswer> answer_;   // the last one
   std::atomic<std::uint64_t> news_{0};
   std::function<void()> panic_;
 };

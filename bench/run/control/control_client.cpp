@@ -36,7 +36,7 @@ std::optional<LiveRun> read_answer(const std::string& name, const Peer& server, 
     live.name = name;
     live.server = server;
     live.bench = answer.value("bench", "");
-    live.status = told_status(answer);
+    live.status = status_from_json(answer);
     live.taken = answer.value("taken", false);
     live.denied = answer.value("denied", false);
     live.text = answer.value("text", "");
@@ -51,7 +51,7 @@ namespace {
 std::string bench_part(const std::string& name) { return name.substr(0, name.find('/')); }
 
 // "BENCH/run/7" beside "BENCH": 7; none is 0.
-std::int64_t told_run(const std::string& name, const std::vector<std::string>& held) {
+std::int64_t claimed_run(const std::string& name, const std::vector<std::string>& held) {
   const std::string prefix = name + "/run/";
   for (const std::string& other : held) {
     if (!other.starts_with(prefix)) continue;
@@ -122,7 +122,7 @@ class Asking {
   [[nodiscard]] int descriptor() const { return descriptor_; }
   [[nodiscard]] const LiveRun& answer() const { return *answer_; }
   [[nodiscard]] SilentBench silent(const std::vector<std::string>& held) const {
-    return {name_, bench_part(name_), told_run(name_, held), server_, stranger_, lied_};
+    return {name_, bench_part(name_), claimed_run(name_, held), server_, stranger_, lied_};
   }
 
  private:
@@ -179,32 +179,32 @@ std::vector<std::string> run_names(const std::string& bench_id) {
   return names;
 }
 
-Heard say_to(const std::vector<std::string>& names, Command command, const ListenOptions& options) {
+RunReplies send_to_runs(const std::vector<std::string>& names, Command command, const ListenOptions& options) {
   const auto begun = WordClock::now();
   auto end = begun + options.longest;
   const std::optional<gid_t> group = commanding_group();
   std::vector<Asking> all;
   all.reserve(names.size());
   for (const std::string& name : names) all.emplace_back(name, to_string(command), group, options.known);
-  bool heard_wanted = false, heard_enough = false;
-  while (!heard_enough && std::any_of(all.begin(), all.end(), [](const Asking& one) { return one.open(); }) &&
+  bool wanted_replied = false, enough_replied = false;
+  while (!enough_replied && std::any_of(all.begin(), all.end(), [](const Asking& one) { return one.open(); }) &&
          WordClock::now() < end) {
     wait_for_any(all, end);
     for (const Asking& one : all) {
       if (one.state() != Asking::State::kAnswered) continue;
-      if (!heard_wanted && (!options.wanted || options.wanted(one.answer()))) {
-        heard_wanted = true;
+      if (!wanted_replied && (!options.wanted || options.wanted(one.answer()))) {
+        wanted_replied = true;
         end = std::min(end, WordClock::now() + options.stragglers);
       }
-      heard_enough = heard_enough || (options.enough && options.enough(one.answer()));
+      enough_replied = enough_replied || (options.enough && options.enough(one.answer()));
     }
   }
-  Heard heard;
+  RunReplies heard;
   std::vector<std::string> held;
   for (const Asking& one : all) {
     if (one.state() == Asking::State::kAnswered) {
       heard.answers.push_back(one.answer());
-    } else if (one.state() != Asking::State::kGone && !heard_enough) {
+    } else if (one.state() != Asking::State::kGone && !enough_replied) {
       if (held.empty()) held = held_names();
       heard.silent.push_back(one.silent(held));
     }
@@ -215,7 +215,7 @@ Heard say_to(const std::vector<std::string>& names, Command command, const Liste
 std::optional<LiveRun> send_command(const std::string& name, Command command, const std::optional<Peer>& known) {
   ListenOptions options;
   options.known = known;
-  Heard heard = say_to({name}, command, options);
+  RunReplies heard = send_to_runs({name}, command, options);
   if (heard.answers.empty()) return std::nullopt;
   return std::move(heard.answers.front());
 }
@@ -230,7 +230,7 @@ Command command_of(std::string_view text) {
 }
 
 std::string with_behalf(std::string words, const std::string& behalf) {
-  if (!behalf.empty()) words += "\n" + one_line(behalf, kLongestBehalf);
+  if (!behalf.empty()) words += "\n" + one_line(behalf, kMaxBehalfColumns);
   return words;
 }
 
@@ -243,33 +243,33 @@ std::string_view word_at(std::string_view& rest) {
 
 }  // namespace
 
-ClientWords read_words(std::string_view packet) {
-  ClientWords read;
+ClientRequest parse_client_request(std::string_view packet) {
+  ClientRequest read;
   const std::size_t line_end = packet.find('\n');
   std::string_view rest = packet.substr(0, line_end);
-  if (line_end != std::string_view::npos) read.behalf = one_line(packet.substr(line_end + 1), kLongestBehalf);
+  if (line_end != std::string_view::npos) read.behalf = one_line(packet.substr(line_end + 1), kMaxBehalfColumns);
   const std::string_view word = word_at(rest);
   if (word == "follow") {
-    read.word = ClientWord::kFollow;
+    read.word = ClientRequestKind::kFollow;
   } else if (word == "answer") {
-    read.word = ClientWord::kAnswer;
+    read.word = ClientRequestKind::kAnswer;
     const std::string_view number = word_at(rest);
     int question = 0;
     const auto [end, failed] = std::from_chars(number.data(), number.data() + number.size(), question);
     if (failed == std::errc() && end == number.data() + number.size()) read.question = question;
-    read.text = one_line(rest, kLongestReply);
+    read.text = one_line(rest, kMaxReplyColumns);
   } else {
     read.command = command_of(word);
   }
   return read;
 }
 
-std::string command_words(Command command, const std::string& behalf) {
+std::string command_packet(Command command, const std::string& behalf) {
   return with_behalf(to_string(command), behalf);
 }
 
-std::string answer_words(int question, const std::string& text, const std::string& behalf) {
-  return with_behalf(fmt::format("answer {} {}", question, one_line(text, kLongestReply)), behalf);
+std::string answer_packet(int question, const std::string& text, const std::string& behalf) {
+  return with_behalf(fmt::format("answer {} {}", question, one_line(text, kMaxReplyColumns)), behalf);
 }
 
 }  // namespace tactbench::bench

@@ -37,7 +37,7 @@ struct SilentBench {
   bool lied = false;      // it did answer, and carries out no run of the store that it names
 };
 
-struct Heard {
+struct RunReplies {
   std::vector<LiveRun> answers;  // by name
   std::vector<SilentBench> silent;
 };
@@ -56,7 +56,7 @@ struct ListenOptions {
 // Sends `command` to the runs with these names and collects the answers. Untrusted processes count as silent: root asks
 // them, but believes only those that carry out a run of the store that they name (locks.h); other users do not ask
 // them.
-Heard say_to(const std::vector<std::string>& names, Command command, const ListenOptions& options = {});
+RunReplies send_to_runs(const std::vector<std::string>& names, Command command, const ListenOptions& options = {});
 
 // The same to one; none: no answer that is believed.
 std::optional<LiveRun> send_command(const std::string& name, Command command, const std::optional<Peer>& known = {});
@@ -65,22 +65,22 @@ std::optional<LiveRun> send_command(const std::string& name, Command command, co
 // second line the person on whose behalf the client asks. `follow`: sends the run's status repeatedly. `answer ID
 // TEXT`: answers the question with that number. All other words are commands (control.h).
 
-inline constexpr std::size_t kLongestWords = 2048;  // bytes of a packet; what is longer is cut
-inline constexpr std::size_t kLongestReply = 300;   // columns of an answer's text
-inline constexpr std::size_t kLongestBehalf = 120;  // columns of the name for whom a client asks
+inline constexpr std::size_t kMaxRequestBytes = 2048;  // bytes of a packet; what is longer is cut
+inline constexpr std::size_t kMaxReplyColumns = 300;   // columns of an answer's text
+inline constexpr std::size_t kMaxBehalfColumns = 120;  // columns of the name for whom a client asks
 
-enum class ClientWord { kCommand, kFollow, kAnswer };
+enum class ClientRequestKind { kCommand, kFollow, kAnswer };
 
-struct ClientWords {
-  ClientWord word = ClientWord::kCommand;
+struct ClientRequest {
+  ClientRequestKind word = ClientRequestKind::kCommand;
   Command command = Command::kStatus;  // of kCommand; an unknown word asks for the status
   int question = 0;                    // of kAnswer; 0: not a number, which no question has
   std::string text;                    // of kAnswer, one line
   std::string behalf;                  // "bob on the page, from 127.0.0.1"; empty: the client itself asks
 };
 
-ClientWords read_words(std::string_view packet);
-std::string command_words(Command command, const std::string& behalf);
-std::string answer_words(int question, const std::string& text, const std::string& behalf);
+ClientRequest parse_client_request(std::string_view packet);
+std::string command_packet(Command command, const std::string& behalf);
+std::string answer_packet(int question, const std::string& text, const std::string& behalf);
 
 }  // namespace tactbench::bench

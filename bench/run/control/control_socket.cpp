@@ -91,11 +91,11 @@ void ControlSocket::serve() {
     }
     clients_ = std::move(waiting);
     if (ready[1].revents != 0) accept_some();
-    tell_followers();
+    send_to_followers();
   }
 }
 
-void ControlSocket::tell_followers() {
+void ControlSocket::send_to_followers() {
   const auto now = std::chrono::steady_clock::now();
   const std::uint64_t news = control_.news();
   std::string text;
@@ -153,8 +153,8 @@ void ControlSocket::make_room() {
 std::string ControlSocket::reply(const Client& client, const Control::Answer& answer) const {
   nlohmann::json told{{"bench", bench_}, {"denied", !client.trusted}};
   if (client.trusted) {
-    told.update({{"taken", answer.taken}, {"text", one_line(answer.text, kLongestAnswer)}});
-    tell_status(told, control_.status());
+    told.update({{"taken", answer.taken}, {"text", one_line(answer.text, kMaxAnswerColumns)}});
+    add_status_json(told, control_.status());
   } else {
     told["text"] = answer.text;
   }
@@ -162,7 +162,7 @@ std::string ControlSocket::reply(const Client& client, const Control::Answer& an
 }
 
 bool ControlSocket::answer(Client& client) {
-  std::array<char, kLongestWords> bytes{};
+  std::array<char, kMaxRequestBytes> bytes{};
   const ssize_t size = ::recv(client.descriptor, bytes.data(), bytes.size(), MSG_DONTWAIT);
   if (size < 0 && (errno == EAGAIN || errno == EINTR)) return false;
   if (size <= 0 || client.follows) return true;  // who follows has nothing more to say
@@ -170,15 +170,15 @@ bool ControlSocket::answer(Client& client) {
   std::string who = client.peer ? peer_text(*client.peer) : "unknown";
   Control::Answer answer;
   if (client.trusted) {
-    const ClientWords words = read_words({bytes.data(), static_cast<std::size_t>(size)});
+    const ClientRequest words = parse_client_request({bytes.data(), static_cast<std::size_t>(size)});
     if (!words.behalf.empty()) who = fmt::format("{}, through {}", words.behalf, who);
-    if (words.word == ClientWord::kFollow) {
+    if (words.word == ClientRequestKind::kFollow) {
       if (std::ranges::count_if(clients_, &Client::follows) < kMostFollowers) {
         begin_following(client);
         return false;
       }
       answer.text = fmt::format("{} follow this run already", kMostFollowers);
-    } else if (words.word == ClientWord::kAnswer) {
+    } else if (words.word == ClientRequestKind::kAnswer) {
       if (hung_up(client.descriptor)) return true;
       answer = control_.answer(words.question, words.text, who);
     } else {

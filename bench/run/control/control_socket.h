@@ -47,7 +47,7 @@ class ControlSocket {
   [[nodiscard]] bool answer(Client& client);  // false: nothing was asked yet, or it follows
   [[nodiscard]] std::string reply(const Client& client, const Control::Answer& answer) const;
   void begin_following(Client& client);
-  void tell_followers();
+  void send_to_followers();
   Control& control_;
   std::string bench_;
   MachineName own_;  // where none was given

@@ -153,9 +153,9 @@ bool StoreLocks::renew(std::int64_t run) {
 RunLock::RunLock(const std::string& db_path) : locks_(db_path) { locks_.share(kOtherStart); }
 
 // Another process that tries to resume this number holds its lock for a moment.
-void RunLock::take_new(std::int64_t run) const { locks_.take_run(run, kOtherStart); }
+void RunLock::lock_new_run(std::int64_t run) const { locks_.take_run(run, kOtherStart); }
 
-void RunLock::take_again(std::int64_t run) const { locks_.take_run(run, std::chrono::milliseconds(0)); }
+void RunLock::lock_for_resume(std::int64_t run) const { locks_.take_run(run, std::chrono::milliseconds(0)); }
 
 std::optional<bool> is_carried_out(const std::string& db_path, std::int64_t run) {
   const int file = ::open(lock_path(db_path).c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK);
@@ -197,7 +197,7 @@ db::RunStore open_for_running(const std::string& db_path, const BenchConfig& con
   // A run makes or opens its row only while it shares the store (RunLock): under the exclusive lock no unended run is
   // alive, and none begins.
   const StoreLocks locks(db_path);
-  if (locks.take_whole()) (void)store.mark_interrupted(utc_now());
+  if (locks.try_lock_store()) (void)store.mark_interrupted(utc_now());
   return store;
 }
 

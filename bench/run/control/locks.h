@@ -41,7 +41,7 @@ class StoreLocks {
   StoreLocks(const StoreLocks&) = delete;
   StoreLocks& operator=(const StoreLocks&) = delete;
   // True when no process writes a run to this store; none can begin while this is held. Does not wait.
-  [[nodiscard]] bool take_whole() const { return take(kWhole, true); }
+  [[nodiscard]] bool try_lock_store() const { return take(kWhole, true); }
   // Held while a run writes to the store; shared by several runs. Waits for a start that searches for dead runs; throws
   // Error TB-STORE-LOCK when that takes longer than `longest`.
   void share(std::chrono::milliseconds longest) const;
@@ -63,9 +63,9 @@ class StoreLocks {
 class RunLock {
  public:
   explicit RunLock(const std::string& db_path);  // Throws Error TB-STORE-LOCK
-  void take_new(std::int64_t run) const;         // whose row was just made
+  void lock_new_run(std::int64_t run) const;     // whose row was just made
   // A run to be resumed. Throws Error TB-RUN-LIVE at once when another process carries it out.
-  void take_again(std::int64_t run) const;
+  void lock_for_resume(std::int64_t run) const;
   bool renew(std::int64_t run) { return locks_.renew(run); }
 
  private:

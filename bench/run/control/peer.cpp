@@ -35,9 +35,9 @@ std::optional<Peer> peer_of(int descriptor, std::optional<gid_t> group) {
   std::vector<gid_t> groups(64);
   for (int turn = 0; turn < 2; ++turn) {
     size = static_cast<socklen_t>(groups.size() * sizeof(gid_t));
-    const bool told_all = ::getsockopt(descriptor, SOL_SOCKET, SO_PEERGROUPS, groups.data(), &size) == 0;
+    const bool got_all = ::getsockopt(descriptor, SOL_SOCKET, SO_PEERGROUPS, groups.data(), &size) == 0;
     groups.resize(size / sizeof(gid_t));
-    if (!told_all) continue;  // too many: `size` holds their number
+    if (!got_all) continue;  // too many: `size` holds their number
     peer.in_group = std::find(groups.begin(), groups.end(), *group) != groups.end();
     break;
   }

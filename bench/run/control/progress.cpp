@@ -65,7 +65,7 @@ void Progress::show(const RunStatus& status) {
   const bool estimated = status.left_high_s > 0.0 && status.rate > 0.0;
   const std::string line = progress_line(status, estimated ? status.left_s / status.rate : by_pace, unit_);
   if (mode_ == Mode::kTerminal) {
-    tty::renew_line(line);
+    tty::update_status_line(line);
     std::fflush(stderr);
     open_ = true;
   } else {

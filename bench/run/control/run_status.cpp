@@ -23,20 +23,20 @@ RunState state_of(const std::string& text) {
 
 std::string stage_of(const std::string& phase) { return phase.substr(0, phase.find(", step ")); }
 
-void tell_status(nlohmann::json& told, const RunStatus& status) {
+void add_status_json(nlohmann::json& told, const RunStatus& status) {
   told.update({{"run", status.run},
                {"state", to_string(status.state)},
                JSON_FIELDS(status, store, label),
-               {"reason", one_line(status.reason, kLongestAnswer)},
-               {"question", one_line(status.question, kLongestAnswer)},
+               {"reason", one_line(status.reason, kMaxAnswerColumns)},
+               {"question", one_line(status.question, kMaxAnswerColumns)},
                {"question_id", status.question_id},
-               {"phase", one_line(status.phase, kLongestAnswer)},
+               {"phase", one_line(status.phase, kMaxAnswerColumns)},
                JSON_FIELDS(status, step, steps, frames, frames_void, frames_planned, left_s, left_low_s, left_high_s,
                            prompts_left, rate, age_s)});
   if (status.answer)
     told["answer"] = {{"question", status.answer->question},
-                      {"text", one_line(status.answer->text, kLongestAnswer)},
-                      {"who", one_line(status.answer->who, kLongestAnswer)}};
+                      {"text", one_line(status.answer->text, kMaxAnswerColumns)},
+                      {"who", one_line(status.answer->who, kMaxAnswerColumns)}};
   if (status.target_n) told["target_n"] = *status.target_n;
   if (!status.readings) return;
   const RunReadings& now = *status.readings;
@@ -45,7 +45,7 @@ void tell_status(nlohmann::json& told, const RunStatus& status) {
   if (now.force_n) readings["force_n"] = *now.force_n;
 }
 
-RunStatus told_status(const nlohmann::json& told) {
+RunStatus status_from_json(const nlohmann::json& told) {
   RunStatus status;
   status.run = told.value("run", std::int64_t{0});
   status.state = state_of(told.value("state", ""));

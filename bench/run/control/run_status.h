@@ -64,11 +64,11 @@ struct RunStatus {
 std::string stage_of(const std::string& phase);
 
 // Texts of a recipe may be long; in an answer they are cut to this many columns.
-inline constexpr std::size_t kLongestAnswer = 300;
+inline constexpr std::size_t kMaxAnswerColumns = 300;
 
 // Adds the members of `status` to the JSON object `told`.
-void tell_status(nlohmann::json& told, const RunStatus& status);
+void add_status_json(nlohmann::json& told, const RunStatus& status);
 // The reverse; what is missing keeps its default. Throws nlohmann::json::exception for a member of another type.
-RunStatus told_status(const nlohmann::json& told);
+RunStatus status_from_json(const nlohmann::json& told);
 
 }  // namespace tactbench::bench

@@ -51,16 +51,16 @@ ContactPoint find_contact(PressAxis& axis, double clear_z_mm) {
   check_free(axis, axis.sample(options.level_records), options.contact_n);
   if (from_mm < clear_z_mm) {
     // Stops at the first touch of an object that is taller than clear_z allows for.
-    const bool touched = axis.descend(clear_z_mm, options.way_mm_per_s());
+    const bool touched = axis.descend(clear_z_mm, options.travel_limit_mm_per_s());
     const ForceSample there = axis.sample(options.level_records);
     if (touched) not_free(axis, there, options.contact_n);
     check_free(axis, there, options.contact_n);
   }
-  if (!axis.descend(options.deepest_z_mm, options.approach_mm_per_s)) no_contact(axis, from_mm);
+  if (!axis.descend(options.max_z_mm, options.approach_mm_per_s)) no_contact(axis, from_mm);
   ContactPoint contact;
   contact.coarse_z_mm = axis.z_mm();
   const ForceSample touch = axis.sample(options.poll_records);
-  contact.greatest_n = std::abs(touch.force_n);
+  contact.max_force_n = std::abs(touch.force_n);
   if (touch.force_n < 0.0) {
     throw Fault("TB-PRESS-SIGN", "force sensor",
                 fmt::format("on contact Fz reads {:.2f} N, pressing should read {} it", touch.wrench.force_n[2],
@@ -69,13 +69,13 @@ ContactPoint find_contact(PressAxis& axis, double clear_z_mm) {
   back_off(axis);
 
   const double start_mm = axis.z_mm();
-  const double last_mm = std::min(contact.coarse_z_mm + options.backoff_mm, options.deepest_z_mm);
+  const double last_mm = std::min(contact.coarse_z_mm + options.backoff_mm, options.max_z_mm);
   ForceSample before = axis.sample(options.level_records);
   for (;;) {
     const double z_mm = axis.z_mm() + options.fine_step_mm;
     if (z_mm > last_mm) no_contact(axis, start_mm);
     const ForceSample now = axis.move_to(z_mm, options.servo_mm_per_s);
-    contact.greatest_n = std::max(contact.greatest_n, now.force_n);
+    contact.max_force_n = std::max(contact.max_force_n, now.force_n);
     // Two successive readings in contact, one step apart: the line through them gives the point of contact.
     const bool twice = before.force_n >= options.contact_n && now.force_n >= options.contact_n;
     if (twice) {

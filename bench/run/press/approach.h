@@ -11,7 +11,7 @@ struct ContactPoint {
   double z_mm = 0.0;                // where the force begins, by the line through the last two readings
   double uncertainty_mm = 0.0;      // half a step plus the distance extrapolated
   double coarse_z_mm = 0.0;         // where the first touch stopped
-  double greatest_n = 0.0;          // greatest force of the approach, first touch included: the specimen's history
+  double max_force_n = 0.0;         // greatest force of the approach, first touch included: the specimen's history
   double stiffness_n_per_mm = 0.0;  // at contact
   ForceSample reading;              // where z is now, a step or two in contact
 };

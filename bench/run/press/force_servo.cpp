@@ -103,18 +103,18 @@ void ForceServo::learn(const ForceSample& before, const ForceSample& after) {
 
 void ForceServo::check_bounds(double target_n, double force_n, int moves, Nanoseconds deadline) const {
   const PressOptions& options = axis_.options();
-  if (moves < options.most_moves && axis_.clock().now() < deadline) return;
+  if (moves < options.max_moves && axis_.clock().now() < deadline) return;
   throw Fault("TB-PRESS-TIMEOUT", "stage z",
               fmt::format("{:.2f} N were not reached within {} moves and {:g} s; last reading {:.2f} N at {:.3f} mm, "
                           "{:.1f} N/mm",
-                          target_n, options.most_moves, options.level_timeout_s, force_n, axis_.z_mm(), stiffness_));
+                          target_n, options.max_moves, options.level_timeout_s, force_n, axis_.z_mm(), stiffness_));
 }
 
 double ForceServo::next_z(double target_n, double force_n, double step_mm, Branch branch) const {
   const PressOptions& options = axis_.options();
   const bool loading = branch == Branch::kLoading;
   const double low = std::max(0.0, contact_z_mm_ - options.clear_mm);
-  const double high = std::min(options.deepest_z_mm, contact_z_mm_ + options.most_press_mm);
+  const double high = std::min(options.max_z_mm, contact_z_mm_ + options.max_press_mm);
   const double z_mm = std::clamp(axis_.z_mm() + (loading ? step_mm : -step_mm), low, high);
   const double onward_mm = loading ? z_mm - axis_.z_mm() : axis_.z_mm() - z_mm;
   if (onward_mm > options.resolution_mm / 2.0) return z_mm;

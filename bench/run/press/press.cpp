@@ -22,7 +22,7 @@ using devices::Wrench;
 
 namespace {
 
-constexpr double kStandsMm = 0.001;
+constexpr double kPositionToleranceMm = 0.001;
 constexpr double kMarginMm = 0.01;
 
 // a x + b y
@@ -43,7 +43,7 @@ PressOptions press_options(const BenchConfig& config) {
   PressOptions options;
   options.clear_z_mm = axes[2].low.value();  // the bench file may set another
   // The device's own limit may lie a microstep short of the nominal travel.
-  options.deepest_z_mm = axes[2].high.value() - kMarginMm;
+  options.max_z_mm = axes[2].high.value() - kMarginMm;
   options.travel_mm_per_s = axes[2].maximum_speed.value();
   options.travel_xy_mm_per_s = std::min(axes[0].maximum_speed.value(), axes[1].maximum_speed.value());
   return options;
@@ -62,7 +62,7 @@ Press::Press(devices::Stage& stage, devices::ForceSensor& force, devices::Clock&
 
 void Press::check_clear() {
   const double z_mm = axis_.find();
-  if (z_mm <= clear_z_mm_ + kStandsMm) return;
+  if (z_mm <= clear_z_mm_ + kPositionToleranceMm) return;
   throw Fault(
       "TB-PRESS-NOT-CLEAR", "stage z",
       fmt::format("z is at {:.3f} mm, clear of the specimen is {:.3f} mm; nothing was moved", z_mm, clear_z_mm_),
@@ -117,7 +117,7 @@ ContactPoint Press::approach() {
   clear_z_mm_ = std::max(0.0, std::min(options_.clear_z_mm, found.z_mm - options_.clear_mm));
   servo_.begin(found);
   axis_.event("contact", fmt::format("at z {:.4f} mm +- {:.4f} mm, {:.1f} N/mm; {:.2f} N felt on the way", found.z_mm,
-                                     found.uncertainty_mm, found.stiffness_n_per_mm, found.greatest_n));
+                                     found.uncertainty_mm, found.stiffness_n_per_mm, found.max_force_n));
   return found;
 }
 

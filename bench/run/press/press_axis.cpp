@@ -20,7 +20,7 @@ double PressOptions::tolerance(double force_n) const {
   return std::max(tolerance_n, tolerance_share * std::abs(force_n));
 }
 
-double PressOptions::way_mm_per_s() const {
+double PressOptions::travel_limit_mm_per_s() const {
   const double unseen_s = poll_interval_s + force_latency_s + stop_time_s;
   return std::min(travel_mm_per_s, (force_limit_n - contact_n) / (stiffest_n_per_mm * unseen_s));
 }

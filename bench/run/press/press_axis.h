@@ -16,8 +16,8 @@ namespace tactbench::bench {
 struct PressOptions {
   double clear_z_mm = 0.0;  // no contact up to here; x and y move only here
   double clear_mm = 5.0;    // and at least this far from a known contact
-  double deepest_z_mm = 50.0;
-  double most_press_mm = 5.0;    // beyond the contact
+  double max_z_mm = 50.0;
+  double max_press_mm = 5.0;     // beyond the contact
   double pressing_sign = -1.0;   // of Fz when the specimen is pressed
   double force_limit_n = 33.0;   // |Fz| beyond it halts
   double safe_force_n = 0.5;     // below it there is no contact
@@ -40,13 +40,13 @@ struct PressOptions {
   double resolution_mm = 4.7625e-5;  // one microstep of the T-NA08A50: no smaller move exists
   double hold_interval_s = 1.0;      // between two readings of the force while dwelling
   double level_timeout_s = 120.0;
-  int most_moves = 60;  // a level
+  int max_moves = 60;  // a level
   int poll_records = 10, level_records = 50;
 
   [[nodiscard]] double tolerance(double force_n) const;
   // Speed limit of z without contact: even the stiffest object in the path is detected, and z stopped, within the force
   // limit.
-  [[nodiscard]] double way_mm_per_s() const;
+  [[nodiscard]] double travel_limit_mm_per_s() const;
 };
 
 struct ForceSample {

@@ -85,8 +85,8 @@ void check_places(const PressPlanned& planned, const PressOptions& options, cons
       complaints.push_back(
           fmt::format("{} = {:g} is more than the {:g} mm/s that z may move at", key, speed, options.travel_mm_per_s));
   check("clear z", options.clear_z_mm, 2);
-  check("deepest z", options.deepest_z_mm, 2);
-  if (!(options.clear_z_mm < options.deepest_z_mm)) complaints.emplace_back("clear z is not above the deepest z");
+  check("deepest z", options.max_z_mm, 2);
+  if (!(options.clear_z_mm < options.max_z_mm)) complaints.emplace_back("clear z is not above the deepest z");
 }
 
 }  // namespace

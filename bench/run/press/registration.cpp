@@ -125,12 +125,12 @@ MountRegistration register_mount(const std::vector<Touch>& touches, double pitch
     stage.col(column) << touches[i].x_mm, touches[i].y_mm;
   }
   const double narrow_mm = std::min(spread(taxel), spread(stage));
-  if (!(narrow_mm >= options.least_spread_mm)) {
+  if (!(narrow_mm >= options.min_spread_mm)) {
     throw Fault(
         "TB-MOUNT-COLLINEAR", kDevice,
         fmt::format("the touches lie within {:.2f} mm (rms) of one line, {:g} mm are needed: a flip could not be "
                     "recognised",
-                    narrow_mm, options.least_spread_mm));
+                    narrow_mm, options.min_spread_mm));
   }
   const PlaneFit straight = fit(taxel, stage, 1.0);
   const PlaneFit mirrored = fit(taxel, stage, -1.0);
@@ -149,11 +149,11 @@ MountRegistration register_mount(const std::vector<Touch>& touches, double pitch
     const std::array<double, 2> place = made.stage_mm(touch.taxel_mm);
     made.residual_mm.push_back(std::hypot(place[0] - touch.x_mm, place[1] - touch.y_mm));
   }
-  if (!(made.rms_mm <= options.most_rms_mm)) {
+  if (!(made.rms_mm <= options.max_rms_mm)) {
     throw Fault("TB-MOUNT-RESIDUAL", kDevice,
                 fmt::format("the touches miss their places by {:.3f} mm (rms), {:g} mm are allowed; angle {:.2f} deg, "
                             "scale {:.4f}",
-                            made.rms_mm, options.most_rms_mm, made.angle_deg, made.scale));
+                            made.rms_mm, options.max_rms_mm, made.angle_deg, made.scale));
   }
   return made;
 }

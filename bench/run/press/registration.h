@@ -23,8 +23,8 @@ struct Touch {
                                                     double threshold = 0.1);
 
 struct RegistrationOptions {
-  double most_rms_mm = 0.5;
-  double least_spread_mm = 2.0;  // of the touches, perpendicular to their longest line
+  double max_rms_mm = 0.5;
+  double min_spread_mm = 2.0;  // of the touches, perpendicular to their longest line
 };
 
 // stage = scale x R(angle) x F x taxel + offset, F the identity, or the mirror (x, -y) when the sensor lies flipped.

@@ -98,13 +98,13 @@ std::int64_t lost_between(const Frames& frames, std::int64_t before, std::int64_
   const std::int64_t began_ns = first ? first->time_ns : 0;
   const std::int64_t gap_ns = second->time_ns - began_ns;
   const bool same_sequence = first && first->sequence == second->sequence;
-  const bool way_back = all.back().way_back_ns <= second->time_ns;
+  const bool path_to_branch = all.back().way_back_ns <= second->time_ns;
   const std::optional<std::int64_t> pace_ns = frames.pace(next);
   // An uninterrupted run continues with the next frame.
-  if (way_back && same_sequence && pace_ns) return gap_ns - std::min(gap_ns, *pace_ns);
+  if (path_to_branch && same_sequence && pace_ns) return gap_ns - std::min(gap_ns, *pace_ns);
   std::int64_t lost_ns = 0;
   for (const Interruption& one : all) {
-    const bool again = one.resumed || way_back;  // all work since the previous frame was lost
+    const bool again = one.resumed || path_to_branch;  // all work since the previous frame was lost
     lost_ns = again ? one.to_ns - began_ns : lost_ns + one.to_ns - one.from_ns;
   }
   return std::clamp<std::int64_t>(lost_ns, 0, gap_ns);

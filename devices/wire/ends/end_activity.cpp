@@ -16,24 +16,24 @@ std::mutex& ends_mutex() {
   return mutex;
 }
 
-std::vector<EndAtWork*>& ends() {
-  static std::vector<EndAtWork*> ends;
+std::vector<EndActivity*>& ends() {
+  static std::vector<EndActivity*> ends;
   return ends;
 }
 
 }  // namespace
 
-EndAtWork::EndAtWork() : process_(::getpid()) {
+EndActivity::EndActivity() : process_(::getpid()) {
   const std::lock_guard lock(ends_mutex());
   ends().push_back(this);
 }
 
-EndAtWork::~EndAtWork() {
+EndActivity::~EndActivity() {
   const std::lock_guard lock(ends_mutex());
   std::erase(ends(), this);
 }
 
-int EndAtWork::wait(std::span<pollfd> descriptors, std::optional<Nanoseconds> longest) {
+int EndActivity::wait(std::span<pollfd> descriptors, std::optional<Nanoseconds> longest) {
   const timespec span{longest ? longest->count() / kSecond : 0, longest ? longest->count() % kSecond : 0};
   {
     const std::lock_guard lock(mutex_);
@@ -50,12 +50,12 @@ int EndAtWork::wait(std::span<pollfd> descriptors, std::optional<Nanoseconds> lo
   return ready;
 }
 
-void EndAtWork::leave() {
+void EndActivity::leave() {
   const std::lock_guard lock(mutex_);
   left_ = true;
 }
 
-bool EndAtWork::works() {
+bool EndActivity::works() {
   if (process_ != ::getpid()) return false;
   const std::lock_guard lock(mutex_);
   if (left_) return false;
@@ -63,9 +63,9 @@ bool EndAtWork::works() {
   return !waits_ || ::ppoll(watched_.data(), watched_.size(), &kNow, nullptr) > 0;
 }
 
-bool EndAtWork::any() {
+bool EndActivity::any() {
   const std::lock_guard lock(ends_mutex());
-  return std::any_of(ends().begin(), ends().end(), [](EndAtWork* end) { return end->works(); });
+  return std::any_of(ends().begin(), ends().end(), [](EndActivity* end) { return end->works(); });
 }
 
 }  // namespace tactbench::devices

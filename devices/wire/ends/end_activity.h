@@ -17,12 +17,12 @@
 
 namespace tactbench::devices {
 
-class EndAtWork {
+class EndActivity {
  public:
-  EndAtWork();  // at work until its first wait, because its thread has yet to start
-  ~EndAtWork();
-  EndAtWork(const EndAtWork&) = delete;
-  EndAtWork& operator=(const EndAtWork&) = delete;
+  EndActivity();  // at work until its first wait, because its thread has yet to start
+  ~EndActivity();
+  EndActivity(const EndActivity&) = delete;
+  EndActivity& operator=(const EndActivity&) = delete;
 
   // Starts the end's thread. After `serve` returns there are no further answers.
   template <class Serve>

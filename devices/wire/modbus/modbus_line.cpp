@@ -212,15 +212,15 @@ bool ModbusLine::is_echo(std::span<const std::uint8_t> sent, std::span<std::uint
   return std::equal(sent.begin(), sent.end(), came.begin());
 }
 
-void ModbusLine::was_busy(std::string words) {
+void ModbusLine::note_busy(std::string words) {
   ++busy_;
-  busy_words_ = fmt::format("{}{}", std::move(words), busy_ > 1 ? fmt::format("; {} times so far", busy_) : "");
+  busy_text_ = fmt::format("{}{}", std::move(words), busy_ > 1 ? fmt::format("; {} times so far", busy_) : "");
 }
 
-std::string ModbusLine::take_busy() {
-  if (busy_ < busy_told_at_) return {};
-  busy_told_at_ = 2 * busy_;
-  return busy_words_;
+std::string ModbusLine::take_busy_report() {
+  if (busy_ < next_busy_report_) return {};
+  next_busy_report_ = 2 * busy_;
+  return busy_text_;
 }
 
 std::vector<std::uint8_t> ModbusLine::exchange(std::span<const std::uint8_t> request) {

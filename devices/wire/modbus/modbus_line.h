@@ -33,10 +33,10 @@ class ModbusLine {
   [[nodiscard]] int error() const { return error_; }
   [[nodiscard]] bool is_rtu() const { return !endpoint_.serial_port.empty(); }
   [[nodiscard]] const ModbusEndpoint& endpoint() const { return endpoint_; }
-  // Counts how often a device on this line was busy; `words` describes the last time. take_busy() returns that text
-  // after the first, second, fourth, eighth ... time, otherwise an empty text.
-  void was_busy(std::string words);
-  [[nodiscard]] std::string take_busy();
+  // Counts how often a device on this line was busy; `words` describes the last time. take_busy_report() returns that
+  // text after the first, second, fourth, eighth ... time, otherwise an empty text.
+  void note_busy(std::string words);
+  [[nodiscard]] std::string take_busy_report();
   [[nodiscard]] Clock& clock() { return clock_; }
 
  private:
@@ -55,8 +55,8 @@ class ModbusLine {
   std::uint16_t transaction_ = 0;  // of the last request on this connection
   int error_ = 0;
   Echo echo_ = Echo::kAsExpected;
-  long busy_ = 0, busy_told_at_ = 1;
-  std::string busy_words_;
+  long busy_ = 0, next_busy_report_ = 1;
+  std::string busy_text_;
   // No request before this time; real time, since bytes on a line take real time.
   std::chrono::steady_clock::time_point quiet_until_{};
 };

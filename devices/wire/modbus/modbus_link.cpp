@@ -57,7 +57,7 @@ std::string ModbusLink::peer() const {
                          : fmt::format("{} at {}:{} unit {}", device_, at.host, at.port, unit_);
 }
 
-std::string ModbusLink::take_busy() const { return line_->take_busy(); }
+std::string ModbusLink::take_busy_report() const { return line_->take_busy_report(); }
 
 void ModbusLink::fail_without_answer(const std::string& what, std::size_t sent) {
   const int error = line_->error();
@@ -131,7 +131,7 @@ std::vector<std::uint8_t> ModbusLink::exchange(const Request& request) {
                   "Check that the profile in the bench file fits the module, that no other master holds it, and that "
                   "its watchdog has not tripped.");
     }
-    if (busy != 0) line_->was_busy(what() + fmt::format("{}, asked again for {:.0f} ms", refusal(busy), waited_ms));
+    if (busy != 0) line_->note_busy(what() + fmt::format("{}, asked again for {:.0f} ms", refusal(busy), waited_ms));
     break;
   }
   if (answer[1] != request.function) fail(fmt::format("the answer is to function {}", answer[1]));

@@ -50,7 +50,7 @@ class ModbusLink {
   void close() noexcept;
   [[nodiscard]] std::uint64_t exchanges() const { return exchanges_; }
   [[nodiscard]] const ModbusEndpoint& endpoint() const;
-  [[nodiscard]] std::string take_busy() const;  // ModbusLine's
+  [[nodiscard]] std::string take_busy_report() const;  // ModbusLine's
   // "analog module at 127.0.0.1:502 unit 1", as faults name it.
   [[nodiscard]] std::string peer() const;
 

@@ -55,7 +55,7 @@ void* counted(std::size_t size) {
 
 namespace {
 
-constexpr double kUntold = std::numeric_limits<double>::quiet_NaN();
+constexpr double kUnreportedExit = std::numeric_limits<double>::quiet_NaN();
 
 struct Results {
   std::array<float, kThree> pressure{}, uncertainty{};
@@ -71,7 +71,7 @@ std::vector<std::array<float, kThree>> frames_along(const Kind& kind, bool falli
   for (std::size_t i = 0; i < count; ++i) {
     std::array<double, kThree> own{walk.output[i], 0.1, kOutputZero + 0.9 * (walk.output[i] - kOutputZero)};
     if (i % 41 == 17) own[0] = 3.0 * kOutputGain * kind.full();
-    if (i % 53 == 29) own[2] = kUntold;
+    if (i % 53 == 29) own[2] = kUnreportedExit;
     auto& frame = frames.emplace_back();
     for (std::size_t t = 0; t < kThree; ++t) frame[t] = static_cast<float>(falling ? -own[t] : own[t]);
   }
@@ -107,7 +107,7 @@ TEST_CASE("FrameCompensator: model, single taxels, document and C API give the s
         const auto same = [&] { return a == b && a == c && a.pressure == d.pressure && a.status == d.status; };
         int frame = 0;
         for (const auto& outputs : frames_along(kind, falling)) {
-          const double seconds = frame == 0 ? kUntold : 0.4;
+          const double seconds = frame == 0 ? kUnreportedExit : 0.4;
           of_model.frame(outputs, seconds, a.output());
           of_document.frames.frame(outputs, seconds, b.output());
           CHECK(tb_compensator_frame(parsed.of, outputs.data(), kThree, seconds, c.pressure.data(),
@@ -175,12 +175,12 @@ TEST_CASE("FrameCompensator: sets status bits of lost, dead and out-of-range tax
     // A model in time is told the time, but of the first frame; of others it may be not known.
     frames.start(Start::kAtRest);
     CHECK(frames.needs_time() == false);
-    give(half, kUntold);
+    give(half, kUnreportedExit);
     CHECK(frames.needs_time() == kind.in_time);
     if (kind.in_time)
-      CHECK_THROWS_AS(give(half, kUntold), std::invalid_argument);
+      CHECK_THROWS_AS(give(half, kUnreportedExit), std::invalid_argument);
     else
-      CHECK_NOTHROW(give(half, kUntold));
+      CHECK_NOTHROW(give(half, kUnreportedExit));
     const Results before = now;
     for (const double wrong : {-0.1, HUGE_VAL}) {
       CHECK_THROWS_AS(give(half, wrong), std::invalid_argument);
@@ -275,15 +275,15 @@ TEST_CASE("C API: returns error codes and truncated messages, and a refusal leav
   };
   CHECK(tb_compensator_tare(handle.of, volts, kThree, &off) == TB_COMPENSATOR_OK);
   CHECK(off == 0);
-  CHECK(frame(kUntold) == TB_COMPENSATOR_OK);  // the first
+  CHECK(frame(kUnreportedExit) == TB_COMPENSATOR_OK);  // the first
   volts[0] = 1.0F;
-  CHECK(frame(kUntold) == TB_COMPENSATOR_TIME);
+  CHECK(frame(kUnreportedExit) == TB_COMPENSATOR_TIME);
   CHECK(frame(-1.0) == TB_COMPENSATOR_VALUE);
   CHECK(frame(HUGE_VAL) == TB_COMPENSATOR_VALUE);
-  CHECK(tb_compensator_lost_frame(handle.of, kUntold) == TB_COMPENSATOR_TIME);
+  CHECK(tb_compensator_lost_frame(handle.of, kUnreportedExit) == TB_COMPENSATOR_TIME);
   CHECK(tb_compensator_lost_frame(handle.of, -1.0) == TB_COMPENSATOR_VALUE);
   CHECK(tb_compensator_start(handle.of, 1, -1.0) == TB_COMPENSATOR_VALUE);
-  CHECK(tb_compensator_start(handle.of, 1, kUntold) == TB_COMPENSATOR_VALUE);
+  CHECK(tb_compensator_start(handle.of, 1, kUnreportedExit) == TB_COMPENSATOR_VALUE);
   CHECK(tb_compensator_frame(handle.of, volts, 2, 0.4, psi, nullptr, nullptr) == TB_COMPENSATOR_SIZE);
   CHECK(tb_compensator_tare(handle.of, volts, 4, nullptr) == TB_COMPENSATOR_SIZE);
   CHECK(tb_compensator_frame(handle.of, nullptr, kThree, 0.4, psi, nullptr, nullptr) == TB_COMPENSATOR_NULL);
@@ -295,7 +295,7 @@ TEST_CASE("C API: returns error codes and truncated messages, and a refusal leav
   REQUIRE(tb_compensator_parse(text.c_str(), 0, &untroubled.of, nullptr, 0) == TB_COMPENSATOR_OK);
   const float rest[kThree] = {0.3F, 0.0F, 0.3F};
   tb_compensator_tare(untroubled.of, rest, kThree, nullptr);
-  tb_compensator_frame(untroubled.of, rest, kThree, kUntold, psi, nullptr, nullptr);
+  tb_compensator_frame(untroubled.of, rest, kThree, kUnreportedExit, psi, nullptr, nullptr);
   tb_compensator_frame(untroubled.of, volts, kThree, 0.4, psi, nullptr, nullptr);
   CHECK(psi[0] == once);
   std::uint16_t bits[kThree] = {};

@@ -156,8 +156,9 @@ TEST_CASE("judge: the default rule is four-way if U of the value is known, simpl
 }
 
 TEST_CASE("judge: every run that counts is judged in order, the worst decides, and the closest values are named") {
-  const Judgement judgement = judge(
-      evidence_of({run_of(1, 0.1, Counts::kModelsOwn), run_of(7, 1.0), run_of(3, 0.75), run_of(4, 0.25)}), limits_of());
+  const Judgement judgement =
+      judge(evidence_of({run_of(1, 0.1, Counts::kUsedByModels), run_of(7, 1.0), run_of(3, 0.75), run_of(4, 0.25)}),
+            limits_of());
   CHECK(runs_in(judgement) == std::vector<std::int64_t>{7, 3, 4});
   CHECK(judgement.figures.size() == 12);
   CHECK((judgement.overall == Verdict::kFail && !judgement.not_judged));
@@ -172,7 +173,7 @@ TEST_CASE("judge: every run that counts is judged in order, the worst decides, a
 }
 
 TEST_CASE("judge: without a run that counts the first run's values are inconclusive, and the reason is stated") {
-  const Judgement own = judge(evidence_of({run_of(1, 0.1, Counts::kModelsOwn)}), limits_of());
+  const Judgement own = judge(evidence_of({run_of(1, 0.1, Counts::kUsedByModels)}), limits_of());
   CHECK((own.overall == Verdict::kInconclusive && own.not_judged->kind == Remark::Kind::kNoIndependentData));
   CHECK((own.figures.size() == 4 && own.runs.empty() && own.not_assessed.empty()));
   CHECK(worst_of(own.figures) == Verdict::kInconclusive);
@@ -186,7 +187,7 @@ TEST_CASE("judge: without a run that counts the first run's values are inconclus
   const Judgement asked = judge(by_void, limits_of());
   CHECK((!asked.not_judged && asked.overall == Verdict::kPass && asked.void_counted.size() == 1));
   const Judgement listed =
-      judge(evidence_of({run_of(1, 0.1, Counts::kModelsOwn)}), limits_of(DecisionRule::kReportOnly));
+      judge(evidence_of({run_of(1, 0.1, Counts::kUsedByModels)}), limits_of(DecisionRule::kReportOnly));
   CHECK((!listed.not_judged && listed.overall == Verdict::kReportOnly));
 }
 
@@ -221,7 +222,7 @@ TEST_CASE("judge: errors are inconclusive if the reference is overdue or out of 
   beyond.run = 3;
   beyond.reference.low_psi = 0.0;
   beyond.reference.high_psi = 50.0;
-  beyond.reference.beyond = Untraced{.run_high_psi = 60, .high_psi = 50, .above = true};
+  beyond.reference.beyond = TraceabilityGap{.run_high_psi = 60, .high_psi = 50, .above = true};
   CHECK(words(beyond) == "??+++?");
   EvidenceRun overdue = run;
   overdue.reference.overdue = true;
@@ -229,13 +230,13 @@ TEST_CASE("judge: errors are inconclusive if the reference is overdue or out of 
   CHECK(words(overdue) == "??++??");
   const Judgement judgement = judge(evidence_of({run_of(5), overdue, beyond}), limits);
   CHECK(judgement.untraced->overdue_since == "2020-01-31");  // of the first such run
-  CHECK(std::ranges::count(judgement.remarks, Remark::Kind::kUntraced, &Remark::kind) == 2);
-  CHECK_THAT(statement_in_words(judgement, PressureUnit::kPsi), Catch::EndsWith("2020-01-31"));
+  CHECK(std::ranges::count(judgement.remarks, Remark::Kind::kNotTraceable, &Remark::kind) == 2);
+  CHECK_THAT(statement_text(judgement, PressureUnit::kPsi), Catch::EndsWith("2020-01-31"));
   CHECK(words(run_of(5)) == "++++??");  // nothing measured for [[mpe]]
 }
 
 TEST_CASE("judge: a worse stored verdict by the same limits prevails, and all worse stored verdicts are listed") {
-  Evidence evidence = evidence_of({run_of(1, 0.1, Counts::kModelsOwn), run_of(2), run_of(3)});
+  Evidence evidence = evidence_of({run_of(1, 0.1, Counts::kUsedByModels), run_of(2), run_of(3)});
   evidence.stored = {stored_row(2, 5.0, Verdict::kFail, "abc", 3), stored_row(2, 6.0, Verdict::kPass, "abc", 4),
                      stored_row(3, 8.0, Verdict::kConditionalFail, "other"),
                      stored_row(4, 9.0, Verdict::kPass, "other"), stored_row(1, 9.0, Verdict::kFail, "other")};
@@ -263,7 +264,7 @@ TEST_CASE("judge: a pass without a limit on single readings says so in its state
   const auto statement = [&](const Limits& limits) {
     const Judgement judgement = judge(evidence, limits);
     CHECK(judgement_json(judgement)["rests_on_means_alone"] == judgement.rests_on_means_alone);
-    return std::pair(judgement.rests_on_means_alone, statement_in_words(judgement, PressureUnit::kPsi));
+    return std::pair(judgement.rests_on_means_alone, statement_text(judgement, PressureUnit::kPsi));
   };
   const auto [alone, words] = statement(limits_of());
   CHECK(alone);
@@ -286,7 +287,7 @@ TEST_CASE("judge: effects shown by no judged run or study, and undated reference
   evidence.studied = {Source::kTemperature};
   evidence.runs[1].shows.erase(Source::kReferenceAge);
   CHECK(missing() == std::vector{Source::kHistory, Source::kCreep, Source::kReferenceAge});
-  evidence.runs[0].counts = Counts::kModelsOwn;  // shows nothing
+  evidence.runs[0].counts = Counts::kUsedByModels;  // shows nothing
   CHECK(missing().size() == 4);
   CHECK(judge(evidence, limits_of(DecisionRule::kReportOnly)).not_assessed.empty());
 }
@@ -313,7 +314,7 @@ TEST_CASE("judged value: is read back from store and JSON unchanged, and unknown
   CHECK(scope_json(own.scope) == nlohmann::ordered_json::parse(
                                      R"({"kind": "span", "low_psi": 4.0, "high_psi": 40.0, "direction": "both",
                                          "share": 0.95})"));
-  CHECK(in_words(Scope::level(40, Direction::kDown), PressureUnit::kKilopascal) == "275.8 kPa decreasing");
+  CHECK(display_text(Scope::level(40, Direction::kDown), PressureUnit::kKilopascal) == "275.8 kPa decreasing");
   CHECK(in_both_units(Scope::level(40, Direction::kUp), PressureUnit::kPsi) == "40 psi (275.8 kPa) increasing");
 }
 

@@ -103,7 +103,7 @@ TEST_CASE("U of judged values: input, zero and temperature of the reference ente
 TEST_CASE("U of judged values: an error beyond the certificate has none, a distance keeps its own") {
   const Dataset data = repeats_a_step_apart();
   ReferenceUncertainty reference = certified(0.02);
-  reference.beyond = Untraced{.above = true};
+  reference.beyond = TraceabilityGap{.above = true};
   const auto all = measured_figures(data, data, straight_fit(), evaluate(data, straight_fit()), reference);
   for (const Criterion criterion : {Criterion::kMeanError, Criterion::kWorstTaxelError}) {
     CHECK(std::isnan(figure_in(all, criterion).u.expanded));

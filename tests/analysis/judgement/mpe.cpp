@@ -32,13 +32,13 @@ Uncertainty readings() {
 TEST_CASE("mpe: a reading conforms if error and U of the share of taxels are within the limit, by each rule") {
   using namespace straight_array;
   const Uncertainty known = readings();
-  const auto judged_at = [&](double mpe_psi, DecisionRule rule, const Uncertainty* of_readings) {
+  const auto judged_at = [&](double mpe_psi, DecisionRule rule, const Uncertainty* is_per_reading) {
     Limits limits;
     limits.rule = rule;
     limits.mpe = {{0.0, 60.0, mpe_psi, 0.95}};
     Evidence evidence;
     evidence.runs.resize(1);
-    evidence.runs[0].figures = judged_mpe(mpe_figures(known_loop(), straight_fit(), of_readings, limits.mpe, 1));
+    evidence.runs[0].figures = judged_mpe(mpe_figures(known_loop(), straight_fit(), is_per_reading, limits.mpe, 1));
     return std::string(to_string(judge(evidence, limits).figures.back().verdict));
   };
   const DecisionRule four = DecisionRule::kFourWay;

@@ -15,15 +15,15 @@ TEST_CASE("Verdict: each has its own name, and stores keep all except report onl
   for (const Verdict verdict : kVerdicts) {
     words.emplace_back(to_string(verdict));
     CHECK(verdict_from(words.back()) == verdict);
-    CHECK(verdict_word(verdict) == words.back());
+    CHECK(verdict_text(verdict) == words.back());
     CHECK(states_conformity(verdict) == (verdict != Verdict::kReportOnly));
     CHECK(passes(verdict) == (verdict == Verdict::kPass || verdict == Verdict::kConditionalPass));
   }
   CHECK(words == ladder);
   CHECK(std::ranges::is_sorted(kVerdicts));
-  CHECK(verdict_words() == std::vector<std::string>(ladder.begin() + 1, ladder.end()));
+  CHECK(verdict_names() == std::vector<std::string>(ladder.begin() + 1, ladder.end()));
   for (const char* other : {"", "Pass", "passed", "warning"}) CHECK_FALSE(verdict_from(other));
-  CHECK(verdict_word(std::nullopt).empty());
+  CHECK(verdict_text(std::nullopt).empty());
   CHECK_FALSE((states_conformity(std::nullopt) || passes(std::nullopt)));
 }
 
@@ -68,10 +68,10 @@ TEST_CASE("decision rules: convert to and from names, and their text states the 
     const auto rule = decision_rule_from(name);
     REQUIRE(rule);
     CHECK(std::string(to_string(*rule)) == name);
-    CHECK_THAT(rule_in_words(*rule), Catch::Contains("ILAC-G8:09/2019"));
+    CHECK_THAT(rule_text(*rule), Catch::Contains("ILAC-G8:09/2019"));
   }
   CHECK_FALSE(decision_rule_from("strict"));
-  CHECK_THAT(rule_in_words(DecisionRule::kSimple), Catch::Contains("50 %"));
-  CHECK_THAT(rule_in_words(DecisionRule::kGuarded), Catch::Contains("2.5 %"));
-  CHECK_THAT(rule_in_words(DecisionRule::kFourWay), Catch::Contains("2.5 %") && Catch::Contains("50 %"));
+  CHECK_THAT(rule_text(DecisionRule::kSimple), Catch::Contains("50 %"));
+  CHECK_THAT(rule_text(DecisionRule::kGuarded), Catch::Contains("2.5 %"));
+  CHECK_THAT(rule_text(DecisionRule::kFourWay), Catch::Contains("2.5 %") && Catch::Contains("50 %"));
 }

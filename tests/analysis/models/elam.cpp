@@ -358,7 +358,7 @@ TEST_CASE("ELAM pieces: outputs never fall, meet both ends and can be inverted, 
   std::mt19937 random(5);
   for (int trial = 0; trial < 300; ++trial) {
     const ElamModel elam = any_model(random);
-    const ElamHysteresis model(elam, trial % 2 == 0, any_pieces(random, 1 + trial % 8, kMostPieceLog));
+    const ElamHysteresis model(elam, trial % 2 == 0, any_pieces(random, 1 + trial % 8, kMaxPieceLog));
     const double span = elam.yu() - elam.y0();
     const auto state = model.state();
     const std::vector<double> inputs = random_inputs(random, 8, 0.0, 60.0, 5);
@@ -397,7 +397,7 @@ TEST_CASE("ELAM splits: more splits fit data that one split cannot, and never fi
   }
   const FitData noisy = paper_both(0.03, 0.02);
   const double one = identify_elam(noisy, {}).j;
-  for (int splits = 2; splits <= kMostSplits; ++splits) {
+  for (int splits = 2; splits <= kMaxSplits; ++splits) {
     IdentifyOptions options;
     options.splits = splits;
     const ModelFit fit = identify_elam(noisy, options);

@@ -40,7 +40,7 @@ TEST_CASE("models: list their parameters with units and bounds") {
   CHECK(listed(ElamHysteresis(elam, false)) ==
         "alpha_d 0.1 1 [0, 1]\nbeta_d 0.2 1 [0, 1]\nalpha_a1 0.015 1/x [-0.02, 0.02]\nalpha_a0 0.3 1 [0, 1]\n"
         "beta_a 0.4 1 [0, 1]\n");
-  CHECK(kMostPieceLog == 2.0);
+  CHECK(kMaxPieceLog == 2.0);
   CHECK(listed(ElamHysteresis(elam, true, {{0.5}, {-0.5, 0.25}, {1.0, -1.0}, {2.0}})) ==
         "alpha_d 0.1 1 [0, 1]\nbeta_d 0.2 1 [0, 1]\nalpha_a1 0.015 1/x [-0.02, 0.02]\nalpha_a0 0.3 1 [0, 1]\n"
         "beta_a 0.4 1 [0, 1]\nlog_d1 0.5 1 [-2, 2]\nlog_d2 -0.5 1 [-2, 2]\nlog_d3 0.25 1 [-2, 2]\n"

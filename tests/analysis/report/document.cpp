@@ -53,7 +53,7 @@ TEST_CASE("text document: keeps to its width, and cuts off what does not fit") {
   table.rows.push_back({{"first", doc::both_units(10.0), "a cell whose text has to be cut, since it is so long"}});
   table.rows.push_back({{"second", Verdict::kFail}});
   document.add(table);
-  document.add(doc::Beside{{document, document}, {1, 1}});
+  document.add(doc::SideBySide{{document, document}, {1, 1}});
   for (const std::size_t width : {40U, 80U, 200U}) {
     const std::string text = doc::to_text(document, {}, width);
     std::istringstream lines(text);

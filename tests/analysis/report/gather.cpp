@@ -229,22 +229,22 @@ using namespace tactbench::analysis;
 
 namespace {
 
-RunHistory history_of_events(std::vector<db::EventRecord> events) {
+RunLog history_of_events(std::vector<db::EventRecord> events) {
   StoredRun run;
   run.events = std::move(events);
-  return load_history(run);
+  return load_run_log(run);
 }
 
 // The kind that one event is told as; empty: it is not.
-std::string told_as(const char* kind, const char* detail) {
-  const RunHistory history = history_of_events({{7, kind, "", detail}});
+std::string reported_as(const char* kind, const char* detail) {
+  const RunLog history = history_of_events({{7, kind, "", detail}});
   return history.events.empty() ? std::string() : history.events.front().kind;
 }
 
-RunHistory seating_check(const char* detail, std::vector<double> data) {
+RunLog seating_check(const char* detail, std::vector<double> data) {
   StoredRun run;
   run.checks = {{1, 0, "seating", "pass", detail, std::move(data)}};
-  return load_history(run);
+  return load_run_log(run);
 }
 
 }  // namespace
@@ -252,16 +252,16 @@ RunHistory seating_check(const char* detail, std::vector<double> data) {
 TEST_CASE("run events: those to be reported are listed with kind, time and text") {
   for (const char* kind : {"attempt", "branch-broken", "warning", "fault", "prompt", "word"}) {
     INFO(kind);
-    CHECK(told_as(kind, "x") == kind);
+    CHECK(reported_as(kind, "x") == kind);
   }
-  CHECK(told_as("state", "running -> paused: asked") == "pause");
-  CHECK(told_as("state", "running -> suspended: air") == "suspension");
-  CHECK(told_as("state", "paused -> running") == "");
-  CHECK(told_as("seating", "left out") == "note");
-  for (const char* kind : {"note", "safe", "conditioning"}) CHECK(told_as(kind, "x") == "");
-  const RunHistory history = history_of_events({{2'500'000'000, "fault", "TB-X", "no air"},
-                                                {1, "time", "", "settling 40 %"},
-                                                {3'000'000'000, "prompt", "", "ready?"}});
+  CHECK(reported_as("state", "running -> paused: asked") == "pause");
+  CHECK(reported_as("state", "running -> suspended: air") == "suspension");
+  CHECK(reported_as("state", "paused -> running") == "");
+  CHECK(reported_as("seating", "left out") == "note");
+  for (const char* kind : {"note", "safe", "conditioning"}) CHECK(reported_as(kind, "x") == "");
+  const RunLog history = history_of_events({{2'500'000'000, "fault", "TB-X", "no air"},
+                                            {1, "time", "", "settling 40 %"},
+                                            {3'000'000'000, "prompt", "", "ready?"}});
   REQUIRE(history.events.size() == 2);
   CHECK((history.events[0].time_s == Approx(2.5) && history.events[0].text == "no air"));
   CHECK(history.events[1].time_s == Approx(3.0));
@@ -270,13 +270,13 @@ TEST_CASE("run events: those to be reported are listed with kind, time and text"
 }
 
 TEST_CASE("run environment: lowest, highest and number of readings are given per quantity") {
-  const RunHistory history = history_of_events({{1, "environment", "temperature_c", "23.0"},
-                                                {2, "environment", "supply_bar", "6.5"},
-                                                {3, "environment", "temperature_c", "22.5"},
-                                                {4, "environment", "temperature_c", "24 C"},
-                                                {5, "environment", "temperature_c", "warm"},
-                                                {6, "environment", "temperature_c", "inf"},
-                                                {7, "environment", "temperature_c", ""}});
+  const RunLog history = history_of_events({{1, "environment", "temperature_c", "23.0"},
+                                            {2, "environment", "supply_bar", "6.5"},
+                                            {3, "environment", "temperature_c", "22.5"},
+                                            {4, "environment", "temperature_c", "24 C"},
+                                            {5, "environment", "temperature_c", "warm"},
+                                            {6, "environment", "temperature_c", "inf"},
+                                            {7, "environment", "temperature_c", ""}});
   REQUIRE(history.surroundings.size() == 2);
   CHECK((history.surroundings[0].quantity == "temperature_c" && history.surroundings[0].readings == 3));
   CHECK((history.surroundings[0].low == 22.5 && history.surroundings[0].high == 24.0));
@@ -308,7 +308,7 @@ TEST_CASE("run branches: void ones are listed with repeat, branch and attempt, t
   }
   run.frames[1].flags = "dwell retried";
   run.frames[2].flags = "dwell";
-  RunHistory history = load_history(run);
+  RunLog history = load_run_log(run);
   REQUIRE(history.voids.size() == 2);
   CHECK((history.voids[0].sequence == "down" && history.voids[0].repeat == 2 && history.voids[0].branch == 3));
   CHECK((history.voids[0].attempt == 4 && history.voids[0].reason == "went back" && history.voids[1].sequence.empty()));
@@ -316,13 +316,13 @@ TEST_CASE("run branches: void ones are listed with repeat, branch and attempt, t
   CHECK(history.flags == std::map<std::string, int>{{"dwell", 1}, {"retried", 1}});
   CHECK_FALSE(history.presses);
   run.branches[0].from_n = 0.0;
-  CHECK(load_history(run).presses);
+  CHECK(load_run_log(run).presses);
   run.branches[0].from_n.reset();
   run.branches[2].to_n = 0.0;
-  CHECK(load_history(run).presses);
+  CHECK(load_run_log(run).presses);
   run.branches[2].to_n.reset();
   run.frames[4].wrench.emplace();
-  CHECK(load_history(run).presses);
+  CHECK(load_run_log(run).presses);
 }
 
 TEST_CASE("run seating: is loaded minus unloaded in volts, of the newest valid check") {
@@ -333,8 +333,8 @@ TEST_CASE("run seating: is loaded minus unloaded in volts, of the newest valid c
   run.checks = {{1, 0, "seating", "pass", R"({"volts_per_count":1})", {1, 2}},
                 {1, 1, "seating", "fail", R"({"volts_per_count":1})", {1, 7}},
                 {1, 2, "tare", "pass", R"({"volts_per_count":1})", {1, 9}}};
-  CHECK(load_history(run).seating_v == std::vector<double>{6.0});
-  CHECK(load_history(run).checks.size() == 3);
+  CHECK(load_run_log(run).seating_v == std::vector<double>{6.0});
+  CHECK(load_run_log(run).checks.size() == 3);
   run.checks.erase(run.checks.begin(), run.checks.begin() + 2);
-  CHECK(load_history(run).seating_v.empty());
+  CHECK(load_run_log(run).seating_v.empty());
 }

@@ -106,7 +106,7 @@ TEST_CASE("report: markup in any text field is escaped") {
         &lab.remarks, &lab.sha256, &lab.valid_until})
     *field = hostile;
   lab.instruments = {{hostile, hostile, hostile, hostile, hostile, hostile}};
-  RunHistory& history = input.history;
+  RunLog& history = input.history;
   history.events = {{1.0, hostile, hostile}};
   history.voids = {{hostile, 0, 0, 0, hostile}};
   history.flags = {{hostile, 1}};

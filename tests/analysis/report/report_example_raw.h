@@ -79,8 +79,8 @@ inline Health example_health(const SensorModel& fit, const std::vector<double>& 
   return health;
 }
 
-inline RunHistory example_history() {
-  RunHistory history;
+inline RunLog example_history() {
+  RunLog history;
   history.loaded = true;
   history.frames = 3310;
   history.flagged = 3;

@@ -10,7 +10,7 @@
 
 namespace tactbench::tests {
 
-inline std::vector<std::string> joined_words(std::vector<std::string> words, const std::vector<std::string>& more) {
+inline std::vector<std::string> joined_arguments(std::vector<std::string> words, const std::vector<std::string>& more) {
   words.insert(words.end(), more.begin(), more.end());
   return words;
 }

@@ -31,7 +31,8 @@ struct LongRunHere {
   Finished run(const Signal& signal, const std::vector<std::string>& more = {}) const {
     return run_program(
         program_path(),
-        joined_words({"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "t", "-q"}, more),
+        joined_arguments({"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "t", "-q"},
+                         more),
         folder.path(), signal);
   }
   Finished signalled(int number) const {

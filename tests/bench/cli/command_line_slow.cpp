@@ -86,8 +86,8 @@ using nlohmann::json;
 namespace {
 
 std::vector<std::string> small_run(const std::vector<std::string>& more = {}) {
-  return joined_words({"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "tester", "-q"},
-                      more);
+  return joined_arguments(
+      {"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "tester", "-q"}, more);
 }
 
 // The lines of an error, its exit code and identifier. `devices`: of a verb that could have touched some.
@@ -278,13 +278,13 @@ TEST_CASE(
   const std::vector<std::string> set = {"--set", "bench.location=\"a\\u001b[31m\"", "--set",
                                         "reference.serial=\"r\\u001b]0;t\\u0007\""};
   REQUIRE(terminal
-              .run(joined_words({"run", "small.toml", "--bench", "bench.toml", "--sensor", evil, "--operator", evil,
-                                 "--purpose", evil},
-                                set))
+              .run(joined_arguments({"run", "small.toml", "--bench", "bench.toml", "--sensor", evil, "--operator", evil,
+                                     "--purpose", evil},
+                                    set))
               .code == 0);
-  CHECK_THAT(terminal.run(joined_words({"devices", "check", "--bench", "bench.toml"}, set)).out,
+  CHECK_THAT(terminal.run(joined_arguments({"devices", "check", "--bench", "bench.toml"}, set)).out,
              Catch::Contains("r\\x1b]0;t\\x07"));
-  CHECK_THAT(terminal.run(joined_words({"config", "--origin", "--bench", "bench.toml"}, set)).out,
+  CHECK_THAT(terminal.run(joined_arguments({"config", "--origin", "--bench", "bench.toml"}, set)).out,
              Catch::Contains("a\\x1b[31m"));
   CHECK(terminal.run({"runs", "note", "1", evil}).code == 0);
   CHECK(terminal.run({"runs", "void", "1", "--reason", evil, "--by", evil}).code == 0);

@@ -19,7 +19,7 @@ void prepare_traced_run(const TemporaryFolder& folder) {
 }
 
 json report_json(const TemporaryFolder& folder, const std::vector<std::string>& words, int code) {
-  well(call(folder, joined_words({"report", "--format", "json", "-o", "r.json"}, words)), code);
+  well(call(folder, joined_arguments({"report", "--format", "json", "-o", "r.json"}, words)), code);
   return json::parse(read_file(folder.path("r.json")));
 }
 
@@ -141,7 +141,7 @@ TEST_CASE("traceability: verify rejects a stored pass that rests on an overdue r
     db::RunStore store = db::RunStore::open(folder.path("runs.db"));
     std::vector<db::VerdictRecord> verdicts = store.verdicts(2);
     for (db::VerdictRecord& verdict : verdicts) verdict.verdict = "pass";
-    store.replace_verdicts(2, store.standing_fit(1)->fit, verdicts);
+    store.replace_verdicts(2, store.default_fit(1)->fit, verdicts);
   }
   CHECK(call(folder, {"verify", "2"}).code == 1);
   (void)report_json(folder, {"1"}, 6);  // no pass is printed
@@ -159,7 +159,7 @@ TEST_CASE("traceability: pressures beyond the certificate give warnings, no pass
   for (const std::vector<std::string>& range : ranges) {
     CAPTURE(run);
     const Finished plan =
-        call(folder, joined_words({"plan", "small.toml", "--bench", "bench.toml", "--units", "psi"}, range));
+        call(folder, joined_arguments({"plan", "small.toml", "--bench", "bench.toml", "--units", "psi"}, range));
     CHECK(plan.code == 0);
     CHECK_THAT(plan.err, Catch::Contains("0 to 40 psi") && Catch::Contains("60 psi"));
     for (int i = 0; i < 2; ++i) run_recipe(folder, "small.toml", range);
@@ -177,7 +177,7 @@ TEST_CASE("traceability: pressures beyond the certificate give warnings, no pass
     run += 2;
   }
   const std::vector<std::string> whole = {"--set", "reference.certificate_range_psi=[0, 60]"};
-  CHECK_THAT(call(folder, joined_words({"plan", "small.toml", "--bench", "bench.toml"}, whole)).err,
+  CHECK_THAT(call(folder, joined_arguments({"plan", "small.toml", "--bench", "bench.toml"}, whole)).err,
              !Catch::Contains("warning"));
 }
 

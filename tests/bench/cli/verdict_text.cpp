@@ -66,18 +66,18 @@ TEST_CASE("verdict text: the verdict comes first, agrees with the exit code, and
     const analysis::Judgement judgement =
         judgement_of({mean_error(2, 0.125, 3.0, Verdict::kPass), mean_error(3, 6.25, 3.0, verdict)});
     const ExitCode code = exit_code_of(verdict);
-    const std::string word = large_verdict(judgement), text = shown(judgement);
+    const std::string word = verdict_banner(judgement), text = shown(judgement);
     CHECK(word == (code == ExitCode::kPass ? "PASS" : code == ExitCode::kInconclusive ? "INCONCLUSIVE" : "FAIL"));
     CHECK(text.starts_with(word + " (simulated)"));
     CHECK(text.substr(0, text.find('\n')).find("6.25 psi") != std::string::npos);
     CHECK(times(text, "simulated") == 1);
     CHECK(times(text, word) == 1);
   }
-  CHECK(large_verdict(judgement_of({mean_error(2, 1.0, 3.0, Verdict::kReportOnly)})).empty());
+  CHECK(verdict_banner(judgement_of({mean_error(2, 1.0, 3.0, Verdict::kReportOnly)})).empty());
   analysis::Judgement own = judgement_of({mean_error(2, 1.0, 3.0, Verdict::kPass)});
   own.not_judged = {analysis::Remark::Kind::kNoIndependentData};
   conclude(own);
-  CHECK(large_verdict(own) == "INCONCLUSIVE");
+  CHECK(verdict_banner(own) == "INCONCLUSIVE");
 }
 
 TEST_CASE("verdict text: a pass based on means only is marked, and passed values are listed only on request") {
@@ -129,7 +129,7 @@ TEST_CASE("suite: a scenario can expect every verdict that a store can hold, and
             word + "\"\n",
         "s.toml");
   };
-  for (const std::string& word : analysis::verdict_words())
+  for (const std::string& word : analysis::verdict_names())
     CHECK(suite(word).scenarios.at(0).verdicts.at("overall") == word);
   CHECK_THROWS_AS(suite("report only"), sequences::FileError);
 }
@@ -149,7 +149,7 @@ TEST_CASE("verdict text: the judgement as JSON has all members, and empty text i
   judgement.stored_worse = {row(5, Verdict::kFail)};
   judgement.void_counted = {{9, "K. Lee", "2026-01-01T00:00:00Z", "door"}};
   judgement.remarks = {{analysis::Remark::Kind::kVoidCounted, judgement.void_counted[0]}};
-  judgement.untraced = analysis::Untraced{.overdue_since = "2020-01-31"};
+  judgement.untraced = analysis::TraceabilityGap{.overdue_since = "2020-01-31"};
   const auto json = judgement_json(judgement, "simulated");
   CHECK(json.at("overall") == "fail");
   CHECK(json.at("shown") == "simulated fail");

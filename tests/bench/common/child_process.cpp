@@ -42,9 +42,9 @@ struct ChildOutput {
 };
 
 ChildProgram shell_child(const std::string& line, int output = -1, const std::vector<std::string>& variables = {},
-                         bool ends_with_us = false) {
+                         bool ends_with_parent = false) {
   ChildStart start;
-  start.ends_with_us = ends_with_us;
+  start.ends_with_parent = ends_with_parent;
   start.words = {"/bin/sh", "-c", line};
   start.environment = environment_with(variables);
   start.output = output;

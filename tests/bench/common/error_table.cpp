@@ -136,7 +136,7 @@ TEST_CASE("error table: its remedy is used if the error has none") {
 TEST_CASE("error: a requested stop does not count as an error, unless the rig is not safe") {
   const Error stopped("TB-RUN-STOPPED", "stopped by bob", "", "resume");
   CHECK_FALSE(stopped.asked_for());
-  const Error asked = stopped.by_word();
+  const Error asked = stopped.by_command();
   CHECK(asked.asked_for());
   CHECK_FALSE(stopped.asked_for());
   const Error safe = asked.with_rig_state("vented", true), unsafe = asked.with_rig_state("loaded", false);

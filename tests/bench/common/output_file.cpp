@@ -187,7 +187,7 @@ TEST_CASE("output: names of standard output and error are written to, a store be
 
 TEST_CASE("signed reports: a number counts if an approval in the same document names it") {
   const auto number_in = [](const std::string& approvals, const std::string& more = R"("number":"7-1",)") {
-    return signed_number_in("{" + more + R"("identification":)" + approvals + "}");
+    return signed_report_number_in("{" + more + R"("identification":)" + approvals + "}");
   };
   CHECK(number_in(R"({"approvals":[{"number":"7-1"}]})") == "7-1");
   CHECK(number_in(R"({"approvals":[3,{"number":"7-0"},{"number":"7-1"}]})") == "7-1");
@@ -200,11 +200,11 @@ TEST_CASE("signed reports: a number counts if an approval in the same document n
   CHECK(number_in(R"({"approvals":[{"number":"7-1"}]})", "").empty());
   for (const char* other :
        {"", "[]", "{", "7", R"({"number":"7-1"})", R"(<p id="report-data">{"number":"7-1"}</script>)"})
-    CHECK(signed_number_in(other).empty());
+    CHECK(signed_report_number_in(other).empty());
   const std::string data = R"({"number":"7-1","identification":{"approvals":[{"number":"7-1"}]}})";
-  CHECK(signed_number_in("<p id=\"report-data\">" + data + "</script></p>") == "7-1");
-  CHECK(signed_number_in("<p id=\"report-data\">" + data).empty());  // cut short
-  CHECK(signed_number_in("<p id=\"other-data\">" + data + "</script>").empty());
+  CHECK(signed_report_number_in("<p id=\"report-data\">" + data + "</script></p>") == "7-1");
+  CHECK(signed_report_number_in("<p id=\"report-data\">" + data).empty());  // cut short
+  CHECK(signed_report_number_in("<p id=\"other-data\">" + data + "</script>").empty());
 }
 
 // The whole table of beginnings by which files are known, and names that are open files already.

@@ -47,7 +47,7 @@ std::string folder_refusal(const Work& work) {
 
 // Opens and closes; true where it could be opened.
 bool opens(const std::string& path, int flags) {
-  const int file = open_own_file(path, flags);
+  const int file = open_private_file(path, flags);
   if (file < 0) {
     CHECK(errno == EPERM);
     return false;
@@ -86,17 +86,17 @@ TEST_CASE("private files: links, pipes and files of other users are not opened, 
   const int flags = O_WRONLY | O_CREAT | O_TRUNC;
   write_file(precious, "kept");
   std::filesystem::create_symlink(precious, path);
-  CHECK(open_own_file(path, flags) < 0);
+  CHECK(open_private_file(path, flags) < 0);
   std::filesystem::remove(path);
   std::filesystem::create_hard_link(precious, path);
-  CHECK(open_own_file(path, flags) < 0);
+  CHECK(open_private_file(path, flags) < 0);
   std::filesystem::remove(path);
   REQUIRE(mkfifo(path.c_str(), 0600) == 0);
-  CHECK(open_own_file(path, O_RDONLY) < 0);
+  CHECK(open_private_file(path, O_RDONLY) < 0);
   std::filesystem::remove(path);
   CHECK(read_file(precious) == "kept");
   write_file(path, "older and longer");
-  const int file = open_own_file(path, flags);
+  const int file = open_private_file(path, flags);
   REQUIRE(file >= 0);
   CHECK(write(file, "new", 3) == 3);
   CHECK((fcntl(file, F_GETFD) & FD_CLOEXEC) != 0);
@@ -104,7 +104,7 @@ TEST_CASE("private files: links, pipes and files of other users are not opened, 
   CHECK(read_file(path) == "new");
   if (geteuid() != 0) return;
   REQUIRE(chown(path.c_str(), kNobody, kNobody) == 0);
-  CHECK(open_own_file(path, flags) < 0);
+  CHECK(open_private_file(path, flags) < 0);
   CHECK(read_file(path) == "new");
 }
 
@@ -167,7 +167,7 @@ TEST_CASE("private files: trips of the machine are stored only in a group folder
   };
   for (const uid_t user : {60001, 60002}) {
     CHECK(as_member(user, kSomeGroup, [&] {
-      const int file = open_own_file(path, O_WRONLY | O_CREAT | O_APPEND);
+      const int file = open_private_file(path, O_WRONLY | O_CREAT | O_APPEND);
       return state_folder(machine) == machine && file >= 0 && write(file, "x", 1) == 1;
     }));
   }
@@ -290,7 +290,7 @@ TEST_CASE(
   CHECK(read_file(path) == "kept");
   REQUIRE(opens(path, make | O_TRUNC));
   CHECK(read_file(path).empty());
-  CHECK(open_own_file(folder.path("none"), O_RDONLY) == -1);
+  CHECK(open_private_file(folder.path("none"), O_RDONLY) == -1);
   CHECK(errno == ENOENT);
   std::filesystem::create_directory(folder.path("folder"));
   CHECK_FALSE(opens(folder.path("folder"), O_RDONLY));

@@ -119,7 +119,7 @@ TEST_CASE("status line: is one column narrower than the terminal, at most 200 co
   const auto line = [&](unsigned short columns) {
     const SizedTerminal terminal(columns, 24);
     return terminal.shown_by([&] {
-      tty::renew_line(text);
+      tty::update_status_line(text);
       tty::print(stderr, "\n");
     });
   };
@@ -130,22 +130,22 @@ TEST_CASE("status line: is one column narrower than the terminal, at most 200 co
 
 TEST_CASE("status line: printed text erases it, a line end alone keeps it") {
   const std::string away = "\r\x1b[K";
-  CHECK(said_on_error([] { tty::erase_line(); }).empty());
+  CHECK(said_on_error([] { tty::erase_status_line(); }).empty());
   CHECK(said_on_error([] {
-          tty::renew_line("12 %");
-          tty::renew_line("13 %");
-          tty::erase_line();
-          tty::erase_line();
+          tty::update_status_line("12 %");
+          tty::update_status_line("13 %");
+          tty::erase_status_line();
+          tty::erase_status_line();
         }) == "\r12 %\x1b[K\r13 %\x1b[K" + away);
   for (const auto& [first, shown] : {std::pair("look\n", away + "look\n"), {"\n", std::string("\n")}})
     CHECK(said_on_error([&] {
-            tty::renew_line("12 %");
+            tty::update_status_line("12 %");
             tty::print(stderr, "{}", first);
             tty::print(stderr, "again\n");
           }) == "\r12 %\x1b[K" + shown + "again\n");
   std::string out;
   CHECK(said_on_error([&] {
-          tty::renew_line("12 %");
+          tty::update_status_line("12 %");
           out = printed_by([] { tty::print("\n"); });
         }) == "\r12 %\x1b[K" + away);
   CHECK(out == "\n");
@@ -186,16 +186,16 @@ bool harmless(const std::string& text) {
 }  // namespace
 
 TEST_CASE("printable text: control characters are escaped, ordinary text is unchanged") {
-  CHECK(for_people("\x1b[31mred\x1b[0m") == "\\x1b[31mred\\x1b[0m");
-  CHECK(for_people("title\x1b]0;t\x07\r\b\x7f") == "title\\x1b]0;t\\x07\\x0d\\x08\\u007f");
-  CHECK(for_people(std::string("a\0b", 3)) == "a\\x00b");
-  CHECK(for_people("C1: \u009b31m \u0085") == "C1: \\u009b31m \\u0085");
-  CHECK(for_people("a\u200bb\u200ec\u2028d\u061c\u2060\ufeff") == "a\\u200bb\\u200ec\\u2028d\\u061c\\u2060\\ufeff");
-  CHECK(for_people("\u202egnp.exe\u202c \u2066x\u2069") == "\\u202egnp.exe\\u202c \\u2066x\\u2069");
-  CHECK(for_people("\xff\xc0\xaf\xed\xa0\x80") == "\\xff\\xc0\\xaf\\xed\\xa0\\x80");
-  CHECK(for_people("cut \xe2\x82") == "cut \\xe2\\x82");
+  CHECK(terminal_safe("\x1b[31mred\x1b[0m") == "\\x1b[31mred\\x1b[0m");
+  CHECK(terminal_safe("title\x1b]0;t\x07\r\b\x7f") == "title\\x1b]0;t\\x07\\x0d\\x08\\u007f");
+  CHECK(terminal_safe(std::string("a\0b", 3)) == "a\\x00b");
+  CHECK(terminal_safe("C1: \u009b31m \u0085") == "C1: \\u009b31m \\u0085");
+  CHECK(terminal_safe("a\u200bb\u200ec\u2028d\u061c\u2060\ufeff") == "a\\u200bb\\u200ec\\u2028d\\u061c\\u2060\\ufeff");
+  CHECK(terminal_safe("\u202egnp.exe\u202c \u2066x\u2069") == "\\u202egnp.exe\\u202c \\u2066x\\u2069");
+  CHECK(terminal_safe("\xff\xc0\xaf\xed\xa0\x80") == "\\xff\\xc0\\xaf\\xed\\xa0\\x80");
+  CHECK(terminal_safe("cut \xe2\x82") == "cut \\xe2\\x82");
   for (const char* good : {"", "plain", "two\nlines\tand a tab", "Größe ±5 µm, 测试, ✓, 🙂, e\u0301", "C:\\x1b"})
-    CHECK(for_people(good) == good);
+    CHECK(terminal_safe(good) == good);
 }
 
 TEST_CASE("printable text: one line has no line breaks and is cut to its number of columns") {
@@ -236,7 +236,7 @@ TEST_CASE("printable text: hidden characters and column widths are right at the 
       {0x00, 0x08},     {0x0B, 0x1F},     {0x7F, 0x9F},     {0x61C, 0x61C},   {0x200B, 0x200B},
       {0x200E, 0x200F}, {0x2028, 0x202E}, {0x2060, 0x2069}, {0xFEFF, 0xFEFF},
   };
-  const auto is_shown = [&](std::uint32_t c) { return for_people(utf8(c)) == utf8(c); };
+  const auto is_shown = [&](std::uint32_t c) { return terminal_safe(utf8(c)) == utf8(c); };
   for (const auto& [first, last] : hidden) {
     INFO("U+" << std::hex << first << " to U+" << last);
     CHECK_FALSE(is_shown(first));
@@ -264,10 +264,10 @@ using namespace tactbench::bench;
 
 TEST_CASE("progress: a stage without a count is estimated from its share and the pace so far") {
   const std::vector<WorkStage> stages = {{"models", 4.0}, {"uncertainty", 2.0, false}};
-  CHECK(guessed_part(stages, 1, 8.0, 1.0) == Approx(0.25));  // it should take 4 s
-  CHECK(guessed_part(stages, 1, 8.0, 3.0) == Approx(0.75));
-  CHECK(guessed_part(stages, 1, 8.0, 300.0) == Approx(0.95));  // late, but not done
-  CHECK(guessed_part(stages, 0, 0.0, 300.0) == 0.0);           // nothing came before
+  CHECK(estimated_fraction(stages, 1, 8.0, 1.0) == Approx(0.25));  // it should take 4 s
+  CHECK(estimated_fraction(stages, 1, 8.0, 3.0) == Approx(0.75));
+  CHECK(estimated_fraction(stages, 1, 8.0, 300.0) == Approx(0.95));  // late, but not done
+  CHECK(estimated_fraction(stages, 0, 0.0, 300.0) == 0.0);           // nothing came before
 }
 
 TEST_CASE("progress: work counts its items, nested work does not count") {
@@ -297,7 +297,7 @@ TEST_CASE("progress: without a running verb, starting a stage and pausing have n
 }
 
 TEST_CASE("progress: without a terminal there is no progress line") {
-  LongWork work("fit", false, {{"reading", 1.0}});  // a test has no terminal
+  WorkProgress work("fit", false, {{"reading", 1.0}});  // a test has no terminal
   CHECK_FALSE(work.shows());
   work.begin("reading");
   work.end();

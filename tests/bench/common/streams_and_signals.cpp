@@ -81,7 +81,7 @@ TEST_CASE("standard streams: closed ones are opened on the null device, the othe
             }
             const int next = fcntl(kept.ends[1], F_DUPFD_CLOEXEC, 3);
             close(next);
-            keep_standard_files();
+            open_standard_descriptors();
             int found = 0;
             for (int descriptor = 0; descriptor < 3; ++descriptor)
               if (leads_to_null(descriptor)) found |= 1 << descriptor;
@@ -96,7 +96,7 @@ TEST_CASE("standard streams: a file gets all text, at once from standard error, 
     const int code = done_apart([&] {
       const int file = open(folder.path("f").c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
       dup2(file, descriptor);
-      outlive_readers();
+      drop_unwritable_output();
       std::FILE* stream = descriptor == STDOUT_FILENO ? stdout : stderr;
       std::fputs("one\ntwo\n", stream);
       if (flush) std::fflush(stream);
@@ -116,7 +116,7 @@ TEST_CASE("standard streams: output without a reader is lost without a signal or
     pipe.shut(0);
     const int code = done_apart([&] {
       dup2(pipe.ends[1], on_output ? STDOUT_FILENO : STDERR_FILENO);
-      outlive_readers();
+      drop_unwritable_output();
       std::FILE* stream = on_output ? stdout : stderr;
       if (output_is_lost()) return 10;
       errno = ERANGE;
@@ -133,7 +133,7 @@ TEST_CASE("standard streams: a file at its size limit keeps what fitted") {
   CHECK(done_apart([&] {
           const int file = open(folder.path("f").c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
           dup2(file, STDOUT_FILENO);
-          outlive_readers();
+          drop_unwritable_output();
           const rlimit most{10, 10};
           setrlimit(RLIMIT_FSIZE, &most);
           std::fputs("0123456789abcde", stdout);
@@ -152,7 +152,7 @@ TEST_CASE("standard streams: a write interrupted by signals arrives whole") {
     caught.sa_handler = [](int) {};
     sigaction(SIGUSR1, &caught, nullptr);  // without SA_RESTART
     dup2(pipe.ends[1], STDOUT_FILENO);
-    outlive_readers();
+    drop_unwritable_output();
     std::fwrite("!", 1, 1, stdout);
     std::fflush(stdout);
     std::fwrite(text.data(), 1, text.size(), stdout);
@@ -180,7 +180,7 @@ TEST_CASE("standard streams: a blocked reader of standard error is waited for on
   REQUIRE(write(pipe.ends[1], page.data(), page.size()) == 4096);
   CHECK(done_apart([&] {
           dup2(pipe.ends[1], STDERR_FILENO);
-          outlive_readers();
+          drop_unwritable_output();
           const auto begun = std::chrono::steady_clock::now();
           for (int i = 0; i < 100; ++i) std::fputs("lost", stderr);
           const auto took = std::chrono::steady_clock::now() - begun;

@@ -149,10 +149,10 @@ TEST_CASE("dead-man process: blind and seeing again are reported, one without an
   config.dead_man.timeout_s = 1.5;
   bench::DeadManProcess process(config);
   process.name_run(1);
-  std::vector<bench::DeadManNews> news;
+  std::vector<bench::DeadManNotice> news;
   const auto news_come = [&] {
     process.feed();
-    news = process.take_news();
+    news = process.take_notices();
     return !news.empty();
   };
   CHECK(comes_true(news_come));

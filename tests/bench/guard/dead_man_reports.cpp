@@ -45,20 +45,20 @@ TEST_CASE("dead-man reports: blind is reported once, and ends the run at the sec
   const bool ends = GENERATE(true, false);
   DeadManReports reports(kTimeout, ends);
   reports.heard("sees");
-  CHECK(reports.take_news().empty());  // it saw before
+  CHECK(reports.take_notices().empty());  // it saw before
   reports.heard("blind: nobody answers at 192.168.0.10:502");
   CHECK(lost_id(reports) == "");
-  auto news = reports.take_news();
+  auto news = reports.take_notices();
   REQUIRE(news.size() == 1);
   CHECK(news[0].id == "TB-DEADMAN-BLIND");
   CHECK_THAT(news[0].what, Catch::Contains("nobody answers at 192.168.0.10:502"));
   reports.heard("sees");
   reports.heard("sees");
-  news = reports.take_news();
+  news = reports.take_notices();
   REQUIRE(news.size() == 1);
   CHECK(news[0].id == "");
   reports.heard("busy: for 20 ms");
-  news = reports.take_news();
+  news = reports.take_notices();
   REQUIRE(news.size() == 1);
   CHECK((news[0].id == "TB-MODBUS-BUSY" && news[0].what == "for 20 ms"));
   CHECK(lost_id(reports) == "");
@@ -68,7 +68,7 @@ TEST_CASE("dead-man reports: blind is reported once, and ends the run at the sec
   CHECK(lost_id(reports) == (ends ? "TB-DEADMAN-BLIND" : ""));
   if (ends) CHECK_THAT(reports.lost()->what, Catch::Contains("b") && Catch::Contains("2 "));
   reports.heard("blind: c");
-  CHECK(reports.take_news().size() == 1);
+  CHECK(reports.take_notices().size() == 1);
   reports.ended();
   CHECK(lost_id(reports) == (ends ? "TB-DEADMAN-BLIND" : "TB-DEADMAN-ENDED"));  // the first cause stays
   reports.heard("something else");

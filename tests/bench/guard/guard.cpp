@@ -75,7 +75,7 @@ struct GuardedBench {
     return homing;
   }
   devices::AxisState z{{}, 0, devices::Activity::kIdle, true, {}};
-  devices::TurnedClock clock;
+  devices::ManualClock clock;
   Guard guard;
   std::vector<std::string> lines;
 };
@@ -114,7 +114,7 @@ TEST_CASE("guard: the pressure may rise only with fresh feedback and reference, 
 }
 
 TEST_CASE("guard: rejects every command and does not trip before it is armed") {
-  const devices::TurnedClock clock;
+  const devices::ManualClock clock;
   Guard guard(GuardedBench::limits_with(100.0), clock);
   CHECK(id_of([&] { guard.check_pressure(Psi(0.0)); }) == "TB-GUARD-NOT-ARMED");
   CHECK(id_of([&] { guard.check_move(Axis::kX, 1.0, 1.0, [](Axis) { return devices::AxisState{}; }); }) ==

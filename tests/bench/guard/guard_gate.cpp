@@ -102,7 +102,7 @@ struct Gate {
   }
   Calls calls, lines;
   std::vector<Trip> stored;
-  devices::TurnedClock clock;
+  devices::ManualClock clock;
   Guard guard{limits(), clock};
   IdealStage stage{clock};
   NotingSource inner{calls};
@@ -233,7 +233,7 @@ TEST_CASE("guard gate: a lost dead-man trips once with its own cause, and z may 
   CHECK(gate.sent_to(Axis::kZ, 9.0) == "none");
   CHECK(fault_id_of([&] { (void)gate.source.command(Psi(1.0)); }) == "TB-DEADMAN-BLIND");
   CHECK(fault_id_of([&] { gate.gate.home(Axis::kZ); }) == "none");
-  CHECK(gate.guard.line_is_ours());  // it does not work on the line: nobody waits for it
+  CHECK(gate.guard.may_use_stage_line());  // it does not work on the line: nobody waits for it
   REQUIRE(gate.stored.size() == 1);
   CHECK((gate.stored[0].id == "TB-DEADMAN-BLIND" && gate.stored[0].run == 12));
   CHECK(gate.stage.halts == 1);
@@ -315,7 +315,7 @@ TEST_CASE("guard gate: force is checked from the first tare on, an overload of t
 }
 
 TEST_CASE("feeding clock: feeds before, between and after slices, and not beyond the requested time") {
-  devices::TurnedClock inner;
+  devices::ManualClock inner;
   std::vector<devices::Nanoseconds> fed;
   FeedingClock clock(inner, milliseconds(100), [&] { fed.push_back(inner.now()); });
   clock.wait_until(milliseconds(250));

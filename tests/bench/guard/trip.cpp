@@ -205,7 +205,7 @@ TEST_CASE("witness: one that stays constant while the other moves by more than 5
 }
 
 TEST_CASE("witness: an impossible reading prevents a pressure rise, and ends the run if it persists") {
-  devices::TurnedClock clock;
+  devices::ManualClock clock;
   GuardLimits limits = guard_limits(tests::simulated_bench({}));
   Guard guard(limits, clock);
   guard.arm();

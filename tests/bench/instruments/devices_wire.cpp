@@ -53,7 +53,7 @@ bool says(const bench::DeviceCheck& device, const std::string& text) {
   return false;
 }
 
-std::string told_of_host(const std::string& host) {
+std::string answers_of_host(const std::string& host) {
   for (const bench::ScanEntry& entry : bench::scan_devices({host}))
     if (entry.kind == "Modbus TCP") return entry.where + ": " + entry.what;
   return "(none)";
@@ -247,8 +247,8 @@ TEST_CASE("reference calibration: the file has the readings in both directions, 
 
 TEST_CASE("calibration text: the stated values are printed, overdue from the day after the due date") {
   const auto words = [](const std::string& json, const std::string& day) {
-    return bench::calibration_words(analysis::calibration_of({"force sensor", "M", "1", "", "hardware", json}), day,
-                                    analysis::PressureUnit::kPsi);
+    return bench::calibration_text(analysis::calibration_of({"force sensor", "M", "1", "", "hardware", json}), day,
+                                   analysis::PressureUnit::kPsi);
   };
   const char* stated =
       R"({"certificate":"C-1","calibrated":"2025-06-01","due":"2026-06-01","expanded_uncertainty_n":0.1})";
@@ -264,13 +264,13 @@ TEST_CASE("calibration text: the stated values are printed, overdue from the day
 TEST_CASE("devices scan: a host that answers, refuses or is not there is reported as such") {
   bench::Rig rig(small_request().bench);
   const std::string host = fmt::format("127.0.0.1:{}", rig.config().module.endpoint.port);
-  const std::string answers = told_of_host(host);
+  const std::string answers = answers_of_host(host);
   CHECK_THAT(answers, Catch::StartsWith(host + ": ") && Catch::Contains("register 0"));
   rig.plant()->inject(bench::FaultKind::kModuleException, std::nullopt, 0);
-  CHECK_THAT(told_of_host(host), Catch::StartsWith(host + ": "));
-  CHECK(told_of_host(host) != answers);
+  CHECK_THAT(answers_of_host(host), Catch::StartsWith(host + ": "));
+  CHECK(answers_of_host(host) != answers);
   for (const char* none : {"127.0.0.1:1", "127.0.0.1:65535"})
-    CHECK_THAT(told_of_host(none), Catch::Contains("refused"));
+    CHECK_THAT(answers_of_host(none), Catch::Contains("refused"));
 }
 
 TEST_CASE("devices scan: an invalid address is rejected before any host is contacted") {

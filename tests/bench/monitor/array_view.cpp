@@ -123,7 +123,7 @@ TEST_CASE("array picture: the scale ends at a tenth of the converter range or hi
 TEST_CASE(
     "array picture: mean outputs of a frame, saturated taxels, and the pressure above which taxels count as dead") {
   const ArrayBasis basis{0.001, {0.1, 0.1, 0.1, 0.1, 0.1, 0.1}};
-  db::SeenFrame frame;
+  db::StoredFrame frame;
   frame.position = 19;
   frame.rows = 3;
   frame.columns = 2;

@@ -54,7 +54,7 @@ class AnswersOneByOne {
 struct WatchedStore {
   WatchedStore() : store(db::RunStore::open(folder.path("runs.db"))), begun(begin_example(store)) {
     lock.emplace(store.path());
-    lock->take_new(begun.run);
+    lock->lock_new_run(begun.run);
     live = example_live();
     live.name = "watched";
     live.status.run = begun.run;
@@ -69,7 +69,7 @@ struct WatchedStore {
     status.readings->time_s = time_s;
     if (run != 0) status.run = run;
     nlohmann::json told{{"bench", "rig-1"}, {"denied", denied}, {"taken", true}, {"text", ""}};
-    tell_status(told, status);
+    add_status_json(told, status);
     return told.dump();
   }
   // By the run's process, as its last.

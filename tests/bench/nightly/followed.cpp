@@ -41,8 +41,8 @@ db::RunStore with_baseline(const TemporaryFolder& folder) {
   return store;
 }
 
-FollowedFigure only_figure(const db::RunStore& store) {
-  const Followed followed = follow_alone(store, kSubject);
+TrendFigure only_figure(const db::RunStore& store) {
+  const SubjectTrend followed = trend_of_subject(store, kSubject);
   REQUIRE(followed.figures.size() == 1);
   return followed.figures.front();
 }
@@ -54,12 +54,12 @@ TEST_CASE("trend: a night is reported only if it lies outside the spread over se
   db::RunStore store = with_baseline(folder);
   CHECK_FALSE(only_figure(store).outside);  // accepted runs do not judge themselves
   add_night(store, 0.32);
-  const FollowedFigure within = only_figure(store);
+  const TrendFigure within = only_figure(store);
   CHECK((within.chart.band && within.chart.ewma && !within.outside && !within.shifted));
   CHECK(within.chart.band->deviation == Approx(0.0085).margin(0.001));
   add_night(store, 0.45);
   CHECK(only_figure(store).outside);
-  const std::vector<std::string> lines = outside_lines(follow_alone(store, kSubject));
+  const std::vector<std::string> lines = outside_band_lines(trend_of_subject(store, kSubject));
   REQUIRE(lines.size() == 1);
   for (const char* part : {"mean_error_psi", "0.45", "8 runs", "as delivered", "K. Lee"})
     CHECK(lines.front().find(part) != std::string::npos);
@@ -85,7 +85,7 @@ TEST_CASE("trend: shifts are judged by the false discovery rate of all values to
     store.add_baseline(baseline);
     for (int night = 0; night < nights; ++night)
       store.replace_figures(add_night(store, 0.0), kSubject, figures(step, 1e-3 * night));
-    return follow_alone(store, kSubject).figures.front().shifted;
+    return trend_of_subject(store, kSubject).figures.front().shifted;
   };
   CHECK_FALSE(shifted(0, 0.5, 6));
   CHECK(shifted(0, 3.0, 6));
@@ -97,12 +97,12 @@ TEST_CASE("trend: simulated nights with repeated seeds are compared by content, 
   const TemporaryFolder folder;
   db::RunStore store = with_baseline(folder);
   for (int night = 0; night < 20; ++night) add_night(store, 0.33, "simulated", 77);
-  const Followed fixed = follow_alone(store, kSubject);
+  const SubjectTrend fixed = trend_of_subject(store, kSubject);
   CHECK(fixed.same_seeds == fixed.run - 1);
   CHECK_FALSE(fixed.figures.front().chart.ewma);
   CHECK(fixed.figures.front().chart.band);
   const std::int64_t drawn = add_night(store, 0.33);
-  const Followed charted = follow_alone(store, kSubject);
+  const SubjectTrend charted = trend_of_subject(store, kSubject);
   CHECK((charted.run == drawn && charted.same_seeds == 0));
   REQUIRE(charted.figures.front().chart.ewma);
   CHECK(charted.figures.front().chart.ewma->later == 2);  // the first with seed 77, and this one
@@ -116,7 +116,7 @@ TEST_CASE("trend: runs on instruments have no seeds, and only runs after the bas
   for (int i = 0; i < 8; ++i) baseline.runs.push_back(add_night(store, 0.30 + 0.01 * i, "hardware"));
   store.add_baseline(baseline);
   for (int i = 0; i < 3; ++i) add_night(store, 0.33, "hardware", 1);
-  const Followed followed = follow_alone(store, kSubject);
+  const SubjectTrend followed = trend_of_subject(store, kSubject);
   CHECK(followed.same_seeds == 0);
   REQUIRE(followed.figures.front().chart.ewma);
   CHECK(followed.figures.front().chart.ewma->later == 3);
@@ -130,12 +130,12 @@ TEST_CASE("trend: repeated runs in a baseline count once") {
   store.add_baseline(baseline);
   // Two measurements have no spread yet that a third could be held against.
   CHECK_FALSE(only_figure(store).chart.band);
-  const std::string judges_nothing = short_baseline(follow_alone(store, kSubject));
+  const std::string judges_nothing = short_baseline(trend_of_subject(store, kSubject));
   CHECK_FALSE(judges_nothing.empty());
-  CHECK(follow_alone(store, kSubject).repeated == 2);
+  CHECK(trend_of_subject(store, kSubject).repeated == 2);
   baseline.runs.push_back(add_night(store, 0.32));
   store.add_baseline(baseline);
-  const FollowedFigure figure = only_figure(store);
+  const TrendFigure figure = only_figure(store);
   REQUIRE(figure.chart.band);
   CHECK(figure.chart.band->values == 3);
   CHECK(figure.chart.band->mean == Approx(0.31));
@@ -143,7 +143,7 @@ TEST_CASE("trend: repeated runs in a baseline count once") {
   add_night(store, 0.33);
   CHECK_FALSE(only_figure(store).outside);
   CHECK_FALSE(only_figure(store).chart.ewma);  // accepted by an earlier version: too few for a chart
-  const std::string judges_little = short_baseline(follow_alone(store, kSubject));
+  const std::string judges_little = short_baseline(trend_of_subject(store, kSubject));
   CHECK_FALSE((judges_little.empty() || judges_little == judges_nothing));
 }
 
@@ -153,12 +153,12 @@ TEST_CASE("trend: a slow change within the wide band is reported within two week
   int reported_on = 0;
   for (int night = 1; night <= 14; ++night) {
     add_night(store, 0.30 + 0.003 * night);
-    const FollowedFigure figure = only_figure(store);
+    const TrendFigure figure = only_figure(store);
     CHECK_FALSE(figure.outside);
     if (figure.shifted && reported_on == 0) reported_on = night;
   }
   CHECK((reported_on > 3 && reported_on <= 14));
-  CHECK_THAT(shift_lines(follow_alone(store, kSubject)).at(0),
+  CHECK_THAT(shift_lines(trend_of_subject(store, kSubject)).at(0),
              Catch::Contains("mean_error_psi") && Catch::Contains("8 runs") && Catch::Contains("+0.003"));
 }
 
@@ -170,7 +170,7 @@ TEST_CASE("trend: 120 nights with different seeds and no change give no alarm") 
   int alarms = 0;
   for (int night = 1; night <= 120; ++night) {
     add_night(store, normal(random));
-    const FollowedFigure figure = only_figure(store);
+    const TrendFigure figure = only_figure(store);
     alarms += figure.shifted || figure.outside ? 1 : 0;
   }
   CHECK(alarms == 0);
@@ -192,19 +192,19 @@ TEST_CASE("trend: a value in the baseline that the newest run lacks is reported"
   db::RunStore store = with_baseline(folder);
   const std::int64_t run = add_night(store, 0.31);
   store.replace_figures(run, kSubject, {{"other_psi", 1.0}});
-  const Followed followed = follow_alone(store, kSubject);
-  const std::vector<std::string> lines = outside_lines(followed);
+  const SubjectTrend followed = trend_of_subject(store, kSubject);
+  const std::vector<std::string> lines = outside_band_lines(followed);
   REQUIRE(lines.size() == 1);
   CHECK_THAT(lines.front(), Catch::Contains("mean_error_psi") && Catch::Contains(fmt::format("run {}", run)));
   add_night(store, 0.31);
-  CHECK(outside_lines(follow_alone(store, kSubject)).empty());
+  CHECK(outside_band_lines(trend_of_subject(store, kSubject)).empty());
 }
 
 TEST_CASE("sparkline: its scale spans three bands, or starts at 0") {
   CHECK(sparkline({0.0, 0.99, 1.01, 8.0, -0.1, 8.1}, {0.0, 8.0}, 9) == "▁▁▂█↓↑");
   CHECK(sparkline({1.0, std::nan(""), std::numeric_limits<double>::infinity()}, {0.0, 1.0}, 2) == "··");
   CHECK(sparkline({}, {}, 5).empty());
-  FollowedFigure figure;
+  TrendFigure figure;
   figure.values = {100.0, 100.01};
   CHECK(scale_of(figure).low == 0.0);
   CHECK(scale_of(figure).high == 100.01);
@@ -227,13 +227,13 @@ TEST_CASE("statistic names: name and unit of a key as printed") {
                                         {"press_stiffness_n_per_mm", "press stiffness", "N/mm"},
                                         {"unfit_taxels", "unfit taxels", ""},
                                         {"psi", "psi", ""}}) {
-    CHECK(in_words(key).name == name);
-    CHECK(in_words(key).unit == unit);
+    CHECK(display_text(key).name == name);
+    CHECK(display_text(key).unit == unit);
   }
 }
 
 TEST_CASE("trend: a sensor that differs from four others with the same recipes is an outlier") {
-  std::vector<Followed> sensors(6);
+  std::vector<SubjectTrend> sensors(6);
   const double noise[] = {1.1, 1.2, 1.3, 1.15, 31.9, 500.0};
   for (std::size_t i = 0; i < sensors.size(); ++i) {
     sensors[i].subject = fmt::format("sensor/S-{}/{}", i, i < 5 ? "loops" : "other");
@@ -256,7 +256,7 @@ TEST_CASE("nightly page: is well-formed for any names, and lists failed scenario
     scenario.name = scenario.label = name;
     scenario.about = "<img onerror=\"x\"/>";
   }
-  NightPage night{"2026-01-01T00:00:00Z", "commit <b>", {}, {follow_alone(store, kSubject)}};
+  NightPage night{"2026-01-01T00:00:00Z", "commit <b>", {}, {trend_of_subject(store, kSubject)}};
   for (const char* name : {"calm", "broken"}) night.results.emplace_back().name = name;
   night.results[1].wrong = {"said \"<b>\" & more"};
   const std::string page = night_page(suite, night);

@@ -197,8 +197,8 @@ TEST_CASE("merge: baselines get the new run numbers, and each acceptance is stor
     PartStore a = made.part("a"), b = made.part("b");
     for (const std::int64_t seed : {1, 2}) a.store.replace_figures(a.add_run("x", seed), "rig/x", {{"d_psi", 0.5}});
     for (const std::int64_t seed : {3, 4}) b.store.replace_figures(b.add_run("x", seed), "rig/x", {{"d_psi", 0.5}});
-    b.store.take_baseline({0, "rig/x", "as made", "K. Lee", "2026-01-01T00:00:00Z", {1, 2}});
-    b.store.take_baseline({0, "rig/x", "again", "K. Lee", "2026-01-01T00:00:00Z", {2}});
+    b.store.copy_baseline({0, "rig/x", "as made", "K. Lee", "2026-01-01T00:00:00Z", {1, 2}});
+    b.store.copy_baseline({0, "rig/x", "again", "K. Lee", "2026-01-01T00:00:00Z", {2}});
   }
   CHECK(MergedByHand::counts(made.merge({"a", "b"})) == "4 0 0 2 0");
   const std::vector<db::BaselineRecord> baselines = made.store.baselines();
@@ -211,7 +211,7 @@ TEST_CASE("merge: baselines get the new run numbers, and each acceptance is stor
     {
       PartStore c = made.part(name);
       (void)c.store.copy_runs_from(made.store, {3, 4});
-      c.store.take_baseline(baseline);
+      c.store.copy_baseline(baseline);
     }
     return made.merge({name}).baselines;
   };
@@ -224,7 +224,7 @@ TEST_CASE("merge: baselines get the new run numbers, and each acceptance is stor
   {
     PartStore turned = made.part("turned");  // its run 1 is run 4 here
     for (const std::int64_t run : {4, 3}) (void)turned.store.copy_runs_from(made.store, {run});
-    turned.store.take_baseline({0, "rig/x", "as made", "K. Lee", "2026-01-01T00:00:00Z", {1, 2}});
+    turned.store.copy_baseline({0, "rig/x", "as made", "K. Lee", "2026-01-01T00:00:00Z", {1, 2}});
   }
   CHECK(made.merge({"turned"}).baselines == 0);
 }

@@ -153,8 +153,8 @@ class KeptNights {
   KeptNights() : store_(db::RunStore::open(folder_.path("main.db"), db::Durability::kNormal)) {}
   // Whether anything of the night was not there yet.
   bool take(const Suite& suite, std::vector<ScenarioResult>& results, const std::string& begun_utc) {
-    return take_night(part_night(begun_utc, "2026-01-03T00:00:00Z"), suite, results, in_stores_of(folder_.path()),
-                      store_);
+    return store_night(part_night(begun_utc, "2026-01-03T00:00:00Z"), suite, results, in_stores_of(folder_.path()),
+                       store_);
   }
   ScenarioResult made(const std::string& label, const std::vector<NightRun>& runs,
                       const std::map<std::string, double>& figures) const {
@@ -278,7 +278,7 @@ TEST_CASE("kept nights: a night of several seeds lists each scenario once, with 
   none.name = "two-seed-2";
   results.push_back(none);
   CHECK(nights.take(suite, results, "2026-01-02T00:00:00Z"));
-  const std::vector<Followed> followed = compare_night(suite, results, nights.store());
+  const std::vector<SubjectTrend> followed = compare_night(suite, results, nights.store());
   REQUIRE(followed.size() == 2);
   CHECK(followed[0].subject == "nightly/one");
   REQUIRE(followed[0].figures.size() == 1);
@@ -325,7 +325,7 @@ class TwoStores {
     (void)there.add_run("both", 2);
     (void)here.store.copy_runs_from(there.store, {1});
   }
-  std::size_t take() { return bench::take_fits(there.store, 1, here.store, 2); }
+  std::size_t take() { return bench::copy_fits(there.store, 1, here.store, 2); }
   [[nodiscard]] std::string verdicts() const {
     std::string text;
     for (const db::VerdictRecord& row : here.store.verdicts(2))

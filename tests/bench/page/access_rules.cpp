@@ -131,7 +131,7 @@ TEST_CASE("page responses: each file of the page has its media type and its text
                            "store.js", "icon.svg"}) {
     INFO(name);
     const std::string path = name == std::string("page.html") ? "/" : std::string("/") + name;
-    const auto file = own_file(path);
+    const auto file = page_asset(path);
     REQUIRE(file);
     CHECK(file->status == 200);
     CHECK_FALSE(file->body->empty());
@@ -143,11 +143,11 @@ TEST_CASE("page responses: each file of the page has its media type and its text
                                    {"/page.css", "text/css"},
                                    {"/page.js", "text/javascript"},
                                    {"/icon.svg", "image/svg+xml"}})
-    CHECK_THAT(own_file(path)->type, Catch::StartsWith(type));
+    CHECK_THAT(page_asset(path)->type, Catch::StartsWith(type));
   for (const char* none :
        {"", "/page.css/", "page.js", "/make", "/make/other", "/events/", "//", "/%2e", "/document", "/commands"}) {
     INFO(none);
-    CHECK_FALSE(own_file(none));
+    CHECK_FALSE(page_asset(none));
     CHECK_FALSE(needs_of(none));
   }
 }
@@ -157,7 +157,7 @@ TEST_CASE("page responses: which paths need a right, documents need only their s
                            "/make/nights", "/make/night"}) {
     INFO(read);
     CHECK(needs_of(read) == PageNeeds::kRead);
-    CHECK_FALSE(own_file(read));
+    CHECK_FALSE(page_asset(read));
   }
   CHECK(needs_of("/command") == PageNeeds::kCommand);
   CHECK(needs_of("/document/12ab") == PageNeeds::kNothing);

@@ -21,7 +21,7 @@ using std::chrono::milliseconds;
 namespace {
 
 // "METHOD PATH name=value; field: value; body from ADDRESS"
-std::string asked_words(const HttpRequest& request) {
+std::string asked_text(const HttpRequest& request) {
   std::string text = request.method + " " + request.path;
   for (const auto& [name, value] : request.query) text += " " + name + "=" + value;
   for (const auto& [name, value] : request.fields) text += "; " + name + ": " + value;
@@ -69,7 +69,7 @@ class AnsweringServer {
                     .fields = {},
                     .stream = true});
     if (request.path == "/long") return reply(text_response(200, std::string(100'000, 'x')));
-    reply(text_response(200, asked_words(request)));
+    reply(text_response(200, asked_text(request)));
   }
   HttpServer server_;
   std::uint16_t port_ = server_.port();
@@ -85,8 +85,8 @@ std::string whole_answer(const std::string& status, bool goes_on, const std::str
 
 HttpOptions small_limits() {
   HttpOptions options;
-  options.longest_head = 100;
-  options.longest_body = 10;
+  options.max_head_bytes = 100;
+  options.max_body_bytes = 10;
   return options;
 }
 
@@ -189,7 +189,7 @@ TEST_CASE("http: a refused client may send on for a while, and still gets its an
 
 TEST_CASE("http: a connection without a complete request is closed after a timeout that restarts at each answer") {
   HttpOptions options;
-  options.longest_request = milliseconds(700);
+  options.request_timeout = milliseconds(700);
   const AnsweringServer server(options);
   RawClient silent(server.port()), begins(server.port()), idle(server.port());
   REQUIRE(begins.send("GET / HT"));
@@ -201,7 +201,7 @@ TEST_CASE("http: a connection without a complete request is closed after a timeo
 
 TEST_CASE("http: unauthenticated clients never displace authenticated ones, however many connect") {
   HttpOptions options;
-  options.most_connections = 4;
+  options.max_connections = 4;
   const AnsweringServer server(options);
   RawClient operates(server.port()), reads(server.port());
   const auto is_served = [](RawClient& client, const std::string& rank) {
@@ -221,7 +221,7 @@ TEST_CASE("http: unauthenticated clients never displace authenticated ones, howe
 
 TEST_CASE("http: if all connections are privileged, a further one is closed, and a freed place is reused") {
   HttpOptions options;
-  options.most_connections = 2;
+  options.max_connections = 2;
   const AnsweringServer server(options);
   const std::string get = "GET / HTTP/1.1\r\nrank: 2\r\n\r\n";
   auto first = std::make_unique<RawClient>(server.port());
@@ -278,7 +278,7 @@ TEST_CASE("http: a stream has no content length, starts with its body, and conti
 
 TEST_CASE("http: viewers above the limit are refused with the number of viewers, and a closed one is removed") {
   HttpOptions options;
-  options.most_viewers = 1;
+  options.max_viewers = 1;
   AnsweringServer server(options);
   auto first = std::make_unique<RawClient>(server.port());
   REQUIRE(first->send(kStream));

@@ -121,7 +121,7 @@ TEST_CASE("live page: each command goes only to the run that the operator saw, a
   CHECK(say("pause")["taken"] == true);
   CHECK(run.control.pause_wanted());
   CHECK(say("resume")["taken"] == true);
-  CHECK(run.control.take_resume());
+  CHECK(run.control.consume_resume());
   for (const char* word : {"stop", "abort", "panic"}) CHECK(say(word)["taken"] == true);
   CHECK_THAT(run.control.who(), Catch::StartsWith("bob"));
   CHECK(page.command({{"word", "answer"}, {"run", 1}, {"question", 3}, {"text", "x"}})["taken"] == false);

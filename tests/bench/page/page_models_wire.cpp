@@ -142,7 +142,7 @@ TEST_CASE("page models: a model with creep gets the time between two frames, if 
   const analysis::SensorModel kept = analysis::load_fit(made.store, 1);
   struct Step {
     double volts, time_s;
-    double told_s;  // what the stream is to be told
+    double stream_s;  // what the stream is to be told
   };
   const double day = 86'400.0;
   const std::vector<Step> steps = {{0.2, 100.0, 0.0},
@@ -159,12 +159,12 @@ TEST_CASE("page models: a model with creep gets the time between two frames, if 
   std::vector<float> pressure(2), uncertainty(2);
   std::vector<std::uint16_t> status(2);
   for (const Step& step : steps) {
-    db::SeenFrame frame;
+    db::StoredFrame frame;
     frame.time_ns = static_cast<std::int64_t>(1e9 * step.time_s);
     shown->see(frame, {1.0, 2.0, 3.0});  // of another array: left out, its time, too
     shown->see(frame, {step.volts, step.volts});
     const auto volts = static_cast<float>(step.volts);
-    stream.frame(std::vector<float>{volts, volts}, step.told_s, {pressure, uncertainty, status});
+    stream.frame(std::vector<float>{volts, volts}, step.stream_s, {pressure, uncertainty, status});
     INFO(step.time_s);
     CHECK(shown->pressure_psi()[0] == Approx(pressure[0]).epsilon(1e-6));
     CHECK(shown->pressure_psi()[1] == Approx(pressure[1]).epsilon(1e-6));

@@ -27,7 +27,7 @@ struct Folder {
     (void)call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"});
     write_file(folder.path("short.toml"), kRecipe);
   }
-  [[nodiscard]] std::vector<std::string> run_words(const std::string& db, const std::string& rate) const {
+  [[nodiscard]] std::vector<std::string> run_arguments(const std::string& db, const std::string& rate) const {
     const std::string line = "run short.toml --bench bench.toml --sensor S-1 --operator t --seed 5 -q --db " + db +
                              " --rate " + rate + fmt::format(" --set bench.id=\"page-{}\"", getpid());
     std::istringstream words(line);
@@ -74,7 +74,7 @@ std::string get_events(const Link& link) {
 TEST_CASE("page next to a run: stopping or killing the page during a run does not change the content of the run") {
   Folder here;
   (void)call(here.folder, {"sensors", "add", "S-1", "--type", "sensor.toml", "--db", "alone.db"});
-  REQUIRE(here.start(here.run_words("alone.db", "1000"), "alone")->wait() == 0);
+  REQUIRE(here.start(here.run_arguments("alone.db", "1000"), "alone")->wait() == 0);
   const std::string alone = here.hash("alone.db");
   for (const int number : {SIGSTOP, SIGKILL}) {
     INFO("signal " << number);
@@ -85,7 +85,7 @@ TEST_CASE("page next to a run: stopping or killing the page during a run does no
     REQUIRE(comes_true([&] { return (link = link_in(read_file(here.folder.path("page")))).port != 0; }));
     RawClient viewer(link.port);
     REQUIRE(viewer.send(get_events(link)));
-    const auto run = here.start(here.run_words(db, "20"), "run");
+    const auto run = here.start(here.run_arguments(db, "20"), "run");
     REQUIRE(viewer.read(60'000, "event: picture").find("event: picture") != std::string::npos);
     REQUIRE(viewer.read(60'000, "\"live\":true").find("\"live\":true") != std::string::npos);
     page->signal(number);
@@ -96,7 +96,7 @@ TEST_CASE("page next to a run: stopping or killing the page during a run does no
 
 TEST_CASE("page next to a run: started by the run it shows the run, and ends after it when nobody is viewing") {
   Folder here;
-  std::vector<std::string> words = here.run_words("runs.db", "20");
+  std::vector<std::string> words = here.run_arguments("runs.db", "20");
   words.emplace_back("--page");
   const auto run = here.start(words, "run");
   Link link;

@@ -19,7 +19,7 @@ class GuardedPage : public WordsPage {
       : WordsPage([&](bench::PageOptions& page) {
           db::RunStore store = db::RunStore::open(page.db);
           (void)begin_example(store);
-          page.http.longest_request = std::chrono::milliseconds(1500);
+          page.http.request_timeout = std::chrono::milliseconds(1500);
           if (change) change(page);
         }) {}
   // The whole answer to one request; `fields`: lines of the head.

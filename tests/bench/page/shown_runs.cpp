@@ -49,7 +49,7 @@ class ShownStore {
   }
   void add_frame(std::int64_t run) { store.append_frame(run, example_frame(branch_, frames_++)); }
   [[nodiscard]] nlohmann::json shown(const std::string& bench = {}) const {
-    RunOnShow show(path, bench);
+    DisplayedRun show(path, bench);
     show.look(nullptr);
     return show.state(nullptr, 1.5);
   }
@@ -87,7 +87,7 @@ TEST_CASE("shown run: an empty store gives a state with all members, a missing s
   const nlohmann::json empty = made.shown();
   CHECK((empty["live"] == false && empty["silent_s"] == 1.5 && empty["store"] == made.path));
   CHECK((empty["unread"] == "" && empty["safe"]["state"] == "none" && empty["events"].empty()));
-  RunOnShow none(made.path + ".none", "");
+  DisplayedRun none(made.path + ".none", "");
   std::string why;
   CHECK(none.store(&why) == nullptr);
   CHECK_THAT(why, Catch::Contains(made.path + ".none"));
@@ -95,7 +95,7 @@ TEST_CASE("shown run: an empty store gives a state with all members, a missing s
   CHECK(none.state(nullptr, 0.0)["unread"] == why);
   CHECK(none.run() == 0);
   CHECK(none.picture().is_null());
-  CHECK_FALSE(none.take_new_picture());
+  CHECK_FALSE(none.consume_new_picture());
   // One that comes is opened.
   const db::RunStore later = db::RunStore::open(made.path + ".none", db::Durability::kNormal);
   CHECK(none.store(&why) != nullptr);
@@ -162,12 +162,12 @@ TEST_CASE("shown run: the status of a live run is combined with its stored data"
   (void)made.add();
   const std::int64_t run = made.add({.outcome = db::Outcome::kIncomplete, .frames = 2});
   made.store.append_event(run, {1, "safe", "verified", "by two witnesses"});
-  RunOnShow show(made.path, "bench-of-none");
+  DisplayedRun show(made.path, "bench-of-none");
   LiveRun live = live_of(run, 2);
   show.look(&live);
   CHECK(show.run() == run);
-  CHECK(show.take_new_picture());
-  CHECK_FALSE(show.take_new_picture());
+  CHECK(show.consume_new_picture());
+  CHECK_FALSE(show.consume_new_picture());
   CHECK(show.picture()["position"] == 2);
   live.status.question_id = 4;
   live.status.state = RunState::kPaused;
@@ -198,18 +198,18 @@ TEST_CASE("shown run: the status of a live run is combined with its stored data"
 TEST_CASE("shown run: new frames of a live run appear at once, its end appears when it is stored") {
   ShownStore made;
   const std::int64_t run = made.add({.outcome = db::Outcome::kIncomplete});
-  RunOnShow show(made.path, "");
+  DisplayedRun show(made.path, "");
   LiveRun live = live_of(run, 1);
   const auto begun = std::chrono::steady_clock::now();
   show.look(&live);
-  CHECK(show.take_new_picture());
+  CHECK(show.consume_new_picture());
   made.add_frame(run);
   show.look(&live);  // it tells of nothing new: the store is read again three seconds later
   const bool early = std::chrono::steady_clock::now() - begun < std::chrono::seconds(3);
-  CHECK(show.take_new_picture() == !early);
+  CHECK(show.consume_new_picture() == !early);
   live.status.frames = 2;
   show.look(&live);
-  CHECK(show.take_new_picture());
+  CHECK(show.consume_new_picture());
   CHECK(show.picture()["position"] == 2);
   made.store.end_run(run, db::Outcome::kStopped, "asked", db::SafeState::kVerified, kUtc);
   show.look(nullptr);
@@ -226,7 +226,7 @@ TEST_CASE("shown run: new frames of a live run appear at once, its end appears w
 TEST_CASE("shown run: a replaced store is opened again") {
   ShownStore made, other;
   (void)made.add();
-  RunOnShow show(made.path, "");
+  DisplayedRun show(made.path, "");
   show.look(nullptr);
   CHECK(show.run() == 1);
   const db::RunStore* const before = show.store();
@@ -245,7 +245,7 @@ TEST_CASE("shown run: a replaced store is opened again") {
 TEST_CASE("page lists: runs newest first with verdict and report, sensors with calibration, nights") {
   ShownStore made;
   CHECK(runs_list(made.store)["runs"].empty());
-  CHECK(kept_nights(made.store) == 0);
+  CHECK(stored_nights(made.store) == 0);
   (void)made.add();
   (void)made.add({.frames = 3});
   (void)made.add({.sensor = "S-2", .outcome = db::Outcome::kIncomplete});
@@ -299,7 +299,7 @@ TEST_CASE("page lists: runs newest first with verdict and report, sensors with c
   CHECK((sensors[1]["verdict"].is_null() && !sensors[1].contains("calibrated")));
   CHECK(sensors[1]["runs"] == nlohmann::ordered_json::array({3}));
   CHECK(sensors[1]["figures"] == true);
-  CHECK(kept_nights(made.store) == 1);
+  CHECK(stored_nights(made.store) == 1);
 }
 
 TEST_CASE("page lists: at most the newest five hundred runs, and the number of those left out") {
@@ -337,32 +337,32 @@ TEST_CASE("page: the readings of a live run, with force and target if it presses
 TEST_CASE("page: safe state of a live run: loaded, paused or proved") {
   LiveRun live = loaded_run();
   const db::EventRecord proved{1, "safe", "verified", "two witnesses"};
-  CHECK(safe_words(&live, nullptr, proved).state == "loaded");
+  CHECK(safe_state_text(&live, nullptr, proved).state == "loaded");
   for (const RunState rests : {RunState::kPaused, RunState::kSuspended}) {
     live.status.state = rests;
-    CHECK(safe_words(&live, nullptr, proved).state == "proved");
-    CHECK(safe_words(&live, nullptr, std::nullopt).state == "unknown");
+    CHECK(safe_state_text(&live, nullptr, proved).state == "proved");
+    CHECK(safe_state_text(&live, nullptr, std::nullopt).state == "unknown");
   }
   live.status.readings->force_n = 1.256;
-  CHECK(safe_words(&live, nullptr, std::nullopt).state == "unknown");
+  CHECK(safe_state_text(&live, nullptr, std::nullopt).state == "unknown");
   live.status.readings.reset();
   live.status.state = RunState::kRunning;
-  CHECK(safe_words(&live, nullptr, proved).state == "loaded");
+  CHECK(safe_state_text(&live, nullptr, proved).state == "loaded");
 }
 
 TEST_CASE("page: the safe state of an ended run follows from its last event or its reason") {
-  CHECK(safe_words(nullptr, nullptr, std::nullopt).state == "none");
+  CHECK(safe_state_text(nullptr, nullptr, std::nullopt).state == "none");
   StoredRun stored;
   stored.record.reason = "all steps done";
   for (const db::Outcome broken : {db::Outcome::kIncomplete, db::Outcome::kInterrupted}) {
     stored.record.outcome = broken;
     stored.record.safe_state = db::SafeState::kVerified;
-    CHECK(safe_words(nullptr, &stored, std::nullopt).state == "unknown");
+    CHECK(safe_state_text(nullptr, &stored, std::nullopt).state == "unknown");
   }
   const db::EventRecord event{1, "safe", "verified", "by the gauge"};
   stored.record.outcome = db::Outcome::kFailed;
-  CHECK(safe_words(nullptr, &stored, event).state == "proved");
-  CHECK(safe_words(nullptr, &stored, std::nullopt).state == "proved");
+  CHECK(safe_state_text(nullptr, &stored, event).state == "proved");
+  CHECK(safe_state_text(nullptr, &stored, std::nullopt).state == "proved");
   stored.record.safe_state = db::SafeState::kFailed;
-  CHECK(safe_words(nullptr, &stored, event).state == "unknown");
+  CHECK(safe_state_text(nullptr, &stored, event).state == "unknown");
 }

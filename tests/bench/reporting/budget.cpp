@@ -235,9 +235,9 @@ TEST_CASE("budget runs: study results enter the budget, mounting shares are mult
   made.studies_.uniformity.degrees = 12.0;
   made.studies_.remount.not_assessed.clear();
   made.studies_.remount.common_share = 0.5;
-  made.studies_.remount.own_share = 0.25;
+  made.studies_.remount.per_taxel_share = 0.25;
   made.studies_.remount.degrees = 3;
-  made.studies_.remount.own_degrees = 45;
+  made.studies_.remount.per_taxel_degrees = 45;
   const analysis::UncertaintyInputs found = made.inputs({});
   REQUIRE(found.uniformity);
   CHECK(found.uniformity->psi == 0.25);
@@ -247,8 +247,8 @@ TEST_CASE("budget runs: study results enter the budget, mounting shares are mult
   CHECK(found.mounting->psi == 0.0);
   CHECK(found.mounting->share == Approx(0.5 * std::numbers::sqrt2));
   CHECK(found.mounting->dof == 3.0);
-  CHECK(found.mounting_own->share == Approx(0.25 * std::numbers::sqrt2));
-  CHECK(found.mounting_own->dof == 45.0);
+  CHECK(found.mounting_per_taxel->share == Approx(0.25 * std::numbers::sqrt2));
+  CHECK(found.mounting_per_taxel->dof == 45.0);
 }
 
 TEST_CASE("budget runs: a warmer run in another state leaves temperature not assessed, and gives the reason") {

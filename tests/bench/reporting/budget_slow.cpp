@@ -391,7 +391,7 @@ TEST_CASE("streams: for every model and history, clean samples are not flagged, 
   const std::vector<std::size_t> taxels = {3, 119};
   for (const SpecimenKind specimen : {SpecimenKind::kPaper, SpecimenKind::kHarsh, SpecimenKind::kFoam}) {
     const SimulatedSensor sensor{specimen, 5};
-    db::RunStore store = db::RunStore::open(folder.path(word_of(specimen)), db::Durability::kNormal);
+    db::RunStore store = db::RunStore::open(folder.path(keyword_of(specimen)), db::Durability::kNormal);
     const KnownRun run = simulate_run({{"production"}, {}}, sensor, 3, store);
     // Of one pace, slow enough for models that know none: what the film creeps further is no drift to them.
     tests::write_file(
@@ -404,7 +404,7 @@ TEST_CASE("streams: for every model and history, clean samples are not flagged, 
     std::erase_if(histories.taxels, [&](const auto& taxel) {
       return std::ranges::find(taxels, static_cast<std::size_t>(taxel.taxel)) == taxels.end();
     });
-    std::vector<analysis::SensorModel> models = {analysis::fit_dynamic_alone(run.data)};
+    std::vector<analysis::SensorModel> models = {analysis::fit_dynamic_single_run(run.data)};
     for (const char* const name : {"elam", "gpi", "mpi", "poly", "preisach", "monotone"})
       models.push_back(analysis::fit_models(name, histories, {}, {}));
     std::vector<Spiked> sums(models.size());
@@ -417,15 +417,15 @@ TEST_CASE("streams: for every model and history, clean samples are not flagged, 
         for (std::size_t k = 0; k < taxels.size(); ++k)
           add_spikes(models[m], models[m].taxel(static_cast<int>(taxels[k])), kind, made, k, taxels.size(), draw,
                      sums[m]);
-        INFO(word_of(specimen) << ", " << models[m].model << ", " << kind.name);
+        INFO(keyword_of(specimen) << ", " << models[m].model << ", " << kind.name);
         CHECK(sums[m].flagged - flagged <= 0.001 * (sums[m].samples - samples));
       }
     }
     for (std::size_t m = 0; m < models.size(); ++m) {
       const Spiked& all = sums[m];
-      INFO(word_of(specimen) << ", " << models[m].model << ": " << all.late << " of " << all.moves << " late, "
-                             << all.unflagged << " of " << all.spikes << " not flagged, " << all.apart << " of "
-                             << all.others << " apart");
+      INFO(keyword_of(specimen) << ", " << models[m].model << ": " << all.late << " of " << all.moves << " late, "
+                                << all.unflagged << " of " << all.spikes << " not flagged, " << all.apart << " of "
+                                << all.others << " apart");
       CHECK(all.moves > 1000.0);
       CHECK(all.late == 0.0);
       CHECK(all.spikes > 1000.0);

@@ -66,7 +66,7 @@ inline bench::NamedEvaluation film_evaluation(std::int64_t run, double mean_psi)
 }
 
 // "run criterion value limit: verdict; "
-inline std::string film_row_words(const std::vector<analysis::JudgedFigure>& rows) {
+inline std::string film_row_text(const std::vector<analysis::JudgedFigure>& rows) {
   std::string text;
   for (const analysis::JudgedFigure& row : rows)
     text += fmt::format("{} {} {:g} of {:g}: {}; ", row.run, to_string(row.criterion), row.value, row.limit,
@@ -75,14 +75,14 @@ inline std::string film_row_words(const std::vector<analysis::JudgedFigure>& row
 }
 
 // Of the mean error's rows.
-inline std::string film_mean_words(const std::vector<analysis::JudgedFigure>& rows) {
+inline std::string film_mean_text(const std::vector<analysis::JudgedFigure>& rows) {
   std::vector<analysis::JudgedFigure> mean;
   for (const analysis::JudgedFigure& row : rows)
     if (row.criterion == analysis::Criterion::kMeanError) mean.push_back(row);
-  return film_row_words(mean);
+  return film_row_text(mean);
 }
-inline std::string film_mean_words(const std::vector<db::VerdictRecord>& rows) {
-  return film_mean_words(analysis::figures_of(rows));
+inline std::string film_mean_text(const std::vector<db::VerdictRecord>& rows) {
+  return film_mean_text(analysis::figures_of(rows));
 }
 
 class JudgedStore : public FilmStore {
@@ -116,7 +116,7 @@ class JudgedStore : public FilmStore {
   [[nodiscard]] std::string kept(const analysis::SensorModel& model, bool void_too = false) const {
     analysis::Runs runs(store);
     const bench::StoredVerdicts stored = bench::stored_verdicts(runs, model, void_too);
-    std::string text = film_row_words(stored.figures) + "|";
+    std::string text = film_row_text(stored.figures) + "|";
     for (const std::int64_t run : stored.runs) text += fmt::format(" {}", run);
     text += "|" + (stored.limits_toml.empty() ? "" : bench::parse_limits(stored.limits_toml, "x").name);
     for (std::size_t i = 0; i < stored.lost.size(); ++i) text += "|lost";

@@ -139,36 +139,36 @@ TEST_CASE("judge: verdicts of each run are stored with the fit, none by report-o
     analysis::Runs runs(made.store);
     return bench::judge_and_store(made.store, runs, models, all, made.path(file), false, notes).judgement;
   };
-  CHECK(film_mean_words(judge("r.toml").figures) ==
+  CHECK(film_mean_text(judge("r.toml").figures) ==
         "2 mean_compensation_error 0.5 of 1: report only; 3 mean_compensation_error 2 of 1: report only; ");
   CHECK(made.store.verdicts_of_models(1).empty());
   CHECK(judge("a.toml").stored_worse.empty());
-  CHECK(film_mean_words(made.store.verdicts(2)) == "2 mean_compensation_error 0.5 of 1: pass; ");
+  CHECK(film_mean_text(made.store.verdicts(2)) == "2 mean_compensation_error 0.5 of 1: pass; ");
   CHECK(made.store.verdicts(2).size() == 4);
-  CHECK(film_mean_words(made.store.verdicts(3)) == "3 mean_compensation_error 2 of 1: fail; ");
+  CHECK(film_mean_text(made.store.verdicts(3)) == "3 mean_compensation_error 2 of 1: fail; ");
   CHECK(made.store.verdicts(3)[0].fit == models.fit);
   CHECK(made.store.verdicts(3)[0].limits_toml == film_limits_text(1.0));
   CHECK(made.store.verdicts(1).empty());
   const analysis::Judgement later = judge("b.toml");
-  CHECK(film_mean_words(later.figures) ==
+  CHECK(film_mean_text(later.figures) ==
         "2 mean_compensation_error 0.5 of 10: pass; 3 mean_compensation_error 2 of 10: pass; ");
-  CHECK(film_mean_words(later.stored_worse) == "3 mean_compensation_error 2 of 1: fail; ");
+  CHECK(film_mean_text(later.stored_worse) == "3 mean_compensation_error 2 of 1: fail; ");
   CHECK(later.overall == analysis::Verdict::kFail);
   // The laboratory knows that the reference was overdue.
   const analysis::Judgement withheld = judge("b.toml", {{"R-1", "", "", "", "2026-02-01", ""}});
-  CHECK(film_mean_words(withheld.figures) ==
+  CHECK(film_mean_text(withheld.figures) ==
         "2 mean_compensation_error 0.5 of 10: inconclusive; 3 mean_compensation_error 2 of 10: inconclusive; ");
-  CHECK(film_mean_words(made.store.verdicts(2)) ==
+  CHECK(film_mean_text(made.store.verdicts(2)) ==
         "2 mean_compensation_error 0.5 of 1: pass; 2 mean_compensation_error 0.5 of 10: inconclusive; ");
   REQUIRE(withheld.remarks.size() == 2);
   CHECK((withheld.remarks[1].run == 3 && withheld.remarks[1].untraced->overdue_since == "2026-02-01"));
   // Without its file the stored verdict stands; judged again without it, it is replaced.
   analysis::Runs runs(made.store);
   const bench::StoredVerdicts stored = bench::stored_verdicts(runs, models, false);
-  CHECK(film_mean_words(
+  CHECK(film_mean_text(
             bench::judge_for_report(runs, models, all, made.path("b.toml"), false, {}, stored).judgement.figures) ==
-        film_mean_words(withheld.figures));
-  CHECK(film_mean_words(judge("b.toml").figures) == film_mean_words(later.figures));
+        film_mean_text(withheld.figures));
+  CHECK(film_mean_text(judge("b.toml").figures) == film_mean_text(later.figures));
 }
 
 TEST_CASE("report judgement: by the named limits file, or by the last used limits, or none") {
@@ -177,7 +177,7 @@ TEST_CASE("report judgement: by the named limits file, or by the last used limit
   write_file(made.path("b.toml"), film_limits_text(0.125, "simple", "b"));
   bench::StoredVerdicts stored;
   const auto judged = [&](const std::string& file) {
-    return film_mean_words(
+    return film_mean_text(
         bench::judge_for_report(runs, film_line_model(), {film_evaluation(2, 0.5)}, file, false, {}, stored)
             .judgement.figures);
   };
@@ -233,11 +233,13 @@ class StandingByHand : public tests::FilmStore {
   }
   void declare_void(std::int64_t run) { store.void_run(run, "gauge closed", "me", "2026-03-02T00:00:00Z"); }
   // "run on models' run: verdict; "
-  [[nodiscard]] std::string standing(std::int64_t run) const { return in_words(bench::standing(store, run).figures); }
-  [[nodiscard]] std::string decided(std::int64_t run) const {
-    return analysis::verdict_word(bench::standing(store, run).verdict);
+  [[nodiscard]] std::string standing(std::int64_t run) const {
+    return display_text(bench::standing(store, run).figures);
   }
-  static std::string in_words(const std::vector<analysis::JudgedFigure>& rows) {
+  [[nodiscard]] std::string decided(std::int64_t run) const {
+    return analysis::verdict_text(bench::standing(store, run).verdict);
+  }
+  static std::string display_text(const std::vector<analysis::JudgedFigure>& rows) {
     std::string text;
     for (const analysis::JudgedFigure& row : rows)
       text += fmt::format("{} on {}: {}; ", row.run, row.model_run, to_string(row.verdict));
@@ -246,7 +248,7 @@ class StandingByHand : public tests::FilmStore {
   // The judgement on that run: its rows, worse ones, and whether it is none.
   [[nodiscard]] std::string judgement(std::int64_t run) const {
     const analysis::Judgement found = bench::judgement_on(store, run);
-    return fmt::format("{}| {}| {}", in_words(found.figures), in_words(found.stored_worse),
+    return fmt::format("{}| {}| {}", display_text(found.figures), display_text(found.stored_worse),
                        found.not_judged ? "not judged" : "");
   }
 };

@@ -23,10 +23,10 @@ std::string shipped_text(const std::string& recipe) { return tests::read_file(fi
 
 TEST_CASE("method text: states the settings of the recipe and its overrides") {
   const std::string toml = shipped_text("descending");
-  REQUIRE(method_words(run_of(toml)).size() == 1);
-  const std::string set = method_words(run_of(toml, R"([{"key":"recipe.dwell_s","value":"2.5"},)"
-                                                    R"({"key":"recipe.repeats","value":"1"}])"))
+  REQUIRE(method_descriptions(run_of(toml)).size() == 1);
+  const std::string set = method_descriptions(run_of(toml, R"([{"key":"recipe.dwell_s","value":"2.5"},)"
+                                                           R"({"key":"recipe.repeats","value":"1"}])"))
                               .front();
   CHECK_THAT(set, Catch::StartsWith("1 ") && Catch::Contains("2.5 s"));
-  CHECK(method_words(run_of("no recipe")) == std::vector<std::string>{""});
+  CHECK(method_descriptions(run_of("no recipe")) == std::vector<std::string>{""});
 }

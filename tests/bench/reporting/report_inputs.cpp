@@ -17,10 +17,10 @@ using namespace tactbench::tests;
 
 namespace {
 
-bench::Judged judged_by(analysis::Runs& runs, const analysis::SensorModel& models,
-                        const std::vector<bench::NamedEvaluation>& evaluations,
-                        const std::vector<analysis::InstrumentNote>& notes = {}) {
-  bench::Judged judged{{}, film_limits(100.0), {}};
+bench::JudgementRecord judged_by(analysis::Runs& runs, const analysis::SensorModel& models,
+                                 const std::vector<bench::NamedEvaluation>& evaluations,
+                                 const std::vector<analysis::InstrumentNote>& notes = {}) {
+  bench::JudgementRecord judged{{}, film_limits(100.0), {}};
   judged.evidence = bench::gather_evidence(runs, models, evaluations, judged.limits, false, notes);
   judged.judgement = judge(judged.evidence, judged.limits);
   return judged;
@@ -66,7 +66,7 @@ TEST_CASE("report input: the laboratory is included, and its due dates withhold 
   extras.unit = analysis::PressureUnit::kKilopascal;
   extras.laboratory.place = "hall 2";
   extras.laboratory.instruments = {{"R-1", "", "", "", "2026-02-01", ""}};
-  const bench::Judged judged =
+  const bench::JudgementRecord judged =
       judged_by(runs, models, bench::evaluate_runs(runs, models, {2}), extras.laboratory.instruments);
   // Of a run without evaluations, so that no other models are made.
   const analysis::ReportInput input = bench::report_input(runs, 1, models, {}, judged, {}, &extras);
@@ -92,23 +92,23 @@ TEST_CASE("sensor trend: values come from the models in use for a run, grouped b
   const analysis::Evaluation own = analysis::evaluate(runs.dataset(1), elam);
   db::RunRecord run = made.store.run(1);
   run.sequences.push_back({1, "down", "", "", 1, 1});
-  CHECK(bench::follow_sensor(made.store, run, elam, own) == "sensor/S-1/up+down");
+  CHECK(bench::record_sensor_trend(made.store, run, elam, own) == "sensor/S-1/up+down");
   CHECK(made.store.figures_of(1, "sensor/S-1/up+down").at("mean_error_psi") == own.mean_error_psi);
   run.sensor_serial.clear();
-  CHECK(bench::follow_sensor(made.store, run, elam, own).empty());
+  CHECK(bench::record_sensor_trend(made.store, run, elam, own).empty());
   const auto subjects = [&] { return made.store.subjects_of(1); };
   CHECK(subjects() == std::vector<std::string>{"sensor/S-1/up+down"});
-  bench::follow_fit(made.store, elam, own);
+  bench::record_fit_trend(made.store, elam, own);
   CHECK(subjects() == std::vector<std::string>{"sensor/S-1/up", "sensor/S-1/up+down"});
   made.store.replace_figures(1, "sensor/S-1/up", {});
   analysis::SensorModel other = film_line_model();
   other.fit = analysis::store_fit(made.store, other, "1", "2026-03-01T02:00:00Z");
-  bench::follow_fit(made.store, other, own);
+  bench::record_fit_trend(made.store, other, own);
   CHECK(made.store.figures_of(1, "sensor/S-1/up").empty());
   const analysis::SensorModel dynamic = bench::fit_run_dynamic(made.store, runs, 1);
   CHECK(dynamic.content_sha256 == made.store.run(1).content_sha256);
   CHECK(dynamic.program_version == bench::build_info().version);
   const analysis::Evaluation of_dynamic = analysis::evaluate(runs.dataset(1), dynamic);
-  bench::follow_fit(made.store, dynamic, of_dynamic);
+  bench::record_fit_trend(made.store, dynamic, of_dynamic);
   CHECK(made.store.figures_of(1, "sensor/S-1/up/dynamic").at("mean_error_psi") == of_dynamic.mean_error_psi);
 }

@@ -69,7 +69,7 @@ JudgedReport judged_report(db::RunStore& store, std::int64_t run, const std::str
   analysis::Runs runs(store);
   out.fit = bench::fit_run(store, runs.dataset(run));
   const std::vector<bench::NamedEvaluation> evaluations = bench::evaluate_runs(runs, out.fit, held_out);
-  const bench::Judged judgement = bench::judge_and_store(store, runs, out.fit, evaluations, "limits.toml");
+  const bench::JudgementRecord judgement = bench::judge_and_store(store, runs, out.fit, evaluations, "limits.toml");
   bench::ReportExtras extras;
   extras.previous = previous;
   out.input = bench::report_input(runs, run, out.fit, evaluations, judgement, {}, &extras);

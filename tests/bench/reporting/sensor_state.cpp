@@ -170,12 +170,12 @@ class AsFoundStore : public JudgedStore {
 TEST_CASE("as found: earlier models are judged by the limits of the report, and results are in doubt if they fail") {
   AsFoundStore made;
   const analysis::ReportInput passed = made.found(0.5);
-  CHECK(film_row_words(passed.more.previous->judgement.figures) ==
+  CHECK(film_row_text(passed.more.previous->judgement.figures) ==
         "1 mean_compensation_error 0.5 of 1: pass; 1 worst_taxel_error 1.5 of 60: pass; 1 distance_of_mean 0.25 of 1: "
         "pass; 1 unfit_taxels 0 of 1: pass; ");
   CHECK(passed.more.previous->doubt.empty());
   const analysis::ReportInput failed = made.found(2.0);
-  CHECK(film_mean_words(failed.more.previous->judgement.figures) == "1 mean_compensation_error 2 of 1: fail; ");
+  CHECK(film_mean_text(failed.more.previous->judgement.figures) == "1 mean_compensation_error 2 of 1: fail; ");
   CHECK(in_doubt(failed) == "all");
   CHECK(made.found(2.0, film_limits_text(1.0, "report-only")).more.previous->doubt.empty());
   analysis::Runs runs(made.store);
@@ -221,7 +221,7 @@ TEST_CASE("as found: with an overdue reference there is no verdict, and nothing 
   // Recorded with it, the evaluation is of that run.
   analysis::Runs runs(made.store);
   bench::judge_as_found(runs, input, made.path("before.json"), film_limits(1.0));
-  CHECK(film_mean_words(input.more.previous->judgement.figures) ==
+  CHECK(film_mean_text(input.more.previous->judgement.figures) ==
         fmt::format("{} mean_compensation_error 2 of 1: inconclusive; ", run));
   CHECK(input.more.previous->doubt.empty());
 }
@@ -260,7 +260,8 @@ using RunNumbers = std::vector<std::int64_t>;
 class NamedByHand : public tests::FilmStore {
  public:
   // The numbers of those taken, and what is warned of; or the error.
-  [[nodiscard]] std::string named(const RunNumbers& numbers, const bench::RunsNamed& named, bool void_too) const {
+  [[nodiscard]] std::string named(const RunNumbers& numbers, const bench::RunSelectionRules& named,
+                                  bool void_too) const {
     analysis::Runs runs(store);
     tests::Captured warned(stderr);
     std::string text;
@@ -285,7 +286,7 @@ TEST_CASE("named runs: duplicates and runs of the models are rejected, void runs
   CHECK(made.named({1, 3}, {.at = "--held-out", .models_of = 3}, false) == "2 TB-RUN-OWN at --held-out");
   made.store.void_run(2, "gauge closed", "me", "2026-01-31T12:00:00Z");
   CHECK(made.named({2}, {.at = "runs"}, false) == "2 TB-RUN-VOID at runs");
-  CHECK(made.named({2}, {.at = "runs", .void_can_be_taken = false}, true) == "2 TB-RUN-VOID at runs");
+  CHECK(made.named({2}, {.at = "runs", .void_can_be_used = false}, true) == "2 TB-RUN-VOID at runs");
   CHECK_THAT(made.named({2, 3}, {.at = "runs"}, true), Catch::StartsWith("2 3 "));
 }
 

@@ -93,7 +93,7 @@ class StudiedRuns : public FilmStore {
     bench::add_results(input, runs, extras);
     return input.more;
   }
-  static std::string contact_words(const analysis::ReportResults& more) {
+  static std::string contact_text(const analysis::ReportResults& more) {
     std::string text;
     for (const analysis::ContactResult& one : more.contacts)
       text += fmt::format("{} {} '{}' {} mm, {} mm2, {} places, mount {}; ", one.run, one.sequence, one.object,
@@ -179,13 +179,13 @@ TEST_CASE("study results: press runs are listed with object, sensor, mount and i
   const std::int64_t silent = made.add_press({.with_recipe = false});
   CHECK(made.results({}).contacts.empty());
   const analysis::ReportResults found = made.results({fmt::to_string(flat), fmt::to_string(ring)});
-  CHECK(StudiedRuns::contact_words(found) ==
+  CHECK(StudiedRuns::contact_text(found) ==
         fmt::format("{} p 'flat' 3.5 mm, 5.5 mm2, 2 places, mount 0; {} p 'ring' 3.5 mm, 5.5 mm2, 1 places, mount 0; ",
                     flat, ring));
   CHECK_THAT(found.contacts[0].force_traceability, Catch::Contains("C-7"));
   CHECK_FALSE(found.studies.rate_hold.assessed());
   CHECK(found.studies.crosstalk.run == 0);
-  CHECK(StudiedRuns::contact_words(made.results({}, silent)) ==
+  CHECK(StudiedRuns::contact_text(made.results({}, silent)) ==
         fmt::format("{} p '' 2.54 mm, 6.4516 mm2, 1 places, mount 0; ", silent));
   CHECK(made.results({fmt::to_string(ring)}, silent).contacts.size() == 2);
 }
@@ -321,7 +321,7 @@ namespace {
 
 using StudyWords = std::vector<std::string>;
 
-std::string error_in_words(const bench::Error& error) {
+std::string what_and_remedy(const bench::Error& error) {
   return fmt::format("{} {} at {}", static_cast<int>(error.code()), error.id(), error.where());
 }
 
@@ -332,7 +332,7 @@ std::string taken_as(const StudyWords& words) {
       text += fmt::format("{}({}) ", study.run, study.role);
     return text;
   } catch (const bench::Error& error) {
-    return error_in_words(error);
+    return what_and_remedy(error);
   }
 }
 
@@ -365,7 +365,7 @@ class RunsOfStudies {
     try {
       bench::add_results(input, runs, extras);
     } catch (const bench::Error& error) {
-      return error_in_words(error);
+      return what_and_remedy(error);
     }
     CHECK(input.more.contacts.empty());
     return {};

@@ -255,8 +255,8 @@ namespace {
 // Run 1 with models, judged on run 2.
 struct WrittenStore : JudgedStore {
   WrittenStore() : JudgedStore(2) { write_file(path("before.json"), analysis::to_text(film_line_model(0.125))); }
-  [[nodiscard]] bench::Judged judged(const analysis::Limits& limits) {
-    bench::Judged out{bench::gather_evidence(runs, models, evaluations, limits, false), limits, {}};
+  [[nodiscard]] bench::JudgementRecord judged(const analysis::Limits& limits) {
+    bench::JudgementRecord out{bench::gather_evidence(runs, models, evaluations, limits, false), limits, {}};
     out.judgement = analysis::judge(out.evidence, limits);
     return out;
   }
@@ -287,7 +287,7 @@ TEST_CASE("report input: with all extras it has uncertainties, conditions of the
   CHECK(input.more.studies.remount.runs == std::vector<std::int64_t>{1, 3});
   REQUIRE(input.more.previous);
   CHECK(input.more.previous->model == extras.previous);
-  CHECK(film_mean_words(input.more.previous->judgement.figures).ends_with(": fail; "));
+  CHECK(film_mean_text(input.more.previous->judgement.figures).ends_with(": fail; "));
   CHECK_FALSE(input.more.previous->doubt.empty());
   // Of a run that the models were not made from, no uncertainty is stated.
   const analysis::ReportInput other =
@@ -297,7 +297,7 @@ TEST_CASE("report input: with all extras it has uncertainties, conditions of the
 
 TEST_CASE("report: the default path is named by the run, or by the report number if a signed report has that path") {
   WrittenStore made;
-  const bench::Judged judgement = made.judged(film_limits(10.0));
+  const bench::JudgementRecord judgement = made.judged(film_limits(10.0));
   std::string number;
   const std::string usual = made.path("reports/run-1.html");
   CHECK(bench::write_report(made.runs, made.models, made.evaluations, judgement, "", &number) == usual);

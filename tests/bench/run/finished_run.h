@@ -98,7 +98,7 @@ class FinishedRun {
     for (const db::FrameRecord& frame : frames) {
       CHECK(frame.time_ns > last_ns);
       CHECK(frame.in_band_ns <= frame.since_command_ns);
-      CHECK(fits_its_shape(frame));
+      CHECK(has_consistent_shape(frame));
       last_ns = frame.time_ns;
     }
     const auto events = store.events(result.run);

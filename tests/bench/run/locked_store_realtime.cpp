@@ -41,7 +41,7 @@ class OtherWriter {
   ChildProcess child_;
 };
 
-bool is_told(const db::RunStore& store, const std::string& kind, const std::string& name) {
+bool is_reported(const db::RunStore& store, const std::string& kind, const std::string& name) {
   return std::ranges::any_of(store.events(1), [&](const db::EventRecord& event) {
     return event.kind == kind && event.detail.find(name) != std::string::npos;
   });
@@ -85,7 +85,7 @@ TEST_CASE("locked store: during a short lock the pressure is held and the module
   CHECK(store.run(1).outcome == db::Outcome::kCompleted);
   CHECK(store.frame_count(1) == 3);
   CHECK(store.void_frame_count(1) == 0);
-  CHECK(is_told(store, "warning", name));
+  CHECK(is_reported(store, "warning", name));
 }
 
 TEST_CASE("locked store: a lock while the devices are stored does not starve the dead-man") {
@@ -123,7 +123,7 @@ TEST_CASE("locked store: a longer lock is waited for vented, then the branch is 
   CHECK(store.void_frame_count(1) > 0);  // the frame in hand was kept
   CHECK(store.frame_count(1) - store.void_frame_count(1) == 3);
   CHECK(store.check_content(1).holds());
-  CHECK(is_told(store, "state", name));
+  CHECK(is_reported(store, "state", name));
 }
 
 TEST_CASE("locked store: in virtual time a short lock changes no frame, and a lock at the end changes no outcome") {
@@ -145,7 +145,7 @@ TEST_CASE("locked store: in virtual time a short lock changes no frame, and a lo
     CHECK(store.run(1).outcome == db::Outcome::kCompleted);
     CHECK(store.run(1).content_sha256 == store.content_hash(1));
     CHECK(store.void_frame_count(1) == 0);
-    if (locked) CHECK(is_told(store, "warning", other->name().substr(0, 7)));
+    if (locked) CHECK(is_reported(store, "warning", other->name().substr(0, 7)));
     Measured all;
     for (const db::FrameRecord& frame : store.frames(1))
       all.emplace_back(frame.time_ns, frame.reference_psi, frame.counts);

@@ -28,7 +28,7 @@ struct Records {
   QuickStore store;
   bench::RunRequest request;
   std::int64_t run = 0;
-  devices::TurnedClock clock;
+  devices::ManualClock clock;
 };
 
 sequences::Step step_of(int branch, int ordinal, double psi) {
@@ -76,7 +76,7 @@ TEST_CASE(
   recorder.frame(step_of(2, 5, 8.0), busy);
   recorder.frame(step_of(2, 6, 8.0), readings_at(milliseconds(5000)));
   CHECK(recorder.frames() == 3);
-  CHECK(recorder.most_exchanges() == 20);
+  CHECK(recorder.max_exchanges() == 20);
   CHECK(recorder.store_seconds() > 0.0);
   CHECK(recorder.store_seconds() < 60.0);
   const std::vector<db::FrameRecord> frames = records.store.frames(records.run);
@@ -173,7 +173,7 @@ TEST_CASE("reopened runs: rest and time continue from the end, and only a longer
     Recorder recorder(records.store, records.run, records.clock);
     int whole = 0;  // frames of the first branch and half of the second
     for (const sequences::Step& step : steps) {
-      if (!takes_frame(step) || step.branch > 1) continue;
+      if (!has_frame(step) || step.branch > 1) continue;
       if (step.branch == 1 && ++whole > 2) break;
       if (step.ordinal == 0 || (step.branch == 1 && whole == 1)) recorder.open_branch(step);
       StepReadings readings = readings_at(milliseconds(1000 + 1000 * step.ordinal));

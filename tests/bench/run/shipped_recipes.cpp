@@ -50,7 +50,7 @@ TEST_CASE("shipped recipes: all compile and are within the limits of both shippe
     CHECK(!devices_needed({recipe}).empty());
     for (const Margin& margin : margins(steps, rig)) CHECK(margin.within());
     std::set<std::pair<int, int>> places;  // of frames: one each
-    for (const Step& step : steps) CHECK((!takes_frame(step) || places.emplace(step.repeat, step.ordinal).second));
+    for (const Step& step : steps) CHECK((!has_frame(step) || places.emplace(step.repeat, step.ordinal).second));
   }
 }
 

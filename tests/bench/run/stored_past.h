@@ -38,8 +38,8 @@ inline void store_run(db::RunStore& store, const std::vector<sequences::Recipe>&
   run.sensor_serial = "S-1";
   for (std::size_t i = 0; i < recipes.size(); ++i) {
     const std::vector<sequences::Step> steps = sequences::compile(recipes[i], static_cast<int>(i));
-    const auto frames = std::count_if(
-        steps.begin(), steps.end(), [](const sequences::Step& step) { return takes_frame(step) && step.repeat == 0; });
+    const auto frames = std::count_if(steps.begin(), steps.end(),
+                                      [](const sequences::Step& step) { return has_frame(step) && step.repeat == 0; });
     run.sequences.push_back({static_cast<int>(i), recipes[i].name, recipes[i].text, db::sha256_hex(recipes[i].text),
                              recipes[i].repeats, static_cast<int>(frames)});
   }
@@ -61,7 +61,7 @@ inline void store_run(db::RunStore& store, const std::vector<sequences::Recipe>&
   int frames = 0, steps_done = 0;
   for (const sequences::Step& step : sequences::compile(recipes)) {
     now += past.step_s + past.growth_s * steps_done++;
-    if (!takes_frame(step) || past.idle) continue;
+    if (!has_frame(step) || past.idle) continue;
     if (step.sequence != at.sequence || step.repeat != at.repeat || step.branch != at.ordinal) {
       at.sequence = step.sequence;
       at.repeat = step.repeat;

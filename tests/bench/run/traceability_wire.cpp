@@ -93,7 +93,7 @@ TEST_CASE("traceability: the stored force sensor is the one that answers, Digita
 
 TEST_CASE("traceability: an instrument with a too long serial number ends the run and is not stored") {
   bench::RunRequest request = small_request({{"scanner.kind", "frame-source"}});
-  request.bench.simulation->scanner_serial = std::string(db::kLongestName + 1, '7');
+  request.bench.simulation->scanner_serial = std::string(db::kMaxNameLength + 1, '7');
   const FinishedRun run(request);
   const bench::RunResult& result = run.result;
   REQUIRE(result.error);

@@ -103,7 +103,7 @@ struct WaitingRun {
     return result;
   }
   // The commands for the events run in the background, one beside the other.
-  [[nodiscard]] Texts events_told(std::size_t count) const {
+  [[nodiscard]] Texts reported_events(std::size_t count) const {
     const auto told = [path = folder.path("events")] {
       return std::filesystem::exists(path) ? lines_heard(read_file(path)) : Texts();
     };
@@ -136,7 +136,7 @@ TEST_CASE("waiting run: two questions and a pause are asked, answered, reported 
           return;
         }
         seen.push_back(status);
-        const std::string words = status.question_id == 1 ? bench::answer_words(1, "all done", "bob") : "resume";
+        const std::string words = status.question_id == 1 ? bench::answer_packet(1, "all done", "bob") : "resume";
         bench::RunConnection connection(name, words);
         (void)comes_true([&] { return connection.newest().has_value() || !connection.open(); });
       },
@@ -169,7 +169,7 @@ TEST_CASE("waiting run: two questions and a pause are asked, answered, reported 
     CHECK(
         std::ranges::any_of(run.notes, [&](const std::string& line) { return line.find(told) != std::string::npos; }));
   }
-  const Texts told = run.events_told(4);
+  const Texts told = run.reported_events(4);
   REQUIRE(told.size() == 4);
   CHECK(told[0].starts_with("done 1 "));
   for (std::size_t i = 1; i < 4; ++i) CHECK(told[i].starts_with("waiting 1 "));
@@ -239,7 +239,7 @@ TEST_CASE("waiting run: status and progress while the supply is missing, and unt
   for (const std::string& reason : seen) CHECK_THAT(reason, Catch::Contains("supply_bar") && Catch::Contains("0.00"));
   REQUIRE(run.notes.size() == 1);
   CHECK_THAT(run.notes[0], Catch::Contains("run 1") && Catch::Contains("supply_bar"));
-  const Texts told = run.events_told(2);
+  const Texts told = run.reported_events(2);
   REQUIRE(told.size() == 2);
   CHECK((told[0].starts_with("done 1 ") && told[1].starts_with("waiting 1 supply_bar")));
 }

@@ -375,7 +375,7 @@ TEST_CASE("whole run: a lock file removed during the run is created again at onc
   request.on_step = [&](const sequences::Step&) {
     ++steps;
     if (steps == 12) std::filesystem::remove(path + "-lock");
-    if (steps == 14) CHECK_FALSE(bench::StoreLocks(path).take_whole());
+    if (steps == 14) CHECK_FALSE(bench::StoreLocks(path).try_lock_store());
   };
   const bench::RunResult result = run_small(request, store);
   CHECK_FALSE(result.error);

@@ -104,7 +104,7 @@ TEST_CASE("dead-man server: reports ready, is fed, hands over a line, fires on c
     CHECK(with_descriptor);
     dead_man.channel->send("fire");
     CHECK(dead_man.heard() == "fired");
-    CHECK(dead_man.heard().starts_with(bench::kDidWord));
+    CHECK(dead_man.heard().starts_with(bench::kDidPrefix));
     CHECK(dead_man.exit_code() == 7);
     CHECK(dead_man.heard() == "(closed)");
     printed = errors.text();

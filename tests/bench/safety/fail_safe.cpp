@@ -126,5 +126,5 @@ TEST_CASE("unloaded frame: each taxel has the mean of all its scans") {
   scans.columns = 3;
   scans.scans = 2;
   scans.counts = {10, 20, 30, 14, 21, 65535};
-  CHECK(baseline_of(scans) == Baseline{12.0, 20.5, 32782.5});
+  CHECK(unloaded_frame_of(scans) == UnloadedFrame{12.0, 20.5, 32782.5});
 }

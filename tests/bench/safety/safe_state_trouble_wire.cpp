@@ -28,7 +28,7 @@ class TroubledRig {
  public:
   explicit TroubledRig(const Settings& more = {}) : rig(quick_bench(more)) {
     rig.open();
-    baseline = bench::baseline_of(rig.array().read(8));
+    baseline = bench::unloaded_frame_of(rig.array().read(8));
   }
   static bench::BenchConfig quick_bench(Settings settings) {
     settings.insert(settings.end(), {{"limits.vent_timeout_s", "4"},
@@ -70,7 +70,7 @@ class TroubledRig {
             std::abs(rig.plant()->wrench().force_n[2])};
   }
   bench::Rig rig;
-  bench::Baseline baseline;
+  bench::UnloadedFrame baseline;
 };
 
 }  // namespace

@@ -19,7 +19,7 @@ SafeProof proof_of(const Settings& settings, double less, bool independent = tru
   config.reference_independent = independent;
   Rig rig(config);
   rig.open();
-  Baseline baseline = baseline_of(rig.array().read(8));
+  UnloadedFrame baseline = unloaded_frame_of(rig.array().read(8));
   for (double& counts : baseline) counts -= less;
   return make_safe(rig, baseline);
 }
@@ -87,7 +87,7 @@ TEST_CASE("safe state: the unloaded frame is the mean of eight scans, and half o
   Rig rig(small_request().bench);
   rig.open();
   const auto proof = [&](std::size_t loaded) {
-    Baseline baseline = baseline_of(rig.array().read(8));
+    UnloadedFrame baseline = unloaded_frame_of(rig.array().read(8));
     for (std::size_t i = 0; i < loaded; ++i) baseline[i] -= 20000.0;
     return make_safe(rig, baseline).state;
   };

@@ -195,16 +195,16 @@ TEST_CASE("chamber values: other options, a leak, a shut valve, no supply, the d
   check_pressures(chamber, 24.153842121831, 23.653842121831);
   chamber.advance(1.5);
   check_pressures(chamber, 30.466382536939, 29.966382536939);
-  chamber.set_trouble({false, 0.0, 2.0});
+  chamber.set_faults({false, 0.0, 2.0});
   chamber.advance(0.4);
   check_pressures(chamber, 29.776380854519, 29.414381191003);
-  chamber.set_trouble({true, 0.0, 2.0});
+  chamber.set_faults({true, 0.0, 2.0});
   chamber.advance(0.3);
   check_pressures(chamber, 28.876380854519, 28.694381191003);
-  chamber.set_trouble({false, 3.0, 2.0});
+  chamber.set_faults({false, 3.0, 2.0});
   drive(chamber, 6.0, 0.5);
   check_pressures(chamber, 25.501380854519, 25.994381191003);
-  chamber.set_trouble({});
+  chamber.set_faults({});
   chamber.advance(0.2);
   check_pressures(chamber, 30.947754766668, 30.447754766668);
   chamber.dump(true);
@@ -235,7 +235,7 @@ TEST_CASE("chamber values: an overshoot up, one down, and one delayed two second
   chamber.overshoot(-2.0);
   walk(0.1, {28.246555914, 27.541626924, 27.03279315, 27.003552134, 27.615852201, 28.203333536, 28.562254581,
              28.721605145, 28.764802203, 28.759084637, 28.741786172, 28.727760002});
-  chamber.set_trouble({false, 0.0, 30.0});
+  chamber.set_faults({false, 0.0, 30.0});
   chamber.overshoot(5.0);
   walk(0.55, {28.287553463, 28.31890887, 28.317421349, 25.419885843});
 }

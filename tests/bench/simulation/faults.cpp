@@ -38,7 +38,7 @@ struct Bench {
   double pressure() { return plant.true_pressure().value(); }
   double feedback() { return plant.feedback().value() / 10.0 * ChamberOptions().span_psi; }
   double reference() { return plant.reference_pressure().value(); }
-  devices::TurnedClock clock;
+  devices::ManualClock clock;
   Plant plant;
 };
 
@@ -51,10 +51,10 @@ PlannedFault planned(FaultKind kind) {
 }  // namespace
 
 TEST_CASE("faults: each kind has its own name") {
-  const std::set<std::string> words(fault_words().begin(), fault_words().end());
+  const std::set<std::string> words(fault_kind_names().begin(), fault_kind_names().end());
   CHECK(words.size() == static_cast<std::size_t>(kFaultKinds));
-  CHECK(fault_words()[static_cast<std::size_t>(FaultKind::kStageStalled)] == "stage_stalled");
-  CHECK(fault_words().back() == "scanner_unplugged");
+  CHECK(fault_kind_names()[static_cast<std::size_t>(FaultKind::kStageStalled)] == "stage_stalled");
+  CHECK(fault_kind_names().back() == "scanner_unplugged");
 }
 
 TEST_CASE("faults: active from their start time on for their duration, to the nanosecond") {
@@ -73,14 +73,14 @@ TEST_CASE("faults: active from their start time on for their duration, to the na
 }
 
 TEST_CASE("faults: default value of each kind, a given value, and an overshoot happens once") {
-  CHECK(usual_value(FaultKind::kLeak) == 5.0);
-  CHECK(usual_value(FaultKind::kOvershoot) == 2.0);
-  CHECK(usual_value(FaultKind::kSupplyLost) == 0.2);
-  CHECK(usual_value(FaultKind::kFeedbackOffset) == 10.0);
-  CHECK(usual_value(FaultKind::kReferenceOffset) == 10.0);
+  CHECK(default_fault_value(FaultKind::kLeak) == 5.0);
+  CHECK(default_fault_value(FaultKind::kOvershoot) == 2.0);
+  CHECK(default_fault_value(FaultKind::kSupplyLost) == 0.2);
+  CHECK(default_fault_value(FaultKind::kFeedbackOffset) == 10.0);
+  CHECK(default_fault_value(FaultKind::kReferenceOffset) == 10.0);
   for (const FaultKind none : {FaultKind::kValveStuck, FaultKind::kRegulatorUnpowered, FaultKind::kStageStalled,
                                FaultKind::kRowStuck, FaultKind::kModuleLate})
-    CHECK(usual_value(none) == 0.0);
+    CHECK(default_fault_value(none) == 0.0);
   PlannedFault own = planned(FaultKind::kOvershoot);
   own.value = 3.5;
   Faults once({own});
@@ -191,7 +191,7 @@ TEST_CASE("faults: each kind maps to a defect of one instrument") {
                                                   {K::kScannerTorn, I::kScanner, T::kTorn},
                                                   {K::kScannerUnplugged, I::kScanner, T::kUnplugged}};
   for (const auto& [kind, instrument, trouble] : table) {
-    INFO(fault_words()[static_cast<std::size_t>(kind)]);
+    INFO(fault_kind_names()[static_cast<std::size_t>(kind)]);
     for (const I asked : {I::kModule, I::kController, I::kStage, I::kForce, I::kScanner})
       CHECK(met(kind, asked) == (asked == instrument ? trouble : T::kNone));
   }

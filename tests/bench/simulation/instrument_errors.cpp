@@ -178,7 +178,7 @@ TEST_CASE("instrument errors: readings of reference and thermometer have errors,
                            {"simulation.chamber.reference_noise_psi", "0"},
                            {"environment.sensor", kThermometerText}};
   const BenchConfig config = bench_with(changes, 5);
-  devices::TurnedClock clock;
+  devices::ManualClock clock;
   bench::Plant plant(config.simulation->plant, clock);
   const double span = config.simulation->plant.chamber.span_psi;
   std::vector<double> errors, expected;

@@ -52,7 +52,7 @@ struct PlantRig {
     plant.drive(plant_volts_for(psi), kForever, Volts(0.0));
     wait(time);
   }
-  devices::TurnedClock clock;
+  devices::ManualClock clock;
   Plant plant;
 };
 

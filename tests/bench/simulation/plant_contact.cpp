@@ -41,7 +41,7 @@ struct Platform {
     plant.scan(counts, status);
     return counts;
   }
-  devices::TurnedClock clock;
+  devices::ManualClock clock;
   Plant plant;
   LoneStage stage;
 };
@@ -134,7 +134,7 @@ TEST_CASE("plant: a touch between two queries is not lost, and further queries c
 
 TEST_CASE("plant: a stage without contact does not change the counts") {
   const auto run = [](bool with_stage) {
-    devices::TurnedClock clock;
+    devices::ManualClock clock;
     Plant plant(PlantOptions(), clock);
     LoneStage stage(clock);
     if (with_stage) plant.set_stage(&stage);

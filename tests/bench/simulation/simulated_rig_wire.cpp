@@ -22,14 +22,14 @@ struct ServedEnds {
 
 ServedEnds served_by(const std::vector<sequences::Override>& changes, bool free_running) {
   bench::BenchConfig config = small_request(changes).bench;
-  devices::TurnedClock turned;
+  devices::ManualClock turned;
   devices::SteadyClock steady;
   bench::SimulatedRig rig(config, free_running ? static_cast<devices::Clock&>(steady) : turned, free_running);
   ServedEnds served;
   std::set<std::string> places;
   for (const auto& end : rig.served()) {
     ++served.ends;
-    served.passing += rig.passing_names().lasting(end.where) != end.where ? 1 : 0;
+    served.passing += rig.ephemeral_addresses().lasting(end.where) != end.where ? 1 : 0;
     CHECK(places.insert(end.where).second);
     CHECK_FALSE(end.what.empty());
   }
@@ -95,7 +95,7 @@ TEST_CASE("simulated rig: its socket folder is removed with it") {
   std::string folder;
   {
     bench::BenchConfig config = small_request().bench;
-    devices::TurnedClock clock;
+    devices::ManualClock clock;
     const bench::SimulatedRig rig(config, clock, false);
     folder = std::filesystem::path(config.scanner_socket).parent_path();
     CHECK(std::filesystem::is_directory(folder));

@@ -45,7 +45,7 @@ struct SmallPlant {
     plant.scan(counts, status);
     return {counts.begin(), counts.end()};
   }
-  devices::TurnedClock clock;
+  devices::ManualClock clock;
   bench::Plant plant;
   std::vector<std::uint8_t> status = std::vector<std::uint8_t>(2);
 };

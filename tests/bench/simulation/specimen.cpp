@@ -23,7 +23,7 @@ using namespace std::chrono_literals;
 
 // Counts of scans at some levels, one after the other.
 std::vector<std::uint16_t> scanned(const PlantOptions& options) {
-  devices::TurnedClock clock;
+  devices::ManualClock clock;
   Plant plant(options, clock);
   std::vector<std::uint16_t> all, counts(256);
   std::vector<std::uint8_t> status(16);
@@ -62,7 +62,7 @@ TEST_CASE("foam: equal seeds give equal scans, the sensor seed changes the scans
 
 TEST_CASE("harsh specimen: the plant reports the true output without noise, and the query changes nothing") {
   const PlantOptions options = harsh_plant(21, 3);
-  devices::TurnedClock clock, other_clock;
+  devices::ManualClock clock, other_clock;
   Plant plant(options, clock), asked(options, other_clock);
   for (int k = 1; k <= 20; ++k) {
     other_clock.wait_until(std::chrono::seconds(k));

@@ -157,10 +157,10 @@ TEST_CASE("specimen values: which taxel of the film each lead reads, for each or
       CHECK_THROWS_AS(wired(quarter), std::invalid_argument);
   }
   CHECK(wired(MountTurn::kBy180).front() == 11);
-  CHECK(mount_turn_words(true).size() == 8);
-  CHECK(mount_turn_words(false).size() == 4);
-  CHECK(mount_turn_words(true)[4] == "turned-90");
-  CHECK(mount_edge_words()[3] == "last-column");
+  CHECK(mount_turn_names(true).size() == 8);
+  CHECK(mount_turn_names(false).size() == 4);
+  CHECK(mount_turn_names(true)[4] == "turned-90");
+  CHECK(mount_edge_names()[3] == "last-column");
 }
 
 TEST_CASE("specimen values: lines outside the membrane, at each edge") {

@@ -2,10 +2,10 @@
 
 #include "bench/simulation/ephemeral_addresses.h"
 
-using tactbench::bench::PassingNames;
+using tactbench::bench::EphemeralAddresses;
 
 TEST_CASE("temporary addresses: those of simulated ends are replaced by fixed text, others are unchanged") {
-  PassingNames names;
+  EphemeralAddresses names;
   names.add("Modbus TCP 127.0.0.1:4000, ADAM-6024");
   names.add("Modbus RTU /dev/pts/3, RS-485");
   names.add("/tmp/tactbench-BIoHmf/scanner");
@@ -21,7 +21,7 @@ TEST_CASE("temporary addresses: those of simulated ends are replaced by fixed te
 }
 
 TEST_CASE("temporary addresses: how the end of a path, a port and the text is recognised") {
-  PassingNames names;
+  EphemeralAddresses names;
   names.add("no address");
   CHECK(names.lasting("no address at 127.0.0.1:9") == "no address at 127.0.0.1:9");
   names.add("on /tmp/a,b and more");

@@ -34,7 +34,7 @@ db::FrameRecord frame_number(std::size_t i) {
 
 // An iteration appends one frame; `append` takes it.
 template <class Append>
-void each_frame(benchmark::State& state, Append append) {
+void for_each_frame(benchmark::State& state, Append append) {
   std::vector<db::FrameRecord> frames;
   for (std::size_t i = 0; i < static_cast<std::size_t>(state.max_iterations); ++i) frames.push_back(frame_number(i));
   auto frame = frames.begin();
@@ -64,7 +64,7 @@ struct OpenRun {
 
 void stored(benchmark::State& state, db::Durability durability) {
   OpenRun open(durability);
-  each_frame(state, [&](db::FrameRecord& frame) { open.append(frame); });
+  for_each_frame(state, [&](db::FrameRecord& frame) { open.append(frame); });
 }
 
 void append_and_fdatasync(benchmark::State& state) {
@@ -72,7 +72,7 @@ void append_and_fdatasync(benchmark::State& state) {
   const int file = ::open((folder.path() + "/plain").c_str(), O_CREAT | O_WRONLY | O_APPEND | O_CLOEXEC, 0600);
   if (file < 0) throw std::system_error(errno, std::generic_category(), folder.path());
   std::array<std::byte, 512 + 32> bytes{};  // a frame and its numbers
-  each_frame(state, [&](const db::FrameRecord& frame) {
+  for_each_frame(state, [&](const db::FrameRecord& frame) {
     std::memcpy(bytes.data(), frame.counts.data(), 512);
     if (::write(file, bytes.data(), bytes.size()) != static_cast<ssize_t>(bytes.size()) || ::fdatasync(file) != 0)
       state.SkipWithError("append");
@@ -108,7 +108,7 @@ struct BareTable {
 
 void bare_insert(benchmark::State& state) {
   BareTable table;
-  each_frame(state, table.append());
+  for_each_frame(state, table.append());
 }
 
 void bare_read(benchmark::State& state) {

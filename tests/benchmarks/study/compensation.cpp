@@ -63,7 +63,7 @@ class StudiedSensor {
       : sensor_(sensor),
         seed_(seed),
         taxels_(taxels),
-        store_(db::RunStore::open(fmt::format("{}/{}-{}.db", folder, word_of(sensor.kind), sensor.seed),
+        store_(db::RunStore::open(fmt::format("{}/{}-{}.db", folder, keyword_of(sensor.kind), sensor.seed),
                                   db::Durability::kNormal)) {}
 
   const KnownRun& run(const SimulatedRun& made) {
@@ -78,7 +78,7 @@ class StudiedSensor {
     const Dataset& fitted = run(route.runs.front()).data;
     try {
       if (name != kDynamicModel) return fit_models(name, some_taxels(histories_of(fitted)), {}, {});
-      if (route.runs.size() == 1) return fit_dynamic_alone(fitted);
+      if (route.runs.size() == 1) return fit_dynamic_single_run(fitted);
       return fit_dynamic(fitted, run(route.runs[1]).data, run(route.runs.back()).data);
     } catch (const AnalysisError& error) {
       fmt::print(stderr, "{}: no {}: {}\n", route.name, name, error.what());
@@ -210,7 +210,7 @@ void add_sensor(const SimulatedSensor& sensor, const CompensationOptions& option
       if (!made.insert(what).second) continue;
       std::optional<SensorModel> model = studied.fit(name, route);
       if (!model) continue;
-      const std::size_t place = place_of(study, word_of(sensor.kind), route, name);
+      const std::size_t place = place_of(study, keyword_of(sensor.kind), route, name);
       study.errors[place].minutes = studied.minutes(route);
       study.errors[place].taxels += static_cast<int>(std::ranges::count_if(
           taxels, [&](std::size_t taxel) { return model->taxel(static_cast<int>(taxel)).fitted(); }));
@@ -231,7 +231,7 @@ CompensationStudy study_compensation(const CompensationOptions& options, const s
   CompensationStudy study{fmt::format("{:016x}", seed), commit, {}, {}, {}};
   for (std::size_t k = 0; k < history_kinds().size(); ++k)
     study.draws.push_back(hash_of(seed, kKindStream, k) % 2'000'000'000);
-  const std::vector<std::string> words = specimen_words();
+  const std::vector<std::string> words = specimen_kind_names();
   for (std::size_t word = 0; word < words.size(); ++word) {
     if (!options.specimens.empty() && std::ranges::find(options.specimens, words[word]) == options.specimens.end())
       continue;

@@ -18,11 +18,11 @@
 namespace tactbench::bench {
 namespace {
 
-using analysis::EwmaChart;
+using analysis::EwmaControlChart;
 using Random = std::mt19937_64;
 constexpr std::size_t kNightFigures = 671;  // of a night of the shipped suite
 
-constexpr int kHistoryRuns = analysis::kChartRuns;
+constexpr int kHistoryRuns = analysis::kControlRuns;
 // One figure alone: what band and Mann-Kendall test alarmed falsely in 60 runs with 8 accepted ones, 4.6 %, less what
 // the wide band takes of it.
 constexpr double kOneFigure = 0.045;
@@ -40,7 +40,7 @@ double log_of_largest(Random& random) { return std::log(largest(random)); }
 using ChartDraw = std::function<double(Random& random)>;
 
 struct Watched {
-  EwmaChart chart;
+  EwmaControlChart chart;
   analysis::ControlBand band;
   [[nodiscard]] bool outside(double value) const { return !band.holds(value); }
 };
@@ -48,7 +48,7 @@ struct Watched {
 Watched begin(int start_up, const ChartDraw& draw, Random& random) {
   std::vector<double> values;
   for (int i = 0; i < start_up; ++i) values.push_back(draw(random));
-  return {*EwmaChart::begin(values), *analysis::control_band(values, analysis::kGrossFalseAlarm)};
+  return {*EwmaControlChart::begin(values), *analysis::control_band(values, analysis::kGrossFalseAlarm)};
 }
 
 struct ChartFound {

@@ -55,13 +55,13 @@ class SensorStudy {
         options_(options),
         seed_(hash_of(options.seed, static_cast<std::uint64_t>(sensor.kind), sensor.seed)),
         folder_(folder),
-        store_(db::RunStore::open(fmt::format("{}/{}-{}.db", folder, word_of(sensor.kind), sensor.seed),
+        store_(db::RunStore::open(fmt::format("{}/{}-{}.db", folder, keyword_of(sensor.kind), sensor.seed),
                                   db::Durability::kNormal)),
         runs_(store_) {}
 
   CoveredSensor carry_out(std::map<UseCondition, Widths>& widths) {
     const KnownRun calibration = run(options_.recipes), verification = run({options_.held_out});
-    const SensorModel fit = fit_dynamic_alone(calibration.data);
+    const SensorModel fit = fit_dynamic_single_run(calibration.data);
     const Uncertainty uncertainty = assessed(calibration.data.run, verification.data.run, fit);
     CoveredSensor out;
     out.seed = sensor_.seed;
@@ -178,7 +178,7 @@ CoverageOfKind over_sensors(UseCondition kind, const std::vector<CoveredSensor>&
 std::vector<CoverageOfSpecimen> study_coverage(const CoverageOptions& options, const std::string& folder) {
   std::vector<CoverageOfSpecimen> study;
   for (const SpecimenKind specimen : options.specimens) {
-    CoverageOfSpecimen out{word_of(specimen), {}, {}};
+    CoverageOfSpecimen out{keyword_of(specimen), {}, {}};
     std::map<UseCondition, Widths> widths;
     const auto stream = kArrayStream + 1000 * static_cast<std::uint64_t>(specimen);
     for (std::uint64_t n = 0; n < static_cast<std::uint64_t>(options.sensors); ++n) {

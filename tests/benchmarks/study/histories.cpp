@@ -159,7 +159,7 @@ class Player {
 
  private:
   PlantOptions options_;
-  devices::TurnedClock clock_;
+  devices::ManualClock clock_;
   Plant plant_;
   std::vector<std::uint16_t> counts_;
   std::vector<std::uint8_t> status_;

@@ -29,7 +29,7 @@ int main(int count, char** words) try {
   errors->add_option("--seed", compensation.seed, "hexadecimal; of the last commit to code where none is given");
   errors->add_option("--specimens", compensation.specimens, "of these alone")
       ->delimiter(',')
-      ->check(CLI::IsMember(specimen_words()));
+      ->check(CLI::IsMember(specimen_kind_names()));
   errors->add_option("--models", compensation.models, "dynamic, elam, gpi, ...")->delimiter(',')->capture_default_str();
   errors->add_option("--route", compensation.routes,
                      "NAME=RECIPE+RECIPE[:RATE[:CREEP]][,KEY=VALUE...]: beside the default in place of the other two; "
@@ -49,7 +49,7 @@ int main(int count, char** words) try {
   coverage->add_option("--recipe", covered.recipes, "of the run that models are made from")->delimiter(',');
   coverage->add_option("--held-out-recipe", covered.held_out, "of the run that U is counted on");
   CLI::App* specimen = app.add_subcommand("specimen", "what the simulated sensors are like");
-  const std::vector<std::string> all = specimen_words();
+  const std::vector<std::string> all = specimen_kind_names();
   std::vector<std::string> chosen = all;
   for (CLI::App* const study : {coverage, specimen})
     study->add_option("--specimens", chosen, "which simulated sensors (default: all)")

@@ -26,7 +26,7 @@ std::size_t frames_of(const analysis::Dataset& data) {
 
 RunRequest simulated_request(const SimulatedRun& run, const SimulatedSensor& sensor, unsigned noise_seed) {
   std::vector<std::string> set = run.set;
-  if (sensor.kind != SpecimenKind::kPaper) set.push_back("simulation.specimen=" + word_of(sensor.kind));
+  if (sensor.kind != SpecimenKind::kPaper) set.push_back("simulation.specimen=" + keyword_of(sensor.kind));
   const SplitOverrides overrides = split_overrides(set);
   RunRequest request;
   request.bench = read_bench(find_config("simulated.toml"), overrides.bench, {noise_seed, sensor.seed});

@@ -236,7 +236,7 @@ std::vector<Figure> benchmark_specimen(const std::vector<SpecimenKind>& kinds) {
     PlantOptions plant;
     plant.specimen = options;
     const auto add = [&](const char* name, double value, const char* unit) {
-      figures.add(word_of(kind) + "_" + name, value, unit);
+      figures.add(keyword_of(kind) + "_" + name, value, unit);
     };
     const LoopFigures loop = measure_loop(options);
     add("hysteresis_max", loop.max_percent_fs, "%FS");

@@ -82,7 +82,7 @@ void measure_unloaded(Plant& plant, const PlantOptions& options, NoiseFigures& f
 
 NoiseFigures measure_noise(const PlantOptions& options) {
   constexpr std::size_t kTaxels = 32;
-  devices::TurnedClock clock;
+  devices::ManualClock clock;
   Plant plant(options, clock);
   NoiseFigures figures;
   measure_unloaded(plant, options, figures);

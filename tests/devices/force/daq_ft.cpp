@@ -136,9 +136,9 @@ TEST_CASE("DAQ F/T: faults of the gauge source pass through, and another serial 
 namespace {
 
 // Says what it is told to say.
-class ToldGauges final : public GaugeSource {
+class ScriptedGauges final : public GaugeSource {
  public:
-  ToldGauges(int channels, GaugeSamples told) : channels_(channels), told_(std::move(told)) {}
+  ScriptedGauges(int channels, GaugeSamples told) : channels_(channels), told_(std::move(told)) {}
   GaugeSamples read(int /*samples*/) override { return told_; }
   [[nodiscard]] int channels() const override { return channels_; }
   [[nodiscard]] std::uint64_t exchanges() const override { return 1; }
@@ -150,7 +150,7 @@ class ToldGauges final : public GaugeSource {
 };
 
 std::string read_of(int channels, GaugeSamples told, int asked = 1, DaqFtOptions options = {}) {
-  DaqFt sensor(std::make_unique<ToldGauges>(channels, std::move(told)), calibration(), std::move(options));
+  DaqFt sensor(std::make_unique<ScriptedGauges>(channels, std::move(told)), calibration(), std::move(options));
   return fault_id_of([&] { (void)sensor.read(asked); });
 }
 
@@ -175,7 +175,7 @@ TEST_CASE("DAQ F/T: six or seven channels are required, and seven for temperatur
   const auto opened = [](int channels, const AtiCalibration& file, bool compensated) {
     DaqFtOptions options;
     options.temperature_compensation = compensated;
-    return fault_id_of([&] { DaqFt(std::make_unique<ToldGauges>(channels, GaugeSamples{}), file, options); });
+    return fault_id_of([&] { DaqFt(std::make_unique<ScriptedGauges>(channels, GaugeSamples{}), file, options); });
   };
   for (const bool compensated : {false, true}) {
     CHECK(opened(6, calibration(), compensated) == "none");
@@ -203,7 +203,7 @@ TEST_CASE("DAQ F/T: a gauge is saturated at the set share of the converter's lim
     }
     std::vector<double> volts(6, 0.0);
     volts[gauge] = std::nan("");
-    DaqFt sensor(std::make_unique<ToldGauges>(6, one_of(volts)), calibration(), {});
+    DaqFt sensor(std::make_unique<ScriptedGauges>(6, one_of(volts)), calibration(), {});
     check_fault([&] { (void)sensor.read(1); }, "TB-FORCE-SATURATED", {}, "G" + std::to_string(gauge));
   }
 }
@@ -211,7 +211,7 @@ TEST_CASE("DAQ F/T: a gauge is saturated at the set share of the converter's lim
 TEST_CASE("DAQ F/T: the thermistor is reported even without compensation, and the identity names the card") {
   const GaugeSamples told{
       2, 7, {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 1.5, 0.3, 0.2, 0.1, 0.0, -0.1, -0.2, 2.5}, Nanoseconds(9)};
-  DaqFt sensor(std::make_unique<ToldGauges>(7, told), calibration(), {});
+  DaqFt sensor(std::make_unique<ScriptedGauges>(7, told), calibration(), {});
   const ForceReading reading = sensor.read(2);
   REQUIRE(reading.thermistor_v);
   CHECK(*reading.thermistor_v == Approx(2.0));

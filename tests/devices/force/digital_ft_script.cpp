@@ -260,7 +260,7 @@ TEST_CASE("Digital F/T line: an invalid number of records is refused without a r
   auto sensor = script.open();
   const std::size_t before = script.line.written.size();
   CHECK(fault_id_of([&] { (void)sensor.read(0); }) == "TB-FORCE-RECORDS");
-  CHECK(fault_id_of([&] { (void)sensor.bias(kMostForceRecords + 1); }) == "TB-FORCE-RECORDS");
+  CHECK(fault_id_of([&] { (void)sensor.bias(kMaxForceRecords + 1); }) == "TB-FORCE-RECORDS");
   CHECK(script.line.written.size() == before);
 }
 

@@ -43,7 +43,7 @@ struct DigitalFtRig {
     options.origin = Origin::kSimulated;
   }
   [[nodiscard]] DigitalFt open() { return {open_stream(server.path()), options, clock}; }
-  TurnedClock clock;
+  ManualClock clock;
   Load load;
   SimulatedDigitalFt server;
   DigitalFtOptions options;

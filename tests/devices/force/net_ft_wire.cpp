@@ -56,7 +56,7 @@ struct NetFtRig {
     page.range = SixAxes{25, 25, 35, 250, 250, 250};
     return page;
   }
-  TurnedClock clock;
+  ManualClock clock;
   SteppedLoad load;
   SimulatedNetFt server;
   NetFtOptions options;

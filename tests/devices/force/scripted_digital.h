@@ -111,7 +111,7 @@ struct Script {
   [[nodiscard]] long jams() const { return std::ranges::count(line.written, Bytes(14, 0xFF)); }
   Line line;
   DigitalFtOptions options;
-  TurnedClock clock;
+  ManualClock clock;
 };
 
 }  // namespace tactbench::tests

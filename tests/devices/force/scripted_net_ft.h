@@ -94,7 +94,7 @@ class ScriptedSensor {
   mutable std::mutex mutex_;
   std::vector<std::uint32_t> asked_;
   std::vector<int> ports_;
-  EndAtWork work_;
+  EndActivity work_;
   std::thread thread_;
 };
 
@@ -119,7 +119,7 @@ struct ScriptedBench {
   TemporaryFolder folder;
   ScriptedSensor server;
   NetFtOptions options;
-  TurnedClock clock;
+  ManualClock clock;
   std::unique_ptr<NetFt> sensor;
 };
 

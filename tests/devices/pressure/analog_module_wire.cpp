@@ -30,7 +30,7 @@ struct ModuleRig {
     return options;
   }
 
-  TurnedClock clock;
+  ManualClock clock;
   TestChamber chamber{clock};
   std::unique_ptr<SimulatedModule> server;
   AnalogModule module;
@@ -94,7 +94,7 @@ struct BringUp {
   explicit BringUp(const ModuleProfile& profile, Nanoseconds watchdog = 0ns)
       : module(profile, server.endpoint(), watchdog, clock, Origin::kSimulated) {}
   RecordedModule server;
-  TurnedClock clock;
+  ManualClock clock;
   AnalogModule module;
 };
 

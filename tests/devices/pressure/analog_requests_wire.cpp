@@ -32,7 +32,7 @@ ModuleProfile plain_profile() {
 struct Requests {
   explicit Requests(const ModuleProfile& known = plain_profile()) : profile(known) {}
   RecordedModule server;
-  TurnedClock clock;
+  ManualClock clock;
   ModuleProfile profile;
   AnalogModule module{profile, server.endpoint(), 0ns, clock, Origin::kSimulated};
 };
@@ -298,7 +298,7 @@ struct SlowOutput {
   std::atomic<int> written{0};
   ScriptedServer server;
   ModuleProfile profile;
-  TurnedClock clock;
+  ManualClock clock;
   std::string write() {
     AnalogModule module(profile, {"127.0.0.1", server.port(), 1, 20s}, 0s, clock, Origin::kSimulated);
     return fault_id_of([&] { module.write(0, 1000); });

@@ -23,7 +23,7 @@ struct MapUnit {
     return words;
   }
   Refusal write(int address, const Words& words) { return registers.write(1, address, words); }
-  TurnedClock clock;
+  ManualClock clock;
   TestChamber chamber{clock};
   ModuleRegisters registers;
 };
@@ -292,7 +292,7 @@ struct FailSafeUnit {
     CHECK_FALSE(drives_at(clock.now() + 1s));
     CHECK(write(1, kOutputWord, {1000}) == Refusal::kFailure);
   }
-  TurnedClock clock;
+  ManualClock clock;
   TestChamber chamber{clock};
   ModuleRegisters registers;
 };

@@ -20,7 +20,7 @@ using Notes = RecordedModule::Notes;
 
 struct ReferenceRig {
   RecordedModule server;
-  TurnedClock clock;
+  ManualClock clock;
   ModbusLink link{server.endpoint(), "gauge", clock};
 };
 
@@ -68,7 +68,7 @@ std::vector<int> counts_asked(const std::function<void(const ModbusEndpoint& lin
 
 TEST_CASE("modbus rtu: successive readings alternate in length by one spare register, if the map has one") {
   using AskedCounts = std::vector<int>;
-  TurnedClock clock;
+  ManualClock clock;
   for (const int spare : {0, 1, 2}) {
     CHECK(counts_asked([&](const ModbusEndpoint& line) {
             ModbusLink link(line, "gauge", clock);
@@ -246,7 +246,7 @@ struct DumpValveRig {
     options.command_span.high = options.feedback_span.high = Psi(9.0 * kPsiPerBar);
     return options;
   }
-  TurnedClock clock;
+  ManualClock clock;
   TestChamber chamber{clock};
   SimulatedModule server;
   AnalogModule module;
@@ -276,7 +276,7 @@ TEST_CASE("analog module: sends the dump valve's coil once to close, and at most
     profile.dump_coil = coil;
     const std::string note = coil == 0 ? "5 0000" : "5 0009";
     RecordedModule server;
-    TurnedClock clock;
+    ManualClock clock;
     AnalogModule module(profile, server.endpoint(), 0ns, clock, Origin::kSimulated);
     module.close_dump();
     module.close_dump();
@@ -298,7 +298,7 @@ TEST_CASE("analog module: sends the dump valve's coil once to close, and at most
   }
   profile.dump_coil = -1;
   RecordedModule none;
-  TurnedClock clock;
+  ManualClock clock;
   AnalogModule module(profile, none.endpoint(), 0ns, clock, Origin::kSimulated);
   module.close_dump();
   CHECK(module.open_dump());

@@ -27,7 +27,7 @@ struct RegulatorBed final : ActuatorBed {
   }
 
   Regulator& actuator() override { return regulator; }
-  TurnedClock& clock() override { return time; }
+  ManualClock& clock() override { return time; }
   [[nodiscard]] std::string faults_begin_with() const override { return "TB-CHAMBER"; }
   void make_ready() override { regulator.arm(); }
   std::vector<Act> commands() override {
@@ -41,7 +41,7 @@ struct RegulatorBed final : ActuatorBed {
   }
   void load() override { regulator.command(Psi(50.0)); }
   [[nodiscard]] bool make_safe() noexcept override { return regulator.vent(); }
-  bool stands_safe() override { return chamber.output() == Volts(0.0); }
+  bool is_in_safe_state() override { return chamber.output() == Volts(0.0); }
   [[nodiscard]] std::uint64_t received() const override { return requests; }
   [[nodiscard]] std::uint64_t driven() const override { return static_cast<std::uint64_t>(chamber.drives); }
   void fall_silent() override { silent = true; }
@@ -65,7 +65,7 @@ struct RegulatorBed final : ActuatorBed {
   }
 
   ModuleProfile known;
-  TurnedClock time;
+  ManualClock time;
   std::atomic<std::uint64_t> requests{0};
   std::atomic<bool> silent{false};
   int last_port = 0;
@@ -116,7 +116,7 @@ TEST_CASE("regulator: after a restored connection and arming, the first feed wri
 }
 
 TEST_CASE("module: arming takes a channel out of safe mode, and the next command takes effect") {
-  TurnedClock clock;
+  ManualClock clock;
   TestChamber chamber(clock);
   const ModuleProfile outputs = module_profile("moxa-iologik-e1241");
   const ModuleProfile inputs = module_profile("moxa-iologik-e1240");

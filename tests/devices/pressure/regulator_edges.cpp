@@ -30,7 +30,7 @@ struct RegulatorBench {
     Regulator regulator(module, module, options, clock);
     return fault_id_of([&] { regulator.command(Psi(psi)); });
   }
-  TurnedClock clock;
+  ManualClock clock;
   ModuleProfile profile;
   RegulatorOptions options;
 };
@@ -154,7 +154,7 @@ TEST_CASE(
 }
 
 TEST_CASE("analog module: 0x7FFF counts are 10 V, and every count survives conversion to volts and back") {
-  TurnedClock clock;
+  ManualClock clock;
   const AnalogModule module(module_profile("beckhoff-ek9000"), {}, std::chrono::seconds(1), clock, Origin::kSimulated);
   const LinearScale& volts = module.profile().inputs.volts;
   CHECK((volts.physical(0x7FFF) == 10.0 && volts.physical(0) == 0.0 && volts.physical(-0x7FFF) == -10.0));

@@ -38,7 +38,7 @@ struct ControllerBed final : ActuatorBed {
         server(options, Psi(100.0), chamber, [this] { return times-- > 0 ? fault.load() : InjectedFault::kNone; }),
         controller([this] { return open_stream(server.path()); }, regulator_options(), options, time) {}
   SerialController& actuator() override { return controller; }
-  TurnedClock& clock() override { return time; }
+  ManualClock& clock() override { return time; }
   [[nodiscard]] std::string faults_begin_with() const override { return "TB-CHAMBER"; }
   void make_ready() override { controller.arm(); }
   std::vector<Act> commands() override {
@@ -52,7 +52,7 @@ struct ControllerBed final : ActuatorBed {
   }
   void load() override { controller.command(Psi(50.0)); }
   [[nodiscard]] bool make_safe() noexcept override { return controller.vent(); }
-  bool stands_safe() override { return chamber.output() == Volts(0.0); }
+  bool is_in_safe_state() override { return chamber.output() == Volts(0.0); }
   [[nodiscard]] std::uint64_t received() const override { return server.requests(); }
   [[nodiscard]] std::uint64_t driven() const override { return static_cast<std::uint64_t>(chamber.drives); }
   void fall_silent() override { spoil(InjectedFault::kSilent, 1000); }
@@ -67,7 +67,7 @@ struct ControllerBed final : ActuatorBed {
   }
 
   SerialControllerOptions options;
-  TurnedClock time;
+  ManualClock time;
   TestChamber chamber{time};
   std::atomic<int> times{0};
   std::atomic<InjectedFault> fault{InjectedFault::kNone};
@@ -127,7 +127,7 @@ TEST_CASE("serial controller: each spoilt answer is a fault of its own, disarms,
   CHECK_FALSE(bed.controller.armed());
   if (how == InjectedFault::kUnplugged) bed.mend_wire();
   CHECK(bed.controller.vent());
-  CHECK(bed.stands_safe());
+  CHECK(bed.is_in_safe_state());
   CHECK(bed.chamber.dumping);
   CHECK(fault_id_of([&] { (void)bed.controller.feedback(); }) == "none");
 }

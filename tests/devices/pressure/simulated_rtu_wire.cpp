@@ -38,7 +38,7 @@ struct SimulatedLine {
     }
     return false;
   }
-  TurnedClock clock;
+  ManualClock clock;
   TestChamber chamber{clock};
   SimulatedModule server;
   RawLine client{server.serial_port()};

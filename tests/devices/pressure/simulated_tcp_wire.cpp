@@ -38,7 +38,7 @@ struct SimulatedServer {
   explicit SimulatedServer(const SimulatedModuleFaults& faults = {},
                            const ModuleProfile& profile = module_profile("beckhoff-ek9000"))
       : server(profile, 0, chamber, clock, faults) {}
-  TurnedClock clock;
+  ManualClock clock;
   TestChamber chamber{clock};
   SimulatedModule server;
 };
@@ -54,7 +54,7 @@ TEST_CASE("simulated module: a single unit answers every unit number, several an
   for (const std::uint8_t unit : TcpBytes{0, 1, 2, 255}) {
     REQUIRE(answers(client, {unit, 3, 0x11, 0x20, 0, 1}, {unit, 3, 2, 0x03, 0xE8}));
   }
-  TurnedClock clock;
+  ManualClock clock;
   TestChamber chamber(clock);
   SimulatedModule two({{1, module_profile("generic"), {}}, {2, module_profile("generic"), {}}},
                       SimulatedModule::Wire::kTcp, 0, chamber, clock);
@@ -67,7 +67,7 @@ TEST_CASE("simulated module: a single unit answers every unit number, several an
 }
 
 TEST_CASE("simulated module: serves discrete inputs and coils, and one coil switches the dump valve") {
-  TurnedClock clock;
+  ManualClock clock;
   TestChamber chamber(clock);
   ModuleProfile profile = module_profile("moxa-iologik-e1241");
   profile.dump_coil = 3;
@@ -224,7 +224,7 @@ TEST_CASE("simulated module: listens on the given port, and a port in use is a f
     check_fault([&] { const SimulatedModule other(module_profile("generic"), port, rig.chamber, rig.clock); },
                 "TB-SIM-LISTEN", {}, std::to_string(port));
   }
-  TurnedClock clock;
+  ManualClock clock;
   TestChamber chamber(clock);
   const SimulatedModule again(module_profile("generic"), port, chamber, clock);
   CHECK(again.port() == port);
@@ -316,7 +316,7 @@ TEST_CASE("simulated module: an exception in the chamber port is a Modbus except
     Volts feedback() override { throw std::runtime_error("physics"); }
     Volts reference() override { return Volts(0.0); }
   } failing;
-  TurnedClock clock;
+  ManualClock clock;
   const SimulatedModule server(module_profile("beckhoff-ek9000"), 0, failing, clock);
   ModbusLink link({"127.0.0.1", server.port(), 1, 20s}, "module", clock);
   std::uint16_t value = 0;

@@ -171,7 +171,7 @@ struct StageAlone {
   }
   [[nodiscard]] double steps_of_x() const { return chain.devices[0].position(clock.now()).value() / (0.00635 / 64); }
 
-  TurnedClock clock;
+  ManualClock clock;
   ScriptedChain chain;
   ZaberStage stage;
   // What a device answers to a command instead of itself: each answer once, the last one always.

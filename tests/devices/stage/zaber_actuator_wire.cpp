@@ -16,7 +16,7 @@ class ZaberBed final : public ActuatorBed {
       : rig_(chain_options(listen), faults(), stage_options(options)) {}
 
   ZaberStage& actuator() override { return rig_.stage; }
-  TurnedClock& clock() override { return rig_.clock; }
+  ManualClock& clock() override { return rig_.clock; }
   [[nodiscard]] std::string faults_begin_with() const override { return "TB-STAGE"; }
   void make_ready() override { rig_.arm_and_home(); }
   std::vector<Act> commands() override {
@@ -49,7 +49,7 @@ class ZaberBed final : public ActuatorBed {
     rig_.stage.start_move_to(Axis::kZ, Millimetres(near ? 50.0 : 0.0), MillimetresPerSecond(1.0));
   }
   [[nodiscard]] bool make_safe() noexcept override { return rig_.stage.halt(); }
-  bool stands_safe() override {
+  bool is_in_safe_state() override {
     const auto places = [&] { return rig_.chain.places(rig_.clock.now()); };
     const auto before = places();
     rig_.clock.wait_until(rig_.clock.now() + 100ms);

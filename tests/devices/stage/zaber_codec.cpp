@@ -274,7 +274,7 @@ TEST_CASE("Zaber line: a reply in single bytes is assembled") {
 TEST_CASE("Zaber line: a query without a reply ends after one wait, which is at most the reply timeout") {
   LineAlone alone(3s);
   CHECK_FALSE(alone.line.ask(2, kPosition, 0).has_value());
-  CHECK_FALSE(alone.line.ask_plainly(2, kPosition, 0).has_value());
+  CHECK_FALSE(alone.line.ask_without_id(2, kPosition, 0).has_value());
   CHECK(alone.chain.reads == 2);
   CHECK(alone.chain.longest_wait <= 3s);
   CHECK(alone.chain.longest_wait > 0s);
@@ -315,7 +315,7 @@ TEST_CASE("Zaber line: message ids count from 1 to 254 and skip those still wait
   CHECK(alone.chain.sent.back().id == 254);
   CHECK(alone.line.send(1, kStop, 0) == 2);
   CHECK(alone.line.send(1, kStop, 0) == 3);
-  alone.line.send_plainly(1, kStop, 0);
+  alone.line.send_without_id(1, kStop, 0);
   CHECK(alone.chain.sent.back() == ZaberFrame{1, kStop, 0, 0});
 }
 
@@ -344,7 +344,7 @@ TEST_CASE(
     LineAlone alone;
     INFO(name(one.command) << ": " << name(one.reply.command) << " of " << int(one.reply.device));
     alone.chain.say(one.reply);
-    const auto reply = alone.line.ask_plainly(2, one.command, one.data);
+    const auto reply = alone.line.ask_without_id(2, one.command, one.data);
     CHECK(alone.chain.sent == std::vector<ZaberFrame>{{2, one.command, one.data, 0}});
     CHECK(reply.has_value() == one.own);
     if (reply) CHECK(*reply == one.reply);

@@ -39,7 +39,7 @@ inline std::unique_ptr<ByteStream> connect_to(const SimulatedChain& chain) {
   return open_serial(address);
 }
 
-template <class Time = TurnedClock>
+template <class Time = ManualClock>
 struct ZaberRig {
   explicit ZaberRig(SimulatedChainOptions chain_options = {}, SimulatedChainFaults faults = {},
                     ZaberStageOptions options = paper_stage())
@@ -104,7 +104,7 @@ struct RawChain {
     return line->read(bytes, kShort) == 0;
   }
 
-  TurnedClock clock;
+  ManualClock clock;
   SimulatedChain chain;
   std::unique_ptr<ByteStream> line;
 };

@@ -137,7 +137,7 @@ void check_driver(const std::string& address) {
   FrameClient client(address);
   client.send(1, Identify{});
   const auto description = client.expect<Description>(1);
-  TurnedClock clock;
+  ManualClock clock;
   FrameSourceOptions options;
   options.address = address;
   options.expected_serial = description.serial;
@@ -166,7 +166,7 @@ void check_source(const std::string& address) {
 }  // namespace
 
 TEST_CASE("frame conformance: the simulated source follows the protocol") {
-  const TurnedClock clock;
+  const ManualClock clock;
   TestArray array;
   const SimulatedFrameSource source(
       {.description = {1, 16, 16, 1e-4, "simulated", "SIM-1", "1.0"}, .free_running_hz = 20'000}, array, clock);

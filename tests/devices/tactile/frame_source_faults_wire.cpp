@@ -58,7 +58,7 @@ struct ToldSource {
   }
   ScriptedServer server;
   FrameSourceOptions options;
-  TurnedClock clock;
+  ManualClock clock;
 };
 
 // The identity, then what `scan` says.
@@ -205,7 +205,7 @@ TEST_CASE("frame source: a flood of old answers does not extend the timeout") {
         ScriptedServer::send(socket, number == 0 ? told(tag, kTwoByTwo) : told(tag, two_by_two(2)));
       },
       false);
-  TurnedClock clock;
+  ManualClock clock;
   FrameSourceOptions options;
   options.address = "tcp:127.0.0.1:" + std::to_string(server.port());
   options.rows = options.columns = 2;
@@ -233,7 +233,7 @@ TEST_CASE("frame source: a source that accepts no more bytes is a timeout, not a
       std::this_thread::sleep_for(100us);
     }
   });
-  TurnedClock clock;
+  ManualClock clock;
   FrameSourceOptions options;
   options.address = "unix:" + path;
   options.rows = options.columns = 2;

@@ -17,7 +17,7 @@ TEST_CASE("frame source: request tags wrap without effect, and none is 0, which 
     const protocol::Body identity = protocol::Description{1, 1, 1, 1.0, "", "", ""};
     ScriptedServer::send(socket, protocol::encode({tag, number == 0 ? identity : frame}));
   });
-  TurnedClock clock;
+  ManualClock clock;
   FrameSourceOptions options;
   options.address = "tcp:127.0.0.1:" + std::to_string(server.port());
   options.rows = options.columns = 1;

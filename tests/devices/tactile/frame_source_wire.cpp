@@ -24,7 +24,7 @@ struct FrameSourceRig {
   }
   [[nodiscard]] FrameSource open() const { return FrameSource(options, clock); }
 
-  mutable TurnedClock clock;
+  mutable ManualClock clock;
   TestArray array;
   FrameSourceOptions options;
   std::unique_ptr<SimulatedFrameSource> server;

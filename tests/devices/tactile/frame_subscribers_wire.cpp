@@ -18,7 +18,7 @@ struct Running {
   explicit Running(double rate, std::uint16_t side = 2)
       : server({.description = {1, side, side, 0.25, "", "", ""}, .free_running_hz = rate}, array, clock),
         address("tcp:127.0.0.1:" + std::to_string(server.port())) {}
-  TurnedClock clock;
+  ManualClock clock;
   CountedArray array;
   SimulatedFrameSource server;
   std::string address;

@@ -95,7 +95,7 @@ struct Told {
   }
 
   Wire wire;
-  TurnedClock clock;
+  ManualClock clock;
   HidScannerOptions options;
   IdentityReport identity{0, 3, 2, 0.5F, "S1", "F1"};
   std::function<std::vector<RowReport>(std::uint16_t tag)> scan = [](std::uint16_t tag) {

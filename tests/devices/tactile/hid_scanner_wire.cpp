@@ -23,7 +23,7 @@ struct Scanner {
 
   TemporaryFolder folder;
   std::string path = folder.path("scanner.sock");
-  mutable TurnedClock clock;
+  mutable ManualClock clock;
   TestArray array;
   HidScannerOptions options;
   std::unique_ptr<SimulatedScanner> server;

@@ -23,7 +23,7 @@ struct FrameSim {
   explicit FrameSim(SimulatedFrameSourceFaults faults = {})
       : server({.description = kSmall, .faults = std::move(faults)}, array, clock),
         address("tcp:127.0.0.1:" + std::to_string(server.port())) {}
-  TurnedClock clock;
+  ManualClock clock;
   CountedArray array;
   SimulatedFrameSource server;
   std::string address;
@@ -170,7 +170,7 @@ TEST_CASE("simulated frame source: a fault of the second of two pipelined scans 
 }
 
 TEST_CASE("simulated frame source: accepts only rates above 0 up to 100 kHz and valid descriptions") {
-  TurnedClock clock;
+  ManualClock clock;
   CountedArray array;
   const auto opened = [&](double rate) {
     return fault_id_of([&] { SimulatedFrameSource({.description = kSmall, .free_running_hz = rate}, array, clock); });

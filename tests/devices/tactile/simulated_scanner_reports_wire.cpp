@@ -30,7 +30,7 @@ struct ScannerSim {
   [[nodiscard]] std::unique_ptr<ReportLink> open() const { return open_packet_link(path); }
   TemporaryFolder folder;
   std::string path = folder.path("scanner.sock");
-  TurnedClock clock;
+  ManualClock clock;
   CountedArray array;
   SimulatedScanner server;
 };
@@ -217,7 +217,7 @@ TEST_CASE("simulated scanner: a client that does not read loses the newest whole
 }
 
 TEST_CASE("simulated scanner: refuses more columns than a report holds and paths longer than an address holds") {
-  TurnedClock clock;
+  ManualClock clock;
   CountedArray array;
   const TemporaryFolder folder;
   const auto fault_with = [&](const std::string& path, int columns) {
@@ -237,7 +237,7 @@ TEST_CASE("simulated scanner: refuses more columns than a report holds and paths
 }
 
 TEST_CASE("simulated scanner: replaces a socket left by a dead program, and refuses one in use") {
-  TurnedClock clock;
+  ManualClock clock;
   TestArray array;
   const IdentityReport identity{0, 16, 16, 1.0F, "S", "1"};
   const TemporaryFolder folder;
@@ -252,7 +252,7 @@ TEST_CASE("simulated scanner: replaces a socket left by a dead program, and refu
 }
 
 TEST_CASE("simulated scanner: five more clients may wait while one is served") {
-  TurnedClock clock;
+  ManualClock clock;
   TestArray array;
   const TemporaryFolder folder;
   const auto path = folder.path("scanner.sock");

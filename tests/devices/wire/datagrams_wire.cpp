@@ -157,7 +157,7 @@ TEST_CASE(
   const DescriptorChannel one(a);
   DescriptorChannel other(b);
   {
-    const auto held_end = std::make_unique<EndAtWork>();  // it never finishes
+    const auto held_end = std::make_unique<EndActivity>();  // it never finishes
     const auto begin = std::chrono::steady_clock::now();
     CHECK(link.receive(into, 0ns) == 0);
     CHECK(packets.read(8, 0ns).empty());
@@ -165,8 +165,8 @@ TEST_CASE(
     CHECK(std::chrono::steady_clock::now() - begin < 10s);
   }
   for (const Nanoseconds timeout : {Nanoseconds(1), Nanoseconds(kPatient)}) {
-    const auto held_end = std::make_unique<EndAtWork>();
-    EndAtWork& end = *held_end;
+    const auto held_end = std::make_unique<EndActivity>();
+    EndActivity& end = *held_end;
     std::thread worker = end.thread([&] {
       const auto late = [] { std::this_thread::sleep_for(20ms); };
       late();

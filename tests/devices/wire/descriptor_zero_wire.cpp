@@ -63,7 +63,7 @@ constexpr std::array<std::uint8_t, 3> kSome{1, 2, 3};
 TEST_CASE("descriptor 0: whichever connection gets it first uses it and closes it") {
   using Held = std::shared_ptr<void>;
   const tactbench::tests::TemporaryFolder folder;
-  TurnedClock clock;
+  ManualClock clock;
   TestChamber chamber(clock);
   const ModuleProfile profile = module_profile("generic");
   const BoundSocket datagrams = bind_loopback(SOCK_DGRAM, 0, "test");
@@ -127,7 +127,7 @@ TEST_CASE("descriptor 0: whichever connection gets it first uses it and closes i
 
 TEST_CASE("descriptor 0: stays closed after a failed opening") {
   const tactbench::tests::TemporaryFolder folder;
-  TurnedClock clock;
+  ManualClock clock;
   const BoundSocket datagrams = bind_loopback(SOCK_DGRAM, 0, "test"), taken = bind_loopback(SOCK_STREAM, 0, "test");
   const NoInput none;
   for (const auto& [id, opens] : std::vector<std::pair<std::string, std::function<void()>>>{
@@ -185,7 +185,7 @@ TEST_CASE("descriptor 0: a listener's client, and the listener once plugged in a
 }
 
 TEST_CASE("descriptor 0: a client of the page server uses and closes it") {
-  TurnedClock clock;
+  ManualClock clock;
   PageServer page(0, "/p", "body", "test");
   const HttpPage asked{"127.0.0.1", page.port(), "/p", kPatient, 4096};
   const auto serve_one = [&] {

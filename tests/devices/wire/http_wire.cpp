@@ -70,7 +70,7 @@ class ScriptedPage {
       return fault.id();
     }
   }
-  TurnedClock clock;
+  ManualClock clock;
 
  private:
   BoundSocket bound_;
@@ -182,7 +182,7 @@ TEST_CASE("HTTP client: each timeout is a fault, and advances the clock by the t
   });
   CHECK(out_of_time(endless) == "TB-HTTP-TIMEOUT");
   const BoundSocket deaf = bind_loopback(SOCK_STREAM, 0, "test");  // it takes connections, and reads nothing
-  TurnedClock clock;
+  ManualClock clock;
   CHECK(fault_id_of([&] {
           (void)http_get({"127.0.0.1", deaf.port, "/" + std::string(std::size_t{1} << 24U, 'p'), kShort, 4096}, "test",
                          clock);
@@ -216,7 +216,7 @@ TEST_CASE("HTTP client: a long request reaches a slow reader whole") {
 }
 
 TEST_CASE("HTTP client: a host name, an invalid port and a port without a listener are faults") {
-  TurnedClock clock;
+  ManualClock clock;
   const auto opening = [&](const std::string& host, int port, Nanoseconds timeout) {
     return fault_id_of([&] { (void)http_get({host, port, "/p", timeout, 4096}, "test", clock); });
   };

@@ -66,7 +66,7 @@ void check_needs(int needed, const std::string& id, const std::function<void()>&
 
 TEST_CASE("no descriptor left: opening an instrument link is a fault", "[few-descriptors]") {
   const tactbench::tests::TemporaryFolder folder;
-  TurnedClock clock;
+  ManualClock clock;
   const StreamEnd tcp("tcp:0");
   const StreamEnd local("unix:" + folder.path("end"));
   const PseudoTerminal terminal;
@@ -87,7 +87,7 @@ TEST_CASE("no descriptor left: opening an instrument link is a fault", "[few-des
 }
 
 TEST_CASE("no descriptor left: an HTTP request and a Modbus connection are faults", "[few-descriptors]") {
-  TurnedClock clock;
+  ManualClock clock;
   const BoundSocket bound = bind_loopback(SOCK_STREAM, 0, "test");
   const auto get = [&] { (void)http_get({"127.0.0.1", bound.port, "/p", kShort, 4096}, "test", clock); };
   const auto page = without_descriptors(get);
@@ -110,7 +110,7 @@ TEST_CASE("no descriptor left: starting a simulated instrument is a fault", "[fe
   check_needs(1, "TB-SIM-LISTEN", [] { const StreamEnd end("tcp:0"); });
   check_needs(1, "TB-SIM-LISTEN", [&] { const StreamEnd end("unix:" + folder.path("end")); });
   check_needs(2, "TB-SIM-LISTEN", [] { const StreamEnd end(""); });
-  TurnedClock clock;
+  ManualClock clock;
   TestChamber chamber(clock);
   const ModuleProfile profile = module_profile("generic");
   check_needs(2, "TB-SIM-LISTEN", [&] { const SimulatedModule module(profile, 0, chamber, clock); });
@@ -130,7 +130,7 @@ TEST_CASE("no descriptor left: starting a simulated instrument is a fault", "[fe
 
 TEST_CASE("no descriptor left: a failed simulated scanner leaves no socket file, and keeps that of a live one",
           "[few-descriptors]") {
-  TurnedClock clock;
+  ManualClock clock;
   TestArray array;
   const tactbench::tests::TemporaryFolder folder;
   const std::string path = folder.path("scanner.sock");

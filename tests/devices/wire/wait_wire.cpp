@@ -23,7 +23,7 @@ using namespace std::chrono_literals;
 namespace {
 
 // On the stack its mutex may lie where another's lay before, which ThreadSanitizer then takes for one.
-std::unique_ptr<EndAtWork> on_the_heap() { return std::make_unique<EndAtWork>(); }
+std::unique_ptr<EndActivity> on_the_heap() { return std::make_unique<EndActivity>(); }
 
 using Real = std::chrono::steady_clock;
 
@@ -78,7 +78,7 @@ TEST_CASE("wait: left_until is the time to a moment, and 1 ms after it while a s
   CHECK(left_until(Real::now()) == 0ns);
   CHECK(left_until(Real::now() - 1h) == 0ns);
   const auto held_end = on_the_heap();  // at work until its first wait
-  EndAtWork& end = *held_end;
+  EndActivity& end = *held_end;
   CHECK(left_until(Real::now() + 1h) > 59min);
   CHECK(left_until(Real::now()) == 1ms);
   CHECK(left_until(Real::now() - 5s) == 1ms);
@@ -95,7 +95,7 @@ TEST_CASE("wait: continues while a simulated instrument is busy, and receives wh
   const WaitedLine line;
   for (const Nanoseconds timeout : {Nanoseconds(1), Nanoseconds(1ms)}) {
     const auto held_end = on_the_heap();
-    EndAtWork& end = *held_end;
+    EndActivity& end = *held_end;
     std::thread worker = end.thread([&] {
       std::this_thread::sleep_for(60ms);
       [[maybe_unused]] const ssize_t sent = ::send(line.ends[1], "x", 1, 0);
@@ -106,47 +106,47 @@ TEST_CASE("wait: continues while a simulated instrument is busy, and receives wh
     CHECK(::recv(line.ends[0], into.data(), into.size(), 0) == 1);
   }
   const auto held_idle = on_the_heap();
-  EndAtWork& idle = *held_idle;
+  EndActivity& idle = *held_idle;
   std::thread worker = idle.thread([] {});
   worker.join();
   CHECK(wait_for(line.ends[0], POLLIN, 1ms) == 0);
 }
 
 TEST_CASE("busy instrument: is busy until its first wait and while it has input, and never in a child process") {
-  CHECK_FALSE(EndAtWork::any());
+  CHECK_FALSE(EndActivity::any());
   {
     const auto held_made = on_the_heap();
-    CHECK(EndAtWork::any());
+    CHECK(EndActivity::any());
     const pid_t child = ::fork();
-    if (child == 0) ::_exit(EndAtWork::any() ? 1 : 0);
+    if (child == 0) ::_exit(EndActivity::any() ? 1 : 0);
     int status = -1;
     REQUIRE(::waitpid(child, &status, 0) == child);
     CHECK(status == 0);
   }
-  CHECK_FALSE(EndAtWork::any());
+  CHECK_FALSE(EndActivity::any());
   const WaitedLine line;
   {
     const auto held_end = on_the_heap();
-    EndAtWork& end = *held_end;
+    EndActivity& end = *held_end;
     std::array<pollfd, 1> watched{pollfd{line.ends[0], POLLIN, 0}};
     CHECK(end.wait(watched, 5ms) == 0);
-    CHECK(EndAtWork::any());  // works again, on what its wait brought
-    auto second = std::make_unique<EndAtWork>();
+    CHECK(EndActivity::any());  // works again, on what its wait brought
+    auto second = std::make_unique<EndActivity>();
     end.leave();
-    CHECK(EndAtWork::any());
+    CHECK(EndActivity::any());
     second.reset();
-    CHECK_FALSE(EndAtWork::any());
+    CHECK_FALSE(EndActivity::any());
   }
   const auto held_end = on_the_heap();
-  EndAtWork& end = *held_end;
+  EndActivity& end = *held_end;
   std::array<pollfd, 1> seen{pollfd{line.ends[0], POLLIN, 0}};
   int ready = -1;
   std::thread waiter([&] {
     ready = end.wait(seen);
     end.leave();
   });
-  for (int i = 0; i < 20'000 && EndAtWork::any(); ++i) std::this_thread::sleep_for(1ms);
-  CHECK_FALSE(EndAtWork::any());  // it waits, and there is nothing to read
+  for (int i = 0; i < 20'000 && EndActivity::any(); ++i) std::this_thread::sleep_for(1ms);
+  CHECK_FALSE(EndActivity::any());  // it waits, and there is nothing to read
   line.put();
   waiter.join();
   CHECK(ready == 1);
@@ -156,7 +156,7 @@ TEST_CASE("busy instrument: is busy until its first wait and while it has input,
 TEST_CASE("busy instrument: a wait lasts for its time, and a failed one keeps errno") {
   const WaitedLine line;
   const auto held_end = on_the_heap();
-  EndAtWork& end = *held_end;
+  EndActivity& end = *held_end;
   std::array<pollfd, 1> watched{pollfd{line.ends[0], POLLIN, 0}};
   for (const Nanoseconds longest : {Nanoseconds(0), Nanoseconds(7ms), Nanoseconds(1'020ms)}) {
     const Nanoseconds took = spent([&] { CHECK(end.wait(watched, longest) == 0); });

@@ -361,7 +361,7 @@ TEST_CASE("creep removal from a run: straight films give straight outputs at the
   known.shared = d;
   known.creep_scale = {2.0, 0.5};
   known.lag_share = {0.0, 0.0};
-  const Dataset undone = lag_and_creep_undone(run, known, {0.1, 0.3}, 60.0);
+  const Dataset undone = dataset_without_dynamics(run, known, {0.1, 0.3}, 60.0);
   for (std::size_t s = 0; s < 2; ++s)
     for (std::size_t r = 0; r < run.sequences[s].repeats.size(); ++r) {
       const Repeat &own = undone.sequences[s].repeats[r], &measured = run.sequences[s].repeats[r];
@@ -406,7 +406,7 @@ TEST_CASE("creep removal from histories: those of a run continue each other, tho
     TaxelHistories stranger = own;
     stranger.taxel = 9;
     histories.taxels = {own, stranger};
-    const Histories undone = creep_and_lag_undone(model, histories);
+    const Histories undone = histories_without_dynamics(model, histories);
     check_close(undone.taxels[0].score[0].y, volts);
     check_close(undone.taxels[0].score[1].y, volts);
     check_close(undone.taxels[0].score[0].x, arrived_of(d, {}, 0.3, kRisesAndFalls, 2.0, run));
@@ -415,15 +415,15 @@ TEST_CASE("creep removal from histories: those of a run continue each other, tho
     CHECK(undone.taxels[1].score[1].x == own.score[1].x);
     Histories timeless = histories;
     timeless.taxels[1].score[1].time_s.pop_back();
-    CHECK_THROWS_AS(creep_and_lag_undone(model, timeless), AnalysisError);
+    CHECK_THROWS_AS(histories_without_dynamics(model, timeless), AnalysisError);
     // Nothing to undo: nothing is touched, nor asked for.
     SensorModel still = model;
     still.dynamics->shared.creep_share = {};
     still.dynamics->shared.lag_share = 0.0;
-    CHECK(creep_and_lag_undone(still, timeless).taxels[0].score[0].y == own.score[0].y);
+    CHECK(histories_without_dynamics(still, timeless).taxels[0].score[0].y == own.score[0].y);
     still.taxels[1].status = TaxelStatus::kUnfit;
     still.dynamics = model.dynamics;
-    CHECK(creep_and_lag_undone(still, histories).taxels[0].score[0].y == own.score[0].y);
+    CHECK(histories_without_dynamics(still, histories).taxels[0].score[0].y == own.score[0].y);
   }
 }
 

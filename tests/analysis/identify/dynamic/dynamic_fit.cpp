@@ -115,7 +115,7 @@ TEST_CASE("SensorDynamics: reports whether creep, lag or both are removed", "[dy
     SensorDynamics dynamics;
     dynamics.shared.creep_share = creep;
     dynamics.shared.lag_share = lag;
-    return std::string(undoes_creep(dynamics) ? "c" : "-") + (undoes_lag(dynamics) ? "l" : "-") +
+    return std::string(compensates_creep(dynamics) ? "c" : "-") + (compensates_lag(dynamics) ? "l" : "-") +
            (in_time(dynamics) ? "t" : "-") + (creep_of_fitted_run(dynamics) ? "o" : "-");
   };
   CHECK(with({0, 0, 0}, 0) == "----");

@@ -120,7 +120,7 @@ TEST_CASE("dynamic model of one run: without creep in the run it needs no times,
   DynamicArray array = dynamic_array(kTaxels);
   array.dynamics.creep_share = {};
   const Runs runs = runs_of(array);
-  const SensorModel model = fit_dynamic_alone(runs.fitted);
+  const SensorModel model = fit_dynamic_single_run(runs.fitted);
   REQUIRE(model.dynamics);
   CHECK_FALSE(in_time(*model.dynamics));
   CHECK(model.dynamics->rate.run == 0);
@@ -175,7 +175,7 @@ TEST_CASE("dynamic model of one run: repeated levels yield the creep and its slo
     const DynamicArray array = creeping(0.05, slowest);
     const Dataset fitted = long_run(array);
     const auto runs = runs_of(array);
-    const SensorModel model = fit_dynamic_alone(fitted);
+    const SensorModel model = fit_dynamic_single_run(fitted);
     const Dynamics& own = model.dynamics->shared;
     INFO(slowest << " s: found " << own.creep_s.back() << " s, " << total(own));
     CHECK(own.creep_s.back() == Approx(slowest));
@@ -206,8 +206,8 @@ TEST_CASE("dynamic model of one run: two rates and a hold yield the lag and each
                                  {"inner-loops", {{inner, 1.4}}},
                                  {"hold", {{{60, 0}, 2.0, 31}}}},
                                 1);
-  const SensorModel model = fit_dynamic_alone(fitted);
-  CHECK(undoes_lag(*model.dynamics));
+  const SensorModel model = fit_dynamic_single_run(fitted);
+  CHECK(compensates_lag(*model.dynamics));
   // No further run's: what a short hold tells is no evidence of longer ones.
   CHECK((model.dynamics->rate.run == 0 && model.dynamics->creep.run == 0));
   const Dataset other = runs_of(array).other;
@@ -222,18 +222,18 @@ TEST_CASE("dynamic model of one run: two rates and a hold yield the lag and each
 TEST_CASE("dynamic model of one run: removes no creep if there is none, no times, a short run or a start above 0",
           "[dynamic]") {
   const DynamicArray still = creeping(0.0, 300.0), array = creeping(0.05, 300.0);
-  CHECK_FALSE(in_time(*fit_dynamic_alone(long_run(still)).dynamics));
+  CHECK_FALSE(in_time(*fit_dynamic_single_run(long_run(still)).dynamics));
   Dataset timeless = long_run(array);
-  CHECK(undoes_creep(*fit_dynamic_alone(timeless).dynamics));
+  CHECK(compensates_creep(*fit_dynamic_single_run(timeless).dynamics));
   for (SequenceData& sequence : timeless.sequences)
     for (Repeat& repeat : sequence.repeats)
       for (Sample& sample : repeat.steps) sample.time_s = sample.held_s = 0.0;
-  CHECK_FALSE(undoes_creep(*fit_dynamic_alone(timeless).dynamics));
+  CHECK_FALSE(compensates_creep(*fit_dynamic_single_run(timeless).dynamics));
   Dataset fast = long_run(array);
   for (SequenceData& sequence : fast.sequences)
     for (Repeat& repeat : sequence.repeats)
       for (Sample& sample : repeat.steps) sample.time_s *= 0.1;
-  CHECK_FALSE(undoes_creep(*fit_dynamic_alone(fast).dynamics));
+  CHECK_FALSE(compensates_creep(*fit_dynamic_single_run(fast).dynamics));
   // Levels that begin above 0: creep counts from the unloaded film.
   Dataset above = long_run(array);
   for (SequenceData& sequence : above.sequences)
@@ -242,13 +242,13 @@ TEST_CASE("dynamic model of one run: removes no creep if there is none, no times
         sample.setpoint_psi += 10.0;
         sample.reference_psi += 10.0;
       }
-  CHECK_FALSE(undoes_creep(*fit_dynamic_alone(above).dynamics));
+  CHECK_FALSE(compensates_creep(*fit_dynamic_single_run(above).dynamics));
 }
 
 TEST_CASE("contact_result: frame times let creep be removed under an object, which halves the force error",
           "[dynamic]") {
   const DynamicArray array = creeping(0.05, 300.0);
-  const SensorModel fit = fit_dynamic_alone(long_run(array));
+  const SensorModel fit = fit_dynamic_single_run(long_run(array));
   const std::vector<double> way = way_along({0, 40, 0, 40, 0, 40, 0}, 8.0);
   const Dataset pressed = run_of(array, {{"press", {{way, 20.0}}}}, 5);
   const Repeat& repeat = pressed.sequences.front().repeats.front();
@@ -313,7 +313,7 @@ TEST_CASE("dynamic model: the stated residual agrees with the error on paths tha
   const std::vector<double> few = way_along({0, 60, 0, 40, 0, 60, 20, 60, 0}, 4.0);
   const Dataset loops = run_of(array, {{"loops", {{way_along({0, 60, 0}, 4.0)}}}}, 5);
   for (const Dataset& fitted : {run_of(array, {{"few", {{few}}}}, 1), runs.fitted, loops}) {
-    const SensorModel model = fit_dynamic_alone(fitted);
+    const SensorModel model = fit_dynamic_single_run(fitted);
     ResidualSum seen, other;
     double stated2 = 0.0;
     for (std::size_t t = 0; t < kTaxels; ++t) {
@@ -398,7 +398,7 @@ TEST_CASE("dynamic model of one run: limits intervals to distinct levels, averag
   for (const auto& [cells, intervals] : {std::pair{20, 3U}, {3, 3U}, {2, 2U}}) {
     DynamicFitOptions options;
     options.cells = cells;
-    const SensorModel model = fit_dynamic_alone(run, options);
+    const SensorModel model = fit_dynamic_single_run(run, options);
     REQUIRE(model.taxels.size() == 4);
     CHECK(film_in(model.taxels[0]).intervals() == intervals);
     CHECK_FALSE(in_time(*model.dynamics));
@@ -422,7 +422,8 @@ TEST_CASE("fit_dynamic: limits intervals to distinct levels, and errs no more th
   const Dataset coarse = run_of(array, {{"coarse", {{way_along({0, 60, 0, 40, 0, 60, 20, 60, 0}, 10.0)}}}}, 1);
   const SensorModel model = fit_dynamic(coarse, runs.rate, runs.creep);
   CHECK(film_in(model.taxels[0]).intervals() == 6);
-  CHECK(evaluate(runs.other, model).mean_error_psi <= evaluate(runs.other, fit_dynamic_alone(coarse)).mean_error_psi);
+  CHECK(evaluate(runs.other, model).mean_error_psi <=
+        evaluate(runs.other, fit_dynamic_single_run(coarse)).mean_error_psi);
 }
 
 TEST_CASE("fit_dynamic: creep seen in a hold but not between passes of the fitted run is not removed", "[dynamic]") {
@@ -430,5 +431,5 @@ TEST_CASE("fit_dynamic: creep seen in a hold but not between passes of the fitte
   const Dataset creep = runs_of(array).creep;
   array.dynamics.creep_share = {};
   const Runs runs = runs_of(array);
-  CHECK_FALSE(undoes_creep(*fit_dynamic(runs.fitted, runs.rate, creep).dynamics));
+  CHECK_FALSE(compensates_creep(*fit_dynamic(runs.fitted, runs.rate, creep).dynamics));
 }

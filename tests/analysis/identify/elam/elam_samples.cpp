@@ -19,14 +19,15 @@ TEST_CASE("ELAM samples: those at one point of one curve are merged without chan
   CHECK(samples.descending[0].x == std::vector<double>{0, 20, 40});
   CHECK(samples.descending[0].weight == std::vector<double>{2, 2, 2});
   CHECK(samples.descending[1].weight == std::vector<double>{1, 1, 1});
-  double plain = 0.0, told_apart = samples.descending_constant;
+  double plain = 0.0, distinguished_cost = samples.descending_constant;
   for (const TaxelBranch& branch : branches) {
     if (branch.ascending) continue;
     for (std::size_t i = 1; i < branch.volts.size(); ++i) plain += std::pow(2.0 - branch.volts[i], 2);
   }
   for (const CurveSamples& curve : samples.descending)
-    for (std::size_t i = 0; i < curve.x.size(); ++i) told_apart += curve.weight[i] * std::pow(2.0 - curve.y[i], 2);
-  CHECK(told_apart == Approx(plain).epsilon(1e-12));
+    for (std::size_t i = 0; i < curve.x.size(); ++i)
+      distinguished_cost += curve.weight[i] * std::pow(2.0 - curve.y[i], 2);
+  CHECK(distinguished_cost == Approx(plain).epsilon(1e-12));
 }
 
 TEST_CASE("thinning: keeps the requested share of samples, for any period of the data") {

@@ -52,7 +52,7 @@ inline void compare(const Kind& kind, int rows) {
           repeat.volts[i] = std::min(
               repeat.volts[i], (kind.clip + 0.02 * static_cast<double>(i % width % 5)) * array.taxels[i % width].yu());
   std::vector<TaxelTable> sequences;
-  for (const SequenceData& sequence : data.sequences) sequences.push_back(bring_to_common(sequence, data.taxels()));
+  for (const SequenceData& sequence : data.sequences) sequences.push_back(average_repeats(sequence, data.taxels()));
   const ExternalLoop loop = external_loop(sequences, data.taxels());
   for (std::size_t taxel = 0; taxel < width; ++taxel) {
     const std::vector<double> up = taxel_of(loop.ascending, width, taxel);

@@ -240,7 +240,7 @@ TEST_CASE("dynamic streams: a taxel's readings do not depend on the ranges of ot
     own.taxel = static_cast<int>(t);
     own.score = {{"a", {10, 30}, {0.5, 2.0}, {}, {0.0, 1.0}, {0.0, 1.0}}};
   }
-  const Histories undone = creep_and_lag_undone(model, histories);
+  const Histories undone = histories_without_dynamics(model, histories);
   for (std::size_t t = 0; t < 3; ++t) {
     CHECK(undone.taxels[t].score[0].y[0] == Approx(0.5));
     CHECK(undone.taxels[t].score[0].y[1] > 2.0);

@@ -22,7 +22,7 @@ const std::vector<double> kEightRuns{9.0, 11.0, 9.0, 11.0, 10.0 - std::sqrt(1.5)
 
 // The table is drawn again in ewma_table_slow.cpp.
 double in_sixty(double one_run, int runs) {
-  return chart_probability(student_quantile(1.0 - one_run / 2.0, runs - 1.0), runs);
+  return ewma_probability(student_quantile(1.0 - one_run / 2.0, runs - 1.0), runs);
 }
 
 }  // namespace
@@ -40,12 +40,12 @@ TEST_CASE("EWMA chart: table probabilities are interpolated in half decades and 
 }
 
 TEST_CASE("EWMA chart: a mean's level is its average in its own unit, gross values alone give no chart") {
-  const FigureChart chart = chart_figure("mean_error_psi", kEightRuns, std::vector<double>{12.0, 13.0});
+  const ControlChart chart = control_chart("mean_error_psi", kEightRuns, std::vector<double>{12.0, 13.0});
   REQUIRE(chart.ewma);
   CHECK((chart.kind == FigureKind::kMean && !chart.logarithmic && !chart.constant));
   CHECK(chart.level == Approx(10.92));  // z of 0.92 deviations of 1
   CHECK(chart.ewma->later == 2);
-  const FigureChart gross = chart_figure("mean_error_psi", kEightRuns, std::vector<double>{1000.0});
+  const ControlChart gross = control_chart("mean_error_psi", kEightRuns, std::vector<double>{1000.0});
   CHECK_FALSE(gross.ewma);
   CHECK(gross.probability == 1.0);
   CHECK(gross.level == 0.0);
@@ -53,21 +53,21 @@ TEST_CASE("EWMA chart: a mean's level is its average in its own unit, gross valu
   // A maximum of 0 in the baseline has no logarithm either.
   std::vector<double> with_zero = kEightRuns;
   with_zero[0] = 0.0;
-  CHECK_FALSE(chart_figure("max_error_psi", with_zero, std::vector<double>{12.0}).logarithmic);
-  CHECK(chart_figure("max_error_psi", kEightRuns, std::vector<double>{12.0}).logarithmic);
-  CHECK(chart_figure("max_error_psi", with_zero, std::vector<double>{12.0}).kind == FigureKind::kMaximum);
+  CHECK_FALSE(control_chart("max_error_psi", with_zero, std::vector<double>{12.0}).logarithmic);
+  CHECK(control_chart("max_error_psi", kEightRuns, std::vector<double>{12.0}).logarithmic);
+  CHECK(control_chart("max_error_psi", with_zero, std::vector<double>{12.0}).kind == FigureKind::kMaximum);
 }
 
 TEST_CASE("EWMA chart: the slope is that of the last 14 runs") {
   const std::vector<double> later{90, 3, 14, 15, 9, 26, 5, 35, 8, 97, 93, 23, 84, 62, 64, 33};
   const auto slope_of = [&](std::size_t last) { return theil_sen_slope(std::span(later).last(last)); };
-  const auto slope = chart_figure("mean_error_psi", kEightRuns, later).slope;
+  const auto slope = control_chart("mean_error_psi", kEightRuns, later).slope;
   CHECK(slope == slope_of(14));
   CHECK(slope != slope_of(13));
   CHECK(slope != slope_of(15));
-  CHECK(chart_figure("mean_error_psi", kEightRuns, std::span(later).first(4)).slope ==
+  CHECK(control_chart("mean_error_psi", kEightRuns, std::span(later).first(4)).slope ==
         theil_sen_slope(std::span(later).first(4)));
-  CHECK_FALSE(chart_figure("mean_error_psi", kEightRuns, std::span(later).first(3)).slope);
+  CHECK_FALSE(control_chart("mean_error_psi", kEightRuns, std::span(later).first(3)).slope);
 }
 
 TEST_CASE("EWMA chart: a deviation below 1e-9 of the mean counts as none") {
@@ -76,10 +76,10 @@ TEST_CASE("EWMA chart: a deviation below 1e-9 of the mean counts as none") {
     for (double& run : runs) run = 1000.0 + 1000.0 * share * (run - 10.0);
     return runs;
   };
-  CHECK(EwmaChart::begin(with_deviation(2e-9)));
-  CHECK_FALSE(EwmaChart::begin(with_deviation(0.5e-9)));
-  CHECK_FALSE(chart_figure("frames", with_deviation(2e-9), {}).constant);
-  CHECK(chart_figure("frames", with_deviation(0.5e-9), {}).constant);
+  CHECK(EwmaControlChart::begin(with_deviation(2e-9)));
+  CHECK_FALSE(EwmaControlChart::begin(with_deviation(0.5e-9)));
+  CHECK_FALSE(control_chart("frames", with_deviation(2e-9), {}).constant);
+  CHECK(control_chart("frames", with_deviation(0.5e-9), {}).constant);
   const auto band = control_band(with_deviation(0.0), 0.05);
   CHECK(band->low == Approx(1000.0 - 1e-6).epsilon(1e-12));
   CHECK(band->high == Approx(1000.0 + 1e-6).epsilon(1e-12));
@@ -163,7 +163,7 @@ const std::array kStartUp = {9.0, 11.0, 9.0, 11.0, 10.0 - std::sqrt(1.5), 10.0 +
 }  // namespace
 
 TEST_CASE("EWMA chart: the first three runs match hand-computed values") {
-  std::optional<EwmaChart> chart = EwmaChart::begin(kStartUp);
+  std::optional<EwmaControlChart> chart = EwmaControlChart::begin(kStartUp);
   REQUIRE(chart);
   CHECK(chart->state().mean == Approx(10.0));
   CHECK(chart->state().deviation == Approx(1.0));
@@ -180,29 +180,29 @@ TEST_CASE("EWMA chart: the first three runs match hand-computed values") {
 }
 
 TEST_CASE("EWMA chart: gross values stay out of the average, short and constant baselines give no chart") {
-  std::optional<EwmaChart> chart = EwmaChart::begin(kStartUp);
+  std::optional<EwmaControlChart> chart = EwmaControlChart::begin(kStartUp);
   const double limit = student_quantile(1.0 - 0.5e-5, 7.0) * std::sqrt(1.125);
   chart->add(10.0 - 1.001 * limit);
   CHECK((chart->state().ewma == 0.0 && chart->state().later == 0 && chart->probability() == 1.0));
   chart->add(10.0 - 0.999 * limit);
   CHECK(chart->state().ewma == Approx(-0.2 * 0.999 * limit));
-  CHECK_FALSE(EwmaChart::begin(std::span(kStartUp).first(7)));
-  CHECK_FALSE(EwmaChart::begin(std::vector<double>(8, 4.0)));
+  CHECK_FALSE(EwmaControlChart::begin(std::span(kStartUp).first(7)));
+  CHECK_FALSE(EwmaControlChart::begin(std::vector<double>(8, 4.0)));
 }
 
 TEST_CASE("EWMA chart: the probability over 60 runs lies between that of one run and 60 times it") {
   for (const int n : {8, 9, 25, 60, 500})
     for (double one = 0.9; one > 1e-12; one *= 0.37) {
-      const double t = student_quantile(1.0 - one / 2.0, n - 1.0), sixty = chart_probability(t, n);
+      const double t = student_quantile(1.0 - one / 2.0, n - 1.0), sixty = ewma_probability(t, n);
       INFO(n << " " << one);
       CHECK((sixty >= one && sixty <= 60.0 * one && sixty <= 1.0));
-      CHECK(chart_probability(1.001 * t, n) <= sixty);
-      CHECK(chart_probability(-t, n) == sixty);
+      CHECK(ewma_probability(1.001 * t, n) <= sixty);
+      CHECK(ewma_probability(-t, n) == sixty);
     }
-  CHECK(chart_probability(student_quantile(1.0 - 0.5e-2, 7.0), 8) == Approx(1e-2 * 10.49));
-  CHECK(chart_probability(student_quantile(1.0 - 0.5e-2, 29.0), 30) == Approx(1e-2 * 22.15));
-  CHECK(chart_probability(0.0, 8) == 1.0);
-  CHECK(chart_probability(INFINITY, 8) == 0.0);
+  CHECK(ewma_probability(student_quantile(1.0 - 0.5e-2, 7.0), 8) == Approx(1e-2 * 10.49));
+  CHECK(ewma_probability(student_quantile(1.0 - 0.5e-2, 29.0), 30) == Approx(1e-2 * 22.15));
+  CHECK(ewma_probability(0.0, 8) == 1.0);
+  CHECK(ewma_probability(INFINITY, 8) == 0.0);
 }
 
 TEST_CASE("EWMA chart: eight baseline runs find a step of two deviations in 80 %, at 4.6 % false alarms") {
@@ -214,13 +214,13 @@ TEST_CASE("EWMA chart: eight baseline runs find a step of two deviations in 80 %
     for (int history = 0; history < kDrawnHistories; ++history) {
       std::array<double, 8> start_up{};
       for (double& value : start_up) value = normal(random);
-      EwmaChart chart = *EwmaChart::begin(start_up);
+      EwmaControlChart chart = *EwmaControlChart::begin(start_up);
       double largest = 0.0;
       for (int run = 0; run < 60; ++run) {
         chart.add(normal(random) + step);
         largest = std::max(largest, std::abs(chart.state().statistic));
       }
-      found += chart_probability(largest, 8) <= 0.042 ? 1 : 0;
+      found += ewma_probability(largest, 8) <= 0.042 ? 1 : 0;
     }
     return 100.0 * found / kDrawnHistories;
   };
@@ -243,7 +243,7 @@ TEST_CASE("EWMA chart: the name of a value decides whether it is a mean or a max
 TEST_CASE("EWMA chart: a maximum is charted by its logarithm if all values are above zero") {
   std::vector<double> start_up, later = {std::exp(12.0), std::exp(13.0)};
   for (const double value : kStartUp) start_up.push_back(std::exp(value));
-  FigureChart chart = chart_figure("max_error_psi", start_up, later);
+  ControlChart chart = control_chart("max_error_psi", start_up, later);
   REQUIRE((chart.ewma && chart.band));
   CHECK(chart.logarithmic);
   CHECK(chart.ewma->ewma == Approx(0.92));
@@ -251,24 +251,24 @@ TEST_CASE("EWMA chart: a maximum is charted by its logarithm if all values are a
   const double half = student_quantile(1.0 - 0.5e-5, 7.0) * std::sqrt(1.125);
   CHECK(chart.band->high == Approx(std::exp(10.0 + half)));
   CHECK(chart.band->mean == Approx(control_band(start_up, 0.5)->mean));
-  CHECK(chart.probability == Approx(chart_probability(0.92 / std::sqrt(0.0818), 8)));
-  CHECK_FALSE(chart_figure("mean_error_psi", start_up, later).logarithmic);
+  CHECK(chart.probability == Approx(ewma_probability(0.92 / std::sqrt(0.0818), 8)));
+  CHECK_FALSE(control_chart("mean_error_psi", start_up, later).logarithmic);
   later.push_back(0.0);
-  CHECK_FALSE(chart_figure("max_error_psi", start_up, later).logarithmic);
+  CHECK_FALSE(control_chart("max_error_psi", start_up, later).logarithmic);
 }
 
 TEST_CASE("EWMA chart: constants are compared exactly and not charted, counts that varied are charted") {
   const std::vector<double> same(8, 3310.0), later = {3310.0, 3309.0};
-  FigureChart chart = chart_figure("frames", same, later);
+  ControlChart chart = control_chart("frames", same, later);
   CHECK((chart.constant && !chart.ewma));
   CHECK((chart.band->holds(3310.0) && !chart.band->holds(3309.0)));
   std::vector<double> varied = same;
   varied.front() = 3311.0;
-  CHECK(chart_figure("frames", varied, later).ewma);
-  CHECK_FALSE(chart_figure("mean_error_psi", std::span(kStartUp).first(7), later).ewma);
-  CHECK(chart_figure("mean_error_psi", std::span(kStartUp).first(7), later).band);
-  CHECK_FALSE(chart_figure("mean_error_psi", std::span(kStartUp).first(2), later).band);
-  CHECK_FALSE(chart_figure("mean_error_psi", kStartUp, {}).ewma);
+  CHECK(control_chart("frames", varied, later).ewma);
+  CHECK_FALSE(control_chart("mean_error_psi", std::span(kStartUp).first(7), later).ewma);
+  CHECK(control_chart("mean_error_psi", std::span(kStartUp).first(7), later).band);
+  CHECK_FALSE(control_chart("mean_error_psi", std::span(kStartUp).first(2), later).band);
+  CHECK_FALSE(control_chart("mean_error_psi", kStartUp, {}).ewma);
 }
 
 TEST_CASE("Benjamini and Hochberg: their published example and the edge cases are reproduced") {

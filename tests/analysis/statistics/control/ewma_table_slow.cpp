@@ -1,4 +1,4 @@
-// The table behind chart_probability(), drawn again.
+// The table behind ewma_probability(), drawn again.
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -19,13 +19,13 @@ TEST_CASE("EWMA chart: false alarms over 60 runs occur at the stated probability
     for (int history = 0; history < kDrawnHistories; ++history) {
       std::vector<double> start_up(static_cast<std::size_t>(n));
       for (double& value : start_up) value = normal(random);
-      EwmaChart chart = *EwmaChart::begin(start_up);
+      EwmaControlChart chart = *EwmaControlChart::begin(start_up);
       double most = 0.0;
-      for (int run = 0; run < kChartRuns; ++run) {
+      for (int run = 0; run < kControlRuns; ++run) {
         chart.add(normal(random));
         most = std::max(most, std::abs(chart.state().statistic));
       }
-      largest.push_back(chart_probability(most, n));
+      largest.push_back(ewma_probability(most, n));
     }
     for (const double probability : {0.3, 0.1, 0.05, 0.01, 0.002}) {
       const auto below =

@@ -116,7 +116,7 @@ TEST_CASE("creep effect: two holds of one level and branch give the larger share
   CHECK((branches.levels[0].up && branches.levels[0].pressure_psi == 20.0));
   CHECK((branches.levels[1].up && branches.levels[1].pressure_psi == 40.0));
   CHECK((!branches.levels[2].up && branches.levels[2].pressure_psi == 40.0));
-  CHECK_THAT(branches.in_words(), Catch::Contains("40.0 psi"));
+  CHECK_THAT(branches.display_text(), Catch::Contains("40.0 psi"));
 }
 
 TEST_CASE("creep effect: over several levels the earliest end and the latest start count") {
@@ -172,7 +172,7 @@ TEST_CASE("creep effect: the calibration's dwell is from sequences without holds
   // No hold, holds of too few frames, and those of a run that does not tell its times.
   for (const std::size_t frames : {2U, 3U, 19U})
     CHECK_FALSE(straight_effect({held_once({.first_v = std::vector<double>(frames, 2.0)})}).assessed());
-  CHECK(straight_effect({}).in_words().empty());
+  CHECK(straight_effect({}).display_text().empty());
   const CreepEffect timeless = straight_effect(runs, 0.0);
   CHECK((!timeless.assessed() && !timeless.not_assessed.empty()));
   Dataset other = runs.front();

@@ -57,7 +57,7 @@ TEST_CASE("error windows: cover 4 psi to each side including the edge, with fram
   CHECK(all.frames.size() == 2 * 6);
   const std::vector<WindowErrors> errors = pooled_of(all);
   REQUIRE(errors.size() == 8);
-  CHECK(any_way(errors));
+  CHECK(has_any_branch(errors));
   const WindowErrors& twenty = window_of(errors, 20, true);
   CHECK(twenty.frames == 4.0);    // 15.9 and 24.1 are in no window
   CHECK(twenty.branches == 1.0);  // the repeats go the same way
@@ -69,7 +69,7 @@ TEST_CASE("error windows: cover 4 psi to each side including the edge, with fram
   const WindowErrors& down = window_of(errors, 20, false);
   CHECK((down.frames == 0.0 && down.branches == 0.0));
   CHECK((std::isnan(down.square_psi[0]) && std::isnan(down.common_square_psi)));
-  CHECK_FALSE(any_way(pooled_errors({}, straight_fit())));
+  CHECK_FALSE(has_any_branch(pooled_errors({}, straight_fit())));
 }
 
 TEST_CASE("error windows: branches, sequences and runs add up, one run can be left out, errors can be corrected") {

@@ -145,7 +145,7 @@ TEST_CASE("repeatability: needs two repeats, and uses those that each sequence h
 }
 
 TEST_CASE("holds: need twenty frames at one set-point above 0.5 psi, one command, and times that increase") {
-  const auto holds_in = [](const Repeat& repeat, std::size_t fewest = kFewestHeld) {
+  const auto holds_in = [](const Repeat& repeat, std::size_t fewest = kMinHeldFrames) {
     return held_frames_of(holding(repeat), fewest);
   };
   const std::vector<double> twenty(20, 1.0);

@@ -33,8 +33,8 @@ TEST_CASE("moments: means of all and of selected values match hand-computed valu
 
 TEST_CASE("moments: deviations about the mean and about a given value match hand-computed values") {
   const Doubles values{2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0};  // mean 5, squares 32
-  CHECK(squares_about(values, 5.0) == 32.0);
-  CHECK(squares_about(values, 1.0) == 32.0 + 8.0 * 16.0);
+  CHECK(sum_of_squares_about(values, 5.0) == 32.0);
+  CHECK(sum_of_squares_about(values, 1.0) == 32.0 + 8.0 * 16.0);
   CHECK(sample_variance(values) == 32.0 / 7.0);
   CHECK(sample_deviation(values) == std::sqrt(32.0 / 7.0));
   CHECK(sample_deviation(Doubles{3.0, 3.0}) == 0.0);
@@ -68,14 +68,14 @@ TEST_CASE("moments: least-squares line, its residual and the correlation match h
     CHECK(line.slope() == Approx(2.0));
     CHECK(line.at_zero() == Approx(1.0));
     CHECK(line.correlation() == Approx(1.0));
-    CHECK(squares_off(line, x, y) == Approx(0.0).margin(1e-20));
+    CHECK(residual_sum_of_squares(line, x, y) == Approx(0.0).margin(1e-20));
   }
   // (0, 0), (1, 3), (2, 0): mean 1, level; it leaves 1 + 4 + 1.
   const LineFit level = line_fit(Doubles{0.0, 1.0, 2.0}, Doubles{0.0, 3.0, 0.0});
   CHECK(level.slope() == 0.0);
   CHECK(level.at_zero() == 1.0);
   CHECK(level.correlation() == 0.0);
-  CHECK(squares_off(level, Doubles{0.0, 1.0, 2.0}, Doubles{0.0, 3.0, 0.0}) == 6.0);
+  CHECK(residual_sum_of_squares(level, Doubles{0.0, 1.0, 2.0}, Doubles{0.0, 3.0, 0.0}) == 6.0);
   CHECK(line_fit(x, Doubles{9.0, 7.0, 5.0, 3.0, 1.0}).correlation() == Approx(-1.0));
   const LineFit upright = line_fit(Doubles{2.0, 2.0}, Doubles{0.0, 1.0});
   CHECK(upright.correlation() == 0.0);

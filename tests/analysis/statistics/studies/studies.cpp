@@ -161,7 +161,7 @@ TEST_CASE("mounts: one, two and three sweeps are weighted by their number") {
   CHECK(found.between_psi[0] == Approx(std::sqrt((between - within) / size)));
   CHECK(found.within_share == Approx(std::sqrt(within) / 10));
   CHECK(found.degrees == 2);
-  CHECK(found.own_degrees == 2);  // one taxel: of its own there is nothing, and the number is not 0
+  CHECK(found.per_taxel_degrees == 2);  // one taxel: of its own there is nothing, and the number is not 0
 }
 
 TEST_CASE("mounts: common and own parts of two taxels match hand-computed values, unread taxels are left out") {
@@ -178,8 +178,8 @@ TEST_CASE("mounts: common and own parts of two taxels match hand-computed values
   CHECK(std::isnan(found.taxel_between_psi[2]));
   CHECK(found.s_share == Approx(std::sqrt(2.5) / 20));
   CHECK(found.common_share == Approx(std::sqrt(2.0) / 20));
-  CHECK(found.own_share == Approx(std::sqrt(0.5) / 20));
-  CHECK(found.own_degrees == 1);  // one further mount, two taxels less one
+  CHECK(found.per_taxel_share == Approx(std::sqrt(0.5) / 20));
+  CHECK(found.per_taxel_degrees == 1);  // one further mount, two taxels less one
 }
 
 TEST_CASE("mounts: the common part is at most the whole, and values of single taxels are over all levels") {

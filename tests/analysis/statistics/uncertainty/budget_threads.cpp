@@ -127,7 +127,7 @@ TEST_CASE("study rows: add psi and share, as a common part or as a taxel's own")
   StraightBudget made = exact_budget();
   made.inputs.uniformity = GivenUncertainty{0.3, 0.01, 27.0, "turned"};
   made.inputs.mounting = GivenUncertainty{0.0, 0.02, 3.0, "mounts"};
-  made.inputs.mounting_own = GivenUncertainty{0.6, 0.0, 9.0, "mounts"};
+  made.inputs.mounting_per_taxel = GivenUncertainty{0.6, 0.0, 9.0, "mounts"};
   const BudgetMaker maker = made.maker();
   const Budget stated = maker.budget(0, kFortyUp);
   CHECK(u_of(stated, UncertaintySource::kUniformity) == Approx(0.5));  // 0.3 and 1 % of 40 psi
@@ -136,9 +136,9 @@ TEST_CASE("study rows: add psi and share, as a common part or as a taxel's own")
   CHECK(u_of(stated, UncertaintySource::kMounting) == Approx(0.8));
   CHECK(row_of(stated, UncertaintySource::kMounting)->dof == 3.0);
   CHECK(row_of(stated, UncertaintySource::kMounting)->common == 1.0);
-  CHECK(u_of(stated, UncertaintySource::kMountingOwn) == Approx(0.6));
-  CHECK(row_of(stated, UncertaintySource::kMountingOwn)->dof == 9.0);
-  CHECK(row_of(stated, UncertaintySource::kMountingOwn)->common == 0.0);
+  CHECK(u_of(stated, UncertaintySource::kMountingPerTaxel) == Approx(0.6));
+  CHECK(row_of(stated, UncertaintySource::kMountingPerTaxel)->dof == 9.0);
+  CHECK(row_of(stated, UncertaintySource::kMountingPerTaxel)->common == 0.0);
   // 0.25 + 0.64 + 0.36 psi^2; degrees by Welch and Satterthwaite.
   CHECK(stated.combined_psi == Approx(std::sqrt(1.25)));
   CHECK(stated.dof == Approx(1.5625 / (0.0625 / 27 + 0.4096 / 3 + 0.1296 / 9)));
@@ -189,7 +189,7 @@ TEST_CASE("budget: each source that a bare run does not provide is reported as m
   for (const UncertaintySource source :
        {UncertaintySource::kCertificate, UncertaintySource::kUniformity, UncertaintySource::kRepeatability,
         UncertaintySource::kZeroReturn, UncertaintySource::kTemperature, UncertaintySource::kMounting,
-        UncertaintySource::kMountingOwn, UncertaintySource::kConditioning, UncertaintySource::kDwell,
+        UncertaintySource::kMountingPerTaxel, UncertaintySource::kConditioning, UncertaintySource::kDwell,
         UncertaintySource::kHistory, UncertaintySource::kCreep}) {
     CAPTURE(static_cast<int>(source));
     CHECK_FALSE(missing(source).empty());
@@ -203,7 +203,7 @@ TEST_CASE("budget: each source that a bare run does not provide is reported as m
 TEST_CASE("U of an array: common parts count whole, own parts over the number, the centre by own parts alone") {
   StraightBudget made = exact_budget();
   made.inputs.mounting = GivenUncertainty{0.3, 0.0, kInfiniteDof, "five mounts"};
-  made.inputs.mounting_own = GivenUncertainty{0.4, 0.0, kInfiniteDof, "five mounts"};
+  made.inputs.mounting_per_taxel = GivenUncertainty{0.4, 0.0, kInfiniteDof, "five mounts"};
   const Uncertainty found = assess_uncertainty(made.calibration, made.fit, {}, made.inputs, 1);
   // Two of three taxels in a row: 0.09 + 2 x 0.16 / 4. Their places are half a pitch from the middle: 2 x 0.16 / 4
   // psi^2 pitches^2, over the 80 psi of both.
@@ -224,7 +224,7 @@ TEST_CASE("U of an array: common parts count whole, own parts over the number, t
   CHECK(found.level(40.000002, true) == nullptr);
   CHECK(found.level(60.0, false) == nullptr);
   CHECK(found.from[static_cast<std::size_t>(UncertaintySource::kMounting)] == "five mounts");
-  CHECK(found.from[static_cast<std::size_t>(UncertaintySource::kMountingOwn)] == "five mounts");
+  CHECK(found.from[static_cast<std::size_t>(UncertaintySource::kMountingPerTaxel)] == "five mounts");
   CHECK(found.from[static_cast<std::size_t>(UncertaintySource::kUniformity)].empty());
   SensorModel none = made.fit;
   for (ModelTaxel& taxel : none.taxels) taxel.status = TaxelStatus::kDead;

@@ -19,10 +19,10 @@ Dataset run_that_errs(std::int64_t number, const std::vector<double>& way, doubl
   return run;
 }
 
-std::vector<ConditionUncertainty> counted_of(const StraightBudget& made, double hidden_psi = 0.0) {
+std::vector<ConditionUncertainty> counted_of(const StraightBudget& made, double unobservable_u_psi = 0.0) {
   const BudgetMaker maker = made.maker();
-  return counted_uncertainty(maker.counted(), made.fit, maker.corrections(), made.errors.levels,
-                             [=](double) { return hidden_psi; });
+  return empirical_uncertainty(maker.counted(), made.fit, maker.corrections(), made.errors.levels,
+                               [=](double) { return unobservable_u_psi; });
 }
 
 const ConditionUncertainty& of(const std::vector<ConditionUncertainty>& all, UseCondition which) {

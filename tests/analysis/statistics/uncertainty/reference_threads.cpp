@@ -127,7 +127,7 @@ TEST_CASE("temperature effect: changes, coefficients and their uncertainties mat
   CHECK(effect.change[1].zero_v == Approx(0.3));
   CHECK(effect.per_kelvin.share == Approx(0.004));
   CHECK(effect.per_kelvin.zero_v == Approx(0.06));
-  CHECK_THAT(effect.in_words(), Catch::Contains("+0.4000") && Catch::Contains("+60.000"));  // %, mV
+  CHECK_THAT(effect.display_text(), Catch::Contains("+0.4000") && Catch::Contains("+60.000"));  // %, mV
   // The taxels' own slopes: 0.6 and 0.2 % a kelvin, 80 and 40 mV a kelvin.
   CHECK(effect.deviation.share == Approx(0.004 / std::sqrt(2.0)));
   CHECK(effect.deviation.zero_v == Approx(0.04 / std::sqrt(2.0)));
@@ -185,7 +185,7 @@ TEST_CASE("temperature effect: needs the same sensor, two temperatures, readings
     const TemperatureEffect effect = temperature_effect_in(example, runs);
     CHECK_FALSE(effect.assessed());
     CHECK_FALSE(effect.not_assessed.empty());
-    CHECK(effect.in_words().empty());
+    CHECK(effect.display_text().empty());
   }
   CHECK_FALSE(at_another_temperature(example.dataset.temperatures_c, silent.temperatures_c));
   CHECK_FALSE(temperature_effect_of(example.dataset, std::vector{warm}, example.fit, kStepC).assessed());

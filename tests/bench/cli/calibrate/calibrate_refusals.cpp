@@ -51,7 +51,7 @@ TEST_CASE("calibrate: rejects runs of another sensor, incomplete runs, and recip
       "schema = 1\nname = \"between\"\nrule = \"simple\"\nmean_compensation_error_psi = 1\n"
       "worst_taxel_error_psi = 3\ndistance_of_mean_percent_fs = 1\nunfit_taxels = 0\n"
       "[[mismatch]]\npressure_psi = 10\nstd_percent_fs = 5\n[[mismatch]]\npressure_psi = 41\nstd_percent_fs = 5\n");
-  const auto of_sensor = [&](const std::string& serial) { return joined_words({"calibrate", serial}, rest); };
+  const auto of_sensor = [&](const std::string& serial) { return joined_arguments({"calibrate", serial}, rest); };
   check_each_refused(bench::add_calibrate, of_sensor("S-1"),
                      {{{"--held-out", "1"}, "TB-USAGE", "--held-out"},
                       {{"--run", "2"}, "TB-USAGE", "--run"},
@@ -77,9 +77,9 @@ TEST_CASE(
       {{{"--type", type}, "TB-SENSOR-UNKNOWN", "--type " + type + "\n"}});
   const auto said = [&](const WordsOfVerb& more) {
     const Finished finished =
-        verb_here(bench::add_calibrate, joined_words({"calibrate", "S-1", "--bench", "simulated.toml", "--operator",
-                                                      "me", "--db", folder.path("runs.db")},
-                                                     more));
+        verb_here(bench::add_calibrate, joined_arguments({"calibrate", "S-1", "--bench", "simulated.toml", "--operator",
+                                                          "me", "--db", folder.path("runs.db")},
+                                                         more));
     CHECK(finished.code == (more.front() == "--run" && more.back() == "1" ? 5 : 2));
     CHECK(finished.out.empty());
     return finished.err;

@@ -23,9 +23,9 @@ struct CalibrationFolder {
     write_file(folder.path("only.toml"), limits_text("report-only", 60));
   }
   Finished calibrate(const CalibrateWords& more, const std::string& limits = "./wide.toml") const {
-    return call(folder, joined_words({"calibrate", "MY-1", "--recipe", "./a.toml", "--held-out-recipe", "./b.toml",
-                                      "--limits", limits, "--model", "elam"},
-                                     more));
+    return call(folder, joined_arguments({"calibrate", "MY-1", "--recipe", "./a.toml", "--held-out-recipe", "./b.toml",
+                                          "--limits", limits, "--model", "elam"},
+                                         more));
   }
   nlohmann::json told(const CalibrateWords& words) const { return nlohmann::json::parse(call(folder, words).out); }
   TemporaryFolder folder;
@@ -33,7 +33,7 @@ struct CalibrationFolder {
 
 // By the shipped recipe and limits, in a folder with a profile: only the serial has to be typed.
 Finished calibrated(const TemporaryFolder& folder, const std::vector<std::string>& more) {
-  return call(folder, joined_words({"calibrate", "MY-1", "-q"}, more));
+  return call(folder, joined_arguments({"calibrate", "MY-1", "-q"}, more));
 }
 
 }  // namespace

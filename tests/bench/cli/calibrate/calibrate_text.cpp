@@ -69,14 +69,14 @@ TEST_CASE("calibrate text: the command to continue omits values that come from t
   options.serial = "MY-1";
   options.bench = "rig.toml";
   options.operator_name = "me";
-  CHECK(calibrate_again(options, session, 0, 0) == "tactbench calibrate MY-1");
-  CHECK(calibrate_again(options, session, 3, 4) == "tactbench calibrate MY-1 --run 3 --held-out 4");
+  CHECK(resume_command_line(options, session, 0, 0) == "tactbench calibrate MY-1");
+  CHECK(resume_command_line(options, session, 3, 4) == "tactbench calibrate MY-1 --run 3 --held-out 4");
   options.operator_name = "A. O'Neil";
   options.recipes = {"descending", "ascending"};
   options.set = {"recipe.repeats=1"};
   options.seeds.seed = 7;
   session.db = "b.db";
-  CHECK(calibrate_again(options, session, 3, 0) ==
+  CHECK(resume_command_line(options, session, 3, 0) ==
         "tactbench calibrate MY-1 --db b.db --operator 'A. O'\\''Neil' --recipe descending --recipe ascending --set "
         "recipe.repeats=1 --seed 7 --run 3");
 }

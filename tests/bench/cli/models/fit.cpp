@@ -26,7 +26,7 @@ namespace {
 using FitWords = std::vector<std::string>;
 
 void check_fit_refused(const FitWords& words, const std::string& id, const std::string& place) {
-  const Finished finished = verb_here(bench::add_fit, joined_words({"fit"}, words));
+  const Finished finished = verb_here(bench::add_fit, joined_arguments({"fit"}, words));
   CAPTURE(words);
   CHECK(finished.code == 2);
   CHECK_THAT(finished.err, Catch::Contains("[" + id + "]\n  at: " + place + "\n"));
@@ -70,12 +70,12 @@ TEST_CASE("fit: rejects unknown model names, and options that do not belong to t
 TEST_CASE("fit: a list of runs is numbers and ranges with commas, void and incomplete runs are left out") {
   for (const char* runs : {"1-2", "1,2", "3-3", "1,", "10-12,3", "1-1,1-1"}) {
     INFO(runs);
-    CHECK(bench::names_runs(runs));
+    CHECK(bench::is_run_list(runs));
   }
   for (const char* other : {"", "1", "-", ",", "a-b", "2-1", "0-1", "1-2x", "1x-2", "1-2-3", "-1,2", "t-1.csv", "1-",
                             "1,x", "1 ,2", "99999999999999999999-1"}) {
     INFO(other);
-    CHECK_FALSE(bench::names_runs(other));
+    CHECK_FALSE(bench::is_run_list(other));
   }
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
@@ -104,7 +104,7 @@ TEST_CASE("fit: a table is not scored on itself, and each score target is named 
   write_file(table, loop_rows("input,output"));
   write_file(other, loop_rows("input,output"));
   const auto said = [&](const FitWords& more) {
-    const Finished finished = verb_here(bench::add_fit, joined_words({"fit", table, "--db", store, "-q"}, more));
+    const Finished finished = verb_here(bench::add_fit, joined_arguments({"fit", table, "--db", store, "-q"}, more));
     CHECK(finished.code == 2);
     return finished.err;
   };
@@ -116,9 +116,9 @@ TEST_CASE("fit: a table is not scored on itself, and each score target is named 
 }
 
 TEST_CASE("sources: a run number has up to 18 digits, a list is split at its commas") {
-  for (const char* run : {"0", "12", "007", "999999999999999999"}) CHECK(bench::names_run(run));
+  for (const char* run : {"0", "12", "007", "999999999999999999"}) CHECK(bench::is_run_number(run));
   for (const char* other : {"", "1a", "-1", "1:2", "1.csv", "1000000000000000000"})
-    CHECK_FALSE(bench::names_run(other));
+    CHECK_FALSE(bench::is_run_number(other));
   CHECK(bench::split_list("a,b") == FitWords{"a", "b"});
   CHECK(bench::split_list(",a,,b c,") == FitWords{"a", "b c"});
   CHECK(bench::split_list("").empty());
@@ -221,7 +221,7 @@ struct EdgesOfOption {
 // `words` fail for another reason than their form: a file that is not there, a server that is away.
 void check_edges(AddVerb add, const std::vector<std::string>& words, const std::vector<EdgesOfOption>& options) {
   const auto is_of_form = [&](const std::string& name, const std::string& value) {
-    const Finished finished = verb_here(add, joined_words(words, {name, value}));
+    const Finished finished = verb_here(add, joined_arguments(words, {name, value}));
     CHECK(finished.code != 0);
     return !finished.err.starts_with("parse: ");
   };

@@ -228,7 +228,7 @@ TEST_CASE("fit and judge: of a run one model is stored, its verdict is given as 
   const nlohmann::json document = nlohmann::json::parse(read_file(of.folder.path("m.json")));
   CHECK(document.at("model") == "mpi");
   CHECK(document.at("program_version") == bench::build_info().version);
-  const auto judge = [&](const FitRunWords& more) { return call(of.folder, joined_words({"judge", "1:1"}, more)); };
+  const auto judge = [&](const FitRunWords& more) { return call(of.folder, joined_arguments({"judge", "1:1"}, more)); };
   CHECK(judge({"2", "--limits", "./wide.toml"}).code == 0);
   CHECK(judge({"2", "--limits", "./strict.toml"}).code == 1);
   const nlohmann::json strict = nlohmann::json::parse(judge({"2", "--limits", "./strict.toml", "--json"}).out);
@@ -251,10 +251,10 @@ TEST_CASE("fit and judge: of a run one model is stored, its verdict is given as 
 TEST_CASE("compare: of a run several models are stored and scored") {
   const FolderOfRuns of;
   const FitRunWords words = {"compare", "1", "--models", "mpi,poly", "--score", "2,3"};
-  CHECK(call(of.folder, joined_words(words, {"--html", "c.html"})).code == 0);
+  CHECK(call(of.folder, joined_arguments(words, {"--html", "c.html"})).code == 0);
   CHECK(of.models() == 2);
   CHECK_THAT(read_file(of.folder.path("c.html")), Catch::StartsWith("<!DOCTYPE html>"));
-  const nlohmann::json compared = nlohmann::json::parse(call(of.folder, joined_words(words, {"--json"})).out);
+  const nlohmann::json compared = nlohmann::json::parse(call(of.folder, joined_arguments(words, {"--json"})).out);
   REQUIRE(compared.at("models").size() == 2);
   for (std::size_t i = 0; i < 2; ++i) {
     const nlohmann::json& model = compared.at("models").at(i);
@@ -442,8 +442,8 @@ TEST_CASE("compare: an outlier is reported with its line and makes the taxel unf
   CHECK(told.code == 6);
   CHECK_THAT(told.err, Catch::Contains("line 42"));
   CHECK_THAT(told.out, Catch::Contains("unfit"));
-  const auto told_json = nlohmann::json::parse(with("--json").out);
-  for (const auto& model : told_json.at("models")) CHECK(model.at("left_out").at(0).at("status") == "unfit");
+  const auto reported_json = nlohmann::json::parse(with("--json").out);
+  for (const auto& model : reported_json.at("models")) CHECK(model.at("left_out").at(0).at("status") == "unfit");
   Rows low = of.rows();  // where it would turn the sign of what follows the input
   low[1] = cell(low[1]);
   const Finished still = of.verb(fit, low);

@@ -159,7 +159,7 @@ TEST_CASE("report: an imported table is reported without models, or with the err
 TEST_CASE("fit: options apply to the model that they belong to") {
   const FolderOfTables of;
   const auto label = [&](const FitTableWords& more) {
-    return of.told(joined_words({"t.csv"}, more)).at("models").at(0).at("model").get<std::string>();
+    return of.told(joined_arguments({"t.csv"}, more)).at("models").at(0).at("model").get<std::string>();
   };
   CHECK(label({"--model", "elam"}) == "elam");
   CHECK(label({"--model", "elam", "--mode", "paper", "--identify", "exact"}) == "elam");
@@ -182,7 +182,7 @@ TEST_CASE("fit of a table: accepts tables without header, with lines above it, a
   write_file(of.folder.path("late.csv"), "0 1 2\n" + bare);
   write_file(of.folder.path("wide.csv"), wide);
   const auto j = [&](const FitTableWords& words) {
-    return of.told(joined_words(words, {"--model", "monotone"})).at("models").at(0).at("shown_taxel").at("j");
+    return of.told(joined_arguments(words, {"--model", "monotone"})).at("models").at(0).at("shown_taxel").at("j");
   };
   const nlohmann::json named = j({"t.csv"});
   for (const FitTableWords& words : {FitTableWords{"bare.csv", "--map", "input=1,output=2"},

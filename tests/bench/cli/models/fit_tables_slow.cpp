@@ -165,7 +165,7 @@ TEST_CASE("fit of a table: --turn sets the smallest reversal, in units of the in
   const TemporaryFolder folder;
   write_file(folder.path("t.csv"), "input,output\n" + play_rows(kManyTurns));
   const auto turn = [&](const std::vector<std::string>& more) {
-    return json::parse(call(folder, joined_words({"fit", "t.csv", "--model", "monotone", "--json"}, more)).out)
+    return json::parse(call(folder, joined_arguments({"fit", "t.csv", "--model", "monotone", "--json"}, more)).out)
         .at("turn")
         .get<double>();
   };

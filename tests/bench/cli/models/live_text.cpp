@@ -26,7 +26,7 @@ TEST_CASE("live: a frame is summarised over the taxels that are not dead, the fi
                           {analysis::kTaxelDead, analysis::kTaxelFlat, analysis::kTaxelValid,
                            analysis::kTaxelUnknown | analysis::kTaxelOutOfRange, analysis::kTaxelLost,
                            analysis::kTaxelOutside | analysis::kTaxelFlat}};
-  const SummedFrame sum = summed(of.frame());
+  const FrameSummary sum = summed(of.frame());
   CHECK(sum.mean_psi == 4.0);
   CHECK(sum.highest_psi == 8.0);
   CHECK(sum.highest == 3);
@@ -57,7 +57,7 @@ TEST_CASE("live: the JSON document has the summary and the last frame") {
   summary.p99_us = 20.6;
   summary.worst_us = 30.0;
   summary.compensation_median_us = 4.25;
-  SummedFrame last;
+  FrameSummary last;
   last.mean_psi = 1.5;
   last.highest_psi = 2.5;
   last.flags = {1, 2, 3, 4, 5, 6};

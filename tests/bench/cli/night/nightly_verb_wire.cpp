@@ -73,7 +73,7 @@ TEST_CASE("nightly: the parts of a night are merged, reported as one and counted
   CHECK(of.night({"--shard", "1/2", "--db", "p1.db", "-q"}).code == 0);
   CHECK(of.night({"--shard", "2/2", "--db", "p2.db", "-q"}).code == 1);
   const auto merge = [&](const std::vector<std::string>& more) {
-    return call(of.folder, joined_words({"runs", "merge", "p1.db", "p2.db", "--db", "all.db"}, more));
+    return call(of.folder, joined_arguments({"runs", "merge", "p1.db", "p2.db", "--db", "all.db"}, more));
   };
   CHECK(merge({"--html", "night.html", "--junit", "night.xml"}).code == 1);
   CHECK_THAT(read_file(of.folder.path("night.xml")), Catch::Contains("failures=\"1\""));

@@ -32,7 +32,7 @@ std::string option_refusal(const ReportOptions& options) {
 
 TEST_CASE("report options: a model is named by its run, or by run and fit") {
   const auto named = [](const char* text) {
-    const ModelNamed model = model_named(text, 7);
+    const ModelReference model = parse_model_reference(text, 7);
     return std::to_string(model.run) + ":" + std::to_string(model.fit);
   };
   CHECK(named("") == "7:0");
@@ -42,7 +42,7 @@ TEST_CASE("report options: a model is named by its run, or by run and fit") {
   for (const char* text : {"0", "-1", "x", "1:", "1:0", "1:-2", "1:x", "1x", "1:2x", ":2", "1;2", " 1",
                            "99999999999999999999", "1:99999999999999999999"}) {
     INFO(text);
-    CHECK_THAT(report_refusal([&] { (void)model_named(text, 7); }), Catch::StartsWith("TB-USAGE at "));
+    CHECK_THAT(report_refusal([&] { (void)parse_model_reference(text, 7); }), Catch::StartsWith("TB-USAGE at "));
   }
 }
 

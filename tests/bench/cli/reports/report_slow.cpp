@@ -42,7 +42,7 @@ const TemporaryFolder& reported() {
 }
 
 json data_of_run(const TemporaryFolder& folder, const std::vector<std::string>& words) {
-  well(call(folder, joined_words({"report", "--format", "json", "-o", "report.json", "--replace"}, words)));
+  well(call(folder, joined_arguments({"report", "--format", "json", "-o", "report.json", "--replace"}, words)));
   return json::parse(read_file(folder.path("report.json")));
 }
 

@@ -163,12 +163,12 @@ TEST_CASE("report signing: the hash of a report file is stored once, and only fo
   write_file(file, "page");
   const auto notes = [&] { return store.store.run(1).notes; };
   const std::string before = notes();
-  bench::keep_file_of_signed(file, "1-ffffffff", 1, session);
-  bench::keep_file_of_signed(file + ".none", "1-0000000a", 1, session);
+  bench::record_signed_file(file, "1-ffffffff", 1, session);
+  bench::record_signed_file(file + ".none", "1-0000000a", 1, session);
   CHECK(notes() == before);
-  bench::keep_file_of_signed(file, "1-0000000a", 1, session);
+  bench::record_signed_file(file, "1-0000000a", 1, session);
   const std::string kept = notes();
   CHECK(kept != before);
-  bench::keep_file_of_signed(file, "1-0000000a", 1, session);
+  bench::record_signed_file(file, "1-0000000a", 1, session);
   CHECK(notes() == kept);
 }

@@ -32,9 +32,9 @@ class CheckedRig {
   // With seeds of its own each time.
   Finished check(const std::vector<std::string>& more = {}) {
     return call(folder,
-                joined_words({"devices", "test", "--bench", "simulated.toml", "--standard", "STD-1", "--operator", "t",
-                              "--recipe", "small.toml", "-q", "--yes", "--seed", std::to_string(++seed_)},
-                             more));
+                joined_arguments({"devices", "test", "--bench", "simulated.toml", "--standard", "STD-1", "--operator",
+                                  "t", "--recipe", "small.toml", "-q", "--yes", "--seed", std::to_string(++seed_)},
+                                 more));
   }
   // Accepts eight runs as the subject's baseline, so that these figures lie at this place of it.
   void accept(const std::string& subject, const Told& figures, PlaceInBand place) {
@@ -128,13 +128,14 @@ TEST_CASE("devices test: distinguishes a changed rig from a changed check standa
   REQUIRE(call(folder, {"sensors", "add", "STD-1", "--type", "sensor.toml"}).code == 0);
   // The state of the chamber and of the standard.
   const auto states = [&](const std::string& seed, int code, const std::vector<std::string>& more = {}) {
-    const Told checks = Told::parse(well(call(folder, joined_words({"devices", "test", "--bench", "simulated.toml",
-                                                                    "--standard", "STD-1", "--operator", "t", "--seed",
-                                                                    seed, "--json", "-q", "--set", "recipe.repeats=2"},
-                                                                   more)),
-                                         code)
-                                        .out)
-                            .at("checks");
+    const Told checks =
+        Told::parse(well(call(folder, joined_arguments({"devices", "test", "--bench", "simulated.toml", "--standard",
+                                                        "STD-1", "--operator", "t", "--seed", seed, "--json", "-q",
+                                                        "--set", "recipe.repeats=2"},
+                                                       more)),
+                         code)
+                        .out)
+            .at("checks");
     REQUIRE(checks.size() == 2);
     return std::pair<std::string, std::string>(checks.at(0).at("state"), checks.at(1).at("state"));
   };

@@ -30,7 +30,7 @@ std::string values_of_file(const std::string& path) { return sequences::TomlDocu
 TEST_CASE("init: writes the files of each kind of bench, and overwrites none") {
   const TemporaryFolder folder;
   const auto init = [&](const std::string& name, const std::vector<std::string>& more) {
-    return verb_here(bench::add_init, joined_words({"init", folder.path(name)}, more));
+    return verb_here(bench::add_init, joined_arguments({"init", folder.path(name)}, more));
   };
   const std::string plain = folder.path("deep/plain");
   CHECK(init("deep/plain", {}).code == 0);
@@ -113,7 +113,7 @@ TEST_CASE("plan: lists the shipped recipes without the nightly suite") {
 
 TEST_CASE("config: prints each value and where it comes from") {
   const auto show = [](const std::vector<std::string>& more) {
-    return verb_here(bench::add_config, joined_words({"config", "--bench", "simulated.toml"}, more));
+    return verb_here(bench::add_config, joined_arguments({"config", "--bench", "simulated.toml"}, more));
   };
   const Finished plain = show({"--set", "bench.location=\"here\""});
   CHECK(plain.code == 0);
@@ -129,9 +129,9 @@ TEST_CASE("config: prints each value and where it comes from") {
 TEST_CASE("devices reset: reports the trip that it removes, or that there is none") {
   const std::string id = "bench-to-reset";
   const auto reset = [&](const std::vector<std::string>& more) {
-    return verb_here(bench::add_devices, joined_words({"devices", "reset", "--bench", "simulated.toml", "--set",
-                                                       "bench.id=\"" + id + "\"", "--operator", "K. Lee"},
-                                                      more));
+    return verb_here(bench::add_devices, joined_arguments({"devices", "reset", "--bench", "simulated.toml", "--set",
+                                                           "bench.id=\"" + id + "\"", "--operator", "K. Lee"},
+                                                          more));
   };
   const nlohmann::json none = nlohmann::json::parse(reset({"--json"}).out);
   CHECK(none.at("tripped") == false);
@@ -201,7 +201,7 @@ TEST_CASE("key tables: a file commented with key meanings has each meaning once 
       "schema = 1\n[settling]\npoll_s = 0.2\n# trace_s = 0\n[stage.x]\ndevice = 1\n[stage.y]\ndevice = 2\n[other]\nx = "
       "1\n";
   const std::vector<sequences::KeyFacts> keys = bench::bench_keys();
-  const std::string text = bench::with_meanings(toml, keys);
+  const std::string text = bench::with_key_comments(toml, keys);
   CHECK(values_of(text) == values_of(toml));
   for (const char* key : {"schema", "settling.poll_s", "settling.trace_s", "stage.x.device", "stage.y.device"}) {
     INFO(key);
@@ -211,6 +211,6 @@ TEST_CASE("key tables: a file commented with key meanings has each meaning once 
   }
   for (const char* name : {"simulated.toml", "simulated-serial.toml", "paper-rig.example.toml"}) {
     const std::string shipped = read_file(bench::find_config(name));
-    CHECK(values_of(bench::with_meanings(shipped, keys)) == values_of(shipped));
+    CHECK(values_of(bench::with_key_comments(shipped, keys)) == values_of(shipped));
   }
 }

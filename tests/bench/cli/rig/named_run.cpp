@@ -53,39 +53,40 @@ std::string named_run_refusal(const Choose& choose) {
 }  // namespace
 
 TEST_CASE("named run: a command goes to the only live run, or if a bench is silent only to a run that is named") {
-  const NamedRun unnamed;
-  NamedRun by_bench, by_store, by_number;
+  const LiveRunSelector unnamed;
+  LiveRunSelector by_bench, by_store, by_number;
   by_bench.bench = "b-1";
   by_store.db_given = true;
   by_number.run = 7;
   Candidates found;
   found.runs = {live_run(7, "b-1")};
-  for (const NamedRun& named : {unnamed, by_bench, by_store, by_number})
-    for (const bool urgent : {false, true}) CHECK(only_one(found, named, "stop", urgent).status.run == 7);
+  for (const LiveRunSelector& named : {unnamed, by_bench, by_store, by_number})
+    for (const bool urgent : {false, true}) CHECK(require_single_run(found, named, "stop", urgent).status.run == 7);
   found.silent = {silent_bench(9, true, false)};  // a stranger's could not be commanded anyway
-  CHECK(only_one(found, unnamed, "stop", false).status.run == 7);
+  CHECK(require_single_run(found, unnamed, "stop", false).status.run == 7);
   found.silent.push_back(silent_bench(9, false, false));
-  for (const NamedRun& named : {by_bench, by_store}) CHECK(only_one(found, named, "stop", false).status.run == 7);
-  CHECK(only_one(found, unnamed, "panic", true).status.run == 7);
+  for (const LiveRunSelector& named : {by_bench, by_store})
+    CHECK(require_single_run(found, named, "stop", false).status.run == 7);
+  CHECK(require_single_run(found, unnamed, "panic", true).status.run == 7);
   found.silent = {silent_bench(9, false, false)};
-  for (const NamedRun& named : {unnamed, by_number})
-    CHECK(named_run_refusal([&] { (void)only_one(found, named, "stop", false); }) == "TB-RUN-AMBIGUOUS");
+  for (const LiveRunSelector& named : {unnamed, by_number})
+    CHECK(named_run_refusal([&] { (void)require_single_run(found, named, "stop", false); }) == "TB-RUN-AMBIGUOUS");
   found.silent.clear();
   found.runs.push_back(live_run(8, "b-3"));
   for (const bool urgent : {false, true})
-    CHECK(named_run_refusal([&] { (void)only_one(found, by_bench, "pause", urgent); }) == "TB-RUN-AMBIGUOUS");
+    CHECK(named_run_refusal([&] { (void)require_single_run(found, by_bench, "pause", urgent); }) == "TB-RUN-AMBIGUOUS");
 }
 
 TEST_CASE("named run: a silent bench is reported before the absence of a live run") {
-  const NamedRun unnamed;
-  NamedRun by_number;
+  const LiveRunSelector unnamed;
+  LiveRunSelector by_number;
   by_number.run = 12;
   Candidates found;
-  CHECK(named_run_refusal([&] { (void)only_one(found, unnamed, "stop", false); }) == "TB-RUN-NOT-LIVE");
+  CHECK(named_run_refusal([&] { (void)require_single_run(found, unnamed, "stop", false); }) == "TB-RUN-NOT-LIVE");
   found.others = {live_run(7, "b-1")};
-  CHECK(named_run_refusal([&] { (void)only_one(found, by_number, "stop", false); }) == "TB-RUN-NOT-LIVE");
+  CHECK(named_run_refusal([&] { (void)require_single_run(found, by_number, "stop", false); }) == "TB-RUN-NOT-LIVE");
   found.silent = {silent_bench(9, false, true), silent_bench(0, false, false)};
-  CHECK(named_run_refusal([&] { (void)only_one(found, by_number, "stop", true); }) == "TB-RUN-SILENT");
+  CHECK(named_run_refusal([&] { (void)require_single_run(found, by_number, "stop", true); }) == "TB-RUN-SILENT");
   const std::string stranger = named_run_refusal([&] { refuse_silent({silent_bench(9, true, true)}); });
   if (::geteuid() == 0) {
     CHECK(stranger == "TB-RUN-SILENT");

@@ -19,7 +19,7 @@ TEST_CASE("plan: lists the same steps as the compiler") {
   const TemporaryFolder folder;
   for (const std::vector<std::string>& names :
        std::vector<std::vector<std::string>>{{"production", "ring"}, {"rate-ramp"}, {"random-reversal"}}) {
-    std::vector<std::string> words = joined_words({"plan", "--steps"}, names);
+    std::vector<std::string> words = joined_arguments({"plan", "--steps"}, names);
     std::string lines;
     const auto steps = sequences::compile(bench::read_recipes(names));
     for (const sequences::Step& step : steps) lines += step_line(step) + "\n";

@@ -21,14 +21,14 @@ constexpr const char* kFarRig =
 struct RunToRefuse {
   RunToRefuse() { write_file(folder.path("far.toml"), kFarRig); }
   [[nodiscard]] Finished run(const std::string& bench, const std::vector<std::string>& more) const {
-    return verb_here(bench::add_run, joined_words({"run", "equilibration", "--bench", bench, "--sensor", "S-9",
-                                                   "--operator", "me", "-q", "--db", folder.path("runs.db")},
-                                                  more));
+    return verb_here(bench::add_run, joined_arguments({"run", "equilibration", "--bench", bench, "--sensor", "S-9",
+                                                       "--operator", "me", "-q", "--db", folder.path("runs.db")},
+                                                      more));
   }
   [[nodiscard]] Finished calibrate(const std::vector<std::string>& more) const {
-    return verb_here(bench::add_devices, joined_words({"devices", "calibrate-reference", "--bench", "simulated.toml",
-                                                       "--gauge", "g", "--uncertainty", "0.05"},
-                                                      more));
+    return verb_here(bench::add_devices, joined_arguments({"devices", "calibrate-reference", "--bench",
+                                                           "simulated.toml", "--gauge", "g", "--uncertainty", "0.05"},
+                                                          more));
   }
   TemporaryFolder folder;
 };
@@ -43,7 +43,7 @@ struct StoreToResume : OpenStoreHere {
     (void)begin_example(store, run);
   }
   Finished resume(const std::vector<std::string>& more = {}) const {
-    return say(bench::add_control, joined_words({"resume", "1"}, more));
+    return say(bench::add_control, joined_arguments({"resume", "1"}, more));
   }
 };
 

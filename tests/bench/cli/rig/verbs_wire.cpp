@@ -182,7 +182,7 @@ TEST_CASE("watch: shows how an ended run ended only if no silent run matches, a 
   const Finished ended = of.give({"status", "--watch", "2"});
   CHECK(ended.code == 3);  // its process died
   const bench::RunLock lock(path);
-  lock.take_new(2);
+  lock.lock_new_run(2);
   const Finished carried_out = of.give({"status", "--watch", "2"});
   CHECK(carried_out.code == 2);
   CHECK(carried_out.out.empty());

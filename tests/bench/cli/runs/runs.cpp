@@ -86,7 +86,7 @@ TEST_CASE("runs list: counts void runs, and marks whether a run that has not end
   store.store.void_run(2, "door", "K. Lee", kUtc);
   const bench::RunLock lock(store.path);
   CHECK(nlohmann::json::parse(store.runs({"list", "--json"}).out).at("runs").at(1).at("lives") == false);
-  lock.take_again(4);
+  lock.lock_for_resume(4);
   CHECK(nlohmann::json::parse(store.runs({"list", "--all", "--json"}).out).at("runs").size() == 4);
   const auto told = nlohmann::json::parse(store.runs({"list", "--json"}).out);
   CHECK(told.at("void_left_out") == 2);

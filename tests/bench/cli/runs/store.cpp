@@ -211,7 +211,7 @@ namespace {
 
 struct StoreOfRules : StoreHere {
   Finished prune(const std::string& rule, const std::vector<std::string>& more = {}) const {
-    return verb_here(bench::add_db, joined_words({"db", "prune", "--db", path, "--keep=" + rule}, more));
+    return verb_here(bench::add_db, joined_arguments({"db", "prune", "--db", path, "--keep=" + rule}, more));
   }
   Finished since(const std::string& date) const {
     return verb_here(bench::add_runs, {"runs", "list", "--json", "--db", path, "--since=" + date});

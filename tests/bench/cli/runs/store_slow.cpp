@@ -189,7 +189,7 @@ TEST_CASE("metadata: lot, order and key=value are stored, shown, found, exported
   run_recipe(folder, "small.toml", {"--lot", "A7", "--order", "55/26", "--meta", "film=B12", "--meta", "station=left"});
   run_recipe(folder, "small.toml");
   const auto found = [&](const std::vector<std::string>& more) {
-    return json::parse(call(folder, joined_words({"runs", "list", "--json"}, more)).out).at("runs").size();
+    return json::parse(call(folder, joined_arguments({"runs", "list", "--json"}, more)).out).at("runs").size();
   };
   CHECK(found({}) == 2);
   CHECK(found({"--lot", "A7"}) == 1);
@@ -240,13 +240,13 @@ TEST_CASE(
   const TemporaryFolder folder;
   write_file(folder.path("small.toml"), kNight);
   const auto night = [&](const std::vector<std::string>& more) {
-    return call(folder, joined_words({"nightly", "./small.toml", "--db", "night.db", "--json"}, more));
+    return call(folder, joined_arguments({"nightly", "./small.toml", "--db", "night.db", "--json"}, more));
   };
   REQUIRE(night({"--seeds", "3"}).code == 0);
   REQUIRE(call(folder, {"runs", "tag", "3", "pinned", "--db", "night.db"}).code == 0);
   const std::string trend = call(folder, {"trend", "--db", "night.db"}).out;
   const auto prune = [&](const std::vector<std::string>& more) {
-    return call(folder, joined_words({"db", "prune", "--db", "night.db"}, more));
+    return call(folder, joined_arguments({"db", "prune", "--db", "night.db"}, more));
   };
   // Nothing is old yet, and nothing is done without --yes.
   CHECK(json_printed_by(prune({"--keep", "1d", "--yes", "--json"})).at("runs").empty());
@@ -266,7 +266,7 @@ TEST_CASE(
                                              {"runs", "export", "1", "-o", "r.csv"},
                                              {"runs", "export", "1", "--format", "json", "-o", "r.json"}}) {
     INFO(words.front());
-    check_refusal(call(folder, joined_words(words, {"--db", "night.db"})), 2, "TB-STORE-PRUNED");
+    check_refusal(call(folder, joined_arguments(words, {"--db", "night.db"})), 2, "TB-STORE-PRUNED");
   }
   CHECK(call(folder, {"verify", "--db", "night.db"}).code == 0);
   // The next night is still compared, frame by frame, with one whose frames are gone.
@@ -301,7 +301,7 @@ TEST_CASE("runs list: --verdict accepts each verdict and finds the runs with it"
   {
     db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
     for (const char* origin : {"simulated", "hardware"}) {
-      for (const std::string& word : analysis::verdict_words()) add_judged_run(store, origin, word);
+      for (const std::string& word : analysis::verdict_names()) add_judged_run(store, origin, word);
       add_judged_run(store, origin, "");
     }
   }

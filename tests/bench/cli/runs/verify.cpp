@@ -17,7 +17,9 @@ namespace {
 struct StoreToVerify : OpenStoreHere {
   StoreToVerify() { (void)store_example(store); }
   Finished verify() const { return say(bench::add_verify, {"verify", "1"}); }
-  [[nodiscard]] nlohmann::json told_of_it() const { return told<nlohmann::json>(bench::add_verify, {"verify", "1"}); }
+  [[nodiscard]] nlohmann::json verify_result() const {
+    return told<nlohmann::json>(bench::add_verify, {"verify", "1"});
+  }
   void change(const char* sql) const { db::sqlite::Connection(path, db::sqlite::Access::kReadWrite).execute(sql); }
   [[nodiscard]] std::string hash() const { return store.run(1).content_sha256; }
 };
@@ -27,7 +29,7 @@ struct StoreToVerify : OpenStoreHere {
 TEST_CASE("verify: an unchanged stored run passes") {
   const StoreToVerify store;
   CHECK(store.verify().code == 0);
-  const nlohmann::json told = store.told_of_it();
+  const nlohmann::json told = store.verify_result();
   check_members(told, R"({"run": 1, "origin": "simulated", "holds": true})");
   CHECK(told.at("pruned").is_null());
   CHECK(told.at("first_difference") == "");
@@ -44,10 +46,10 @@ TEST_CASE("verify: exit code 5 for changed content or a changed approval") {
   store.store.add_report({1, "1-a", "h", "K. Lee", kUtc, "", ""});
   store.change("UPDATE reports SET approved_by = 'B'");
   CHECK(store.verify().code == 5);
-  CHECK(store.told_of_it().at("beside").size() == 1);
+  CHECK(store.verify_result().at("beside").size() == 1);
   store.change("UPDATE frames SET status = 9 WHERE frame = (SELECT min(frame) FROM frames)");
   CHECK(store.verify().code == 5);
-  const nlohmann::json told = store.told_of_it();
+  const nlohmann::json told = store.verify_result();
   CHECK(told.at("holds") == false);
   CHECK(told.at("content").at("holds") == false);
   CHECK(told.at("content").at("computed_sha256") != store.hash());
@@ -58,7 +60,7 @@ TEST_CASE("verify: exit code 6 for a run with pruned frames, a run that has not 
   store.store.set_tags(1, {"nightly"}, {});
   (void)store.store.prune_frames(1, "old nights", kUtc);
   CHECK(store.verify().code == 6);
-  const nlohmann::json told = store.told_of_it();
+  const nlohmann::json told = store.verify_result();
   CHECK(told.at("pruned") == nlohmann::json{{"frames", 3}, {"rule", "old nights"}, {"pruned_utc", kUtc}});
   store.change("UPDATE runs SET seed = 8");
   CHECK(store.verify().code == 5);
@@ -95,8 +97,9 @@ struct PairOfRuns : OpenStoreHere {
     return add([](db::RunRecord&) {}, change);
   }
   Finished diff(std::int64_t first, std::int64_t second, const std::vector<std::string>& more = {}) const {
-    return verb_here(bench::add_runs,
-                     joined_words({"runs", "diff", std::to_string(first), std::to_string(second), "--db", path}, more));
+    return verb_here(
+        bench::add_runs,
+        joined_arguments({"runs", "diff", std::to_string(first), std::to_string(second), "--db", path}, more));
   }
   [[nodiscard]] nlohmann::json told(std::int64_t first, std::int64_t second) const {
     return nlohmann::json::parse(diff(first, second, {"--json"}).out);

@@ -115,20 +115,20 @@ TEST_CASE("control: after the last step pause, resume and stop are too late, abo
     const Control::Answer answer = control.ask(command, "bob");
     CHECK(answer.taken == !late);
     CHECK_FALSE(control.pause_wanted());
-    CHECK_FALSE(control.take_resume());
+    CHECK_FALSE(control.consume_resume());
   }
   Control before;
   CHECK(before.ask(Command::kStop, "bob").taken);
   try {
     before.finish(signals);
     FAIL("it was asked to stop before");
-  } catch (const Leave& leave) {
+  } catch (const RunEndRequested& leave) {
     CHECK((leave.command == Command::kStop && leave.signal == 0 && leave.who == "bob"));
   }
   try {
     before.poll(signals);
     FAIL("it was asked to stop before");
-  } catch (const Leave& leave) {
+  } catch (const RunEndRequested& leave) {
     CHECK((leave.command == Command::kStop && leave.signal == 0));
   }
   Control none;
@@ -147,15 +147,15 @@ TEST_CASE("control: after the last step pause, resume and stop are too late, abo
 TEST_CASE("control: pause and resume requests are pending until used or cancelled") {
   Control control;
   control.publish(asked_status(RunState::kRunning));
-  CHECK_FALSE(control.take_resume());
+  CHECK_FALSE(control.consume_resume());
   (void)control.ask(Command::kPause, "a");
   CHECK(control.pause_wanted());
-  CHECK_FALSE(control.take_resume());
+  CHECK_FALSE(control.consume_resume());
   CHECK(control.pause_wanted());
   (void)control.ask(Command::kResume, "a");
   CHECK_FALSE(control.pause_wanted());
-  CHECK(control.take_resume());
-  CHECK_FALSE(control.take_resume());
+  CHECK(control.consume_resume());
+  CHECK_FALSE(control.consume_resume());
   CHECK_FALSE(control.pause_wanted());
 }
 
@@ -180,7 +180,7 @@ TEST_CASE("control: a question gets one answer, from a client or by resume") {
     CHECK_THAT(late.text, Catch::Contains("ann"));
   }
   CHECK(control.who() == "ann");
-  CHECK_FALSE(control.take_resume());
+  CHECK_FALSE(control.consume_resume());
   for (const RunState state : {RunState::kStopping, RunState::kEnded}) {
     Control ending;
     ending.publish(asked_status(state, "Mounted?"));
@@ -213,57 +213,57 @@ TEST_CASE("control: each status, reading and answer counts as an update, a comma
 using namespace tactbench::bench;
 
 TEST_CASE("client messages: a written message is read back, including on whose behalf it is sent") {
-  const ClientWords pause = read_words(command_words(Command::kPause, "bob of 127.0.0.1"));
-  CHECK(pause.word == ClientWord::kCommand);
+  const ClientRequest pause = parse_client_request(command_packet(Command::kPause, "bob of 127.0.0.1"));
+  CHECK(pause.word == ClientRequestKind::kCommand);
   CHECK(pause.command == Command::kPause);
   CHECK(pause.behalf == "bob of 127.0.0.1");
-  const ClientWords answer = read_words(answer_words(3, "mounted, 2 Nm", ""));
-  CHECK(answer.word == ClientWord::kAnswer);
+  const ClientRequest answer = parse_client_request(answer_packet(3, "mounted, 2 Nm", ""));
+  CHECK(answer.word == ClientRequestKind::kAnswer);
   CHECK(answer.question == 3);
   CHECK(answer.text == "mounted, 2 Nm");
   CHECK(answer.behalf.empty());
-  CHECK(read_words(answer_words(3, "", "bob")).text.empty());
-  CHECK(read_words("follow").word == ClientWord::kFollow);
+  CHECK(parse_client_request(answer_packet(3, "", "bob")).text.empty());
+  CHECK(parse_client_request("follow").word == ClientRequestKind::kFollow);
   for (const Command command : {Command::kStatus, Command::kResume, Command::kStop, Command::kAbort, Command::kPanic})
-    CHECK(read_words(to_string(command)).command == command);
+    CHECK(parse_client_request(to_string(command)).command == command);
 }
 
 TEST_CASE("client messages: unknown text counts as a status request, and text cannot add a line") {
   for (const char* text : {"", " ", "halt", "pausee", "PAUSE", "\npause", "answers 1"}) {
     INFO(text);
-    CHECK(read_words(text).word == ClientWord::kCommand);
-    CHECK(read_words(text).command == Command::kStatus);
+    CHECK(parse_client_request(text).word == ClientRequestKind::kCommand);
+    CHECK(parse_client_request(text).command == Command::kStatus);
   }
   for (const char* text : {"answer", "answer ", "answer x", "answer 3x yes", "answer 99999999999 yes"})
-    CHECK(read_words(text).question == 0);
-  const ClientWords read = read_words(answer_words(1, "yes\nabort\x1b[31m", "bob\nroot"));
-  CHECK(read.word == ClientWord::kAnswer);
+    CHECK(parse_client_request(text).question == 0);
+  const ClientRequest read = parse_client_request(answer_packet(1, "yes\nabort\x1b[31m", "bob\nroot"));
+  CHECK(read.word == ClientRequestKind::kAnswer);
   CHECK(read.text.find('\n') == std::string::npos);
   CHECK(read.text.find('\x1b') == std::string::npos);
   CHECK(read.behalf.find('\n') == std::string::npos);
   CHECK(read.behalf.starts_with("bob"));
-  CHECK(command_words(Command::kStop, std::string(5000, 'x')).size() < 500);
+  CHECK(command_packet(Command::kStop, std::string(5000, 'x')).size() < 500);
 }
 
 TEST_CASE("client messages: text is cut to its maximum width, and a command ends at the first blank") {
   const std::string long_text(1000, 'x');
-  const std::string cut_behalf = std::string(kLongestBehalf - 1, 'x') + "\u2026";
-  const std::string cut_reply = std::string(kLongestReply - 1, 'x') + "\u2026";
-  CHECK(command_words(Command::kStop, "") == "stop");
-  CHECK(command_words(Command::kStop, "ann") == "stop\nann");
-  CHECK(command_words(Command::kStop, long_text) == "stop\n" + cut_behalf);
-  CHECK(answer_words(12, "a b", "") == "answer 12 a b");
-  CHECK(answer_words(12, long_text, "ann") == "answer 12 " + cut_reply + "\nann");
-  CHECK(read_words("stop now").command == Command::kStop);
-  CHECK(read_words("stop\n" + long_text).behalf == cut_behalf);
-  CHECK(read_words("stop\n").behalf.empty());
-  CHECK(read_words("follow me\nann").word == ClientWord::kFollow);
-  CHECK(read_words("follow me\nann").behalf == "ann");
-  const ClientWords read = read_words("answer 12  two blanks\nann");
-  CHECK(
-      (read.word == ClientWord::kAnswer && read.question == 12 && read.text == " two blanks" && read.behalf == "ann"));
-  CHECK(read_words("answer 12 " + long_text).text == cut_reply);
-  CHECK(read_words("answer -3 x").question == -3);
+  const std::string cut_behalf = std::string(kMaxBehalfColumns - 1, 'x') + "\u2026";
+  const std::string cut_reply = std::string(kMaxReplyColumns - 1, 'x') + "\u2026";
+  CHECK(command_packet(Command::kStop, "") == "stop");
+  CHECK(command_packet(Command::kStop, "ann") == "stop\nann");
+  CHECK(command_packet(Command::kStop, long_text) == "stop\n" + cut_behalf);
+  CHECK(answer_packet(12, "a b", "") == "answer 12 a b");
+  CHECK(answer_packet(12, long_text, "ann") == "answer 12 " + cut_reply + "\nann");
+  CHECK(parse_client_request("stop now").command == Command::kStop);
+  CHECK(parse_client_request("stop\n" + long_text).behalf == cut_behalf);
+  CHECK(parse_client_request("stop\n").behalf.empty());
+  CHECK(parse_client_request("follow me\nann").word == ClientRequestKind::kFollow);
+  CHECK(parse_client_request("follow me\nann").behalf == "ann");
+  const ClientRequest read = parse_client_request("answer 12  two blanks\nann");
+  CHECK((read.word == ClientRequestKind::kAnswer && read.question == 12 && read.text == " two blanks" &&
+         read.behalf == "ann"));
+  CHECK(parse_client_request("answer 12 " + long_text).text == cut_reply);
+  CHECK(parse_client_request("answer -3 x").question == -3);
 }
 
 TEST_CASE("peers: are shown by user name, or by number if the name is unknown") {
@@ -285,33 +285,33 @@ TEST_CASE("status: a client reads every member of the status that a run sends") 
   sent.frames_void = 3;
   sent.answer = GivenAnswer{3, "mounted", "bob"};
   nlohmann::json told, bare, again;
-  tell_status(told, sent);
-  tell_status(bare, told_status(nlohmann::json::object()));
+  add_status_json(told, sent);
+  add_status_json(bare, status_from_json(nlohmann::json::object()));
   CHECK(told.size() == 22);
   for (const auto& [key, value] : told.items()) {
     INFO(key);
     CHECK((!bare.contains(key) || bare.at(key) != value));  // no member of the example is what is read of nothing
   }
-  tell_status(again, told_status(nlohmann::json::parse(told.dump())));
+  add_status_json(again, status_from_json(nlohmann::json::parse(told.dump())));
   CHECK(again == told);
   CHECK((told.at("readings").size() == 6 && told.at("answer").size() == 3));
-  const RunStatus read = told_status(told);
+  const RunStatus read = status_from_json(told);
   CHECK((read.run == 7 && read.step == 19 && read.steps == 217));
   CHECK((read.frames == 12 && read.frames_void == 3 && read.frames_planned == 211));
   CHECK((read.left_low_s == 630.0 && read.left_s == 645.0 && read.left_high_s == 680.0 && read.age_s == 0.25));
   CHECK((read.readings->feedback_psi == 39.98 && read.readings->reference_psi == 40.01 && read.target_n == 10.0));
-  const RunStatus nothing = told_status(nlohmann::json::object());
+  const RunStatus nothing = status_from_json(nlohmann::json::object());
   CHECK((nothing.run == 0 && nothing.state == RunState::kEnded && nothing.rate == 1.0));
   CHECK_FALSE((nothing.readings || nothing.target_n || nothing.answer));
   const nlohmann::json empty = nlohmann::json::object();
-  const RunStatus hollow = told_status({{"readings", empty}, {"answer", empty}});
+  const RunStatus hollow = status_from_json({{"readings", empty}, {"answer", empty}});
   REQUIRE((hollow.readings && hollow.answer));
   CHECK_FALSE((hollow.readings->settled || hollow.readings->force_n || hollow.answer->question != 0));
   for (int i = 0; i <= static_cast<int>(RunState::kEnded); ++i) {
     const auto state = static_cast<RunState>(i);
-    CHECK(told_status({{"state", to_string(state)}}).state == state);
+    CHECK(status_from_json({{"state", to_string(state)}}).state == state);
   }
-  CHECK_THROWS_AS(told_status({{"readings", 3}}), nlohmann::json::exception);
+  CHECK_THROWS_AS(status_from_json({{"readings", 3}}), nlohmann::json::exception);
 }
 
 TEST_CASE("status: an answer is short and free of control characters, however long the question of a recipe is") {
@@ -319,7 +319,7 @@ TEST_CASE("status: an answer is short and free of control characters, however lo
   status.question = "is\x1b[2J it \n" + std::string(100000, 'q');
   status.phase = status.reason = status.question;
   nlohmann::json told;
-  tell_status(told, status);
+  add_status_json(told, status);
   CHECK(told.dump().size() < 4000);
   CHECK_THAT(told["question"].get<std::string>(), Catch::StartsWith("is\\x1b[2J it \\x0a"));
 }

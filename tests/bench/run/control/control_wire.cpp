@@ -239,8 +239,8 @@ TEST_CASE("commands: a stopped run with a free or a full queue does not delay co
   AnsweringRun live("live", 3, "live.db");
   ListenOptions options;
   options.longest = std::chrono::seconds(60);
-  Heard heard;
-  const double took = seconds_of([&] { heard = say_to(run_names(), Command::kStop, options); });
+  RunReplies heard;
+  const double took = seconds_of([&] { heard = send_to_runs(run_names(), Command::kStop, options); });
   CHECK(took < 10.0);  // 0.2 s are meant; it would take 60 s, or for ever, if one waited for the other
   REQUIRE(heard.answers.size() == 1);
   CHECK(heard.answers[0].taken);
@@ -258,13 +258,13 @@ TEST_CASE("commands: one run is waited for no longer than the timeout, and only 
   AnsweringRun live("live", 3, "live.db");
   ListenOptions options;
   options.longest = milliseconds(200);
-  double took = seconds_of([&] { CHECK(say_to({"a-frozen"}, Command::kPanic, options).silent.size() == 1); });
+  double took = seconds_of([&] { CHECK(send_to_runs({"a-frozen"}, Command::kPanic, options).silent.size() == 1); });
   CHECK(took >= 0.2);
   CHECK(took < 5.0);
   options.longest = std::chrono::seconds(60);
   options.enough = [](const LiveRun& run) { return run.status.run == 3; };
   options.stragglers = std::chrono::seconds(60);
-  took = seconds_of([&] { CHECK(say_to(run_names(), Command::kStatus, options).answers.size() == 1); });
+  took = seconds_of([&] { CHECK(send_to_runs(run_names(), Command::kStatus, options).answers.size() == 1); });
   CHECK(took < 20.0);
   CHECK(run_names("live") == std::vector<std::string>{"live"});
   CHECK(run_names("liv").empty());
@@ -316,7 +316,7 @@ TEST_CASE("commands: a resume from a disconnected sender is ignored, a panic sti
   {
     const ControlSocket socket(run.config, run.control, 4, &run.name);
     REQUIRE(send_command("thawed", Command::kStatus));  // after the one that waited
-    CHECK_FALSE(run.control.take_resume());
+    CHECK_FALSE(run.control.consume_resume());
     leave_behind("panic");
     REQUIRE(send_command("thawed", Command::kStatus));
   }
@@ -412,7 +412,7 @@ TEST_CASE("control: a run can pause at the end of every branch, under any load")
 TEST_CASE("safe state: the module is fed while waiting for the array") {
   bench::Rig rig(small_request().bench);
   rig.open();
-  bench::Baseline baseline = bench::baseline_of(rig.array().read(8));
+  bench::UnloadedFrame baseline = bench::unloaded_frame_of(rig.array().read(8));
   for (double& counts : baseline) counts -= 20000.0;  // which it never comes down to
   const auto begun = rig.clock().now();
   CHECK(make_safe(rig, baseline).state == db::SafeState::kUnverified);
@@ -463,7 +463,7 @@ TEST_CASE("descriptors: commanding, following and answering a run leave no descr
       CHECK_FALSE(send_command("not-there", Command::kStatus));
       RunConnection follower("thrifty", "follow");
       CHECK(comes_true([&] { return follower.newest().has_value(); }));
-      RunConnection answering("thrifty", answer_words(1, "yes", ""));
+      RunConnection answering("thrifty", answer_packet(1, "yes", ""));
       CHECK(comes_true([&] { return answering.newest().has_value(); }));
       CHECK(MachineName("thrifty").owner() != "");
       CHECK_FALSE(MachineName("thrifty").held());

@@ -37,7 +37,7 @@ struct Desk {
   [[nodiscard]] Finished call(const std::vector<std::string>& words) const {
     return run_program(program_path(), words, folder.path());
   }
-  static std::vector<std::string> run_words(const std::string& recipe) {
+  static std::vector<std::string> run_arguments(const std::string& recipe) {
     return {"run", recipe, "--bench", "bench.toml", "--sensor", "S-1", "--operator", "t", "--no-seating"};
   }
   // In a shell, `redirected` to what it says: "2>&-".
@@ -81,7 +81,7 @@ class Pipe {
   void close_reader() {
     if (reader_ >= 0) ::close(std::exchange(reader_, -1));
   }
-  [[nodiscard]] bool has_words() const {
+  [[nodiscard]] bool has_output() const {
     char byte = 0;
     return ::read(reader_, &byte, 1) == 1;
   }
@@ -104,7 +104,7 @@ TEST_CASE("end of run: every signal ends a run like a request to terminate") {
   // signals.cpp raises the others.
   const auto [number, code] = GENERATE(table<int, int>({{SIGHUP, 129}, {SIGXCPU, 152}, {64, 192}}));
   const Desk desk;
-  const Finished run = run_program(program_path(), Desk::run_words("long.toml"), desk.folder.path(),
+  const Finished run = run_program(program_path(), Desk::run_arguments("long.toml"), desk.folder.path(),
                                    {number, [&] { return desk.has_frames(); }});
   INFO(run.err);
   CHECK(run.code == code);
@@ -115,8 +115,8 @@ TEST_CASE("end of run: every signal ends a run like a request to terminate") {
 TEST_CASE("end of run: a run whose reader of standard error has ended continues, pauses and stops as asked") {
   const Desk desk;
   Pipe pipe(desk.folder.path("err"));
-  const auto run = desk.start(Desk::run_words("long.toml"), "2>err");
-  REQUIRE(comes_true([&] { return pipe.has_words(); }));  // the estimate
+  const auto run = desk.start(Desk::run_arguments("long.toml"), "2>err");
+  REQUIRE(comes_true([&] { return pipe.has_output(); }));  // the estimate
   pipe.close_reader();
   REQUIRE(comes_true([&] { return desk.has_frames(); }));
   run->signal(SIGINT);
@@ -131,12 +131,12 @@ TEST_CASE("end of run: a run without a reader of its result, or with its streams
   const bool closed = GENERATE(false, true);
   Pipe pipe(desk.folder.path("out"));
   if (!closed) {
-    const auto run = desk.start(Desk::run_words("short.toml"), ">out 2>&1");
-    REQUIRE(comes_true([&] { return pipe.has_words(); }));
+    const auto run = desk.start(Desk::run_arguments("short.toml"), ">out 2>&1");
+    REQUIRE(comes_true([&] { return pipe.has_output(); }));
     pipe.close_reader();
     CHECK(run->wait() == 0);
   } else {
-    CHECK(desk.start(Desk::run_words("short.toml"), "<&- >&- 2>&-")->wait() == 0);
+    CHECK(desk.start(Desk::run_arguments("short.toml"), "<&- >&- 2>&-")->wait() == 0);
   }
   desk.check_row(db::Outcome::kCompleted);
   CHECK(desk.call({"verify", "1"}).code == 0);
@@ -146,7 +146,7 @@ TEST_CASE("end of run: a stopped reader of standard error does not delay it") {
   const Desk desk;
   const Pipe pipe(desk.folder.path("err"));
   pipe.fill();
-  CHECK(desk.start(Desk::run_words("short.toml"), "2>err")->wait() == 0);
+  CHECK(desk.start(Desk::run_arguments("short.toml"), "2>err")->wait() == 0);
   desk.check_row(db::Outcome::kCompleted);
 }
 
@@ -154,7 +154,7 @@ TEST_CASE("end of run: live ends when the reader of its output ends") {
   const Desk desk;
   Pipe pipe(desk.folder.path("out"));
   const auto watch = desk.start({"live", "--bench", "bench.toml", "--interval", "0.05"}, ">out");
-  REQUIRE(comes_true([&] { return pipe.has_words(); }));
+  REQUIRE(comes_true([&] { return pipe.has_output(); }));
   pipe.close_reader();
   CHECK(watch->wait() == 0);
 }

@@ -18,7 +18,7 @@ namespace {
 
 // What catches the exception that `thrown` is.
 template <class Thrown>
-void met(Ending& ending, const Thrown& thrown) {
+void met(EndReason& ending, const Thrown& thrown) {
   try {
     throw thrown;
   } catch (...) {
@@ -53,10 +53,10 @@ TEST_CASE("ending: a command gives its outcome and exit code") {
   const auto ended = [](Command command, int signal) {
     const StopRequest signals;
     Control control;
-    Ending ending(control, signals);
-    met(ending, Leave{command, signal, "bob"});
+    EndReason ending(control, signals);
+    met(ending, RunEndRequested{command, signal, "bob"});
     CHECK(ending.error().value().where() == "here");
-    CHECK_FALSE(ending.met_store());
+    CHECK_FALSE(ending.store_failed());
     CHECK_THAT(ending.error()->what(), Catch::Contains("bob"));
     return std::tuple(ending.error()->id(), ending.error()->code(), ending.outcome());
   };
@@ -71,9 +71,9 @@ TEST_CASE("ending: a fault gives its outcome, and which command outranks which f
   const auto ended = [&](const auto& thrown, std::optional<Command> word) {
     Control control;
     if (word) CHECK(control.ask(*word, "bob").taken);
-    Ending ending(control, signals);
+    EndReason ending(control, signals);
     met(ending, thrown);
-    return std::tuple(ending.error().value().id(), ending.error()->code(), ending.outcome(), ending.met_store());
+    return std::tuple(ending.error().value().id(), ending.error()->code(), ending.outcome(), ending.store_failed());
   };
   using db::Outcome;
   CHECK(ended(kDeviceFault, {}) == std::tuple("TB-SCANNER-LOST", ExitCode::kDevice, Outcome::kFailed, false));
@@ -100,16 +100,16 @@ TEST_CASE("ending: a late abort or panic ends a run that nothing else has ended"
     db::Outcome outcome;
     std::vector<std::string> events;
   };
-  const auto told = [&](const std::function<void(Ending&, Control&)>& act) {
+  const auto told = [&](const std::function<void(EndReason&, Control&)>& act) {
     const tests::TemporaryFolder folder;
     db::RunStore store = db::RunStore::open(folder.path("s.db"), db::Durability::kNormal);
     const std::int64_t number = tests::begin_example(store).run;
-    devices::TurnedClock clock;
+    devices::ManualClock clock;
     Recorder recorder(store, number, clock);
     Control control;
-    Ending ending(control, signals);
+    EndReason ending(control, signals);
     act(ending, control);
-    ending.take_last_command("at the end");
+    ending.record_last_command("at the end");
     CHECK_FALSE(control.ask(Command::kAbort, "late").taken);
     ending.write(recorder);
     Answers what{ending.error(), ending.outcome(), {}};
@@ -117,24 +117,24 @@ TEST_CASE("ending: a late abort or panic ends a run that nothing else has ended"
     return what;
   };
   using Events = std::vector<std::string>;
-  const Answers done = told([](Ending&, Control&) {});
+  const Answers done = told([](EndReason&, Control&) {});
   CHECK_FALSE(done.error);
   CHECK(done.outcome == db::Outcome::kCompleted);
   CHECK(done.events.empty());
-  const Answers stop = told([](Ending&, Control& control) { (void)control.ask(Command::kStop, "x"); });
+  const Answers stop = told([](EndReason&, Control& control) { (void)control.ask(Command::kStop, "x"); });
   CHECK_FALSE(stop.error);
   CHECK(stop.events == Events{"word TB-RUN-STOPPED"});
-  const Answers abort = told([](Ending&, Control& control) { (void)control.ask(Command::kAbort, "x"); });
+  const Answers abort = told([](EndReason&, Control& control) { (void)control.ask(Command::kAbort, "x"); });
   CHECK(abort.error.value().id() == "TB-RUN-ABORTED");
   CHECK(abort.events == Events{"fault TB-RUN-ABORTED"});
-  const Answers both = told([](Ending& ending, Control& control) {
+  const Answers both = told([](EndReason& ending, Control& control) {
     met(ending, kDeviceFault);
     (void)control.ask(Command::kAbort, "x");
     ending.by(Error("TB-SAFE-UNVERIFIED", "", ""));  // something has ended it already
   });
   CHECK(both.error.value().id() == "TB-SCANNER-LOST");
   CHECK(both.events == Events{"fault TB-SCANNER-LOST", "word TB-RUN-ABORTED"});
-  const Answers same = told([](Ending& ending, Control& control) {
+  const Answers same = told([](EndReason& ending, Control& control) {
     (void)control.ask(Command::kStop, "x");
     met(ending, kDeviceFault);
   });
@@ -142,7 +142,7 @@ TEST_CASE("ending: a late abort or panic ends a run that nothing else has ended"
   CHECK_THAT(same.error->what(), Catch::Contains("TB-SCANNER-LOST"));
   CHECK(same.events == Events{"fault TB-SCANNER-LOST", "fault TB-RUN-STOPPED"});
   const Answers unsafe =
-      told([](Ending& ending, Control&) { ending.by(Error("TB-SAFE-UNVERIFIED", "not proved", "")); });
+      told([](EndReason& ending, Control&) { ending.by(Error("TB-SAFE-UNVERIFIED", "not proved", "")); });
   CHECK(unsafe.error.value().id() == "TB-SAFE-UNVERIFIED");
   CHECK(unsafe.outcome == db::Outcome::kFailed);
 }

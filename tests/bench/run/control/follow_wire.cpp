@@ -152,19 +152,19 @@ TEST_CASE("follow: random packets neither end the server nor command the run") {
 
 TEST_CASE("answer: an open question is answered once, a second sender gets the name of the first") {
   Answering run("asked");
-  CHECK_FALSE(say("asked", answer_words(1, "yes", "bob")).taken);
+  CHECK_FALSE(say("asked", answer_packet(1, "yes", "bob")).taken);
   run.ask("Point indenter mounted?");
   CHECK_FALSE(say("asked", "answer").taken);
-  const LiveRun first = say("asked", answer_words(1, "with 2 Nm", "bob"));
+  const LiveRun first = say("asked", answer_packet(1, "with 2 Nm", "bob"));
   CHECK(first.taken);
   REQUIRE(first.status.answer);
   CHECK(first.status.answer->text == "with 2 Nm");
-  const LiveRun second = say("asked", answer_words(1, "no", "eve"));
+  const LiveRun second = say("asked", answer_packet(1, "no", "eve"));
   CHECK_FALSE(second.taken);
   CHECK_THAT(second.text, Catch::Contains("bob"));
   CHECK(run.control.answer_to(1)->who.starts_with("bob"));
   run.ask("And the cable?");
   CHECK(say("asked", to_string(Command::kResume)).taken);
   CHECK(run.control.answer_to(2)->text.empty());
-  CHECK(run.control.take_resume());
+  CHECK(run.control.consume_resume());
 }

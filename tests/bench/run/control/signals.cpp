@@ -101,7 +101,7 @@ TEST_CASE("Ctrl-C: the first pauses and the second ends, the first ends an unatt
   CHECK(attended.pause_wanted());
   std::raise(SIGINT);
   REQUIRE(attended.asked(signals));
-  CHECK_THROWS_AS(attended.poll(signals), Leave);
+  CHECK_THROWS_AS(attended.poll(signals), RunEndRequested);
   CHECK(attended.close(signals)->signal == SIGINT);
 }
 
@@ -119,7 +119,7 @@ TEST_CASE("Ctrl-C: a cancelled or finished pause no longer counts, panic outrank
   control.poll(signals);
   CHECK(control.pause_wanted());
   CHECK(control.ask(Command::kResume, "t").taken);
-  CHECK(control.take_resume());
+  CHECK(control.consume_resume());
   control.poll(signals);
   CHECK_FALSE(control.pause_wanted());  // the old Ctrl-C does not pause again
   std::raise(SIGINT);

@@ -73,7 +73,7 @@ class OtherRun {
       try {
         if (read(told_[0], &byte, 1) != 1) _exit(1);
         const RunLock lock(db_path);
-        lock.take_new(kNumber);
+        lock.lock_new_run(kNumber);
         (void)!write(ends_[1], "x", 1);
         pause();
       } catch (...) {
@@ -109,11 +109,11 @@ TEST_CASE("store locks: runs share a store, a start that looks for dead runs loc
   const StoreLocks start(own.path);
   {
     const RunLock one(own.path), other(own.path);
-    CHECK_FALSE(start.take_whole());
+    CHECK_FALSE(start.try_lock_store());
   }
-  REQUIRE(start.take_whole());
+  REQUIRE(start.try_lock_store());
   const StoreLocks late(own.path);
-  CHECK_FALSE(late.take_whole());
+  CHECK_FALSE(late.try_lock_store());
   const auto begun = std::chrono::steady_clock::now();
   CHECK(lock_refused_as([&] { late.share(milliseconds(20)); }) == "TB-STORE-LOCK");
   CHECK(std::chrono::steady_clock::now() - begun >= milliseconds(20));
@@ -124,14 +124,14 @@ TEST_CASE("store locks: a run waits while another start locks the store, and cou
   {
     const OtherRun run(own.path);
     auto start = std::make_unique<StoreLocks>(own.path);
-    REQUIRE(start->take_whole());
+    REQUIRE(start->try_lock_store());
     run.begin();
     CHECK_FALSE(run.holds_within(200));
     start.reset();
     REQUIRE(run.holds_within(10'000));
-    CHECK_FALSE(StoreLocks(own.path).take_whole());
+    CHECK_FALSE(StoreLocks(own.path).try_lock_store());
   }
-  CHECK(StoreLocks(own.path).take_whole());  // gone with its process
+  CHECK(StoreLocks(own.path).try_lock_store());  // gone with its process
 }
 
 TEST_CASE("store locks: a run with a live process is not marked interrupted, a run with a dead process is") {
@@ -153,19 +153,20 @@ TEST_CASE("store locks: a run has only one process, another run of the store may
   LockedStore own;
   const RunLock one(own.path), other(own.path);
   CHECK(is_carried_out(own.path, 7) == false);
-  one.take_again(7);
+  one.lock_for_resume(7);
   CHECK(is_carried_out(own.path, 7) == true);
   CHECK(is_carried_out(own.path, 9) == false);
   CHECK(is_carried_out(own.folder.path("none.db"), 7) == std::nullopt);
-  CHECK(lock_refused_as([&] { other.take_again(7); }) == "TB-RUN-LIVE");
-  for (const std::int64_t beside : {6, 8}) CHECK(lock_refused_as([&] { other.take_again(beside); }) == "not refused");
+  CHECK(lock_refused_as([&] { other.lock_for_resume(7); }) == "TB-RUN-LIVE");
+  for (const std::int64_t beside : {6, 8})
+    CHECK(lock_refused_as([&] { other.lock_for_resume(beside); }) == "not refused");
   const RunRequest request = [&] {
     RunRequest made = small_request();
     made.resume = own.begin();
     return made;
   }();
   const RunLock holder(own.path);
-  holder.take_again(request.resume);
+  holder.lock_for_resume(request.resume);
   CHECK(lock_refused_as([&] { (void)run_small(request, own.store); }) == "TB-RUN-LIVE");
   CHECK(own.store.run(request.resume).outcome == db::Outcome::kIncomplete);
 }
@@ -189,7 +190,7 @@ TEST_CASE("store locks: a removed lock file is created again with its locks, unl
   LockedStore own;
   const std::string lock = own.path + "-lock";
   RunLock run(own.path);
-  run.take_again(7);
+  run.lock_for_resume(7);
   CHECK_FALSE(run.renew(7));
   for (const bool replaced : {false, true}) {
     std::filesystem::remove(lock);
@@ -197,11 +198,11 @@ TEST_CASE("store locks: a removed lock file is created again with its locks, unl
     CHECK(is_carried_out(own.path, 7) != true);
     CHECK(run.renew(7));
     CHECK(is_carried_out(own.path, 7) == true);
-    CHECK_FALSE(StoreLocks(own.path).take_whole());
+    CHECK_FALSE(StoreLocks(own.path).try_lock_store());
   }
   std::filesystem::remove(lock);
   const StoreLocks start(own.path);
-  REQUIRE(start.take_whole());
+  REQUIRE(start.try_lock_store());
   CHECK(lock_refused_as([&] { (void)run.renew(7); }) == "TB-STORE-LOCK");
 }
 
@@ -215,8 +216,8 @@ TEST_CASE("store locks: one empty file next to the store, never the target of a 
   CHECK(std::distance(files, std::filesystem::directory_iterator()) <= 4);  // store, wal, shm, lock
   std::filesystem::create_symlink(own.path, own.folder.path("other.db"));
   const StoreLocks here(own.path), there(own.folder.path("other.db"));  // one store, two names
-  REQUIRE(here.take_whole());
-  CHECK_FALSE(there.take_whole());
+  REQUIRE(here.try_lock_store());
+  CHECK_FALSE(there.try_lock_store());
   const std::string precious = own.folder.path("precious");
   write_file(precious, "kept");
   std::filesystem::remove(own.path + "-lock");
@@ -496,7 +497,7 @@ TEST_CASE("machine names: which held names are runs, and which data of silent on
   CHECK(run_names("b3").empty());
   ListenOptions options;
   options.longest = milliseconds(20);
-  const Heard heard = say_to({"b", "none", "b/process/12", "b2"}, Command::kStatus, options);
+  const RunReplies heard = send_to_runs({"b", "none", "b/process/12", "b2"}, Command::kStatus, options);
   CHECK(heard.answers.empty());
   REQUIRE(heard.silent.size() == 3);
   const auto told = [](const SilentBench& one) {

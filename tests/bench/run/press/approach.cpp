@@ -19,7 +19,7 @@ TEST_CASE("approach on an ideal stage: descent, back-off and steps agree with ha
   // 0.5 mm/s from 10 mm, a look each 40 ms: felt at 4.04 s, 12.02 mm, 0.4 N. Back 0.1 mm, then steps of 0.01 mm; the
   // first two readings of 0.1 N and more are 0.2 N at 12.01 mm and 0.4 N at 12.02 mm.
   CHECK(contact.coarse_z_mm == Approx(12.02));
-  CHECK(contact.greatest_n == Approx(0.4));
+  CHECK(contact.max_force_n == Approx(0.4));
   CHECK(contact.stiffness_n_per_mm == Approx(20.0));
   CHECK(contact.z_mm == Approx(12.0));
   CHECK(contact.uncertainty_mm == Approx(0.005 + 0.01));
@@ -140,7 +140,7 @@ TEST_CASE(
   CHECK(gone.stage.z_mm() == Approx(12.12).margin(0.0051));
   // No step goes beyond the deepest z.
   bench::PressOptions shallow = ideal_options();
-  shallow.deepest_z_mm = 12.025;
+  shallow.max_z_mm = 12.025;
   IdealBed edge(spring(20.0), shallow);
   looks = 0;
   edge.force.law = [&looks](double z_mm) { return z_mm > 12.0 && ++looks <= 3 ? 0.4 : 0.0; };
@@ -179,5 +179,5 @@ TEST_CASE("approach on an ideal stage: stiffness stays within its limits, the gr
     const double force_n = 20.0 * std::max(0.0, z_mm - 12.0);
     return force_n > 0.0 && ++looks <= 3 ? 3.0 * force_n : force_n;
   };
-  CHECK(bench::find_contact(shocked.axis, 10.0).greatest_n == Approx(1.2));
+  CHECK(bench::find_contact(shocked.axis, 10.0).max_force_n == Approx(1.2));
 }

@@ -118,7 +118,7 @@ TEST_CASE("force servo: without a response the stiffness is halved, and a step i
   CHECK(bed.servo.stiffness_n_per_mm() == Approx(19.94003477798882));
 
   PressOptions deep = ideal_options();
-  deep.deepest_z_mm = 18.0;
+  deep.max_z_mm = 18.0;
   deep.play_mm = 0.002;
   ServoBed soft(spring(8.0), deep);
   check_steps(soft.steps(5.0, Branch::kLoading),
@@ -129,7 +129,7 @@ TEST_CASE("force servo: without a response the stiffness is halved, and a step i
 
 TEST_CASE("force servo: stops at the maximum depth beyond the contact, with a fault") {
   PressOptions shallow = ideal_options();
-  shallow.most_press_mm = 0.3;
+  shallow.max_press_mm = 0.3;
   ServoBed bed([](double z_mm) { return 20.0 * std::clamp(z_mm - 12.0, 0.0, 0.2); }, shallow);
   (void)bed.steps(2.0, Branch::kLoading);
   bed.stage.sent_mm.clear();
@@ -146,10 +146,10 @@ TEST_CASE("force servo: stops at the maximum depth beyond the contact, with a fa
 
 TEST_CASE("force servo: exact limits of the number of moves and of the time per level") {
   PressOptions few = ideal_options();
-  few.most_moves = 4;
+  few.max_moves = 4;
   ServoBed enough(spring(20.0), few);
   CHECK(enough.steps(2.0, Branch::kLoading).size() == 4);
-  few.most_moves = 3;
+  few.max_moves = 3;
   ServoBed lacking(spring(20.0), few);
   lacking.stage.sent_mm.clear();
   check_press_fault([&] { (void)lacking.servo.to(2.0, Branch::kLoading, 0.05); }, "TB-PRESS-TIMEOUT",
@@ -189,8 +189,8 @@ TEST_CASE("force servo: a level that is reached needs no move, one passed by mor
 
 TEST_CASE("force servo: the first step to a level is not limited by earlier steps") {
   PressOptions long_way = ideal_options();
-  long_way.deepest_z_mm = 30.0;
-  long_way.most_press_mm = 15.0;
+  long_way.max_z_mm = 30.0;
+  long_way.max_press_mm = 15.0;
   ServoBed bed(spring(3.0), long_way);
   (void)bed.steps(12.0, Branch::kLoading);
   const double from_mm = bed.last.reading.z_mm;

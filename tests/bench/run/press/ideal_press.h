@@ -146,7 +146,7 @@ inline bench::PressOptions ideal_options() {
   bench::PressOptions options;
   options.clear_z_mm = 10.0;
   options.clear_mm = 1.0;
-  options.deepest_z_mm = 14.0;
+  options.max_z_mm = 14.0;
   options.contact_n = 0.1;
   return options;
 }
@@ -180,7 +180,7 @@ struct IdealBed {
   IdealBed(const IdealBed&) = delete;
   IdealBed& operator=(const IdealBed&) = delete;
 
-  devices::TurnedClock clock;
+  devices::ManualClock clock;
   bench::PressOptions options;
   bench::PressHooks hooks;
   IdealStage stage;

@@ -48,7 +48,7 @@ TEST_CASE("press on an ideal stage: axis ends and speeds come from the bench opt
   axes[1].maximum_speed = devices::MillimetresPerSecond(3.0);
   const bench::PressOptions options = bench::press_options(config);
   CHECK(options.clear_z_mm == 1.5);
-  CHECK(options.deepest_z_mm == Approx(41.99));
+  CHECK(options.max_z_mm == Approx(41.99));
   CHECK(options.travel_mm_per_s == 7.0);
   CHECK(options.travel_xy_mm_per_s == 3.0);
 }

@@ -27,9 +27,9 @@ TEST_CASE("press: the force limit halts the stage during a move") {
   CHECK(rig.stage.halts == before + 1);
   CHECK(rig.stands());
   // What the preflight computes for the greatest stiffness is not passed.
-  double greatest_n = 0.0;
-  for (const bench::ForceSample& sample : rig.samples) greatest_n = std::max(greatest_n, sample.force_n);
-  CHECK(greatest_n <= 12.0 + 100.0 * options.servo_mm_per_s * 2.0 * options.poll_interval_s);
+  double max_force_n = 0.0;
+  for (const bench::ForceSample& sample : rig.samples) max_force_n = std::max(max_force_n, sample.force_n);
+  CHECK(max_force_n <= 12.0 + 100.0 * options.servo_mm_per_s * 2.0 * options.poll_interval_s);
   CHECK(rig.press->retract().verified);
 }
 

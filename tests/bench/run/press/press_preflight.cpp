@@ -32,7 +32,7 @@ PressOptions exact_options() {
   options.approach_mm_per_s = 2.5;  // 1 N + 2.5 mm/s x 0.75 s x 8 N/mm: 16 N
   options.resolution_mm = 0.0625;
   options.clear_z_mm = 0.0;
-  options.deepest_z_mm = 50.0;
+  options.max_z_mm = 50.0;
   return options;
 }
 
@@ -98,7 +98,7 @@ TEST_CASE("press preflight: positions at and beyond the ends of each axis") {
   const auto check_place = [](double x_mm, double y_mm, double clear_mm, double deepest_mm, const Numbers& numbers) {
     PressOptions options = exact_options();
     options.clear_z_mm = clear_mm;
-    options.deepest_z_mm = deepest_mm;
+    options.max_z_mm = deepest_mm;
     check_complaints(bench::press_complaints({{{x_mm, y_mm}}, {2.0}}, options, kEdgeEnvelope), numbers);
   };
   check_place(0.0, 10.0, 0.0, 50.0, {});

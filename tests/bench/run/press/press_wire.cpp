@@ -60,7 +60,7 @@ TEST_CASE("approach: the surface is found within 0.02 mm on stiff and soft conta
   CHECK(contact.uncertainty_mm < 0.04);
   if (stiffness <= 0.0) return;
   CHECK(std::abs(contact.z_mm - kSurfaceMm) < 0.02);
-  CHECK(contact.greatest_n < 0.1 + bench::overshoot_n(0.5, 0.04, 0.02, stiffness) + 0.02);
+  CHECK(contact.max_force_n < 0.1 + bench::overshoot_n(0.5, 0.04, 0.02, stiffness) + 0.02);
   CHECK(rig.press->clear_z_mm() == 10.0);
   CHECK(rig.z_mm() - kSurfaceMm < 0.06);
 }

@@ -168,7 +168,7 @@ TEST_CASE("registration: limits of the residuals, their rms and the spread") {
     square.push_back({x + std::copysign(out, out * x), y + std::copysign(out, out * y), {x, y}});
   }
   bench::RegistrationOptions options;
-  options.most_rms_mm = 0.1 + 1e-9;
+  options.max_rms_mm = 0.1 + 1e-9;
   const MountRegistration made = bench::register_mount(square, 2.5, options);
   CHECK(made.rms_mm == Approx(0.1));
   CHECK(made.scale == Approx(1.0));
@@ -181,16 +181,16 @@ TEST_CASE("registration: limits of the residuals, their rms and the spread") {
   CHECK(text["touches"][1]["taxel_mm"][0].get<double>() == 5.0);
   CHECK(text["rms_mm"].get<double>() == made.rms_mm);
   CHECK(text["angle_deg"].get<double>() == made.angle_deg);
-  options.most_rms_mm = 0.1 - 1e-9;
+  options.max_rms_mm = 0.1 - 1e-9;
   CHECK(fault_id_of([&] { (void)bench::register_mount(square, 2.5, options); }) == "TB-MOUNT-RESIDUAL");
   // Three in a row and one 8 mm off: 8 x sqrt(3) / 4 mm from their line, root mean square.
   std::vector<Touch> kite;
   for (const auto& [x, y] : {std::pair{0.0, 0.0}, std::pair{15.0, 8.0}, std::pair{30.0, 0.0}, std::pair{15.0, 0.0}})
     kite.push_back({x, y, {x, y}});
   options = {};
-  options.least_spread_mm = 2.0 * std::sqrt(3.0) - 1e-9;
+  options.min_spread_mm = 2.0 * std::sqrt(3.0) - 1e-9;
   CHECK(bench::register_mount(kite, 2.5, options).rms_mm < 1e-9);
-  options.least_spread_mm = 2.0 * std::sqrt(3.0) + 1e-9;
+  options.min_spread_mm = 2.0 * std::sqrt(3.0) + 1e-9;
   CHECK(fault_id_of([&] { (void)bench::register_mount(kite, 2.5, options); }) == "TB-MOUNT-COLLINEAR");
   kite.resize(3);
   CHECK_FALSE(bench::register_mount(kite, 2.5).flipped);

@@ -50,7 +50,7 @@ class Diary {
     state("pausing -> paused: asked by Ctrl-C", from);
     return state("paused -> running: resumed", to);
   }
-  Diary& way_back(double time) { return event("way-back", "conditioned again", time); }
+  Diary& path_to_branch(double time) { return event("way-back", "conditioned again", time); }
   [[nodiscard]] std::vector<std::pair<std::int64_t, std::int64_t>> lost() const {
     std::vector<std::pair<std::int64_t, std::int64_t>> told;
     for (const LostTime& one : bench::lost_times(store_, run_, store_.last_position(run_))) {
@@ -94,7 +94,7 @@ TEST_CASE("lost time: pauses before the same frame add up, pauses before differe
 
 TEST_CASE("lost time: after a return path within a sequence the frame intervals still count, two at most") {
   const auto after = [](std::initializer_list<double> frames) {
-    return Diary().frames({10, 20, 30}).pause(31, 91).way_back(92).frames(frames).lost();
+    return Diary().frames({10, 20, 30}).pause(31, 91).path_to_branch(92).frames(frames).lost();
   };
   CHECK(after({150, 158, 165}) == Lost{{4, 120 - 7}});
   CHECK(after({150, 158, 167}) == Lost{{4, 120 - 8}});
@@ -103,19 +103,25 @@ TEST_CASE("lost time: after a return path within a sequence the frame intervals 
   CHECK(after({150, 450}) == Lost{{4, 0}});  // no less than nothing
   CHECK(after({150}) == Lost{{4, 61}});      // no pace: from the frame before until it goes on
   // A way back of before the pause is none of it.
-  CHECK(Diary().frames({10, 20}).way_back(25).pause(31, 91).frames({150, 158}).lost() == Lost{{3, 60}});
+  CHECK(Diary().frames({10, 20}).path_to_branch(25).pause(31, 91).frames({150, 158}).lost() == Lost{{3, 60}});
   // One that begins after the frame neither.
-  CHECK(Diary().frames({10, 20}).pause(31, 91).frames({150}).way_back(155).frames({160}).lost() == Lost{{3, 60}});
+  CHECK(Diary().frames({10, 20}).pause(31, 91).frames({150}).path_to_branch(155).frames({160}).lost() == Lost{{3, 60}});
   // The first of two counts.
-  CHECK(Diary().frames({10, 20, 30}).pause(31, 91).way_back(92).frames({150, 158, 165}).way_back(170).lost() ==
-        Lost{{4, 113}});
+  CHECK(Diary()
+            .frames({10, 20, 30})
+            .pause(31, 91)
+            .path_to_branch(92)
+            .frames({150, 158, 165})
+            .path_to_branch(170)
+            .lost() == Lost{{4, 113}});
 }
 
 TEST_CASE("lost time: a return path into another sequence is not lost, work begun before the pause is") {
-  CHECK(Diary().frames({10, 20}).pause(31, 91).way_back(92).frames({150, 158}, 1).lost() == Lost{{3, 71}});
+  CHECK(Diary().frames({10, 20}).pause(31, 91).path_to_branch(92).frames({150, 158}, 1).lost() == Lost{{3, 71}});
   CHECK(Diary().frames({10, 20}).pause(31, 91).frames({150, 158}, 1).lost() == Lost{{3, 60}});
   // The pace ends where the sequence does.
-  CHECK(Diary().frames({10, 20}).pause(31, 91).way_back(92).frames({150}).frames({158}, 1).lost() == Lost{{3, 71}});
+  CHECK(Diary().frames({10, 20}).pause(31, 91).path_to_branch(92).frames({150}).frames({158}, 1).lost() ==
+        Lost{{3, 71}});
 }
 
 TEST_CASE("lost time: in a stopped and resumed run it starts at the last valid frame") {
@@ -128,7 +134,7 @@ TEST_CASE("lost time: in a stopped and resumed run it starts at the last valid f
   CHECK(resumed("stopped") == Lost{{5, 90}});
   // Void frames are none, on either side.
   Diary both;
-  both.frames({10, 20}).pause(31, 91).frames({95, 99}, 0, false).way_back(101).frames({150, 158});
+  both.frames({10, 20}).pause(31, 91).frames({95, 99}, 0, false).path_to_branch(101).frames({150, 158});
   CHECK(both.lost() == Lost{{5, 130 - 8}});
   Diary suspended;
   suspended.frames({10}).state("running -> suspended: supply", 15).state("suspended -> running: back", 40).frames({50});

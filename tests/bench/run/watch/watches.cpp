@@ -198,7 +198,7 @@ TEST_CASE("stuck rows: judged from the least load on, a change of one taxel in o
 }
 
 TEST_CASE("time spent: parts from 0.001 s on are listed, a nested stretch resumes the activity that it interrupted") {
-  devices::TurnedClock clock;
+  devices::ManualClock clock;
   clock.wait_until(3s);
   TimeSpent times(clock);
   CHECK(times.start(Spent::kDwelling) == Spent::kSetup);

@@ -33,7 +33,7 @@ std::uint16_t read_first(ModbusLink& link) {
 }
 
 std::string complaint_of(const ModbusEndpoint& endpoint) {
-  TurnedClock clock;
+  ManualClock clock;
   ModbusLink link(endpoint, "device", clock);
   const auto fault = fault_of([&] { (void)read_first(link); });
   CHECK(clock.now() == (fault && fault->id() == "TB-MODBUS-TIMEOUT" ? endpoint.response_timeout : 0ns));
@@ -77,7 +77,7 @@ TEST_CASE("modbus line: keeps 3.5 characters of silence between frames, and 1.75
     });
     auto endpoint = rtu_endpoint(line->path(), 1);
     endpoint.baud = baud;
-    TurnedClock clock;
+    ManualClock clock;
     ModbusLink link(endpoint, "device", clock);
     for (int i = 0; i < 4; ++i) CHECK(read_first(link) == 42);
     line.reset();
@@ -97,7 +97,7 @@ TEST_CASE("modbus line: pauses after an error for the longest delay of a reply")
   });
   auto endpoint = rtu_endpoint(line->path(), 1);
   endpoint.max_reply_delay = 80ms;
-  TurnedClock clock;
+  ManualClock clock;
   ModbusLink link(endpoint, "device", clock);
   CHECK(fault_id_of([&] { (void)read_first(link); }) == "TB-MODBUS-PROTOCOL");
   CHECK(fault_id_of([&] { (void)read_first(link); }) == "TB-MODBUS-PROTOCOL");
@@ -118,7 +118,7 @@ TEST_CASE("modbus line: is locked for one program, unless its endpoint turns the
     REQUIRE(::ioctl(other, TIOCGEXCL, &exclusive) == 0);
     return exclusive != 0;
   };
-  TurnedClock clock;
+  ManualClock clock;
   {
     ModbusLink first(rtu_endpoint(line.path(), 1), "device", clock);
     CHECK(read_first(first) == 42);
@@ -145,7 +145,7 @@ TEST_CASE("modbus line: uses the parity, stop bits and unit of its endpoint") {
     auto endpoint = rtu_endpoint(line.path(), 1);
     endpoint.parity = parity;
     endpoint.stop_bits = 2;
-    TurnedClock clock;
+    ManualClock clock;
     ModbusLink link(endpoint, "device", clock);
     CHECK(read_first(link) == 42);
     CHECK(link.peer() == "device at " + line.path() + " (115200 baud, 8" + parity + "2) unit 1");
@@ -176,7 +176,7 @@ TEST_CASE("modbus line: invalid, unresolvable, refusing and unresponsive TCP end
 
 TEST_CASE("modbus line: resolves a host name, and accepts timeouts of whole and fractional seconds") {
   const ScriptedServer server(answer_seven);
-  TurnedClock clock;
+  ManualClock clock;
   ModbusLink link({"localhost", server.port(), 1, kPatient}, "device", clock);
   CHECK(read_first(link) == 7);
   link.close();
@@ -193,7 +193,7 @@ TEST_CASE("modbus line: refuses a descriptor that select() cannot hold") {
   if (limit.rlim_cur < before.rlim_cur) limit.rlim_cur = before.rlim_cur;
   if (::setrlimit(RLIMIT_NOFILE, &limit) != 0) return;  // not allowed here
   const ScriptedServer server(answer_seven);
-  TurnedClock clock;
+  ManualClock clock;
   const int base = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
   std::vector<int> taken;
   do {

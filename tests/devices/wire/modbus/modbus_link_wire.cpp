@@ -30,7 +30,7 @@ std::uint16_t read_one(ModbusLink& link, int address) {
 struct ModbusModule {
   explicit ModbusModule(SimulatedModuleFaults faults = {})
       : server(module_profile("beckhoff-ek9000"), 0, chamber, clock, faults) {}
-  TurnedClock clock;
+  ManualClock clock;
   TestChamber chamber{clock};
   SimulatedModule server;
 };
@@ -68,8 +68,8 @@ TEST_CASE("modbus link: a busy module is asked again until it answers, and the r
       if (kind == "both" || kind == "reading") CHECK(input[0] == 0x7FFF);
       CHECK((module.clock.now() > 0ms) == (times > 0));
       CHECK(module.clock.now() <= 500ms);
-      CHECK_THAT(link.take_busy(), Catch::Contains(times > 0 ? "exception 6" : ""));
-      CHECK(link.take_busy().empty());
+      CHECK_THAT(link.take_busy_report(), Catch::Contains(times > 0 ? "exception 6" : ""));
+      CHECK(link.take_busy_report().empty());
     }
   }
 }
@@ -94,7 +94,7 @@ TEST_CASE("modbus link: a request answered by exception 5, acknowledge, is repea
     refusal.push_back(5);
     ScriptedServer::send(socket, refusal);
   });
-  TurnedClock clock;
+  ManualClock clock;
   ModbusLink link(at(server.port()), "module", clock);
   CHECK(read_one(link, 0) == 7);
   CHECK(link.exchanges() == 4);
@@ -107,7 +107,7 @@ TEST_CASE("modbus link: a module that is busy repeatedly is reported at each dou
   int news = 0;
   for (int i = 0; i < 64; ++i) {
     (void)read_one(link, 1);
-    news += link.take_busy().empty() ? 0 : 1;
+    news += link.take_busy_report().empty() ? 0 : 1;
   }
   CHECK(news == 7);  // 1, 2, 4 ... 64
 }
@@ -117,7 +117,7 @@ TEST_CASE("modbus link: after a lost reply the next request gets its own answer"
     if (number == 1) return;
     ScriptedServer::send(socket, ScriptedServer::answer(request, {static_cast<std::uint16_t>(100 + number)}));
   });
-  TurnedClock clock;
+  ManualClock clock;
   ModbusLink link(at(server.port(), kShort), "module", clock);
   CHECK(read_one(link, 0) == 100);
   CHECK(fault_id_of([&] { read_one(link, 1); }) == "TB-MODBUS-TIMEOUT");
@@ -138,7 +138,7 @@ TEST_CASE("modbus link: a late reply is never used as the answer to a later requ
     if (number == 1) ScriptedServer::send(held_on, held);
     ScriptedServer::send(socket, ScriptedServer::answer(request, {static_cast<std::uint16_t>(222 + number)}));
   });
-  TurnedClock clock;
+  ManualClock clock;
   ModbusLink link(at(server.port(), kShort), "module", clock);
   CHECK(fault_id_of([&] { read_one(link, 0); }) == "TB-MODBUS-TIMEOUT");
   CHECK(read_one(link, 0) == 223);
@@ -151,7 +151,7 @@ TEST_CASE("modbus link: each of a thousand requests has its own transaction numb
     const bool fresh = !used.at(request[0] * 256U + request[1]).exchange(true);
     ScriptedServer::send(socket, ScriptedServer::answer(request, {fresh ? std::uint16_t{1} : std::uint16_t{0}}));
   });
-  TurnedClock clock;
+  ManualClock clock;
   ModbusLink link(at(server.port()), "module", clock);
   int fresh = 0;
   for (int i = 0; i < 1000; ++i) fresh += read_one(link, 0);
@@ -166,7 +166,7 @@ TEST_CASE("modbus link: a reply that arrives in pieces is one reply") {
       std::this_thread::sleep_for(5ms);
     }
   });
-  TurnedClock clock;
+  ManualClock clock;
   ModbusLink link(at(server.port()), "module", clock);
   CHECK(read_one(link, 0) == 0x1234);
   CHECK(read_one(link, 1) == 0x1234);
@@ -186,7 +186,7 @@ TEST_CASE("modbus link: an answer without its last byte times out, and does not 
     if (number == 0) reply.pop_back();
     ScriptedServer::send(socket, reply);
   });
-  TurnedClock clock;
+  ManualClock clock;
   ModbusLink link(at(server.port(), kShort), "module", clock);
   CHECK(fault_id_of([&] { read_one(link, 0); }) == "TB-MODBUS-TIMEOUT");
   CHECK(read_one(link, 0) == 42);
@@ -225,7 +225,7 @@ class CannedModule {
   std::mutex mutex_;
   const Bytes answer_;
   Bytes request_;
-  TurnedClock clock_;
+  ManualClock clock_;
   ScriptedServer server_{[this](int, int socket, const Bytes& request) { serve(socket, request); }};
 
  public:
@@ -400,7 +400,7 @@ TEST_CASE("modbus frames: each byte of transaction and protocol id is checked") 
       if (number == 0) reply[damaged] = static_cast<std::uint8_t>(reply[damaged] + 1);
       ScriptedServer::send(socket, reply);
     });
-    TurnedClock clock;
+    ManualClock clock;
     ModbusLink link({"127.0.0.1", server.port(), 1, kPatient}, "device", clock);
     std::array<std::uint16_t, 1> one{};
     CHECK(fault_id_of([&] { link.read_input_registers(0, one); }) == "TB-MODBUS-PROTOCOL");

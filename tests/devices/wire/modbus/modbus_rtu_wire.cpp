@@ -17,7 +17,7 @@ using namespace tactbench::devices;
 using namespace std::chrono_literals;
 
 TEST_CASE("modbus rtu: two units on one line each have their own registers") {
-  TurnedClock clock;
+  ManualClock clock;
   TestChamber chamber(clock);
   SimulatedModule line({{1, module_profile("waveshare-analog-output-8ch-b"), {}},
                         {2, module_profile("waveshare-analog-input-8ch-b"), {}}},
@@ -40,7 +40,7 @@ TEST_CASE("modbus rtu: two units on one line each have their own registers") {
 }
 
 TEST_CASE("modbus rtu: a regulator works on Waveshare's two modules and is vented at the end") {
-  TurnedClock clock;
+  ManualClock clock;
   TestChamber chamber(clock);
   const auto output_profile = module_profile("waveshare-analog-output-8ch-b");
   const auto input_profile = module_profile("waveshare-analog-input-8ch-b");
@@ -72,7 +72,7 @@ TEST_CASE("modbus rtu: successive readings differ in length, so that a stale ans
     if (number == 3) std::swap(answer, held);  // ... instead of the next
     return answer;
   });
-  TurnedClock clock;
+  ManualClock clock;
   ModbusLink link(rtu_endpoint(line->path(), 1, kShort), "module", clock);
   std::array<std::uint16_t, 2> in{};
   link.read_input_registers(0, in, 3);
@@ -94,7 +94,7 @@ TEST_CASE("modbus rtu: old bytes on the line are discarded before the next reque
     if (number == 0) answer.insert(answer.end(), again.begin(), again.end());  // a repeater's echo
     return answer;
   });
-  TurnedClock clock;
+  ManualClock clock;
   ModbusLink link(rtu_endpoint(line.path(), 1), "module", clock);
   std::array<std::uint16_t, 1> in{};
   for (std::uint16_t i = 0; i < 5; ++i) {
@@ -127,7 +127,7 @@ TEST_CASE("modbus rtu: wrong unit, wrong function, damaged, short and absent ans
     ScriptedLine line([&](int number, const Bytes& request) {
       return number == 0 ? spoilt(kind, request) : rtu_reading(1, 4, request[5], 42);
     });
-    TurnedClock clock;
+    ManualClock clock;
     ModbusLink link(rtu_endpoint(line.path(), 1, kShort), "module", clock);
     std::array<std::uint16_t, 1> in{};
     CHECK(fault_id_of([&] { link.read_input_registers(0, in); }) == expected[kind]);
@@ -140,7 +140,7 @@ TEST_CASE("modbus rtu: an echoing adapter is recognised, and with local_echo set
   for (const bool echoes : {true, false}) {
     for (const bool expected : {true, false}) {
       INFO("echoes " << echoes << ", expected " << expected);
-      TurnedClock clock;
+      ManualClock clock;
       TestChamber chamber(clock);
       SimulatedModule line({{1, module_profile("waveshare-analog-output-8ch-b"), {}},
                             {2, module_profile("waveshare-analog-input-8ch-b"), {}},
@@ -173,7 +173,7 @@ TEST_CASE("modbus rtu: an echoing adapter is recognised, and with local_echo set
 }
 
 TEST_CASE("modbus rtu: a damaged answer is not mistaken for an echo") {
-  TurnedClock clock;
+  ManualClock clock;
   ScriptedLine line([&](int, const Bytes& request) {
     Bytes answer = request[1] == 16 ? rtu_frame(Bytes(request.begin(), request.begin() + 6))
                                     : rtu_reading(1, request[1], request[5], 0);
@@ -189,7 +189,7 @@ TEST_CASE("modbus rtu: a damaged answer is not mistaken for an echo") {
 }
 
 TEST_CASE("modbus rtu: a port that hangs up is a connection fault") {
-  TurnedClock clock;
+  ManualClock clock;
   TestChamber chamber(clock);
   SimulatedModule line({{1, module_profile("waveshare-analog-output-8ch-b"), {}}}, SimulatedModule::Wire::kRtu, 0,
                        chamber, clock, {.dead_after_requests = 1});
