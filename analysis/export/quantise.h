@@ -1,4 +1,5 @@
-// A sensor's model in the words of analysis/export/fixed: what a microcontroller is given, and `--as fixed` runs.
+// Converts a sensor's model to the integer words of analysis/export/fixed, which a microcontroller is given and
+// `--as fixed` runs.
 #pragma once
 
 #include <cstddef>

@@ -163,7 +163,7 @@ JudgedFigure figure_of(const db::VerdictRecord& record) {
         "TB-STORE-SQL",
         fmt::format("a verdict on run {} has a word that this program does not know: {}, {}, {}, {}, {}", record.run,
                     record.criterion, record.scope_kind, record.direction, record.rule, record.verdict),
-        "judge the run again: tactbench fit RUN --held-out RUN --limits FILE");
+        "judge the run again: tactbench judge MODEL RUN --limits FILE");
   JudgedFigure figure;
   figure.criterion = *criterion;
   figure.scope = {*kind, record.low_psi, record.high_psi, *direction, record.share};

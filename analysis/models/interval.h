@@ -1,4 +1,4 @@
-// Index of the grid interval that contains a coordinate: the only cast from a number to a table index.
+// Index of the grid interval that contains a coordinate; always an index of the table, for any number.
 #pragma once
 
 #include <algorithm>

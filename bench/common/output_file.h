@@ -1,5 +1,5 @@
-// Files that verbs write on request. An existing file is replaced only by one of the same kind: another kind takes
-// --replace, and a store is never replaced.
+// Files that verbs write on request. Without --replace an existing file is replaced only by one of the same kind; a
+// store or a signed report is never replaced.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// Reads the laboratory file: facts for reports that no instrument knows. Unknown keys are errors; missing ones are
-// empty.
+// Reads the laboratory file: facts that reports state and no instrument can supply. Unknown keys are errors; missing
+// ones are empty, except for the required `schema` and an instrument's `serial`.
 #pragma once
 
 #include <string>

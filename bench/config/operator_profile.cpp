@@ -49,7 +49,7 @@ constexpr std::array<ProfileRow, kProfileKeys.size()> kRows = {
      {ProfileKey::kRecipe, "recipe", "",
       "Recipe of run and calibrate, where none is typed; several with commas between them"},
      {ProfileKey::kLimits, "limits", "",
-      "Limits file by which calibrate judges, and fit with held-out runs; run warns of what it could not judge"},
+      "Limits file by which calibrate and judge give verdicts; run warns of what could not be judged by it"},
      {ProfileKey::kLab, "lab", "", "Laboratory file of reports and verdicts, where no --lab is typed"},
      {ProfileKey::kFleet, "fleet", "TACTBENCH_FLEET",
       "Database of the fleet, where a verb needs one and TACTBENCH_FLEET is not set"},

@@ -1,5 +1,6 @@
 // Defaults for command-line options: tactbench.toml in the working folder, and environment variables, which take
-// precedence over it. The command line takes precedence over both.
+// precedence over it; if neither names a bench file, bench.toml in the same folder. The command line takes precedence
+// over all of them.
 #pragma once
 
 #include <array>

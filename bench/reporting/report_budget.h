@@ -1,5 +1,6 @@
 // Contributions of further runs to the uncertainty budgets: chamber uniformity and mounting from the studies, creep
-// from holds, temperature from loops at another temperature. The kind of a run is recognised from its data.
+// from holds, temperature from loops at another temperature, dwell time and history from further and held-out runs. A
+// study's role is typed with it; the kind of any other run is recognised from its data and its record.
 #pragma once
 
 #include <cstdint>

@@ -142,19 +142,19 @@ PressureReading SerialController::feedback() {
 }
 
 bool SerialController::vent() noexcept {
-  const auto done = [](auto&& act) {
-    try {
-      return act();
-    } catch (const std::exception&) {
-      return false;
-    }
-  };
   for (int i = 0; i < kControllerVentTries; ++i) {
-    const bool zeroed = done([&] {
+    bool zeroed = false, open = !options_.exhausts;
+    try {
       set(Psi(0.0));
-      return true;
-    });
-    const bool open = !options_.exhausts || done([&] { return ask({ControllerAct::kExhaust}).has("EXH"); });
+      zeroed = true;
+    } catch (const std::exception&) {
+      zeroed = false;  // the exhaust is commanded all the same
+    }
+    try {
+      open = open || ask({ControllerAct::kExhaust}).has("EXH");
+    } catch (const std::exception&) {
+      open = false;
+    }
     if (zeroed && open) return true;
   }
   return false;

@@ -1,4 +1,4 @@
-// A numeric IP address as sockets need it. Names are not resolved: a resolver's time has no bound that we set.
+// A numeric IP address in the form that sockets need. Names are not resolved: we cannot set a time limit on a resolver.
 #pragma once
 
 #include <netinet/in.h>

@@ -219,7 +219,7 @@ TEST_CASE("fit: defaults to the dynamic model of one run, uses ELAM if that is i
   CHECK(std::ranges::any_of(judged, [](const json& own) { return own["source"] == "creep"; }));
 }
 
-TEST_CASE("dynamic model of one run: small error after the short recipe, accepts a run that starts above 0 psi") {
+TEST_CASE("dynamic model of one run: small error after the recipe production, accepts a run that starts above 0 psi") {
   const TemporaryFolder folder;
   begin_small(folder);
   REQUIRE(measure(folder, {"production"}, "1").code == 0);

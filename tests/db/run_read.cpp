@@ -54,7 +54,7 @@ TEST_CASE("live frames: frames after a position come in order, up to the limit, 
   CHECK(after(look, -2, 99) == Positions{1, 2, 3, 4, 5});  // none of the run before
 }
 
-TEST_CASE("live frames: the position before the newest n frames is counted from the end, and is at least 0") {
+TEST_CASE("live frames: the position of the last frame before the newest n frames, or 0 if there is no such frame") {
   const Looked looked;
   db::RunFrameReader look = looked.look();
   CHECK(look.before_newest(0) == 5);

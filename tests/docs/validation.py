@@ -127,7 +127,8 @@ def tests_in_words(wanted, known):
 
 def page_text(known):
     lines = ["# Validation: requirements and their tests", "",
-             "Made by `tests/docs/validation.py PROGRAM --write` from the tests' names; a test of the documents fails where it is not current.",
+             "Made by `tests/docs/validation.py PROGRAM --write` from the tests' names;",
+             "a test of the documents fails when this page is out of date.",
              "`ctest -R \"NAME\"` runs one. How tests are divided: [for developers](developers.md).", "", "## The program", "", "| requirement | tests |", "|---|---|"]
     lines += [f"| {words} | {tests_in_words(tests, known)} |" for words, tests in PROGRAM_ITSELF]
     lines += ["", "## The report and ISO/IEC 17025:2017, 7.8", "",

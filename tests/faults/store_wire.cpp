@@ -71,46 +71,46 @@ Breakage request_to_end(const std::string& name, int signal, int times) {
 
 }  // namespace
 
-TEST_CASE("chamber run: disk full, frames are kept and the reported safe state is true") {
+TEST_CASE("chamber run: disk full, frames are kept and the reported safe state is correct") {
   check_row(Bench::kChamber, disk("disk full", ENOSPC));
 }
-TEST_CASE("press run: disk full, frames are kept and the reported safe state is true") {
+TEST_CASE("press run: disk full, frames are kept and the reported safe state is correct") {
   check_row(Bench::kPress, disk("disk full", ENOSPC));
 }
-TEST_CASE("chamber run: disk read-only, frames are kept and the reported safe state is true") {
+TEST_CASE("chamber run: disk read-only, frames are kept and the reported safe state is correct") {
   check_row(Bench::kChamber, disk("disk read-only", EROFS));
 }
-TEST_CASE("press run: disk read-only, frames are kept and the reported safe state is true") {
+TEST_CASE("press run: disk read-only, frames are kept and the reported safe state is correct") {
   check_row(Bench::kPress, disk("disk read-only", EROFS));
 }
-TEST_CASE("chamber run: store read by another connection, frames are kept and the reported safe state is true") {
+TEST_CASE("chamber run: store read by another connection, frames are kept and the reported safe state is correct") {
   check_row(Bench::kChamber, other_connection("store read by another", "BEGIN; SELECT count(*) FROM frames"));
 }
-TEST_CASE("press run: store read by another connection, frames are kept and the reported safe state is true") {
+TEST_CASE("press run: store read by another connection, frames are kept and the reported safe state is correct") {
   check_row(Bench::kPress, other_connection("store read by another", "BEGIN; SELECT count(*) FROM frames"));
 }
 // Each wait for the lock costs 7 s, so at three points alone. No night has it: the lock lasts in real time while a
 // night's clock is turned, so how long the sensor rests, and with it each later frame, would be the machine's.
-TEST_CASE("chamber run: store locked by a writer, frames are kept and the reported safe state is true") {
+TEST_CASE("chamber run: store locked by a writer, frames are kept and the reported safe state is correct") {
   check_row(Bench::kChamber, locked_for_long(), {Point::kRising, Point::kTurning});
 }
-TEST_CASE("press run: store locked by a writer, frames are kept and the reported safe state is true") {
+TEST_CASE("press run: store locked by a writer, frames are kept and the reported safe state is correct") {
   check_row(Bench::kPress, locked_for_long(), {Point::kReleasing});
 }
-TEST_CASE("chamber run: store locked permanently, frames are kept and the reported safe state is true") {
+TEST_CASE("chamber run: store locked permanently, frames are kept and the reported safe state is correct") {
   Breakage locked = other_connection("store locked for good", "BEGIN IMMEDIATE");
   locked.store_gone = true;
   check_row(Bench::kChamber, locked, {Point::kVent});
 }
-TEST_CASE("chamber run: SIGTERM received, frames are kept and the reported safe state is true") {
+TEST_CASE("chamber run: SIGTERM received, frames are kept and the reported safe state is correct") {
   check_row(Bench::kChamber, request_to_end("SIGTERM", SIGTERM, 1));
 }
-TEST_CASE("press run: SIGTERM received, frames are kept and the reported safe state is true") {
+TEST_CASE("press run: SIGTERM received, frames are kept and the reported safe state is correct") {
   check_row(Bench::kPress, request_to_end("SIGTERM", SIGTERM, 1));
 }
-TEST_CASE("chamber run: Ctrl-C pressed twice, frames are kept and the reported safe state is true") {
+TEST_CASE("chamber run: Ctrl-C pressed twice, frames are kept and the reported safe state is correct") {
   check_row(Bench::kChamber, request_to_end("Ctrl-C twice", SIGINT, 2));
 }
-TEST_CASE("press run: Ctrl-C pressed twice, frames are kept and the reported safe state is true") {
+TEST_CASE("press run: Ctrl-C pressed twice, frames are kept and the reported safe state is correct") {
   check_row(Bench::kPress, request_to_end("Ctrl-C twice", SIGINT, 2));
 }

@@ -1,5 +1,5 @@
-// Effect of another dwell on corrected readings: one loop at several dwell times (recipe rate), each reading compared
-// with that of the repeat whose dwell is nearest to the calibration's.
+// How corrected readings change when the dwell time is not the calibration's: one loop at several dwell times (the
+// recipe `rate`), each reading compared with that of the repeat whose dwell is nearest to the calibration's.
 #pragma once
 
 #include <cstdint>

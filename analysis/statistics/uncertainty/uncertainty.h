@@ -7,7 +7,8 @@
 //   + d_uniformity,   f: the inverse of the branch [Eqs (29)-(39)]
 // Every d has the expectation 0 and is taken as independent; c = 1 but for voltages, whose c is the inverse's slope.
 // e, the mean error of the full sweeps at the level and half of creep's effect, is known and taken off (3.2.3, 6.3.1).
-// The budgets say where U comes from. What U of a reading is by kind of history was counted: history_kind.h.
+// The budgets say where U comes from. The U quoted for a reading is not theirs: it is counted from observed errors, one
+// U for each kind of pressure history (history_kind.h).
 #pragma once
 
 #include <array>

@@ -1,7 +1,8 @@
-// The run's side of the commands: it listens on the name of its bench (bench/run/control/machine_name.h), which is also
-// the bench's lock, so that the run that answers there holds the bench. A thread of its own serves it: an answer never
-// waits for an instrument or for another client. Clients without the right (bench/run/control/peer.h) are refused. A
-// client that follows gets the status at up to 20 Hz, the newest each time: what it does not read is left out.
+// The run's side of the commands: a server that listens on the name of its bench (bench/run/control/machine_name.h).
+// That name is also the bench's lock, so only the run that holds the bench can answer there. It has its own thread: an
+// answer never waits for an instrument or for another client. Clients without the right to command
+// (bench/run/control/peer.h) are refused. A client that follows gets the newest status, at up to 20 Hz; statuses that
+// it is too slow to read are skipped.
 #pragma once
 
 #include <sys/types.h>

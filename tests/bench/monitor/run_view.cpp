@@ -85,7 +85,7 @@ TEST_CASE("run view: a run without a process shows how it ended, and the next co
   CHECK_THROWS_AS(stored_run(example.store, 9), db::StoreError);
 }
 
-TEST_CASE("run view: the exit code that corresponds to a stored run") {
+TEST_CASE("run view: outcome, reason and safe state of a stored run give its exit code") {
   db::RunRecord run;
   const auto code = [&](db::Outcome outcome, const char* reason, db::SafeState safe = db::SafeState::kVerified) {
     run.outcome = outcome;

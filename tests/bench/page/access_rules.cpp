@@ -88,7 +88,8 @@ TEST_CASE("page hosts: are compared in lower case, without the default port of t
                      {{"authorization", "Bearer read"}, {"host", "B:2"}, {"origin", "https://B:2"}}) == kMay);
 }
 
-TEST_CASE("page access: the request method is checked before the token, and each token opens only its own requests") {
+TEST_CASE(
+    "page access: method is checked before token, the read token may not command, the command token may also read") {
   CHECK(page_refused(PageNeeds::kNothing, "GET", {}) == kMay);
   CHECK(page_refused(PageNeeds::kNothing, "POST", {}) == 405);
   CHECK(page_refused(PageNeeds::kRead, "POST", {}) == 405);

@@ -159,7 +159,7 @@ TEST_CASE("analog module: each function code writes all outputs, then reads the 
   CHECK(rig.module.image_time() < 0ns);
 }
 
-TEST_CASE("analog module: the first feed writes, later feeds read the outputs back before they write again") {
+TEST_CASE("analog module: the first watchdog feed writes, later ones read the outputs back before they write again") {
   Requests rig;
   CHECK(rig.module.last_write_time() < 0ns);
   rig.module.feed();

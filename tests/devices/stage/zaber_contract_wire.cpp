@@ -48,7 +48,7 @@ TEST_CASE("Zaber contract: no axis moves before it is homed or after a power los
   CHECK(rig.count({kMoveAbsolute, kMoveRelative, kConstantSpeed}) == 0);
 }
 
-TEST_CASE("Zaber contract: a silent connection is a timeout fault after the repeated query, and disarms") {
+TEST_CASE("Zaber contract: on a silent connection the query is repeated once, then a timeout fault disarms the stage") {
   SimulatedChainFaults faults;
   faults.silent_after_requests = GENERATE(0L, 7L, 60L, 75L);
   ZaberRig rig({}, faults, impatient_stage());

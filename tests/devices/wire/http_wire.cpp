@@ -86,7 +86,7 @@ std::string answered(const std::string& answer) {
 
 }  // namespace
 
-TEST_CASE("HTTP client: sends a GET request with host and connection close") {
+TEST_CASE("HTTP client: sends a GET request with the headers Host and Connection: close") {
   std::string asked;
   {
     ScriptedPage page([&](int socket) {

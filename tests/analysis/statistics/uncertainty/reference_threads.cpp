@@ -58,7 +58,7 @@ double of_verdict(const ReferenceUncertainty& reference) {
 
 }  // namespace
 
-TEST_CASE("reference error: budget and verdict use the same sum of its parts, a verdict with the largest U") {
+TEST_CASE("reference error: budget and verdict sum the same parts, the verdict with the certificate's largest U") {
   ReferenceUncertainty reference = whole_chain();
   const auto check_sums = [&](double rectangles) {
     CHECK(reference.combined_u(40.0) == Approx(by_hand_psi(0.12, rectangles)));

@@ -112,7 +112,8 @@ TEST_CASE("end of run: every signal ends a run like a request to terminate") {
   desk.check_row(db::Outcome::kStopped);
 }
 
-TEST_CASE("end of run: a run whose reader of standard error has ended continues, pauses and stops as asked") {
+TEST_CASE(
+    "end of run: after the reader of standard error has ended, the run continues, and pauses and stops as asked") {
   const Desk desk;
   Pipe pipe(desk.folder.path("err"));
   const auto run = desk.start(Desk::run_arguments("long.toml"), "2>err");

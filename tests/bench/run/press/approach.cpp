@@ -47,7 +47,7 @@ TEST_CASE("approach on an ideal stage: descent, back-off and steps agree with ha
   CHECK(bed.stage.halts == 0);
 }
 
-TEST_CASE("approach on an ideal stage: if z is already beyond clear it does not move back, and searches from there") {
+TEST_CASE("approach on an ideal stage: if z is at or beyond clear_z_mm, the search starts there without moving back") {
   IdealBed bed(spring(20.0));
   bed.stage.put(devices::Axis::kZ, 11.0);
   const ContactPoint contact = bench::find_contact(bed.axis, 10.0);
