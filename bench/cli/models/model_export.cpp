@@ -32,7 +32,9 @@ void export_model(const ExportOptions& options, const Session& session) {
   const analysis::FixedModel fixed = fixed_model(options.model, model, options.device, session);
   const fs::path folder = fs::absolute(options.output).lexically_normal();
   const std::string name = (folder.has_filename() ? folder : folder.parent_path()).filename().string();
-  const std::vector<analysis::ExportedFile> files = analysis::export_files(model, fixed, name, build_info().version);
+  const std::vector<analysis::ExportedFile> files =
+      options.format == "c" ? analysis::export_files(model, fixed, name, build_info().version)
+                            : analysis::verilog_files(model, fixed, build_info().version);
   auto written = nlohmann::ordered_json::array();
   for (const analysis::ExportedFile& file : files) {
     const std::string path = (folder / file.name).string();
@@ -63,13 +65,16 @@ void export_model(const ExportOptions& options, const Session& session) {
 
 void add_model_export(CLI::App& model, Session& session) {
   auto options = std::make_shared<ExportOptions>();
-  CLI::App* verb = model.add_subcommand("export", "write a model as its JSON document, or as C for a microcontroller");
+  CLI::App* verb =
+      model.add_subcommand("export", "write a model as its JSON document, as C for a microcontroller, or as Verilog");
   verb->add_option("model", options->model, "a .json that fit -o wrote, or RUN or RUN:FIT of the store")->required();
-  verb->add_option("-o,--output", options->output, "file to write; c: folder, by which the Arduino sketch is called")
+  verb->add_option("-o,--output", options->output,
+                   "file to write; c, verilog: folder, by which the Arduino sketch is called")
       ->required();
   verb->add_option("--format", options->format,
-                   "json; c: tables and header for a microcontroller, in integers, of a dynamic model or of ELAM")
-      ->check(CLI::IsMember({"json", "c"}))
+                   "json; c: tables and header for a microcontroller, in integers, of a dynamic model or of ELAM; "
+                   "verilog: the same integers as a circuit, of ELAM")
+      ->check(CLI::IsMember({"json", "c", "verilog"}))
       ->capture_default_str();
   add_device_options(*verb, options->device);
   verb->add_option("--conditioned", options->device.conditioned_s,

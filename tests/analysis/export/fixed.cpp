@@ -5,10 +5,12 @@
 #include <functional>
 #include <memory>
 #include <random>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include "analysis/export/fixed_stream.h"
+#include "analysis/export/write_export.h"
 #include "analysis/identify/compensators.h"
 #include "tests/analysis/compensate/kinds.h"
 
@@ -235,6 +237,37 @@ TEST_CASE("a word that is changed changes the hash") {
       REQUIRE(hash(changed) != whole.hash());
     }
   }
+}
+
+TEST_CASE("as Verilog: the words to load are those of the hash, what the module has no room for is refused") {
+  const Kind kind = kind_of("elam");
+  const SensorModel model = sensor_of(kind);
+  const FixedModel fixed = quantised(model, device());
+  const std::vector<ExportedFile> files = verilog_files(model, fixed, "test");
+  std::istringstream memory(std::ranges::find(files, "tb_model.mem", &ExportedFile::name)->text);
+  std::uint32_t hash = TB_HASH_START;
+  for (unsigned word = 0; memory >> std::hex >> word;) {
+    const auto own = static_cast<std::uint16_t>(word);
+    hash = tb_hash(hash, &own, 1);
+  }
+  CHECK(hash == fixed.hash());
+
+  const SensorModel other = sensor_of(kind_of("linearised in time"));
+  FixedModel knots = fixed, wide = fixed;
+  knots.x.resize(33);
+  wide.elam_words[2].front.zero[1] = 0x7FFF;
+  const auto refusal = [](const SensorModel& of, const FixedModel& what) {
+    try {
+      (void)verilog_files(of, what, "test");
+    } catch (const AnalysisError& error) {
+      CHECK(error.id() == "TB-MODEL-FIXED");
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  CHECK(refusal(other, quantised(other, device())).find("ELAM") != std::string::npos);
+  CHECK(refusal(model, knots).find("33") != std::string::npos);
+  CHECK(refusal(model, wide).find("taxel 2") != std::string::npos);
 }
 
 TEST_CASE("what does not fit a device's words is refused, with the taxel") {
