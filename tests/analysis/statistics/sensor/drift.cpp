@@ -104,7 +104,7 @@ TEST_CASE("the drift's verdict names the part that moved, though a zero could st
     double zero, gain;
     DriftVerdict verdict;
   };
-  constexpr double kNoise = 0.01;
+  constexpr double kOutputNoise = 0.01;
   // Inputs of 2 and 4: a gain of 0.9 is off by 0.2 and 0.4, and by 0.1 once a zero of -0.3 is taken off.
   for (const Row& row : {Row{0.3, 1.0, DriftVerdict::kZero}, Row{0.0, 0.9, DriftVerdict::kGain},
                          Row{0.6, 0.9, DriftVerdict::kGain}, Row{-1.0, 0.95, DriftVerdict::kZero}}) {
@@ -112,7 +112,8 @@ TEST_CASE("the drift's verdict names the part that moved, though a zero could st
     data.columns = 2;
     for (const int taxel : {0, 1}) {
       const double low = row.zero + 2 * row.gain, high = row.zero + 4 * row.gain;
-      data.taxels.push_back(later(taxel, {2, 2, 4, 4}, {low + kNoise, low - kNoise, high + kNoise, high - kNoise}));
+      data.taxels.push_back(later(taxel, {2, 2, 4, 4},
+                                  {low + kOutputNoise, low - kOutputNoise, high + kOutputNoise, high - kOutputNoise}));
     }
     const Drift drift = drift_of(two_taxels(), data, 0.015);
     INFO(row.zero << " " << row.gain);
