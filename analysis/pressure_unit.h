@@ -64,8 +64,4 @@ class PressureText {
   std::vector<Pressure> pressures_;
 };
 
-// A sentence for report and glossary.
-inline constexpr const char* kGaugePressureNote =
-    "All pressures are gauge pressures: the excess over the pressure of the surrounding air.";
-
 }  // namespace tactbench::analysis

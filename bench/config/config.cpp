@@ -232,12 +232,8 @@ std::string find_config(const std::string& name) { return find_in("bench/config"
 
 // Sensor type file and limits file.
 
-using sequences::KeyTable;
-using sequences::kOne;
 using sequences::kPercent;
 using sequences::TomlDocument;
-using sequences::TomlTable;
-namespace key = sequences::key;
 
 namespace {
 

@@ -30,7 +30,7 @@ std::string relieved(const BenchConfig& config) {
 std::string shown_at_0_v(const char* name, const devices::LinearSpan& span, const TrueRange& range, PressureUnit unit) {
   const double psi = span.pressure(devices::Volts(0.0)).value();
   return fmt::format("{} reads {}, which {}", name, unit.text(psi, 1),
-                     range.holds(psi) ? "an empty chamber reads, too" : "cannot be true and is noticed");
+                     range.holds(psi) ? "an empty chamber reads as well" : "cannot be true and is noticed");
 }
 
 // How the transducer on a module shows a supply that fails, or a wire that breaks; empty: there is none.
@@ -121,7 +121,7 @@ double serial_highest_psi(const BenchConfig& config) { return config.regulator.c
 double serial_step_psi(const BenchConfig& config) { return std::pow(10.0, -config.controller.decimals); }
 
 std::string when_serial_is_lost(const BenchConfig& config, PressureUnit /*unit*/) {
-  return "it keeps its last set-point, for it has no watchdog; " + relieved(config);
+  return "it has no watchdog and keeps its last set-point; " + relieved(config);
 }
 
 LayerLines serial_layers(const BenchConfig& config, PressureUnit unit) {

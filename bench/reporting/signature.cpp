@@ -175,18 +175,18 @@ SignatureFinding other_bytes(const std::string& content, const Hint& hint, const
       has_digest(digest, how, std::string_view(content).substr(0, hint.bytes)))
     return finding(
         "appended",
-        fmt::format("APPENDED: {} bytes were added behind those that were signed", content.size() - hint.bytes),
+        fmt::format("APPENDED: {} bytes were added after those that were signed", content.size() - hint.bytes),
         ExitCode::kCriterionFailed);
   if (!hint.number.empty() &&
       (kind_of_file(beginning_of(content)) != hint.kind || content.find(hint.number) == std::string::npos))
     return finding("wrong file", "WRONG FILE: signed was " + signed_file, ExitCode::kCriterionFailed);
-  return finding("tampered", fmt::format("TAMPERED: other bytes than those that were signed ({})", signed_file),
+  return finding("tampered", fmt::format("TAMPERED: the bytes differ from those that were signed ({})", signed_file),
                  ExitCode::kCriterionFailed);
 }
 
 SignatureFinding certificate_finding(const std::string& root, X509* signer, STACK_OF(X509) * others, std::time_t at) {
   if (root.empty())
-    return finding("no root", "the bytes are those that were signed; by whom cannot be told without --root",
+    return finding("no root", "the bytes are those that were signed; --root ROOT.pem is needed to verify the signer",
                    ExitCode::kInconclusive);
   const Store roots = roots_from(root);
   const int now = chain_error(roots.get(), signer, others, -1);
@@ -229,7 +229,7 @@ std::shared_ptr<const SigningKey> read_signing_key(const SignerFiles& files) {
     const std::string key = text_of_file(files.key), certificates = text_of_file(files.certificate);
     const Bio key_bytes = bytes_of(key), certificate_bytes = bytes_of(certificates);
     out->key.reset(PEM_read_bio_PrivateKey(key_bytes.get(), nullptr, give_password, &password), EVP_PKEY_free);
-    if (!out->key) refuse("it is no private key in PEM, or the password does not open it", files.key);
+    if (!out->key) refuse("it is not a private key in PEM, or the password does not open it", files.key);
     out->certificate.reset(PEM_read_bio_X509(certificate_bytes.get(), nullptr, nullptr, nullptr), X509_free);
     if (!out->certificate) refuse("it holds no certificate in PEM", files.certificate);
     out->issuers.reset(sk_X509_new_null(), free_certificates);
@@ -239,7 +239,7 @@ std::shared_ptr<const SigningKey> read_signing_key(const SignerFiles& files) {
     const std::string text = text_of_file(files.pkcs12);
     const Bio bytes = bytes_of(text);
     const Owned<PKCS12, PKCS12_free> box(d2i_PKCS12_bio(bytes.get(), nullptr));
-    if (!box) refuse("it is no PKCS#12 file", files.pkcs12);
+    if (!box) refuse("it is not a PKCS#12 file", files.pkcs12);
     EVP_PKEY* key = nullptr;
     X509* certificate = nullptr;
     STACK_OF(X509)* issuers = nullptr;
@@ -253,7 +253,7 @@ std::shared_ptr<const SigningKey> read_signing_key(const SignerFiles& files) {
   }
   const std::string& where = pem ? files.certificate : files.pkcs12;
   if (X509_check_private_key(out->certificate.get(), out->key.get()) != 1)
-    refuse("the certificate is that of another key", where);
+    refuse("the certificate belongs to another key", where);
   if (X509_cmp_current_time(X509_get0_notAfter(out->certificate.get())) < 0)
     refuse("the certificate has expired on " + utc_of(time_of(X509_get0_notAfter(out->certificate.get()))), where,
            "sign with one that is valid");
@@ -276,7 +276,7 @@ std::string sign_file(const SigningKey& key, const std::string& path, const std:
       CMS_final(cms.get(), bytes.get(), nullptr, kHow) != 1 || i2d_CMS_bio(out.get(), cms.get()) != 1) {
     const char* const reason = ERR_reason_error_string(ERR_peek_last_error());
     refuse(fmt::format("the key cannot sign: {}", reason == nullptr ? "OpenSSL does not say why" : reason), path,
-           "take an RSA or an ECDSA key");
+           "use an RSA or an ECDSA key");
   }
   char* text = nullptr;
   const long size = BIO_get_mem_data(out.get(), &text);
@@ -289,20 +289,20 @@ SignatureFinding check_signature_of(const std::string& path, const std::string& 
   if (!std::filesystem::is_regular_file(path + ".p7s", unknown))
     return finding("missing", fmt::format("missing: {}.p7s is not there", path), ExitCode::kInconclusive);
   if (std::filesystem::file_size(path + ".p7s", unknown) > kLargestKey)
-    return damaged("is no CMS signature of one signer");
+    return damaged("is not a CMS signature by one signer");
   const std::string signature = file_text(path + ".p7s"), content = text_of_file(path, kLargestFile);
   const Bio bytes = bytes_of(signature);
   const Cms cms(d2i_CMS_bio(bytes.get(), nullptr));
   STACK_OF(CMS_SignerInfo)* const signers =
       cms && OBJ_obj2nid(CMS_get0_type(cms.get())) == NID_pkcs7_signed ? CMS_get0_SignerInfos(cms.get()) : nullptr;
   ERR_clear_error();
-  if (signers == nullptr || sk_CMS_SignerInfo_num(signers) != 1) return damaged("is no CMS signature of one signer");
+  if (signers == nullptr || sk_CMS_SignerInfo_num(signers) != 1) return damaged("is not a CMS signature by one signer");
   CMS_SignerInfo* const signer = sk_CMS_SignerInfo_value(signers, 0);
   const Certificates others(CMS_get1_certs(cms.get()));
   X509* certificate = nullptr;
   if (CMS_set1_signers_certs(cms.get(), nullptr, 0) == 1)
     CMS_SignerInfo_get0_algs(signer, nullptr, &certificate, nullptr, nullptr);
-  if (certificate == nullptr) return damaged("lacks the certificate of who signed");
+  if (certificate == nullptr) return damaged("lacks the signer's certificate");
   const bool sealed = CMS_SignerInfo_verify(signer) == 1;  // what it says of the file is what was signed
   ERR_clear_error();
   if (!sealed) return damaged("is not by the key of its certificate");

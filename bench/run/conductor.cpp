@@ -302,7 +302,6 @@ void Conductor::publish() {
 
 // The conductor's waits, for a person or a condition. Meanwhile the rig is vented and proved safe.
 
-using devices::Fault;
 using devices::Nanoseconds;
 
 namespace {

@@ -256,10 +256,6 @@ void Sequencer::check_conditions() {
 
 // The sequencer's waits: in slices, so that commands and signals are heard.
 
-using devices::Fault;
-using devices::Nanoseconds;
-using sequences::Step;
-
 void Sequencer::poll_commands() {
   control_.poll(signals_);
   if (listener_) listener_();

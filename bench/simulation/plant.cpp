@@ -223,8 +223,6 @@ void Plant::set_specimen_state(const std::string& text) {
 
 namespace {
 
-using devices::Nanoseconds;
-
 constexpr Nanoseconds kCell = std::chrono::milliseconds(10);
 // The specimen moves when the pressure on some taxel has changed by this much, at each turning point, and in calm
 // pressure at times that grow with the calm, as creep's rate falls with it.

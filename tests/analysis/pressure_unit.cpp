@@ -71,7 +71,6 @@ TEST_CASE("PressureText: prints its pressures in the requested unit, in the orde
 
 // Files at their longest.
 
-using namespace tactbench::analysis;
 using tactbench::tests::TemporaryFolder;
 using tactbench::tests::write_file;
 

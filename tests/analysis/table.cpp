@@ -381,8 +381,6 @@ TEST_CASE("read_table: a path that is not a readable file is refused") {
 
 // Samples that no sensor can have between its neighbours, and good data that look like them.
 
-using namespace tactbench::analysis;
-
 namespace {
 
 constexpr std::size_t kSamples = 200;
@@ -470,8 +468,6 @@ TEST_CASE("wild samples: steps, short presses, zero jumps, noise and converter l
 }
 
 // The parts of a table line by line: separators, fields, numbers, and what its reader tells.
-
-using namespace tactbench::analysis;
 
 namespace {
 

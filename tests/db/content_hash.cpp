@@ -301,12 +301,6 @@ TEST_CASE("outcome and safe state: each converts to its text and back, and not f
 
 // The differences that check_content names, and that it notices every changed byte of content.
 
-using namespace tactbench;
-using namespace tactbench::tests;
-using db::RunStore;
-using db::sqlite::Access;
-using db::sqlite::Connection;
-
 namespace {
 
 // All canonical content of a run, as read back, bit for bit.

@@ -226,10 +226,7 @@ TEST_CASE("UUID: new UUIDs are of version 4 and differ") {
 // Rows of a run at the edges that neighbours and changes from outside make: branches in turn, keys of tags, frames of
 // no branch, frames that came back.
 
-using namespace tactbench;
-using namespace tactbench::tests;
 using Catch::Contains;
-using db::RunStore;
 using db::sqlite::Access;
 using db::sqlite::Connection;
 
@@ -364,12 +361,6 @@ TEST_CASE("structure check: deleted nights are reported") {
 }
 
 // Each bit of the header of a store's file, flipped: reading or writing reports it, or is not affected.
-
-using namespace tactbench;
-using namespace tactbench::tests;
-using db::RunStore;
-using db::sqlite::Access;
-using db::sqlite::Connection;
 
 namespace {
 

@@ -159,11 +159,6 @@ TEST_CASE("live frames: mean counts of a frame are the means of its scans, per t
 
 // Which runs and checks a question finds, condition by condition.
 
-using namespace tactbench;
-using namespace tactbench::tests;
-using db::RunStore;
-using db::sqlite::Access;
-using db::sqlite::Connection;
 using Numbers = std::vector<std::int64_t>;
 
 namespace {

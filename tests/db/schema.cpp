@@ -223,12 +223,6 @@ TEST_CASE("run store: an ended run that was not completed can be reopened, and i
 
 // The view of frames: counts as they were stored, wrench and place as numbers that SQL alone decodes.
 
-using namespace tactbench;
-using namespace tactbench::tests;
-using db::RunStore;
-using db::sqlite::Access;
-using db::sqlite::Connection;
-
 namespace {
 
 constexpr std::array<const char*, 9> kNumbers = {"fx_n",   "fy_n", "fz_n", "tx_nmm", "ty_nmm",

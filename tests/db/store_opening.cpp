@@ -188,11 +188,6 @@ TEST_CASE("run store: if the disk is full during a run, the frame is refused and
 
 // A file that cannot be written, by the operating system's own number for why: SQLite is given a write that fails.
 
-using namespace tactbench;
-using namespace tactbench::tests;
-using db::sqlite::Access;
-using db::sqlite::Connection;
-
 namespace {
 
 int failing_with = 0;

@@ -139,9 +139,6 @@ TEST_CASE("run store: a text that is too long is a usage error, not damage of th
 // no commit of the file system's journal.
 
 using namespace tactbench::db;
-using namespace tactbench::tests;
-using namespace tactbench;
-using db::RunStore;
 using db::sqlite::Access;
 using db::sqlite::Connection;
 
@@ -212,12 +209,6 @@ TEST_CASE("library versions: SQLite and OpenSSL are named with their versions") 
 }
 
 // Tables, indexes, views and triggers that tactbench did not make: reported, and never executed.
-
-using namespace tactbench;
-using namespace tactbench::tests;
-using db::RunStore;
-using db::sqlite::Access;
-using db::sqlite::Connection;
 
 namespace {
 

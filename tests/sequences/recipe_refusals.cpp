@@ -137,8 +137,6 @@ TEST_CASE("recipe: an unknown key is refused in every table") {
 
 // Which key the error for a too large recipe names, and the longest dwell that is allowed.
 
-using namespace tactbench::sequences;
-
 namespace {
 
 std::string too_large(const std::string& text, const std::string& fact) {

@@ -350,8 +350,6 @@ SensorModel load_model(const std::string& model, const db::RunStore* store) {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 double within(const Json& json, const std::string& name, double low, double high) {
   const double value = json_number(json, name);
   if (value < low || value > high)

@@ -116,8 +116,6 @@ std::string json_text(const Json& json) {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 Json level_json(const LevelFigures& level, int fitted) {
   return {
       JSON_FIELDS(level, pressure_psi, up_psi, down_psi),

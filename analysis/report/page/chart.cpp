@@ -327,12 +327,6 @@ std::string svg_file(const Chart& chart) {
 
 namespace {
 
-using html::Attribute;
-using html::CssNumber;
-using html::markup;
-using html::Markup;
-using html::Text;
-
 constexpr double kTextHeight = 11.0;
 
 struct TextBox {

@@ -229,9 +229,6 @@ Document array_page(const PageData& data) {
 
 namespace {
 
-using doc::Document;
-using doc::Phrase;
-
 bool inside(const MeasuringInterval& span, double psi) {
   return span.any && psi >= span.low_psi && psi <= span.high_psi;
 }

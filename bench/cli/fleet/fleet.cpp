@@ -158,8 +158,6 @@ void add_fleet_push(CLI::App& group, Session& session) {
 
 namespace {
 
-namespace fleet = db::fleet;
-
 std::string backlog_text(std::size_t ended, std::size_t runs, std::size_t remarks, std::int64_t frames) {
   if (ended == 0) return "no run has ended yet\n";
   std::string text = fmt::format("{} of {} there", ended - runs, analysis::counted(ended, "ended run"));
@@ -211,7 +209,6 @@ void add_fleet_status(CLI::App& group, Session& session) {
 
 namespace {
 
-namespace fleet = db::fleet;
 using Json = nlohmann::ordered_json;
 
 struct ReadOptions {

@@ -171,7 +171,7 @@ void add_compare(CLI::App& app, Session& session) {
   options->model_list = "all";
   options->models.verb = "compare";
   CLI::App* verb = app.add_subcommand("compare",
-                                      "kinds of models beside each other: elam, gpi, mpi, poly, ...\n"
+                                      "kinds of models side by side: elam, gpi, mpi, poly, ...\n"
                                       "Each is fitted on a run or table, stored where it is a run, and scored on what "
                                       "was not fitted.");
   verb->add_option("source", options->models.source, "run number, or a table (see runs import)")->required();

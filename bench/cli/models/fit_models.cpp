@@ -346,8 +346,6 @@ void fit_models(const FitModelsOptions& options, Session& session) { Fit(options
 
 JudgedFit fit_and_judge(const FitModelsOptions& options, Session& session) { return Fit(options, session).judged(); }
 
-namespace doc = analysis::doc;
-
 namespace {
 
 nlohmann::ordered_json mean_json(const analysis::ModelTaxel& taxel) {

@@ -128,7 +128,7 @@ Finding inspect_report(const KnownReport& known, const std::string& path) {
     out.words = fmt::format("unchanged since it was written ({})", one_line(notes.substr(begin, at - begin - 1)));
   } else if (notes.find(report_file_note(known.report.number, "")) == std::string::npos) {
     out.state = "not kept";
-    out.words = "cannot be told: the program that signed it kept no hash of its file";
+    out.words = "not known: the program that signed it kept no hash of its file";
     out.code = ExitCode::kInconclusive;
   } else {
     out.state = "changed";
@@ -193,7 +193,7 @@ void tell(const std::string& number, const std::optional<KnownReport>& known, co
                analysis::counted(known->report.evidence.size(), "run"));
   for (const std::string& line : evidence.fallen) tty::print("evidence  FALLEN: {}\n", one_line(line, kMaxTextLength));
   for (const std::string& line : evidence.missing)
-    tty::print("evidence  cannot be told: {}\n", one_line(line, kMaxTextLength));
+    tty::print("evidence  not known: {}\n", one_line(line, kMaxTextLength));
   if (known && !known->next.number.empty())
     tty::print("replaced by report {}{}{}\n", known->next.number, known->next.reason.empty() ? "" : ": ",
                one_line(known->next.reason, kMaxTextLength));
@@ -328,7 +328,7 @@ void add_reports_list(CLI::App& report, Session& session) {
   verify->add_option("--root", *root, "certificates (PEM) that the signature FILE.p7s has to lead to");
   verify->footer(
       "Exit codes: 0 signed and unchanged; 1 changed, not signed in this store, or its evidence fell (a run that it "
-      "rests on is void or was changed); 6 it cannot be told. Of a signature FILE.p7s: 0 good; 1 tampered, appended, "
+      "rests on is void or was changed); 6 it is not known. Of a signature FILE.p7s: 0 good; 1 tampered, appended, "
       "wrong "
       "file, damaged, other root, invalid when signed; 6 missing, expired since, or no --root.");
   verify->callback([named, root, &session] { verify_report(*named, *root, session); });

@@ -279,8 +279,6 @@ void add_plan(CLI::App& app, Session& session) {
   verb->callback([options, &session] { plan(*options, session); });
 }
 
-using nlohmann::ordered_json;
-using sequences::Recipe;
 using sequences::RecipeFile;
 
 std::vector<ShippedRecipe> shipped_recipes() {

@@ -175,7 +175,7 @@ void add_trend_options(CLI::App& verb, TrendOptions& options, Session& session) 
 void add_trend(CLI::App& app, Session& session) {
   auto options = std::make_shared<TrendOptions>();
   CLI::App* verb = app.add_subcommand("trend",
-                                      "figures run by run beside their baseline; accept baselines\n"
+                                      "values run by run against their baseline; accept baselines\n"
                                       "Of a sensor, a rig or a scenario, with the band and the moving average of the "
                                       "accepted baseline.");
   add_trend_options(*verb, *options, session);

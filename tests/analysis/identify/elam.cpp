@@ -90,8 +90,6 @@ TEST_CASE("ELAM: memory reduces the error on random reversals that were not fitt
 // Which branches tell ELAM's parameters: those whose turn was measured, at most a hundredth of the range inside. What
 // is counted of a fit, by hand.
 
-using namespace synthetic;
-
 namespace {
 
 // A recording that begins with the way from `from` to `to`, and one of the whole loop.

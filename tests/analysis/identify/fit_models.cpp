@@ -217,8 +217,6 @@ TEST_CASE("identification: errors of a long history are over all its samples, th
 
 // Fits of each model but GPI, and of ELAM's modes beside the paper's, to one set of data: none leaves more than these.
 
-using namespace synthetic;
-
 namespace {
 
 // The paper's sequences with noise, and a way between random turns of another ELAM with more.
@@ -316,8 +314,6 @@ TEST_CASE("fit_models: taxels with different inner inputs are fitted separately,
 }
 
 // Models along histories by hand: what lies between branches, inputs that waver, measured turns; and a sensor's taxels.
-
-using namespace tactbench::analysis;
 
 namespace {
 

@@ -142,8 +142,6 @@ TEST_CASE("fit errors: sum of squares, mean and largest error are right for any 
 
 // Least squares without negative values, and single-valued curves by the means of neighbours: by hand.
 
-using namespace tactbench::analysis;
-
 namespace {
 
 // Of columns with these products among themselves and with the right side.

@@ -161,8 +161,6 @@ TEST_CASE("linearised: without a divider, outputs that start above 0 are fitted 
 
 // Which taxels get their readout divider undone, and how such models are kept.
 
-using namespace synthetic;
-
 namespace {
 
 const LinearisedModel& linearised_in(const ModelFit& fit) { return dynamic_cast<const LinearisedModel&>(*fit.model); }
@@ -237,8 +235,6 @@ TEST_CASE("linearised: documents store and read back the divider, those of plain
 }
 
 // A sensor whose outputs begin at another voltage: each model fits and predicts the same, that much higher.
-
-using namespace synthetic;
 
 TEST_CASE("identification: an output offset shifts each model's prediction and leaves its errors unchanged") {
   const FitData data = paper_both(0.03, 0.02);

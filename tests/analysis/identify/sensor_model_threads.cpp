@@ -48,8 +48,6 @@ TEST_CASE("evaluate: every model has a finite error on a held-out run, ELAM and 
   }
 }
 
-using namespace synthetic;
-
 namespace {
 
 Dataset small_run() {
@@ -81,8 +79,6 @@ TEST_CASE("histories of a run: contain averages to fit, measured repeats to scor
 }
 
 // What the models leave of a plant that is none of them, in the uncertainty of their streams, and how it is kept.
-
-using namespace synthetic;
 
 namespace {
 

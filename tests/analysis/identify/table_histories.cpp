@@ -257,8 +257,6 @@ TEST_CASE("table histories: columns that vary only by rounding are refused as co
 
 // What is doubtful about a table, at each bound: starts, inner branches, loops, dead bands, jumping inputs, counts.
 
-using namespace tactbench::analysis;
-
 namespace {
 
 TableSeries doubtful_series(const std::string& name, const std::vector<double>& x, int taxel = 0) {

@@ -57,9 +57,6 @@ TEST_CASE("mpe: a reading conforms if error and U of the share of taxels are wit
 
 // U of a reading at levels beside and between those it is stated for, the worst of several kinds, and shares of taxels.
 
-using namespace tactbench;
-using namespace tactbench::analysis;
-
 namespace mpe_levels {
 namespace {
 

@@ -313,8 +313,6 @@ TEST_CASE("ELAM memory: a branch closes its loop with scaled outputs, then conti
 
 // ELAM with more than one split point a branch.
 
-using namespace synthetic;
-
 namespace {
 
 ElamModel any_model(std::mt19937& random) {

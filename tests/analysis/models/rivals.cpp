@@ -106,8 +106,6 @@ TEST_CASE("MPI: densities and outputs of a range with offsets match hand-compute
 // POLY where its polynomial wavers, by hand: the places where it turns, and which input the inverse finds; and where a
 // measured turn belongs to an external branch, of POLY and of ELAM.
 
-using namespace tactbench::analysis;
-
 namespace {
 
 // F(t) = 16 t^3 - 24 t^2 + 9 t: up to 1 at 1/4, down to 0 at 3/4, up to 1. With t = sin^2 a it is sin^2 3a.

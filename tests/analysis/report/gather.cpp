@@ -224,9 +224,6 @@ TEST_CASE("Runs: a run without a dataset throws its reason each time, and still 
 
 // A run's way from its records by hand: which events are told and by what name, surroundings, void branches, seatings.
 
-using namespace tactbench;
-using namespace tactbench::analysis;
-
 namespace {
 
 RunLog history_of_events(std::vector<db::EventRecord> events) {

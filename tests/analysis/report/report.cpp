@@ -245,9 +245,6 @@ TEST_CASE("report: non-finite values are null in the JSON and are not printed") 
 
 // What a report's number is a hash of: every result, and no name, time or host.
 
-using namespace tactbench;
-using namespace tactbench::analysis;
-
 TEST_CASE("report number: changes when any result changes") {
   const ReportInput input = example::full_input();
   std::set<std::string> contents = {render_report(input).content_sha256};

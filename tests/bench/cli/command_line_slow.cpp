@@ -80,7 +80,6 @@ TEST_CASE("command line: rejects unknown verbs and options, with the rig state i
 // The program as a person uses it: words, exit codes, files.
 
 using namespace tactbench;
-using namespace tactbench::tests;
 using nlohmann::json;
 
 namespace {
@@ -230,7 +229,6 @@ TEST_CASE("demo: measures the sequences of the paper, and its models are scored 
 
 // Escape sequences in arguments, files and stores: none reaches a terminal, whichever verb prints it.
 
-using namespace tactbench::tests;
 using tactbench::db::sqlite::Access;
 using tactbench::db::sqlite::Connection;
 
@@ -331,9 +329,6 @@ TEST_CASE("terminal output: escape sequences in rejected input are printed escap
 
 // A command reads each run once, however many figures of it are asked for. SQLite itself is asked: it names every
 // statement that it carries out for a verb, which runs in this process.
-
-using namespace tactbench;
-using namespace tactbench::tests;
 
 namespace {
 

@@ -106,7 +106,6 @@ TEST_CASE("output files: a verb overwrites its own earlier output, and another f
 
 // tactbench.toml, TACTBENCH_BENCH and TACTBENCH_DB as a person meets them.
 
-using namespace tactbench::tests;
 using nlohmann::json;
 
 namespace {
@@ -188,9 +187,6 @@ TEST_CASE("profile: judge uses its limits and reports the file, fit uses no limi
 
 // --units as a person meets it: every verb that prints pressures, the profile's key, typed pressures, and what stays
 // psi.
-
-using namespace tactbench::tests;
-using nlohmann::json;
 
 namespace {
 

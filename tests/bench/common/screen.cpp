@@ -172,8 +172,6 @@ TEST_CASE("printing: an unwritable standard output is an error, an unwritable st
   CHECK((WIFEXITED(status) && WEXITSTATUS(status) == 0));
 }
 
-using namespace tactbench::bench;
-
 namespace {
 
 // Whether a terminal may be sent this: lines, tabs, and what a person reads.
@@ -259,9 +257,6 @@ TEST_CASE("clock text: a time is rounded to the nearest second") {
 
 // The progress line of verbs that compute: what it says at each moment, and where it keeps silent.
 
-using namespace tactbench;
-using namespace tactbench::bench;
-
 TEST_CASE("progress: a stage without a count is estimated from its share and the pace so far") {
   const std::vector<WorkStage> stages = {{"models", 4.0}, {"uncertainty", 2.0, false}};
   CHECK(estimated_fraction(stages, 1, 8.0, 1.0) == Approx(0.25));  // it should take 4 s
@@ -304,9 +299,6 @@ TEST_CASE("progress: without a terminal there is no progress line") {
 }
 
 // A file that is not there has no text; one that cannot be read to its end is an error, not half a text.
-
-using namespace tactbench::bench;
-using namespace tactbench::tests;
 
 TEST_CASE("file text: all bytes are read, a missing file is empty, and a read failure is an error") {
   const TemporaryFolder folder;

@@ -263,8 +263,6 @@ TEST_CASE("config: a rejected pressure in another unit is reported in psi and as
 
 // Which values a bench file may not combine, and which it may.
 
-using namespace tactbench;
-using namespace tactbench::bench;
 using tests::bench_accepts;
 using tests::bench_text;
 using tests::Changes;
@@ -365,13 +363,8 @@ TEST_CASE("config: the reference can be the regulator feedback, a gauge, or a tr
 
 // Defaults of a bench file, and what each kind of instrument and each unit in a key is read as.
 
-using namespace tactbench;
-using namespace tactbench::bench;
 using namespace std::chrono_literals;
-using tests::bench_text;
-using tests::Changes;
 using tests::hardware_bench;
-using tests::simulated_bench;
 
 TEST_CASE("config defaults: limits, dead-man, settling, module, regulator, reference") {
   const BenchConfig config = simulated_bench();

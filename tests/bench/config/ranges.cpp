@@ -116,7 +116,6 @@ TEST_CASE("config ranges: stage and force") {
 
 // No table of any configuration file takes a key that it does not know, and each file says of which schema it is.
 
-using namespace tactbench;
 using namespace tactbench::tests;
 
 namespace {
@@ -298,8 +297,6 @@ TEST_CASE("strict tables: a module profile that is a folder or has no shipped na
 // What a bench file states of calibrations: dates, limits and what the simulated instruments' errors are drawn within;
 // files of sensor types and limits, number by number.
 
-using namespace tactbench;
-using namespace tactbench::tests;
 using bench::BenchConfig;
 
 namespace {

@@ -115,7 +115,6 @@ TEST_CASE("state folder: is in XDG_STATE_HOME, or else in the home folder") {
 // Which readings of a pressure instrument can be true, and when one stands still.
 
 using namespace tactbench;
-using namespace tactbench::bench;
 
 namespace {
 

@@ -90,10 +90,6 @@ TEST_CASE("array view: is empty for a scanner without a scale") {
 
 // The array's picture: its scale, what a frame's counts become, and which taxels are judged dead.
 
-using namespace tactbench;
-using namespace tactbench::bench;
-using namespace tactbench::tests;
-
 namespace {
 
 ArrayView equal_taxels(int rows, int columns) {

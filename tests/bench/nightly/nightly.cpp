@@ -280,8 +280,6 @@ TEST_CASE("scenario result: JSON is written and read with every member, NaN incl
 // A night's processes: their words, how many run at a time, what becomes of those that fail or do not end, and files of
 // others. By scripts in the place of the program.
 
-using namespace tactbench;
-using namespace tactbench::bench;
 using namespace tactbench::tests;
 namespace fs = std::filesystem;
 

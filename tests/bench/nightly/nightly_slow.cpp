@@ -100,9 +100,6 @@ TEST_CASE("night: nights are kept in one store, compared with a baseline, and ch
 
 // A night in parts, put together, beside the same night in one; what merging takes and refuses.
 
-using namespace tactbench;
-using namespace tactbench::tests;
-
 namespace {
 
 // Two scenarios with models, one of two runs, and a red one.

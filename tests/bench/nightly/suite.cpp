@@ -118,10 +118,6 @@ TEST_CASE("scenario store: holds only the sensor and the runs of the suite, with
 // Nights in a store: their runs are taken once, and compared with the last ones of the same seeds. No rig: the stores
 // of scenarios are written here.
 
-using namespace tactbench;
-using namespace tactbench::bench;
-using namespace tactbench::tests;
-
 namespace {
 
 Suite suite_of_seeds(int seeds) { return with_seeds(parse_suite(kPartSuite, "s.toml"), seeds); }
@@ -291,9 +287,6 @@ TEST_CASE("kept nights: a night of several seeds lists each scenario once, with 
 }
 
 // Fits, verdicts and figures that were made of a run in another store since it was copied: what is taken, once.
-
-using namespace tactbench;
-using namespace tactbench::tests;
 
 namespace {
 

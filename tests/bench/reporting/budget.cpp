@@ -276,9 +276,6 @@ TEST_CASE("budget runs: a warmer run in another state leaves temperature not ass
 // What evidence shows of conditions in use: each source of uncertainty by a run that shows it and by one that just does
 // not. On runs of one taxel that are stored by hand.
 
-using namespace tactbench;
-using namespace tactbench::tests;
-
 namespace {
 
 const std::string kAllOpen = "history; re-mounting; temperature; time; creep; ";

@@ -256,7 +256,6 @@ TEST_CASE("report: finds the temperature coefficient and the creep of the film")
 
 // The study of compensated pressures: its sums by hand, its histories by what they promise, and one small study.
 
-using namespace tactbench;
 using namespace tactbench::bench;
 
 TEST_CASE("compensation study: quantiles, coverage and width are those of the samples") {

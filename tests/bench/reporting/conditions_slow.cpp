@@ -96,8 +96,6 @@ TEST_CASE("conditions: U of one mount does not cover a re-mount or a month later
 // Limits, decision rules and uncertainty as a person uses them: what the report prints is what the store gives.
 
 using namespace tactbench;
-using namespace tactbench::tests;
-using nlohmann::json;
 
 namespace {
 
@@ -219,9 +217,7 @@ TEST_CASE("report: its uncertainty equals the one recomputed from the store") {
 // An error of the input that reads the reference, seen in corrected readings: U of a calibration holds the plant's
 // pressure with the input's row, and not without it. On benches and a sensor that nothing was chosen on.
 
-using namespace tactbench;
 using namespace tactbench::analysis;
-using namespace tactbench::tests;
 using bench::KnownRun;
 
 namespace {
@@ -292,9 +288,6 @@ TEST_CASE("reference chain: a voltage input error is within U only if its limit 
 
 // A chamber that presses one edge more than the other: four runs of one sensor turned in it tell its map from the
 // sensor's, as the report takes them apart.
-
-using namespace tactbench;
-using namespace tactbench::tests;
 
 namespace {
 

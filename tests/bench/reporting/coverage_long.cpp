@@ -50,9 +50,6 @@ TEST_CASE("U covers 92 to 98.5 % of readings of the harsh specimen, for each kin
 // The uncertainty of ELAM's frames against the truth, the plant's pressure, on random reversals of sensors of the
 // paper's specimen that nothing was chosen on.
 
-using namespace tactbench;
-using namespace tactbench::tests;
-
 namespace {
 
 struct Held {

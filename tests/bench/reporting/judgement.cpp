@@ -90,9 +90,6 @@ TEST_CASE("evidence: the reference data are those on the day of the run, updated
 
 // Verdicts of before beside new ones, and what is stored.
 
-using namespace tactbench;
-using namespace tactbench::tests;
-
 TEST_CASE(
     "stored judgement: has verdicts of all fits with the same models and the newest limits, marks lost evidence") {
   JudgedStore made(5);
@@ -203,8 +200,6 @@ TEST_CASE("evaluations: the run of the fit comes first, others are titled as typ
 }
 
 // Which stored verdicts stand, which of them decides, and what is said of the others: on runs and fits stored by hand.
-
-using namespace tactbench;
 
 namespace {
 

@@ -180,10 +180,6 @@ TEST_CASE("report: of a defective sensor it lists exactly the planted defects, a
 // Models compared, compensation, studies and objects: every figure of the report against the one recomputed from the
 // store that it was made from.
 
-using namespace tactbench;
-using namespace tactbench::tests;
-using nlohmann::json;
-
 namespace {
 
 const char* const kLoops =

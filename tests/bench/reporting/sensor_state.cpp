@@ -109,9 +109,6 @@ TEST_CASE("sensor state: the verdict is the newest valid one, and expires as the
 
 // As found: verdicts on earlier models by the limits of the report, and since when measurements with them are in doubt.
 
-using namespace tactbench;
-using namespace tactbench::tests;
-
 namespace {
 
 // What is in doubt: "" nothing, "all", or since which day.
@@ -250,8 +247,6 @@ TEST_CASE("as found: doubt starts at the last earlier run of the sensor with a v
 }
 
 // Runs that verbs name, and signed reports that are not written over: on runs stored by hand.
-
-using namespace tactbench;
 
 namespace {
 

@@ -208,7 +208,6 @@ TEST_CASE("study results: the last given registration applies to runs without on
 
 // Every way in which a run's own record contradicts the role that was typed for it, in all its words; and what agrees.
 
-using namespace tactbench;
 using namespace tactbench::bench;
 
 namespace {
@@ -314,8 +313,6 @@ TEST_CASE("study roles: a mount must be another mount and not turned, by tags or
 
 // Further runs as typed after --studies: what is taken for a run with its role, and each refusal. The
 // runs are stored by hand, without frames.
-
-using namespace tactbench;
 
 namespace {
 

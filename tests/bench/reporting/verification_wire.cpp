@@ -142,9 +142,6 @@ TEST_CASE("verify results: an overdue reference is recognised from a laboratory 
 // verify, result by result: what cannot be worked out again since runs have changed, lost their frames or are not in
 // the store, and dynamic models, which rest on several runs.
 
-using namespace tactbench;
-using namespace tactbench::tests;
-
 TEST_CASE("verify results: models of a changed run or a run without frames are not used to judge again") {
   VerifiedStore made;
   for (int i = 0; i < 3; ++i) (void)made.add(film_inner_loops());
@@ -246,9 +243,6 @@ TEST_CASE("verify results: a dynamic model without sources and models of an impo
 // A whole report on runs of one taxel that are stored by hand: its input with uncertainties and earlier models, its
 // file, and where that goes when a signed report stands in its place. Not a unit test: models are compared by several
 // threads.
-
-using namespace tactbench;
-using namespace tactbench::tests;
 
 namespace {
 

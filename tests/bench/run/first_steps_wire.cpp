@@ -55,9 +55,6 @@ TEST_CASE("run: a repeat may begin at any level and fall, rise or stay") {
 
 // A recipe's [limits]: a run that cannot be of use ends at the first frame of the highest level, and not later.
 
-using namespace tactbench;
-using namespace tactbench::tests;
-
 namespace {
 
 struct Ended {
@@ -161,9 +158,6 @@ TEST_CASE("run: the array is judged at the first peak only, not later") {
 // The warm-up of a run on the simulated rig: unloaded frames a quarter of a minute apart, until they are calm or the
 // time is up.
 
-using namespace tactbench;
-using namespace tactbench::tests;
-
 namespace {
 
 struct WarmedUp {
@@ -224,9 +218,6 @@ TEST_CASE(
 }
 
 // What ends a run that cannot go on, or was asked for what its bench does not have.
-
-using namespace tactbench;
-using namespace tactbench::tests;
 
 namespace {
 

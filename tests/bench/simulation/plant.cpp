@@ -373,11 +373,6 @@ TEST_CASE("plant coupling: a stuck row beyond the array means its last row") {
 
 // Each question and each change brings the plant up to its time first: whoever has looked before changes nothing.
 
-using namespace tactbench;
-using namespace tactbench::bench;
-using namespace tactbench::tests;
-using namespace std::chrono_literals;
-
 namespace {
 
 // From 10 psi on.

@@ -221,8 +221,6 @@ TEST_CASE("Zaber codec: the named commands and errors are those of the manual of
 
 // The line of a chain: which reply belongs to which instruction, and how long it is waited for.
 
-using namespace tactbench::devices;
-using namespace std::chrono_literals;
 using enum ZaberCommand;
 
 namespace {

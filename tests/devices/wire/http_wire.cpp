@@ -230,9 +230,6 @@ TEST_CASE("HTTP client: a host name, an invalid port and a port without a listen
 
 // The page of a simulated instrument, request by request, served by this thread.
 
-using namespace tactbench::devices;
-using namespace std::chrono_literals;
-
 namespace {
 
 void serve_once(PageServer& page) {

@@ -175,8 +175,6 @@ TEST_CASE("TOML set: a value typed in another unit is quoted as typed, with the 
 
 // Numbers as they are read: kinds, bounds, lists, and what is remembered of them.
 
-using namespace tactbench::sequences;
-
 namespace {
 
 template <class Read>
@@ -307,8 +305,6 @@ TEST_CASE("TOML settings: each number read is recorded once, with its place or a
 
 // Texts, words, dates and tables as they are read, and which keys a table may have.
 
-using namespace tactbench::sequences;
-
 namespace {
 
 template <class Read>
@@ -434,7 +430,6 @@ TEST_CASE("TOML settings: values set on the command line have no line of the fil
 
 // Rows of keys: what each reads into its variable, in which unit, and what it says of itself.
 
-using namespace tactbench::sequences;
 namespace key = tactbench::sequences::key;
 using tactbench::devices::Psi;
 

@@ -275,8 +275,6 @@ TEST_CASE("elapsed time: time beyond hold and settling is conditioning, the firs
 
 // A model's lag and creep taken back from runs and tables that its formulas made.
 
-using namespace synthetic;
-
 namespace {
 
 Dynamics some_dynamics() {
@@ -428,8 +426,6 @@ TEST_CASE("creep removal from histories: those of a run continue each other, tho
 }
 
 // The creep that one run tells, on straight films whose creep is known.
-
-using namespace synthetic;
 
 namespace {
 

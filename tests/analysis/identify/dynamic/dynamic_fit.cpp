@@ -127,8 +127,6 @@ TEST_CASE("SensorDynamics: reports whether creep, lag or both are removed", "[dy
 
 // Streams of a dynamic Preisach model on films of known truth, simulated by other means.
 
-using namespace synthetic;
-
 namespace {
 
 std::unique_ptr<Compensator> stream_of(const HysteresisModel& model, const Dynamics& dynamics,

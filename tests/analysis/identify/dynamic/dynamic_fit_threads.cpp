@@ -139,8 +139,6 @@ TEST_CASE("dynamic model of one run: without creep in the run it needs no times,
 
 // Creep from the fitted run: against plants of known creep, and where there is none.
 
-using namespace synthetic;
-
 namespace {
 
 DynamicArray creeping(double share, double slowest_s) {
@@ -281,8 +279,6 @@ TEST_CASE("contact_result: frame times let creep be removed under an object, whi
 
 // What a dynamic model says of its own error, against the truth.
 
-using namespace synthetic;
-
 namespace {
 
 struct ResidualSum {
@@ -353,8 +349,6 @@ TEST_CASE("dynamic model: twice the uncertainty covers over 90 % of the pressure
 }
 
 // The residual of a dynamic model by level and direction; what else one run decides.
-
-using namespace synthetic;
 
 namespace {
 

@@ -90,8 +90,6 @@ TEST_CASE("genetic algorithm: equal seeds give equal fits, and the fit option se
 // the inner branches, white noise that explains ELAM's printed errors). It favours ELAM, whose branches it has: the
 // paper's Tables 4 and 5 are not reproduced by this.
 
-using namespace synthetic;
-
 namespace {
 
 constexpr unsigned kSeeds = 6;

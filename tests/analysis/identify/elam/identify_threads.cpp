@@ -166,8 +166,6 @@ TEST_CASE("fit_array: fits at the measured pressures and on the set-point grid a
 
 // A regulator's own hysteresis is not the sensor's.
 
-using namespace synthetic;
-
 // Outputs are moved to the set-point by the measured reference.
 TEST_CASE("fit_array: a regulator hysteresis of 0.5 % does not change the fit") {
   ArrayOptions options;

@@ -103,8 +103,6 @@ TEST_CASE("ELAM search: parameters on which J does not depend stay unchanged") {
 
 // ELAM on few samples far from any model, where J has several minima: no place of a grid over the whole box is lower.
 
-using namespace synthetic;
-
 namespace {
 
 // Branches of three to five samples from inner turns, and one external one of each direction; outputs `noise` V off a

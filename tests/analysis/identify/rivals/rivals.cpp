@@ -178,8 +178,6 @@ TEST_CASE("GPI: the evolution strategy stops at its last generation, or when ste
 // GPI's tree of states against play operators walked along the data: what is compared at one step has one model value,
 // and what a larger swing has wiped out is not told apart.
 
-using namespace synthetic;
-
 namespace {
 
 // Play operators of a virgin sensor, and a sum of them in which none hides another.
@@ -271,8 +269,6 @@ TEST_CASE("GPI tree: samples of random inputs are merged only where the play ope
 }
 
 // GPI's search: its J is the walk's, the same on all vectors.
-
-using namespace synthetic;
 
 namespace {
 

@@ -173,7 +173,6 @@ TEST_CASE("stored fit: every class of double is read back bit for bit, and its h
 
 // What `verify` calls equal, and what it names first.
 
-using namespace tactbench;
 using namespace tactbench::analysis;
 
 namespace {

@@ -198,7 +198,6 @@ TEST_CASE("residual: combines the errors on held-out branches with those on fitt
 
 // Streams of a taxel whose model has lag and creep, and what it is measured by.
 
-using namespace tactbench::analysis;
 using tactbench::creeping::creeping_film;
 
 TEST_CASE("dynamic streams: expect outputs as rising, and use lag and creep only for fitted taxels", "[dynamic]") {
@@ -270,8 +269,6 @@ TEST_CASE("static streams: samples are out of range beyond the outputs by over 5
 }
 
 // Which samples a residual is made of: unknown starts do not count, nor does what comes after so many.
-
-using namespace tactbench::analysis;
 
 namespace {
 

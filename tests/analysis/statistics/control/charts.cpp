@@ -90,8 +90,6 @@ TEST_CASE("EWMA chart: a deviation below 1e-9 of the mean counts as none") {
 
 // Control bands and slopes against published and exactly computed values, and the promised rate of false alarms.
 
-using namespace tactbench::analysis;
-
 TEST_CASE("Student quantiles: match the published tables") {
   CHECK(student_quantile(0.975, 10.0) == Approx(2.228139).epsilon(1e-6));
   CHECK(student_quantile(0.995, 1.0) == Approx(63.65674).epsilon(1e-6));
@@ -152,8 +150,6 @@ TEST_CASE("Theil-Sen slope: is the median of the slopes between any two values")
 }
 
 // The chart of one figure against values computed by hand, and its promised rates of false alarms and of shifts found.
-
-using namespace tactbench::analysis;
 
 namespace {
 

@@ -111,8 +111,6 @@ TEST_CASE("level statistics: a single taxel has no spread") {
 
 // Where steps stand in their history, and what full sweeps of straight taxels read at each level: by hand.
 
-using namespace straight_array;
-
 namespace {
 
 SequenceData set_points_alone(const std::vector<double>& setpoints) {

@@ -84,8 +84,6 @@ TEST_CASE("moments: least-squares line, its residual and the correlation match h
 
 // Pooled scatter and its degrees of freedom, against cases on paper.
 
-using namespace tactbench::analysis;
-
 TEST_CASE("pooled scatter: fully correlated parts have n - 1 degrees of freedom") {
   const std::vector<std::vector<double>> rows = {{1.0, 11.0, 21.0}, {3.0, 13.0, 23.0}};
   const PooledScatter scatter = pooled_scatter(rows);

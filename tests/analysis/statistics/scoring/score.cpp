@@ -167,8 +167,6 @@ TEST_CASE("score: the array's taxels are summed, and the mean taxel is scored se
 // The score of a dynamic model: in runs time goes on from sequence to sequence, and what passed beside a hold was work;
 // each sequence of a table is a recording of its own.
 
-using namespace tactbench::analysis;
-
 namespace {
 
 // Held 2 s at 20 psi after 100 s, 3 s at 30; then, 7 s later and for 7 s, at 15 psi, and for 4 s at 40.

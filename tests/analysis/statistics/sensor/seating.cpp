@@ -114,8 +114,6 @@ TEST_CASE("seating: another sensor is reported as a deviation") {
 
 // The parts of the seating check by hand: how well a pattern fits in each position, and the lines at each limit.
 
-using namespace tactbench::analysis;
-
 namespace {
 
 // Places of compare_positions().
@@ -192,8 +190,6 @@ TEST_CASE("seating positions: only taxels that responded in both seatings count,
 }
 
 // The seating check as a whole at each of its limits, on patterns whose correlation is known.
-
-using namespace tactbench::analysis;
 
 namespace {
 
@@ -367,8 +363,6 @@ TEST_CASE("seating bounds: the worst of several findings decides") {
 }
 
 // Rows and columns of the seating check at each of their limits, from lines of one response each: by hand.
-
-using namespace tactbench::analysis;
 
 namespace {
 

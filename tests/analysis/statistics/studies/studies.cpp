@@ -313,8 +313,6 @@ TEST_CASE("rate study: repeats 1.2 times faster are another rate, and held level
 
 // Crosstalk to each of its bounds, on prints of one taxel, or two, whose shares are given by zone.
 
-using namespace tactbench::analysis;
-
 namespace {
 
 constexpr int kMap = 17;

@@ -249,11 +249,6 @@ TEST_CASE("U of a column array: the centre moves along it, the median is the low
 // What taxels have in common of the scatter of sweeps, of held-out errors, and what is left where nothing scatters: by
 // hand, on taxels that are straight lines.
 
-using namespace tactbench;
-using namespace straight_array;
-using uncertainty_example::known_row;
-using uncertainty_example::row_of;
-
 namespace {
 
 constexpr std::size_t kAtTwentyUp = 1, kAtFortyUp = 2, kAtFortyDown = 6;

@@ -107,8 +107,6 @@ TEST_CASE("counted U: a run in another state is one history, and counts for that
 
 // Rows that further runs give, on taxels that are straight lines: every figure by hand.
 
-using namespace tactbench;
-using namespace straight_array;
 using uncertainty_example::known_row;
 using uncertainty_example::row_of;
 

@@ -162,9 +162,6 @@ TEST_CASE("scanner serial: is that of the scanner that answered, else the run's,
 
 // Budgets of the force sensor and the thermometer, row by row, and what a certificate covers: by hand.
 
-using namespace tactbench;
-using namespace tactbench::analysis;
-
 namespace {
 
 db::RunRecord run_with(const std::string& role, const std::string& json,

@@ -74,7 +74,6 @@ TEST_CASE("reference error: budget and verdict sum the same parts, the verdict w
 
 // Temperature in the budget: coefficients by hand from runs made by formula, and what keeps them from being assessed.
 
-using namespace tactbench;
 using namespace tactbench::analysis;
 using namespace effect_runs;
 

@@ -126,7 +126,6 @@ TEST_CASE("sources: a run number has up to 18 digits, a list is split at its com
 
 // One fitted model as `fit` tells it as JSON, of a model that is known number by number.
 
-using namespace tactbench;
 using namespace tactbench::bench;
 
 namespace {
@@ -207,9 +206,6 @@ TEST_CASE("fit text: the JSON document of a fit has all its members") {
 }
 
 // Numbers of options at the ends of what is taken, and just beyond, of the verbs of models and of the fleet.
-
-using namespace tactbench;
-using namespace tactbench::tests;
 
 namespace {
 

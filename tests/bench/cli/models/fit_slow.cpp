@@ -140,9 +140,6 @@ TEST_CASE("fit: bad tables and models are rejected with an error id and exit cod
 
 // `fit` and the verbs that use models treat every model that can be inverted like ELAM.
 
-using namespace tactbench::tests;
-using nlohmann::json;
-
 TEST_CASE(
     "models: every kind is judged, verified, adjusted, streamed live and used as the as-found model of a report") {
   const TemporaryFolder folder;
@@ -179,7 +176,6 @@ TEST_CASE(
 // `fit` of runs that the simulated rig made in seconds: figures, judgement, scores, limits of the profile, many runs.
 
 using namespace tactbench;
-using namespace tactbench::tests;
 
 namespace {
 
@@ -308,9 +304,6 @@ TEST_CASE("fit: of several runs each run gets its own model, and a run that cann
 }
 
 // Samples that are none, and rows that no sensor gives: what fit and compensate make of them.
-
-using namespace tactbench;
-using namespace tactbench::tests;
 
 namespace {
 

@@ -105,7 +105,6 @@ TEST_CASE("fit of a table: the dynamic model needs times and an unloaded sensor,
 
 // Tables as people have them, from the command line: assumptions, omissions and doubts are reported; files stay tables.
 
-using namespace tactbench::tests;
 using nlohmann::json;
 
 namespace {
@@ -176,8 +175,6 @@ TEST_CASE("fit of a table: --turn sets the smallest reversal, in units of the in
 
 // compensate on a recording that begins in mid-branch: said, and its uncertainty holds the truth.
 
-using namespace tactbench::tests;
-
 namespace {
 
 std::string rows_from(const std::vector<PlaySample>& samples, std::size_t first) {
@@ -237,9 +234,6 @@ TEST_CASE("compensate: a recording that starts in mid-unloading is flagged unkno
 }
 
 // model diff of models of two tables whose differences are known.
-
-using namespace tactbench;
-using namespace tactbench::tests;
 
 namespace {
 

@@ -253,9 +253,6 @@ TEST_CASE("model diff: parameters of inputs in different units are not compared"
 
 // The models of a run that `runs show` lists, of a store whose models are known.
 
-using namespace tactbench;
-using namespace tactbench::tests;
-
 namespace {
 
 // Runs 1 and 3 have models, run 2 none.
@@ -289,8 +286,6 @@ TEST_CASE("runs show: lists each model of the run with its number, kind and numb
 
 // The rows of models: which are left out and which errors end the fit, and what a row tells as JSON.
 
-using namespace tactbench;
-using namespace tactbench::tests;
 using namespace tactbench::bench;
 
 namespace {

@@ -175,7 +175,6 @@ TEST_CASE("report: a PDF is made by an installed program and has no foreign date
 // report: what it tells and writes of runs with models and without, of several runs, in each format, and signed; and
 // what it refuses of models and further runs. The runs are small, so that each call takes no longer than its process.
 
-using namespace tactbench::tests;
 using Told = nlohmann::ordered_json;
 
 namespace {
@@ -354,9 +353,6 @@ TEST_CASE("report: rejects unusable models and further runs") {
 }
 
 // demo: what its five runs are made with, and a file of another kind that it leaves alone.
-
-using namespace tactbench;
-using namespace tactbench::tests;
 
 namespace {
 

@@ -146,9 +146,6 @@ TEST_CASE("devices reset: reports the trip that it removes, or that there is non
 // The tables of keys: each row says all that a reader needs, each key that a shipped file holds or that reading it
 // takes by default is a row, and the files of init hold a comment for each of their keys and the same values.
 
-using namespace tactbench;
-using namespace tactbench::tests;
-
 namespace {
 
 std::string values_of(const std::string& toml) { return sequences::TomlDocument::from_text(toml, "t").to_text(); }

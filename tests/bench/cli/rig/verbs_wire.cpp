@@ -204,9 +204,6 @@ TEST_CASE("status: without --db it reads the store of this folder") {
 // devices check, watch, reset and scan: dates of calibration on their very day, values that nobody filled in, what an
 // instrument reads, and who resets.
 
-using namespace tactbench;
-using namespace tactbench::tests;
-
 TEST_CASE("devices check: a calibration is valid on its due date and overdue the next day") {
   const TemporaryFolder folder;
   const auto page_of = [&](const std::string& due) {
@@ -283,8 +280,6 @@ TEST_CASE("devices scan: lists devices as JSON, including a host that does not r
 }
 
 // page: the address that it prints, as words and as JSON, and the port that it takes.
-
-using namespace tactbench::tests;
 
 namespace {
 
@@ -370,8 +365,6 @@ TEST_CASE("page: if the default port is in use it takes another one, an explicit
 }
 
 // What `simulate` tells of the wires that it serves, and the bench file that it writes for its clients.
-
-using namespace tactbench::tests;
 
 namespace {
 

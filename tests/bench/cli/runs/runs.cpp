@@ -216,7 +216,6 @@ TEST_CASE("runs show: shows the specimen of simulated runs only") {
 
 // Metadata of the command line as tags, at the length that a tag may have, and as a filter.
 
-using namespace tactbench;
 using bench::MetadataOptions;
 
 namespace {
@@ -288,8 +287,6 @@ TEST_CASE("metadata filter: all given pairs must match, a key alone matches any 
 
 // sensors add, list and show, of a sensor with all its words and of one without.
 
-using namespace tactbench;
-using namespace tactbench::tests;
 using Told = nlohmann::ordered_json;
 
 namespace {

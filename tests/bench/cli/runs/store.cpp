@@ -110,9 +110,6 @@ TEST_CASE("verify: reports each run that differs, and runs that have not ended")
 
 // import: what it prints and stores of a table, row by row; and the doubts that it tells.
 
-using namespace tactbench;
-using namespace tactbench::tests;
-
 namespace {
 
 // Two sequences, of seven and of five rows, on two taxels.
@@ -203,9 +200,6 @@ TEST_CASE("import: rejects a table that no model can be fitted to, and stores no
 
 // Dates and rules that verbs of the store take, each at its edges, and what db prune tells of runs that are
 // known row by row.
-
-using namespace tactbench;
-using namespace tactbench::tests;
 
 namespace {
 

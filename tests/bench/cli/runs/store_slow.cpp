@@ -215,7 +215,6 @@ TEST_CASE("metadata: lot, order and key=value are stored, shown, found, exported
 // db prune on a night: what goes, what stays, and what verbs say of it afterwards.
 
 using namespace tactbench;
-using namespace tactbench::tests;
 
 namespace {
 
@@ -278,9 +277,6 @@ TEST_CASE(
 }
 
 // runs list: --verdict takes each word that a run is shown with.
-
-using namespace tactbench;
-using namespace tactbench::tests;
 
 namespace {
 

@@ -166,9 +166,6 @@ TEST_CASE("trend: selects subjects by sensor, subject or statistic, and rejects 
 
 // What trend accept, runs merge and nightly make of stores, and what they refuse where those lack what they need.
 
-using namespace tactbench;
-using namespace tactbench::tests;
-
 namespace {
 
 struct StoreOfFigures : StoreHere {

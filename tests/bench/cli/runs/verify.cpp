@@ -70,9 +70,6 @@ TEST_CASE("verify: exit code 6 for a run with pruned frames, a run that has not 
 
 // runs diff: trees beside words, settings without a key, tags and checks, and the first count that differs.
 
-using namespace tactbench;
-using namespace tactbench::tests;
-
 namespace {
 
 struct PairOfRuns : OpenStoreHere {

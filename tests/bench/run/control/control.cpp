@@ -210,8 +210,6 @@ TEST_CASE("control: each status, reading and answer counts as an update, a comma
 
 // What a client sends over the control socket, read and written.
 
-using namespace tactbench::bench;
-
 TEST_CASE("client messages: a written message is read back, including on whose behalf it is sent") {
   const ClientRequest pause = parse_client_request(command_packet(Command::kPause, "bob of 127.0.0.1"));
   CHECK(pause.word == ClientRequestKind::kCommand);
@@ -274,8 +272,6 @@ TEST_CASE("peers: are shown by user name, or by number if the name is unknown") 
 
 // A run's status: through the socket's JSON and back, kept by Control, and as the progress line.
 
-using namespace tactbench;
-using namespace tactbench::bench;
 using namespace tactbench::tests;
 using namespace std::chrono_literals;
 

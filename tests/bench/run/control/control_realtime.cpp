@@ -241,9 +241,6 @@ TEST_CASE("control: commands without a run, with two runs and to another bench g
 
 // Commands to runs in other processes, one of which is stopped.
 
-using namespace tactbench;
-using namespace tactbench::tests;
-
 namespace {
 
 // With its real time, that of starting the program included.

@@ -191,7 +191,6 @@ TEST_CASE("control: after the last step a panic or an abort ends the run, a stop
 // what must not happen, many times as long as what does.
 
 using namespace tactbench::bench;
-using namespace tactbench::tests;
 using std::chrono::milliseconds;
 
 namespace {
@@ -360,10 +359,6 @@ TEST_CASE("commands: the holder of a bench is reported with run and store, to an
 // A run that pauses at the end of each branch, loaded as it is there, on the watchdog of the shipped bench: the module
 // must be fed while the safe state is being proved.
 
-using namespace tactbench;
-using namespace tactbench::tests;
-using bench::Command;
-
 namespace {
 
 const std::string kLevels =
@@ -421,9 +416,6 @@ TEST_CASE("safe state: the module is fed while waiting for the array") {
 }
 
 // Talks with runs leave nothing open, at either end.
-
-using namespace tactbench::bench;
-using namespace tactbench::tests;
 
 namespace {
 

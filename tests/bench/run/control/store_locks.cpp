@@ -288,11 +288,6 @@ TEST_CASE("store locks: the lock file has the access rights and the owner of the
 
 // Names that one process at a time holds, and who is at the other end of them.
 
-using namespace tactbench;
-using namespace tactbench::bench;
-using namespace tactbench::tests;
-using std::chrono::milliseconds;
-
 namespace {
 
 template <class Work>
