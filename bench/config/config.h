@@ -77,9 +77,7 @@ struct ReferenceLimits {  // of the pressure transducer, beyond its certificate;
   double hysteresis_psi = 0.0, zero_psi = 0.0, temperature_psi = 0.0;
 };
 
-struct StageConfig {
-  devices::SerialAddress address;
-  devices::ZaberStageOptions options;
+struct StageConfig : devices::StageOptions {
   StatedCalibration stated;  // of all three axes
 };
 

@@ -154,6 +154,7 @@ void read_axis(const TomlTable& table, devices::ZaberAxisOptions& axis) {
     table.fail("device_id", fmt::format("{} is not a device id that tactbench knows", axis.device_id),
                "5082 is the T-NA08A50, 60 the T-LA60A; other models need their step size added");
   }
+  axis.model = "Zaber " + std::string(model->name);
   read_whole(table, travel_keys(axis, *model));
 }
 

@@ -32,7 +32,7 @@ GuardLimits guard_limits(const BenchConfig& config) {
   limits.feedback = feedback_range(config);
   limits.reference = reference_range(config);
   for (std::size_t i = 0; config.stage && i < limits.axes.size(); ++i) {
-    const devices::ZaberAxisOptions& axis = config.stage->options.axes[i];
+    const devices::AxisOptions& axis = config.stage->axis(i);
     limits.axes[i] = {axis.low.value(), axis.high.value(), axis.maximum_speed.value()};
   }
   return limits;

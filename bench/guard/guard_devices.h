@@ -66,6 +66,8 @@ class GuardedStage final : public devices::Stage {
   [[nodiscard]] devices::AxisState state(devices::Axis axis) override { return stage_.state(axis); }
   // Waits, at most 15 s real time, for a dead-man that works on the line to end: its back-off must not be stopped.
   [[nodiscard]] bool halt() noexcept override;
+  bool send_home(devices::Axis axis) noexcept override { return guard_.may_use_stage_line() && stage_.send_home(axis); }
+  [[nodiscard]] std::vector<devices::AxisIdentity> identify() override { return stage_.identify(); }
   [[nodiscard]] std::vector<devices::Identity> identities() const override { return stage_.identities(); }
   [[nodiscard]] std::uint64_t exchanges() const override { return stage_.exchanges(); }
 

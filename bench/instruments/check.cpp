@@ -128,22 +128,18 @@ void inspect_array(Rig& rig, DeviceCheck& result) {
 
 void inspect_stage(Rig& rig, DeviceCheck& result, const std::string& today) {
   std::vector<std::string> names, positions;
-  for (const devices::ZaberIdentity& axis : rig.stage()->identify()) {
+  for (const devices::AxisIdentity& axis : rig.stage()->identify()) {
     const char letter = "xyz"[static_cast<int>(axis.axis)];
     if (!axis.present) {
       result.state = State::kAbsent;
       result.notes.push_back(fmt::format("axis {} does not answer", letter));
-      result.remedy = "check the daisy chain's cables and power, and [stage.x], [stage.y], [stage.z] device";
+      result.remedy = axis.remedy;
       continue;
     }
-    names.push_back(
-        fmt::format("{}: id {}, firmware {}.{:02}", letter, axis.device_id, axis.firmware / 100, axis.firmware % 100));
+    names.push_back(fmt::format("{}: id {}, firmware {}", letter, axis.id, axis.firmware));
     positions.push_back(
         fmt::format("{} {}, {:.1f} V", letter, analysis::counted(axis.microsteps, "microstep"), axis.supply.value()));
-    if (!axis.complaint.empty()) {
-      complain(result, fmt::format("axis {}: {}", letter, axis.complaint),
-               "correct device_id in the bench file, or the chain");
-    }
+    if (!axis.complaint.empty()) complain(result, fmt::format("axis {}: {}", letter, axis.complaint), axis.remedy);
   }
   result.found = fmt::format("{}{}", fmt::join(names, "; "),
                              rig.config().origin == devices::Origin::kSimulated ? " (simulated)" : "");

@@ -15,7 +15,6 @@
 #include "bench/instruments/check.h"
 #include "bench/rig/rig.h"
 #include "devices/device.h"
-#include "devices/stage/zaber_binary.h"
 
 namespace tactbench::bench {
 
@@ -24,8 +23,7 @@ namespace {
 // Eight steps of grey, dark to bright, for the array's picture.
 constexpr const char* kGreys[] = {" ", "░", "░", "▒", "▒", "▓", "▓", "█"};
 
-constexpr std::uint16_t kFaintest = 6554;    // a tenth of the range: an unloaded array stays dark
-constexpr double kDefaultResolution = 64.0;  // microsteps a full step
+constexpr std::uint16_t kFaintest = 6554;  // a tenth of the range: an unloaded array stays dark
 
 std::string or_fault(const std::function<std::string()>& read) {
   try {
@@ -66,12 +64,10 @@ std::string array_text(Rig& rig, bool with_picture) {
 
 std::string stage_text(Rig& rig) {
   std::string text;
-  for (const devices::ZaberIdentity& axis : rig.stage()->identify()) {
-    const devices::ZaberModel* model = devices::zaber_model(axis.device_id);
-    const std::string where =
-        !axis.present      ? "absent"
-        : model == nullptr ? analysis::counted(axis.microsteps, "microstep")
-                           : fmt::format("{:.4f} mm", axis.microsteps * model->full_step_mm / kDefaultResolution);
+  for (const devices::AxisIdentity& axis : rig.stage()->identify()) {
+    const std::string where = !axis.present    ? "absent"
+                              : !axis.position ? analysis::counted(axis.microsteps, "microstep")
+                                               : fmt::format("{:.4f} mm", axis.position->value());
     text += fmt::format("{}{} {}", text.empty() ? "" : ", ", "xyz"[static_cast<int>(axis.axis)], where);
   }
   return text;

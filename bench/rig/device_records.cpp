@@ -4,7 +4,6 @@
 
 #include "analysis/json_fields.h"
 #include "analysis/json_io.h"
-#include "devices/stage/zaber_binary.h"
 
 namespace tactbench::bench {
 
@@ -114,7 +113,7 @@ db::DeviceRecord force_record(const ForceIdentity& force, const ForceConfig& con
 }
 
 db::DeviceRecord stage_record(const devices::Identity& identity, std::size_t axis, const StageConfig& config) {
-  const devices::ZaberAxisOptions& option = config.options.axes.at(axis);
+  const devices::AxisOptions& option = config.axis(axis);
   RecordJson json = {{"low_mm", option.low.value()}, {"high_mm", option.high.value()}};
   add_stated(json, config.stated, "expanded_uncertainty_mm");
   return record_of(identity, json);
@@ -125,11 +124,9 @@ std::vector<db::DeviceRecord> stated_instruments(const BenchConfig& config, bool
       {"pressure reference", config.reference.model, config.reference.serial, "", config.origin}, config)};
   if (presses && config.stage) {
     for (std::size_t axis = 0; axis < devices::kAxes; ++axis) {
-      const devices::ZaberAxisOptions& option = config.stage->options.axes.at(axis);
-      const devices::ZaberModel* model = devices::zaber_model(option.device_id);
-      const std::string name = model == nullptr ? std::string() : "Zaber " + std::string(model->name);
-      records.push_back(stage_record({std::string("stage ") + "xyz"[axis], name, option.serial, "", config.origin},
-                                     axis, *config.stage));
+      const devices::AxisOptions& option = config.stage->axis(axis);
+      records.push_back(stage_record(
+          {std::string("stage ") + "xyz"[axis], option.model, option.serial, "", config.origin}, axis, *config.stage));
     }
   }
   if (presses && config.force) {

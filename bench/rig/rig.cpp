@@ -13,6 +13,7 @@
 #include "devices/force/net_ft.h"
 #include "devices/pressure/analog_module.h"
 #include "devices/pressure/pressure_reference.h"
+#include "devices/stage/zaber_stage.h"
 #include "devices/tactile/daqmx_scanner.h"
 #include "devices/tactile/frame_source.h"
 #include "devices/tactile/hid_scanner.h"

@@ -17,7 +17,7 @@
 #include "devices/clock.h"
 #include "devices/force/force_sensor.h"
 #include "devices/pressure/pressure_source.h"
-#include "devices/stage/zaber_stage.h"
+#include "devices/stage/stage.h"
 #include "devices/tactile/tactile_array.h"
 
 namespace tactbench::devices {
@@ -69,9 +69,7 @@ class Rig {
   void look();  // reads what is on the wires of the pressure source, and writes nothing; throws Fault
   // Null: the bench has none. All moves go through stage_gate(); stage() is for reading and for benchmarks.
   [[nodiscard]] devices::Stage* stage_gate() { return stage_gate_.get(); }
-  [[nodiscard]] devices::ZaberStage* stage() { return stage_.get(); }
-  // Sends z home without waiting for a reply (ZaberStage::send_home): for a stage that does not answer.
-  bool send_z_home() noexcept { return stage_ && guard_->may_use_stage_line() && stage_->send_home(devices::Axis::kZ); }
+  [[nodiscard]] devices::Stage* stage() { return stage_.get(); }
   [[nodiscard]] Guard& guard() { return *guard_; }
   // Starts at the first arming, on hardware and external simulators; null before, and where there is none.
   [[nodiscard]] DeadManProcess* dead_man() { return dead_man_.get(); }
@@ -114,7 +112,7 @@ class Rig {
   const devices::ModbusGauge* gauge_ = nullptr;                    // inside reference_
   std::vector<std::unique_ptr<devices::ModbusLink>> environment_;  // as config().environment
   std::unique_ptr<devices::TactileArray> array_;
-  std::unique_ptr<devices::ZaberStage> stage_;
+  std::unique_ptr<devices::Stage> stage_;
   std::unique_ptr<GuardedStage> stage_gate_;
   std::unique_ptr<devices::ForceSensor> force_;
   std::optional<ForceIdentity> press_force_;  // the run presses

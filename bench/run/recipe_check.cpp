@@ -41,7 +41,7 @@ namespace {
 // Levels in kPa and bar are converted to psi: 60 psi written in kPa may convert back slightly above 60.
 constexpr double kRounding = 1e-9;
 
-Margin axis_margin(const char* name, double lowest, double highest, const devices::ZaberAxisOptions& axis) {
+Margin axis_margin(const char* name, double lowest, double highest, const devices::AxisOptions& axis) {
   return {name, "mm", lowest, highest, axis.low.value(), axis.high.value()};
 }
 
@@ -129,9 +129,8 @@ std::vector<Margin> margins(const std::vector<sequences::Step>& steps, const Ben
     list.push_back(pressure_margin(all, bench));
   }
   if (all.moves && bench.stage) {
-    const auto& axes = bench.stage->options.axes;
-    list.push_back(axis_margin("x", all.lowest_x_mm, all.highest_x_mm, axes[0]));
-    list.push_back(axis_margin("y", all.lowest_y_mm, all.highest_y_mm, axes[1]));
+    list.push_back(axis_margin("x", all.lowest_x_mm, all.highest_x_mm, bench.stage->axis(0)));
+    list.push_back(axis_margin("y", all.lowest_y_mm, all.highest_y_mm, bench.stage->axis(1)));
   }
   if (all.presses) list.push_back({"force", "N", 0.0, all.largest_force_n, -1e9, bench.limits.force_n[2]});
   return list;

@@ -41,7 +41,7 @@ std::vector<std::string> press_complaints(const sequences::Recipe& recipe, const
   envelope.force_range = force_range;
   envelope.overload_share = config.force->overload_share;
   for (std::size_t i = 0; i < devices::kAxes; ++i) {
-    const devices::ZaberAxisOptions& axis = config.stage->options.axes[i];
+    const devices::AxisOptions& axis = config.stage->axis(i);
     envelope.axes_mm[i] = {axis.low.value(), axis.high.value()};
   }
   return press_complaints({recipe.press.positions_mm, recipe.press.forces_n}, press_options(config, recipe), envelope);

@@ -86,8 +86,8 @@ sequences::TimeModel time_model(const BenchConfig& bench) {
   model.prompt_s = 0.0;
   if (!bench.stage) return model;
   constexpr double kUsualSpeed = 4.0;  // mm/s, for which the model's ways of the stage are
-  for (const devices::ZaberAxisOptions& axis : bench.stage->options.axes) {
-    const double slower = std::max(1.0, kUsualSpeed / axis.maximum_speed.value());
+  for (std::size_t i = 0; i < devices::kAxes; ++i) {
+    const double slower = std::max(1.0, kUsualSpeed / bench.stage->axis(i).maximum_speed.value());
     model.home_s = std::max(model.home_s, slower * sequences::TimeModel().home_s);
     model.move_s = std::max(model.move_s, slower * sequences::TimeModel().move_s);
   }

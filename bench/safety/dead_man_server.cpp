@@ -149,7 +149,7 @@ class Server {
   int fire(const std::string& why, bool gone) {
     const Nanoseconds start = now();
     (void)channel_.send("fired");
-    devices::ZaberRetreat stage;
+    devices::StageRetreat stage;
     double stage_s = 0.0;
     std::thread retreating([&] {
       if (stage_used_) stage = retreat_stage();
@@ -191,8 +191,8 @@ class Server {
     }
   }
 
-  devices::ZaberRetreat retreat_stage() {
-    devices::ZaberRetreat result;
+  devices::StageRetreat retreat_stage() {
+    devices::StageRetreat result;
     for (int i = 0; i < kDeadManTries && !(result.stands && result.backed_off); ++i) {
       try {
         if (!line_) line_ = devices::open_serial(config_.stage.value().address);

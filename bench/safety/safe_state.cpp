@@ -222,9 +222,9 @@ void warn_of_lost_module(Rig& rig, SafeProof& proof) {
 // For a stage whose replies are lost but which may still obey. Returns the final force on the indenter; none: not
 // known.
 std::optional<double> send_home_unheard(Rig& rig, SafeProof& proof) {
-  bool sent = rig.send_z_home();
+  bool sent = rig.stage_gate()->send_home(devices::Axis::kZ);
   if (sent) proof.text += "; z was sent home without hearing of it";
-  const Nanoseconds deadline = rig.clock().now() + rig.config().stage->options.axes[2].home_timeout;
+  const Nanoseconds deadline = rig.clock().now() + rig.config().stage->axis(2).home_timeout;
   std::optional<double> force_n;
   for (int failures = 0; failures < kTries;) {
     try {
@@ -236,7 +236,7 @@ std::optional<double> send_home_unheard(Rig& rig, SafeProof& proof) {
     }
     if (!sent || rig.clock().now() >= deadline) break;
     rig.clock().wait_until(rig.clock().now() + seconds(5.0));
-    sent = rig.send_z_home();  // a single command may have been lost as well
+    sent = rig.stage_gate()->send_home(devices::Axis::kZ);  // a single command may have been lost as well
   }
   // No position is known: waits as long as homing takes.
   if (sent && !force_n) rig.clock().wait_until(deadline);
@@ -250,8 +250,8 @@ void retract_stage(Rig& rig, SafeProof& proof) {
   const SafetyLimits& limits = rig.config().limits;
   RetractOptions options;
   options.clear_z_mm = limits.clear_z_mm;
-  options.low_end_z_mm = rig.config().stage->options.axes[2].low.value();
-  options.speed_mm_per_s = rig.config().stage->options.axes[2].maximum_speed.value();
+  options.low_end_z_mm = rig.config().stage->axis(2).low.value();
+  options.speed_mm_per_s = rig.config().stage->axis(2).maximum_speed.value();
   options.safe_force_n = limits.contact_n;
   FedWait wait(rig);
   const RetractProof stage =

@@ -120,7 +120,7 @@ void SimulatedRig::serve_stage(BenchConfig& config) {
   faults.inject = injector_of(Instrument::kStage);
   faults.stall = [this] {  // not through the plant, which may hold its lock and ask the chain
     const Faults::Window window = plant_.faults().last(FaultKind::kStageStalled, clock_.now());
-    devices::ChainStall stall{window.from, window.until, std::nullopt};
+    devices::StageStall stall{window.from, window.until, std::nullopt};
     if (window.value > 0.0) stall.axis = static_cast<devices::Axis>(std::min(2, static_cast<int>(window.value) - 1));
     return stall;
   };

@@ -1,4 +1,4 @@
-// Options of the stage, as a bench file states them: three Zaber T-Series actuators on one daisy chain.
+// Options of the stage, as a bench file states them: of any, and of three Zaber T-Series actuators on one daisy chain.
 #pragma once
 
 #include <array>
@@ -10,19 +10,23 @@
 #include "devices/device.h"
 #include "devices/stage/axis.h"
 #include "devices/units.h"
+#include "devices/wire/options.h"
 
 namespace tactbench::devices {
 
-struct ZaberAxisOptions {
+struct AxisOptions {
+  Millimetres low{0.0};  // limits, inclusive
+  Millimetres high{60.0};
+  MillimetresPerSecond maximum_speed{4.0};  // also used when a move names no speed
+  Nanoseconds home_timeout = std::chrono::seconds(120);
+  std::string model, serial;  // maker and model, empty: not known; the device does not report its serial number
+};
+
+struct ZaberAxisOptions : AxisOptions {
   std::uint8_t device = 1;      // number on the chain
   std::int32_t device_id = 60;  // expected; arm() refuses another
   std::int32_t firmware_low = 500;
   std::int32_t firmware_high = 599;  // firmware 6 has other units
-  Millimetres low{0.0};              // limits, inclusive
-  Millimetres high{60.0};
-  MillimetresPerSecond maximum_speed{4.0};  // also used when a move names no speed
-  Nanoseconds home_timeout = std::chrono::seconds(120);
-  std::string serial;  // the device does not report it
 };
 
 struct ZaberStageOptions {
@@ -35,6 +39,12 @@ struct ZaberStageOptions {
   Nanoseconds move_margin = std::chrono::seconds(2);           // added to the expected time of a move
   Nanoseconds halt_timeout = std::chrono::seconds(2);
   Origin origin = Origin::kHardware;
+};
+
+struct StageOptions {
+  SerialAddress address;  // the dead-man opens it for the driver
+  ZaberStageOptions options;
+  [[nodiscard]] const AxisOptions& axis(std::size_t i) const { return options.axes.at(i); }  // x, y, z
 };
 
 }  // namespace tactbench::devices

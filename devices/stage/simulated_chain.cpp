@@ -116,7 +116,7 @@ class SimulatedChain::Server {
   // The motion is changed at the times themselves, as a past position may be requested later.
   void follow_stall() {
     if (!faults_.stall) return;
-    const ChainStall stall = faults_.stall();
+    const StageStall stall = faults_.stall();
     const Nanoseconds now = clock_.now();
     if (stall.from && *stall.from <= now && stall.from != stuck_from_) {
       free_all(*stall.from);

@@ -29,11 +29,6 @@ struct SimulatedChainOptions {
   bool free_running = false;
 };
 
-struct ChainStall {  // the last time that axes stuck
-  std::optional<Nanoseconds> from, until;
-  std::optional<Axis> axis;  // none: all
-};
-
 struct SimulatedChainFaults {       // test and nightly switches, all off by default; requests and replies count from 0
   long silent_after_requests = -1;  // answers this many requests, then none
   long unplug_after_requests = -1;
@@ -41,7 +36,7 @@ struct SimulatedChainFaults {       // test and nightly switches, all off by def
   long cut_reply = -1;                     // only three bytes of this reply are sent
   long late_reply = -1;                    // this reply is sent after the one that follows it
   FaultInjector inject = {};               // silent, late, corrupt, torn; unplugged hangs up
-  std::function<ChainStall()> stall = {};  // called at any time, under the chain's lock
+  std::function<StageStall()> stall = {};  // called at any time, under the chain's lock
 };
 
 class SimulatedChain final : public StageView {

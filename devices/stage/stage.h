@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "devices/clock.h"
@@ -21,6 +22,23 @@ struct AxisState {
   Activity activity = Activity::kIdle;
   bool homed = false;
   Nanoseconds time{0};
+};
+
+struct AxisIdentity {  // what an axis answers without being armed
+  Axis axis = Axis::kX;
+  bool present = false;      // answered
+  std::string id, firmware;  // the maker's number of the model, "5082"; "5.23"
+  Volts supply;              // scale not verified on hardware
+  Activity activity = Activity::kIdle;
+  std::int32_t microsteps = 0;
+  std::optional<Millimetres> position;  // of a known model, at its default resolution
+  std::string complaint, remedy;        // empty: as expected
+};
+
+struct StageRetreat {       // what the dead-man did with a stage
+  bool stands = false;      // every axis reported that it is at rest
+  bool backed_off = false;  // z moved away from the specimen by the commanded distance, or is at its home
+  std::string text;         // "stage stands; z from 31.50 to 26.50 mm"
 };
 
 class Stage : public Actuator {
@@ -41,8 +59,19 @@ class Stage : public Actuator {
   // reported that it is at rest. A thread that waits for a move gets a fault, and so does every command until arm(), so
   // that no command already on its way can start an axis again.
   [[nodiscard]] virtual bool halt() noexcept = 0;
+  // Last resort for a stage whose replies are lost: commands the axis home and waits one reply timeout, so that the
+  // command arrives. Disarms. True: sent.
+  virtual bool send_home(Axis axis) noexcept = 0;
+  // Only reads: changes nothing on the devices; works armed or not. From then on identities() has the firmware of each
+  // axis that answered. Throws only the wire's faults.
+  [[nodiscard]] virtual std::vector<AxisIdentity> identify() = 0;
   [[nodiscard]] virtual std::vector<Identity> identities() const = 0;  // one per axis
   [[nodiscard]] virtual std::uint64_t exchanges() const = 0;
+};
+
+struct StageStall {  // of a simulated stage: the last time that axes stuck
+  std::optional<Nanoseconds> from, until;
+  std::optional<Axis> axis;  // none: all
 };
 
 // Interface from the simulated stage to the simulated plant: the true positions of the axes.

@@ -20,8 +20,8 @@ class Retreat {
   Retreat(std::unique_ptr<ByteStream> stream, const ZaberStageOptions& options)
       : options_(options), line_(std::move(stream), options.reply_timeout, options.frame_silence, [](auto&) {}) {}
 
-  ZaberRetreat carry_out(Millimetres back_off, Nanoseconds move_timeout) {
-    ZaberRetreat result;
+  StageRetreat carry_out(Millimetres back_off, Nanoseconds move_timeout) {
+    StageRetreat result;
     result.stands = stop_all();
     result.text = result.stands ? "stage stands" : "the stage did NOT answer that it stands";
     move_away(back_off, move_timeout, result);
@@ -59,7 +59,7 @@ class Retreat {
     return false;
   }
 
-  void move_away(Millimetres back_off, Nanoseconds move_timeout, ZaberRetreat& result) {
+  void move_away(Millimetres back_off, Nanoseconds move_timeout, StageRetreat& result) {
     const auto mode = ask(z(), kReturnSetting, static_cast<std::int32_t>(kMode));
     const auto position = ask(z(), kPosition);
     const ZaberModel* model = zaber_model(options_.axes.back().device_id);
@@ -95,7 +95,7 @@ class Retreat {
 
 }  // namespace
 
-ZaberRetreat retreat(std::unique_ptr<ByteStream> stream, const ZaberStageOptions& options, Millimetres back_off,
+StageRetreat retreat(std::unique_ptr<ByteStream> stream, const ZaberStageOptions& options, Millimetres back_off,
                      Nanoseconds move_timeout) {
   return Retreat(std::move(stream), options).carry_out(back_off, move_timeout);
 }

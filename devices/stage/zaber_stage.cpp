@@ -19,6 +19,16 @@ Nanoseconds from_seconds(double seconds) {
   return std::chrono::ceil<Nanoseconds>(std::chrono::duration<double>(seconds));
 }
 
+Activity activity_of(std::int32_t status) {
+  return status == kZaberIdle       ? Activity::kIdle
+         : status == kZaberHoming   ? Activity::kHoming
+         : status == kZaberByHand   ? Activity::kByHand
+         : status == kZaberStopping ? Activity::kStopping
+                                    : Activity::kMoving;
+}
+
+std::string firmware_text(std::int32_t firmware) { return fmt::format("{}.{:02}", firmware / 100, firmware % 100); }
+
 // The chain's state after these is not known: commands wait for arm().
 bool breaks_link(const Fault& fault) {
   return fault.id().starts_with("TB-SERIAL-") || fault.id() == "TB-STAGE-TIMEOUT";
@@ -261,11 +271,7 @@ AxisState ZaberStage::state(Axis axis) {
     result.position = one.units.position(one.microsteps);
     result.microsteps = one.microsteps;
     result.homed = one.homed;
-    result.activity = status == kZaberIdle       ? Activity::kIdle
-                      : status == kZaberHoming   ? Activity::kHoming
-                      : status == kZaberByHand   ? Activity::kByHand
-                      : status == kZaberStopping ? Activity::kStopping
-                                                 : Activity::kMoving;
+    result.activity = activity_of(status);
     return result;
   });
 }
@@ -389,13 +395,12 @@ void ZaberStage::arm() {
 void ZaberStage::arm(Axis axis) {
   Record& one = record(axis);
   one = Record{};
-  const ZaberIdentity found = identify(axis);
+  const AxisIdentity found = identify(axis);
   if (!found.complaint.empty()) {
+    one = Record{};
     throw Fault(found.present ? "TB-STAGE-WRONG-DEVICE" : "TB-STAGE-TIMEOUT", title(axis), found.complaint,
                 "Check power and cable, the order of the chain, and the device numbers in the bench file.");
   }
-  one.device_id = found.device_id;
-  one.firmware = found.firmware;
   one.microsteps = found.microsteps;
   // The mode is not volatile: written only when it differs. Home status is one of its bits and must stay.
   const std::int32_t mode = ask_without_id(axis, kReturnSetting, static_cast<std::int32_t>(kMode));
@@ -408,10 +413,10 @@ void ZaberStage::arm(Axis axis) {
                 "Check the device's firmware version: 5.xx is expected.");
   }
   one.homed = (stands & kZaberHomed) != 0;
-  const ZaberModel* model = zaber_model(found.device_id);
+  const ZaberModel* model = zaber_model(one.device_id);
   if (model == nullptr) {
     throw Fault("TB-STAGE-WRONG-DEVICE", title(axis),
-                fmt::format("{}: the units of device id {} are not known", title(axis), found.device_id),
+                fmt::format("{}: the units of device id {} are not known", title(axis), one.device_id),
                 "Use a T-NA08A or T-LA device.");
   }
   const std::int32_t resolution = setting(axis, kResolution);
@@ -420,52 +425,57 @@ void ZaberStage::arm(Axis axis) {
   if (one.maximum_position < 0) one.maximum_position = kZaberDataMax;  // negative: it needs more than 24 bits
   one.acceleration = setting(axis, kAcceleration);
   one.target_speed = setting(axis, kTargetSpeed);
-  if (found.status != kZaberIdle) {
+  if (found.activity != Activity::kIdle) {
     // A move of another program: wait for its end, do not take it over.
     one.motion = Motion{};
     one.motion->deadline = one.motion->expected = clock_.now() + option(axis).home_timeout;
   }
 }
 
-ZaberIdentity ZaberStage::identify(Axis axis) {
+AxisIdentity ZaberStage::identify(Axis axis) {
   const ZaberAxisOptions& expected = option(axis);
-  ZaberIdentity found;
+  std::int32_t device_id = 0, firmware = 0;
+  AxisIdentity found;
   found.axis = axis;
   try {
-    found.device_id = ask_without_id(axis, kDeviceId);
-    found.firmware = ask_without_id(axis, kFirmware);
+    device_id = ask_without_id(axis, kDeviceId);
+    firmware = ask_without_id(axis, kFirmware);
     found.supply = Volts(ask_without_id(axis, kSupplyVoltage) / 10.0);
-    found.status = ask_without_id(axis, kStatus);
+    found.activity = activity_of(ask_without_id(axis, kStatus));
     found.microsteps = ask_without_id(axis, kPosition);
   } catch (const Fault& fault) {
     if (fault.id() != "TB-STAGE-TIMEOUT") throw;
     found.complaint = fault.what();
+    found.remedy = "check the daisy chain's cables and power, and [stage.x], [stage.y], [stage.z] device";
     return found;
   }
   found.present = true;
-  if (found.device_id != expected.device_id) {
-    found.complaint =
-        fmt::format("{}: device id {} answers, {} is expected", title(axis), found.device_id, expected.device_id);
-  } else if (found.firmware < expected.firmware_low || found.firmware > expected.firmware_high) {
-    found.complaint =
-        fmt::format("{}: firmware {}.{:02} answers, {}.{:02} to {}.{:02} is expected", title(axis),
-                    found.firmware / 100, found.firmware % 100, expected.firmware_low / 100,
-                    expected.firmware_low % 100, expected.firmware_high / 100, expected.firmware_high % 100);
+  found.id = std::to_string(device_id);
+  found.firmware = firmware_text(firmware);
+  record(axis).device_id = device_id;
+  record(axis).firmware = firmware;
+  if (const ZaberModel* model = zaber_model(device_id); model != nullptr) {
+    found.position = ZaberUnits{model->full_step_mm / kFullResolution}.position(found.microsteps);
   }
+  if (device_id != expected.device_id) {
+    found.complaint =
+        fmt::format("{}: device id {} answers, {} is expected", title(axis), device_id, expected.device_id);
+  } else if (firmware < expected.firmware_low || firmware > expected.firmware_high) {
+    found.complaint = fmt::format("{}: firmware {} answers, {} to {} is expected", title(axis), found.firmware,
+                                  firmware_text(expected.firmware_low), firmware_text(expected.firmware_high));
+  }
+  if (!found.complaint.empty()) found.remedy = "correct device_id in the bench file, or the chain";
   return found;
 }
 
-std::vector<ZaberIdentity> ZaberStage::identify() {
+std::vector<AxisIdentity> ZaberStage::identify() {
   const std::lock_guard lock(mutex_);
-  std::vector<ZaberIdentity> found;
+  std::vector<AxisIdentity> found;
   try {
     open();
     for (const Axis axis : kAll) {
       clock_.wait_until(clock_.now());  // feeds the supervision of this program: an absent axis takes long
       found.push_back(identify(axis));
-      if (!found.back().present) continue;
-      record(axis).device_id = found.back().device_id;
-      record(axis).firmware = found.back().firmware;
     }
   } catch (...) {
     drop();
@@ -538,9 +548,7 @@ std::vector<Identity> ZaberStage::identities() const {
     const Record& one = records_.at(index(axis));
     const ZaberModel* model = zaber_model(one.device_id != 0 ? one.device_id : option(axis).device_id);
     result.push_back({std::string(kNames[index(axis)]), model != nullptr ? "Zaber " + std::string(model->name) : "",
-                      option(axis).serial,
-                      one.firmware != 0 ? fmt::format("{}.{:02}", one.firmware / 100, one.firmware % 100) : "",
-                      options_.origin});
+                      option(axis).serial, one.firmware != 0 ? firmware_text(one.firmware) : "", options_.origin});
   }
   return result;
 }

@@ -20,17 +20,6 @@
 
 namespace tactbench::devices {
 
-struct ZaberIdentity {
-  Axis axis = Axis::kX;
-  bool present = false;  // answered
-  std::int32_t device_id = 0;
-  std::int32_t firmware = 0;  // 523 is 5.23
-  Volts supply;               // scale not verified on hardware
-  std::int32_t status = 0;
-  std::int32_t microsteps = 0;
-  std::string complaint;  // empty: as expected
-};
-
 class ZaberStage final : public Stage {
  public:
   using Factory = std::function<std::unique_ptr<ByteStream>()>;
@@ -57,14 +46,10 @@ class ZaberStage final : public Stage {
   // manual clock only the thread that armed can see axes come to rest; in another one the answer is false while they
   // slow down.
   [[nodiscard]] bool halt() noexcept override;
-  // Last resort for a stage whose replies are lost: commands the axis home and waits one reply timeout, so that the
-  // command arrives. Disarms. True: sent.
-  bool send_home(Axis axis) noexcept;
+  bool send_home(Axis axis) noexcept override;
   [[nodiscard]] std::vector<Identity> identities() const override;
   [[nodiscard]] std::uint64_t exchanges() const override { return exchanges_; }
-  // Only reads: changes nothing on the devices; works armed or not. From then on identities() has the firmware of each
-  // axis that answered. Throws only the wire's faults.
-  [[nodiscard]] std::vector<ZaberIdentity> identify();
+  [[nodiscard]] std::vector<AxisIdentity> identify() override;
 
  private:
   struct Motion {
@@ -108,7 +93,7 @@ class ZaberStage final : public Stage {
   std::int32_t setting(Axis axis, ZaberCommand command);
   void renumber();
   void arm(Axis axis);
-  ZaberIdentity identify(Axis axis);
+  AxisIdentity identify(Axis axis);
 
   [[nodiscard]] std::int32_t target(Axis axis, Millimetres position);
   [[nodiscard]] std::int32_t speed_data(Axis axis, MillimetresPerSecond speed);

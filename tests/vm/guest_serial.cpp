@@ -227,7 +227,7 @@ TEST_CASE("stage in VM: a stage unplugged during a move is lost, and can be halt
   rig.host.plug_in();
   figure("vm_serial_plug_in_to_port", milliseconds(now() - back), "ms");
   CHECK(Host::adapter()->name == kPort);  // the lost handle was closed: the number is free again
-  CHECK(rig.stage.identify().at(2).device_id == 5082);
+  CHECK(rig.stage.identify().at(2).id == "5082");
   rig.stage.arm();
   CHECK(rig.host.ask("moves") == 0.0);                             // nothing was sent again
   CHECK(rig.stage.state(Axis::kZ).activity == Activity::kMoving);  // the devices had kept their power

@@ -39,13 +39,13 @@ Wrench combined(double a, const Wrench& x, double b, const Wrench& y) {
 
 PressOptions press_options(const BenchConfig& config) {
   if (!config.stage) throw std::logic_error("press_options() without [stage]");
-  const auto& axes = config.stage->options.axes;
+  const devices::StageOptions& stage = *config.stage;
   PressOptions options;
-  options.clear_z_mm = axes[2].low.value();  // the bench file may set another
+  options.clear_z_mm = stage.axis(2).low.value();  // the bench file may set another
   // The device's own limit may lie a microstep short of the nominal travel.
-  options.max_z_mm = axes[2].high.value() - kMarginMm;
-  options.travel_mm_per_s = axes[2].maximum_speed.value();
-  options.travel_xy_mm_per_s = std::min(axes[0].maximum_speed.value(), axes[1].maximum_speed.value());
+  options.max_z_mm = stage.axis(2).high.value() - kMarginMm;
+  options.travel_mm_per_s = stage.axis(2).maximum_speed.value();
+  options.travel_xy_mm_per_s = std::min(stage.axis(0).maximum_speed.value(), stage.axis(1).maximum_speed.value());
   return options;
 }
 

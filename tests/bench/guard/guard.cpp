@@ -346,7 +346,7 @@ TEST_CASE("guard limits: the age limit scales with the clock rate but not below 
   CHECK(guard_limits(config).axes[2].high_mm == 0.0);  // no stage, no way
   config.force.emplace();
   config.stage.emplace();
-  devices::ZaberAxisOptions& z = config.stage->options.axes[2];
+  devices::AxisOptions& z = config.stage->options.axes[2];
   z.low = devices::Millimetres(1.5);
   z.high = devices::Millimetres(42.0);
   z.maximum_speed = devices::MillimetresPerSecond(7.0);

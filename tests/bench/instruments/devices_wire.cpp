@@ -190,7 +190,7 @@ TEST_CASE("simulated contact: force is zero above the surface, and stiffness tim
                                 {"simulation.contact.friction_share", "0"},
                                 {"simulation.contact.relaxation_share", "0"}})
                      .bench);
-  devices::ZaberStage& stage = *rig.stage();
+  devices::Stage& stage = *rig.stage();
   devices::ForceSensor& force = rig.open_force();
   stage.arm();
   stage.home(devices::Axis::kZ);

@@ -160,11 +160,10 @@ TEST_CASE("device records: instruments are those stated in the bench file, those
   const std::string reference = "pressure reference|R|r||simulated; ";
   CHECK(heads(true) == reference);
   config.stage.emplace();
-  config.stage->options.axes[0].device_id = 60;
+  config.stage->options.axes[0].model = "Zaber T-LA60A";
   config.stage->options.axes[0].serial = "X1";
-  config.stage->options.axes[1].device_id = 1;  // no known model
   config.stage->options.axes[1].serial = "Y1";
-  config.stage->options.axes[2].device_id = 5082;
+  config.stage->options.axes[2].model = "Zaber T-NA08A50";
   CHECK(heads(true) == reference +
                            "stage x|Zaber T-LA60A|X1||simulated; stage y||Y1||simulated; "
                            "stage z|Zaber T-NA08A50|||simulated; ");

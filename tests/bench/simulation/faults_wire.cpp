@@ -136,7 +136,7 @@ TEST_CASE("force sensor wire faults: silent, saturated, and stale on the network
 
 TEST_CASE("fault stage_stalled: at the planned force z stops but reports arrival") {
   Rig rig(quick({{"simulation.faults", "[{kind = \"stage_stalled\", at_n = 5, value = 3}]"}}));
-  devices::ZaberStage& stage = *rig.stage();
+  devices::Stage& stage = *rig.stage();
   stage.arm();
   stage.home(Axis::kZ);
   stage.start_move_to(Axis::kZ, Millimetres(31.0), std::nullopt);
@@ -156,7 +156,7 @@ TEST_CASE("stage wire faults: lost and corrupted replies and an unplugged line g
   const FaultKind kind =
       GENERATE(FaultKind::kStageSilent, FaultKind::kStageCorrupt, FaultKind::kStageTorn, FaultKind::kStageUnplugged);
   Rig rig(quick());
-  devices::ZaberStage& stage = *rig.stage();
+  devices::Stage& stage = *rig.stage();
   stage.arm();
   stage.home(Axis::kZ);
   rig.plant()->inject(kind);

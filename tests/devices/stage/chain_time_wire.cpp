@@ -28,7 +28,7 @@ double steps_of(const SimulatedChain& chain, Axis axis) { return chain.position(
 // Of which the chain asks on its own thread.
 struct GuardedStall {
   std::mutex mutex;
-  ChainStall stall;
+  StageStall stall;
 };
 
 // x and y, which move alike, go to 600000; the chain stalls as it is told.
@@ -44,11 +44,11 @@ struct StalledChain : private GuardedStall, RawChain {
     options.devices[1].number = 2;
     return options;
   }
-  void set(const ChainStall& next) {
+  void set(const StageStall& next) {
     const std::lock_guard lock(mutex);
     stall = next;
   }
-  ChainStall get() {  // on the chain's thread
+  StageStall get() {  // on the chain's thread
     const std::lock_guard lock(mutex);
     return stall;
   }

@@ -50,7 +50,7 @@ struct RetreatBed {
     if (frame.command == kMoveAbsolute && obeys) position = {{{kPosition, frame.data}}};
     return ScriptedChain::Frames{};
   }
-  ZaberRetreat retreat_by(double millimetres, Nanoseconds move_timeout = kPatient) {
+  StageRetreat retreat_by(double millimetres, Nanoseconds move_timeout = kPatient) {
     return retreat(chain.open(), options, Millimetres(millimetres), move_timeout);
   }
   [[nodiscard]] std::vector<std::int32_t> targets() const {
@@ -75,7 +75,7 @@ struct RetreatBed {
 
 TEST_CASE("Zaber retreat: stops all axes, asks each whether it is at rest, then moves z away at its top speed") {
   RetreatBed bed;
-  const ZaberRetreat result = bed.retreat_by(0.47625);  // 10000 steps
+  const StageRetreat result = bed.retreat_by(0.47625);  // 10000 steps
   CHECK(result.stands);
   CHECK(result.backed_off);
   CHECK(bed.chain.discards == 1);
@@ -95,7 +95,7 @@ TEST_CASE("Zaber retreat: repeats the stop until an axis slows down, and queries
   RetreatBed bed;
   bed.status[1] = {{{kStatus, 20}}, {{kStatus, 1}}, {{kStatus, 23}}, {{kStatus, 23}}, {{kStatus, 0}}};
   bed.status[2] = {std::nullopt, {{kError, 255}}, {{kError, 0}}, {{kStatus, 0}}};
-  const ZaberRetreat result = bed.retreat_by(0.47625);
+  const StageRetreat result = bed.retreat_by(0.47625);
   CHECK(result.stands);
   CHECK(result.backed_off);
   CHECK(bed.stops_of(0) == 1);
@@ -116,7 +116,7 @@ TEST_CASE("Zaber retreat: reports an axis that does not come to rest, and moves 
   bed.status[device] = GENERATE(RetreatBed::Answers{std::nullopt}, RetreatBed::Answers{{{kStatus, 20}}},
                                 RetreatBed::Answers{{{kError, 0}}});
   bed.options.halt_timeout = 30ms;
-  const ZaberRetreat result = bed.retreat_by(0.47625);
+  const StageRetreat result = bed.retreat_by(0.47625);
   CHECK_FALSE(result.stands);
   CHECK(result.backed_off);
 }
@@ -125,7 +125,7 @@ TEST_CASE("Zaber retreat: asks at most twice for z's mode and position, and does
   RetreatBed bed;
   RetreatBed::Answers RetreatBed::*const lost = GENERATE(&RetreatBed::mode, &RetreatBed::position);
   bed.*lost = GENERATE(RetreatBed::Answers{std::nullopt}, RetreatBed::Answers{{{kError, 64}}});
-  const ZaberRetreat result = bed.retreat_by(0.47625);
+  const StageRetreat result = bed.retreat_by(0.47625);
   CHECK(result.stands);
   CHECK_FALSE(result.backed_off);
   CHECK(bed.chain.count(kReturnSetting) + bed.chain.count(kPosition) == 3);
@@ -138,7 +138,7 @@ TEST_CASE("Zaber retreat: repeats a query once if its answer was lost") {
       GENERATE(&RetreatBed::mode, &RetreatBed::position, &RetreatBed::resolution, &RetreatBed::target_speed);
   (bed.*lost).push_front(GENERATE(std::optional<std::pair<ZaberCommand, std::int32_t>>(),
                                   std::optional<std::pair<ZaberCommand, std::int32_t>>({kError, 255})));
-  const ZaberRetreat result = bed.retreat_by(0.47625);
+  const StageRetreat result = bed.retreat_by(0.47625);
   CHECK(result.backed_off);
   CHECK(bed.targets() == std::vector<std::int32_t>{10000});
 }
@@ -153,7 +153,7 @@ TEST_CASE("Zaber retreat: does not move z if the step of its model is unknown") 
 TEST_CASE("Zaber retreat: does not move z if it is not homed, whatever its other mode bits") {
   RetreatBed bed;
   bed.mode = {{{kMode, 0xFFFF & ~kZaberHomed}}};
-  const ZaberRetreat result = bed.retreat_by(0.47625);
+  const StageRetreat result = bed.retreat_by(0.47625);
   CHECK(result.stands);
   CHECK_FALSE(result.backed_off);
   CHECK(bed.targets().empty());
@@ -192,19 +192,19 @@ TEST_CASE("Zaber retreat: fails if z stays or stops answering, and tolerates two
   RetreatBed bed;
   bed.obeys = false;
   SECTION("it stays") {
-    const ZaberRetreat result = bed.retreat_by(0.47625, 50ms);
+    const StageRetreat result = bed.retreat_by(0.47625, 50ms);
     CHECK(result.stands);
     CHECK_FALSE(result.backed_off);
     CHECK(bed.chain.count(kPosition) >= 2);
   }
   SECTION("it answers no more") {
     bed.position = {{{kPosition, 20000}}, std::nullopt};
-    const ZaberRetreat result = bed.retreat_by(0.47625, 50ms);
+    const StageRetreat result = bed.retreat_by(0.47625, 50ms);
     CHECK_FALSE(result.backed_off);
   }
   SECTION("it arrives later, between two answers that are lost") {
     bed.position = {{{kPosition, 20000}}, {{kPosition, 15000}}, std::nullopt, std::nullopt, {{kPosition, 10000}}};
-    const ZaberRetreat result = bed.retreat_by(0.47625);
+    const StageRetreat result = bed.retreat_by(0.47625);
     CHECK(result.backed_off);
   }
 }

@@ -204,14 +204,19 @@ TEST_CASE("Zaber stage: identities are those reported by the devices, or those e
   alone.instead[{1, kDeviceId}] = {{{kDeviceId, 28}}};
   alone.instead[{1, kFirmware}] = {{{kFirmware, 507}}};
   alone.instead[{3, kFirmware}] = {{{kFirmware, 600}}};
+  alone.instead[{2, kPosition}] = {{{kPosition, 64000}}};
   const auto told = alone.stage.identify();
   REQUIRE(told.size() == 3);
   CHECK(told[0].axis == Axis::kX);
   CHECK(told[2].axis == Axis::kZ);
   CHECK_FALSE(told[0].complaint.empty());
   CHECK(told[1].complaint.empty());
+  CHECK(told[0].id == "28");
+  CHECK(told[1].microsteps == 64000);
+  CHECK(told[1].position.value().value() == Approx(6.35));  // 1000 full steps of 6.35 um
+  CHECK(told[2].firmware == "6.00");
   CHECK(told[1].supply == Volts(15.0));
-  CHECK(told[1].status == 0);
+  CHECK(told[1].activity == Activity::kIdle);
   found = alone.stage.identities();
   CHECK(found[0].model == "Zaber T-LA28A");
   CHECK(found[0].firmware == "5.07");
@@ -360,7 +365,8 @@ TEST_CASE("Zaber stage: identify reports an axis that does not answer, and lets 
   CHECK(found[1].present);
   CHECK_FALSE(found[2].present);
   CHECK_FALSE(found[2].complaint.empty());
-  CHECK(found[2].device_id == 0);
+  CHECK(found[2].id.empty());
+  CHECK_FALSE(found[2].position);
   CHECK(stage.identities()[1].firmware == "5.23");
   CHECK(stage.identities()[2].firmware.empty());
 }

@@ -65,14 +65,14 @@ TEST_CASE("Zaber retreat: stops moving axes, then backs z off, never below its h
   rig.stage.start_speed(Axis::kZ, MillimetresPerSecond(0.05));
   rig.stage.start_speed(Axis::kX, MillimetresPerSecond(1.0));
   rig.stage.disarm();  // gives the line back; the axes continue
-  const ZaberRetreat first = retreat(rig.connect(), paper_stage(), Millimetres(2.0), 10s);
+  const StageRetreat first = retreat(rig.connect(), paper_stage(), Millimetres(2.0), 10s);
   INFO(first.text);
   CHECK(first.stands);
   CHECK(first.backed_off);
   CHECK(rig.chain.position(Axis::kZ).value() > 0.5);
   CHECK(rig.chain.position(Axis::kZ).value() < 2.0);
   const double x = rig.chain.position(Axis::kX).value();
-  const ZaberRetreat second = retreat(rig.connect(), paper_stage(), Millimetres(5.0), 10s);
+  const StageRetreat second = retreat(rig.connect(), paper_stage(), Millimetres(5.0), 10s);
   CHECK(second.backed_off);
   // The device counts whole microsteps: it says 0 while the last half of one is still to go.
   CHECK(rig.chain.position(Axis::kZ).value() < 0.001);
@@ -81,7 +81,7 @@ TEST_CASE("Zaber retreat: stops moving axes, then backs z off, never below its h
 
 TEST_CASE("Zaber retreat: a z axis that was never homed is stopped and not moved") {
   ZaberRig<SteadyClock> rig(alive());
-  const ZaberRetreat result = retreat(rig.connect(), paper_stage(), Millimetres(2.0), 10s);
+  const StageRetreat result = retreat(rig.connect(), paper_stage(), Millimetres(2.0), 10s);
   CHECK(result.stands);
   CHECK_FALSE(result.backed_off);
   CHECK(rig.count(kMoving) == 0);

@@ -66,6 +66,8 @@ class IdealStage final : public devices::Stage {
     for (const devices::Axis axis : {devices::Axis::kX, devices::Axis::kY, devices::Axis::kZ}) (void)stop(axis);
     return obeys;
   }
+  bool send_home(devices::Axis) noexcept override { return false; }
+  std::vector<devices::AxisIdentity> identify() override { return {}; }
   std::vector<devices::Identity> identities() const override { return {}; }
   std::uint64_t exchanges() const override { return 0; }
 

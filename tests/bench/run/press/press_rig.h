@@ -81,6 +81,8 @@ class RecordingStage final : public devices::Stage {
     ++halts;
     return stage_.halt();
   }
+  bool send_home(devices::Axis axis) noexcept override { return stage_.send_home(axis); }
+  std::vector<devices::AxisIdentity> identify() override { return stage_.identify(); }
   std::vector<devices::Identity> identities() const override { return stage_.identities(); }
   std::uint64_t exchanges() const override { return stage_.exchanges(); }
 
