@@ -49,7 +49,7 @@ set(may_be_heavy
   analysis/identify/rivals/gpi_search.h  # keeps such a matrix; gpi_search.cpp
   analysis/identify/rivals/nnls.h  # its functions take Eigen's matrices; preisach.cpp and its test
   devices/force/ati_matrix.h      # the matrices of a calibration; two drivers, their simulated ends and tests
-  devices/force/daq_ft.h          # keeps such a matrix; bench/rig/rig.cpp and its test
+  devices/force/daq_ft.h          # keeps such a matrix; bench/config/config_force.cpp and its test
   devices/force/digital_ft.h      # likewise
   sequences/toml/strict_toml.h)   # what strict_toml*.cpp share
 

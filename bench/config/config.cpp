@@ -8,9 +8,9 @@
 #include <filesystem>
 
 #include "bench/common/build_info.h"
-#include "bench/config/config_instruments.h"
 #include "bench/config/config_pressure.h"
 #include "bench/config/config_simulation.h"
+#include "bench/config/instrument_kinds.h"
 #include "db/run_store.h"
 #include "sequences/toml/key_table.h"
 
@@ -150,7 +150,9 @@ BenchConfig read_document(sequences::TomlDocument document, const std::vector<se
               "write blind = \"end\": when the dead-man cannot reach this module, nothing else would "
               "vent");
   }
-  read_instruments(root, config);
+  read_scanner(root.table("scanner"), config);
+  if (root.has("stage")) read_stage(root.table("stage"), config);
+  if (root.has("force")) read_force(root.table("force"), config);
   if (config.in_process) config.simulation = read_simulation(root.table("simulation"), config, seeds);
   root.finish();
   config.settings = document.settings();
@@ -180,7 +182,9 @@ std::vector<sequences::KeyFacts> bench_keys() {
   add_facts(all, "dead_man", dead_man_keys(config.dead_man));
   add_facts(all, "settling", settling_keys(config.settling));
   add_pressure_keys(all);
-  add_instrument_keys(all);
+  add_scanner_keys(all);
+  add_stage_keys(all);
+  add_force_keys(all);
   add_simulation_keys(all);
   return all;
 }

@@ -62,8 +62,6 @@ struct SimulationConfig {
 };
 
 enum class RegulatorKind { kModule, kSerial };  // a row each in bench/pressure/pressure_kinds.cpp
-enum class ScannerKind { kHid, kDaqmx, kFrameSource };
-enum class ForceKind { kNet, kDaq, kDigital };
 
 struct StatedCalibration {  // an instrument's calibration as stated in the bench file; empty, 0: not stated
   std::string certificate, calibrated, due;  // dates as 2026-01-31
@@ -81,18 +79,8 @@ struct StageConfig : devices::StageOptions {
   StatedCalibration stated;  // of all three axes
 };
 
-struct ForceConfig {
-  ForceKind kind = ForceKind::kNet;
-  std::string model = "ATI Nano17", serial;  // of the transducer
+struct ForceConfig : devices::ForceOptions {
   StatedCalibration stated;
-  double overload_share = 1.0;
-  int records = 50;  // averaged into one reading
-  devices::NetFtOptions net;
-  std::string calibration_file;  // DAQ: the .cal file
-  devices::DaqFtOptions daq;
-  devices::DaqmxGaugesOptions gauges;
-  devices::SerialAddress address;  // Digital
-  devices::DigitalFtOptions digital;
 };
 
 struct ModuleConfig {
@@ -139,12 +127,7 @@ struct BenchConfig {
   std::optional<GaugeConfig> reference_gauge;  // none: the transducer of `reference`
   devices::PressureCorrection reference_correction;
   std::vector<EnvironmentSensor> environment;
-  ScannerKind scanner_kind = ScannerKind::kHid;
-  devices::HidScannerOptions scanner;  // geometry, serial and timeout count for every kind
-  devices::HidAddress scanner_address;
-  std::string scanner_socket;  // HID reports over a local socket instead: a simulated scanner in another process
-  devices::DaqmxScannerOptions daqmx_scanner;
-  devices::FrameSourceOptions frame_source;
+  devices::ScannerOptions scanner;
   std::string scanner_cable;  // identifies the cable, which is part of the measuring chain like the scanner
   int scans_per_frame = 2;
   std::optional<StageConfig> stage;

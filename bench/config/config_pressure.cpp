@@ -10,6 +10,7 @@
 #include "bench/config/config_calibration.h"
 #include "bench/config/config_modbus.h"
 #include "bench/config/config_profile.h"
+#include "bench/config/instrument_kinds.h"
 
 namespace tactbench::bench {
 
@@ -279,9 +280,7 @@ constexpr struct {
                    {"serial", read_reading_module, read_serial_regulator}};
 
 KeyTable kind_keys(BenchConfig& config) {
-  std::vector<std::string> words;
-  for (const auto& kind : kRegulators) words.emplace_back(kind.word);
-  return {key::word("kind", config.regulator_kind, words,
+  return {key::word("kind", config.regulator_kind, words_of(kRegulators),
                     "How it is commanded: by a voltage of the analog module, or as a pressure controller with ASCII "
                     "commands on a serial line (Alicat's manner)")};
 }
@@ -289,7 +288,7 @@ KeyTable kind_keys(BenchConfig& config) {
 void read_regulator(const TomlTable& root, BenchConfig& config) {
   const TomlTable table = root.table("regulator");
   read_keys(table, kind_keys(config));
-  const auto& kind = kRegulators[static_cast<std::size_t>(config.regulator_kind)];
+  const auto& kind = row_of(kRegulators, config.regulator_kind);
   kind.read_modules(root, config);
   kind.read(table, config);
   devices::RegulatorOptions& regulator = config.regulator;

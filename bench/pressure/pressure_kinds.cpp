@@ -110,11 +110,13 @@ std::unique_ptr<devices::PressureSource> make_serial(const BenchConfig& config, 
       config.controller, clock);
 }
 
-PressureEnd serve_serial(BenchConfig& config, devices::ChamberPort& chamber, devices::FaultInjector inject) {
+SimulatedEnd serve_serial(BenchConfig& config, const SimulatedWorld& world) {
   auto end = std::make_shared<devices::SimulatedController>(config.controller, config.regulator.command_span.high,
-                                                            chamber, std::move(inject));
-  config.controller_address.port = end->path();
-  return {end, fmt::format("pressure controller, ASCII lines, unit {}", config.controller.unit), end->path()};
+                                                            world.chamber, world.inject);
+  const std::string port = config.controller_address.port = end->path();
+  return {std::move(end),
+          {{fmt::format("pressure controller, ASCII lines, unit {}", config.controller.unit), port}},
+          {{"regulator.port", port}}};
 }
 
 double serial_highest_psi(const BenchConfig& config) { return config.regulator.command_span.high.value(); }
@@ -139,13 +141,12 @@ LayerLines serial_layers(const BenchConfig& config, PressureUnit unit) {
   return lines;
 }
 
-// In the order of RegulatorKind.
 constexpr std::array kPressureKinds{
     PressureKind{make_module, nullptr, module_highest_psi, module_step_psi, module_layers, when_module_is_lost},
     PressureKind{make_serial, serve_serial, serial_highest_psi, serial_step_psi, serial_layers, when_serial_is_lost}};
 
 }  // namespace
 
-const PressureKind& pressure_kind(RegulatorKind kind) { return kPressureKinds.at(static_cast<std::size_t>(kind)); }
+std::span<const PressureKind> pressure_kinds() { return kPressureKinds; }
 
 }  // namespace tactbench::bench

@@ -8,9 +8,7 @@
 #include <vector>
 
 #include "analysis/pressure_unit.h"
-#include "bench/config/config.h"
-#include "devices/fault_injection.h"
-#include "devices/pressure/chamber_port.h"
+#include "bench/config/instrument_kinds.h"
 #include "devices/pressure/pressure_source.h"
 
 namespace tactbench::devices {
@@ -19,17 +17,11 @@ class AnalogModule;
 
 namespace tactbench::bench {
 
-struct PressureEnd {             // a simulated end other than a module's
-  std::shared_ptr<void> server;  // serves as long as it is held
-  std::string what, where;       // "pressure controller, ASCII lines", "/dev/pts/3"
-};
-
 struct PressureKind {
   // `output` and `input` are the modules of the bench; null: none. Talks to nothing yet. Throws Fault.
   std::unique_ptr<devices::PressureSource> (*make)(const BenchConfig& config, devices::AnalogModule* output,
                                                    devices::AnalogModule* input, devices::Clock& clock);
-  // Serves it and writes where into `config`; null: the modules are its simulated end. Throws Fault TB-SIM-LISTEN.
-  PressureEnd (*serve)(BenchConfig& config, devices::ChamberPort& chamber, devices::FaultInjector inject);
+  Serve serve;                                       // null: the modules are its simulated end
   double (*highest_psi)(const BenchConfig& config);  // that it can be set to
   double (*step_psi)(const BenchConfig& config);     // between two neighbouring set-points
   // What makes the chamber safe without the program, and what does not, one line a layer, fastest first.
@@ -38,7 +30,9 @@ struct PressureKind {
   std::string (*when_lost)(const BenchConfig& config, analysis::PressureUnit unit);
 };
 
-const PressureKind& pressure_kind(RegulatorKind kind);
-inline const PressureKind& pressure_kind(const BenchConfig& config) { return pressure_kind(config.regulator_kind); }
+std::span<const PressureKind> pressure_kinds();  // in the order of RegulatorKind
+inline const PressureKind& pressure_kind(const BenchConfig& config) {
+  return row_of(pressure_kinds(), config.regulator_kind);
+}
 
 }  // namespace tactbench::bench

@@ -130,8 +130,9 @@ std::vector<db::DeviceRecord> stated_instruments(const BenchConfig& config, bool
     }
   }
   if (presses && config.force) {
-    records.push_back(force_record(
-        {{"force sensor", config.force->model, config.force->serial, "", config.origin}, {}, {}}, *config.force));
+    records.push_back(
+        force_record({{"force sensor", config.force->model, config.force->expected_serial, "", config.origin}, {}, {}},
+                     *config.force));
   }
   return records;
 }

@@ -7,19 +7,9 @@
 #include "bench/pressure/pressure_kinds.h"
 #include "bench/simulation/simulated_rig.h"
 #include "devices/device.h"
-#include "devices/force/daq_ft.h"
-#include "devices/force/daqmx_gauges.h"
-#include "devices/force/digital_ft.h"
-#include "devices/force/net_ft.h"
 #include "devices/pressure/analog_module.h"
 #include "devices/pressure/pressure_reference.h"
-#include "devices/stage/zaber_stage.h"
-#include "devices/tactile/daqmx_scanner.h"
-#include "devices/tactile/frame_source.h"
-#include "devices/tactile/hid_scanner.h"
-#include "devices/wire/hid_link.h"
 #include "devices/wire/modbus/modbus_link.h"
-#include "devices/wire/packet_link.h"
 #include "devices/wire/serial_link.h"
 
 namespace tactbench::bench {
@@ -43,10 +33,10 @@ Rig::Rig(const BenchConfig& config) : config_(config) {
   make_guard();
   make_pressure();
   if (config_.stage) {
-    const devices::SerialAddress address = config_.stage->address;
-    stage_ = std::make_unique<devices::ZaberStage>(
-        [this, address] { return dead_man_ ? dead_man_->open_line() : devices::open_serial(address); },
-        config_.stage->options, *clock_);
+    const auto open_line = [this, address = config_.stage->address] {
+      return dead_man_ ? dead_man_->open_line() : devices::open_serial(address);
+    };
+    stage_ = row_of(stage_kinds(), config_.stage->kind).make(*config_.stage, open_line, *clock_);
     stage_gate_ = std::make_unique<GuardedStage>(*stage_, *guard_, [this] { prepare_arming(); });
   }
   guard_->set_actuators(&source_->inner(), stage_.get());
@@ -157,31 +147,12 @@ void Rig::open() {
   feed_dead_man();
 }
 
-void Rig::open_array() {
-  if (config_.scanner_kind == ScannerKind::kDaqmx) {
-    array_ = std::make_unique<devices::DaqmxScanner>(config_.daqmx_scanner, *clock_);
-  } else if (config_.scanner_kind == ScannerKind::kFrameSource) {
-    array_ = std::make_unique<devices::FrameSource>(config_.frame_source, *clock_);
-  } else {
-    auto link = config_.scanner_socket.empty() ? devices::open_hid_link(config_.scanner_address)
-                                               : devices::open_packet_link(config_.scanner_socket);
-    array_ = std::make_unique<devices::HidScanner>(std::move(link), config_.scanner, *clock_);
-  }
-}
+void Rig::open_array() { array_ = row_of(scanner_kinds(), config_.scanner.kind).make(config_.scanner, *clock_); }
 
 devices::ForceSensor& Rig::open_force() {
   if (!config_.force) throw std::logic_error("Rig::open_force() without [force]");
-  const ForceConfig& force = *config_.force;
   if (dead_man_) dead_man_->allow(kOpening);
-  std::unique_ptr<devices::ForceSensor> sensor;
-  if (force.kind == ForceKind::kNet) {
-    sensor = std::make_unique<devices::NetFt>(force.net, *clock_);
-  } else if (force.kind == ForceKind::kDaq) {
-    sensor = std::make_unique<devices::DaqFt>(std::make_unique<devices::DaqmxGauges>(force.gauges, *clock_),
-                                              devices::read_ati_calibration(force.calibration_file), force.daq);
-  } else {
-    sensor = std::make_unique<devices::DigitalFt>(devices::open_serial(force.address), force.digital, *clock_);
-  }
+  auto sensor = row_of(force_kinds(), config_.force->kind).make(*config_.force, *clock_);
   feed_dead_man();
   force_ = std::make_unique<GuardedForce>(std::move(sensor), *guard_);
   return *force_;
@@ -221,11 +192,6 @@ std::vector<db::DeviceRecord> Rig::devices() const {
     records.push_back(scanner_record(array_->identity(), array_->volts_per_count().value(), config_));
   }
   return records;
-}
-
-std::vector<std::uint64_t> Rig::relay_operations() const {
-  const auto* relays = dynamic_cast<const devices::DaqmxScanner*>(array_.get());
-  return relays == nullptr ? std::vector<std::uint64_t>() : relays->relay_operations();
 }
 
 std::string Rig::as_stored(const std::string& text) const {

@@ -1,5 +1,5 @@
-// Builds and owns a bench's devices from its configuration; only this unit names drivers. On a simulated bench it also
-// starts the simulated ends, and the same drivers talk to them over real wires.
+// Builds and owns a bench's devices from its configuration, by their rows in the registries. On a simulated bench it
+// also starts the simulated ends, and the same drivers talk to them over real wires.
 #pragma once
 
 #include <memory>
@@ -85,8 +85,9 @@ class Rig {
   void name_press_instruments();
   // With the calibration that scales each device's raw counts.
   [[nodiscard]] std::vector<db::DeviceRecord> devices() const;
-  // How often each row's relay closed in this run; empty where the scanner does not count.
-  [[nodiscard]] std::vector<std::uint64_t> relay_operations() const;
+  [[nodiscard]] std::vector<std::uint64_t> relay_operations() const {  // TactileArray::relay_operations()
+    return array_ ? array_->relay_operations() : std::vector<std::uint64_t>();
+  }
   [[nodiscard]] std::uint64_t exchanges() const;                       // on all wires so far
   [[nodiscard]] std::vector<std::string> take_busy_report() const;     // ModbusLine::take_busy_report() of each line
   [[nodiscard]] Plant* plant();                                        // null: not simulated in this process

@@ -110,8 +110,9 @@ class RunLifecycle {
     });
     socket_ = std::make_unique<ControlSocket>(request_.bench, control_, result_.run, request_.bench_name);
     BenchConfig bench = with_object(request_.bench, request_.recipes);
-    if (bench.frame_source.rows == 0) bench.frame_source.rows = request_.sensor_type.rows;
-    if (bench.frame_source.columns == 0) bench.frame_source.columns = request_.sensor_type.columns;
+    devices::FrameSourceOptions& source = bench.scanner.frame_source;
+    if (source.rows == 0) source.rows = request_.sensor_type.rows;
+    if (source.columns == 0) source.columns = request_.sensor_type.columns;
     rig_ = std::make_unique<Rig>(std::move(bench));
     recorder_ = std::make_unique<Recorder>(store_, result_.run, rig_->clock(), offset_);
     recorder_->name_by([this](const std::string& text) { return rig_->as_stored(text); });

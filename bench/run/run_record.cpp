@@ -107,8 +107,8 @@ std::optional<BenchConfig> stored_bench(const db::RunRecord& run) {
 }
 
 void check_geometry(const RunRequest& request) {
-  const devices::HidScannerOptions& scanner = request.bench.scanner;
-  const bool stated = request.bench.scanner_kind != ScannerKind::kFrameSource || request.bench.frame_source.rows != 0;
+  const devices::ScannerOptions& scanner = request.bench.scanner;
+  const bool stated = scanner.frame_source.rows != 0;  // by a frame source itself otherwise
   if (!stated || (request.sensor_type.rows == scanner.rows && request.sensor_type.columns == scanner.columns)) return;
   throw Error("TB-SENSOR-GEOMETRY",
               fmt::format("sensor type '{}' has {} x {} taxels, the bench's scanner {} x {}", request.sensor_type.name,

@@ -19,7 +19,7 @@
 #include "bench/common/process_time.h"
 #include "bench/common/terminal_safe.h"
 #include "bench/common/utc.h"
-#include "bench/config/config.h"
+#include "bench/config/instrument_kinds.h"
 #include "bench/guard/dead_man.h"
 #include "bench/guard/dead_man_process.h"
 #include "bench/guard/trip.h"
@@ -27,7 +27,6 @@
 #include "bench/run/control/locks.h"
 #include "bench/safety/safe_state.h"
 #include "devices/device.h"
-#include "devices/stage/zaber_retreat.h"
 #include "devices/wire/descriptor_channel.h"
 #include "devices/wire/serial_link.h"
 #include "devices/wire/stream_link.h"
@@ -198,8 +197,9 @@ class Server {
         if (!line_) line_ = devices::open_serial(config_.stage.value().address);
         // A copy of the descriptor: the line cannot be opened again while a stopped sequencer holds it.
         const int copy = ::fcntl(line_->descriptor(), F_DUPFD_CLOEXEC, 0);
-        result = devices::retreat(devices::adopt_stream(copy, line_->description()), config_.stage->options,
-                                  devices::Millimetres(config_.dead_man.back_off_mm), kBackOff);
+        const StageRow& kind = row_of(stage_kinds(), config_.stage->kind);
+        result = kind.retreat(devices::adopt_stream(copy, line_->description()), *config_.stage,
+                              devices::Millimetres(config_.dead_man.back_off_mm), kBackOff);
       } catch (const std::exception& error) {
         line_.reset();
         result.text = error.what();

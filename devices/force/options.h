@@ -15,18 +15,21 @@ namespace tactbench::devices {
 
 using SixAxes = std::array<double, 6>;  // Fx, Fy, Fz, Tx, Ty, Tz
 
-struct NetFtOptions {
-  std::string model = "ATI Nano17, Net F/T";
+struct FtOptions {  // of every interface
+  std::string model = "ATI Nano17";
+  std::string expected_serial;  // of the transducer or its calibration; empty: any
+  double overload_share = 1.0;  // of the range
+  Origin origin = Origin::kHardware;
+};
+
+struct NetFtOptions : FtOptions {
   std::string host = "192.168.1.1";  // numeric address
   int port = 49152;
   int http_port = 80;
   std::string page_file;         // a saved netftapi2.xml, read instead of the sensor's page; empty: read the sensor's
-  std::string expected_serial;   // of the calibration; empty: any
   std::optional<SixAxes> range;  // N, N*mm; used when the page does not state it
-  double overload_share = 1.0;   // of the range
   Nanoseconds reply_timeout = std::chrono::milliseconds(500);  // on top of the time that the records themselves take
   Nanoseconds page_timeout = std::chrono::seconds(3);
-  Origin origin = Origin::kHardware;
 };
 
 // Position of a second frame relative to a first: displaced along the first frame's axes, then turned about x, then
@@ -37,14 +40,11 @@ struct AtiTransform {
   bool operator==(const AtiTransform&) const = default;
 };
 
-struct DaqFtOptions {
-  std::string model = "ATI Nano17, DAQ F/T";
-  std::string expected_serial;           // of the transducer; empty: any
+struct DaqFtOptions : FtOptions {        // its origin is the gauge source's
   AtiTransform tool;                     // the wrench is reported in this frame, given relative to the transducer's
   bool temperature_compensation = true;  // if the .cal file has it; needs the thermistor on channel 7
   Volts converter_limit{10.0};
   double saturation_share = 0.999;  // of the converter's limit
-  double overload_share = 1.0;      // of the range
 };
 
 struct DaqmxGaugesOptions {
@@ -59,17 +59,26 @@ struct DaqmxGaugesOptions {
   Origin origin = Origin::kHardware;                     // a device that NI's driver simulates is kSimulated anyway
 };
 
-struct DigitalFtOptions {
-  std::string model = "ATI Nano17, Digital F/T";
+struct DigitalFtOptions : FtOptions {
   int unit = 10;                // Modbus
   bool low_word_first = false;  // of 32-bit values in the calibration registers: not verified
   bool local_echo = false;      // the adapter returns what is sent; that much is read first and compared
-  std::string expected_serial;  // of the transducer; empty: any
-  double overload_share = 1.0;  // of the range
   double samples_per_second = 7000.0;
   Nanoseconds reply_timeout = std::chrono::milliseconds(500);  // plus the time that the samples take
   Nanoseconds quiet = std::chrono::milliseconds(20);           // no byte for this long: the stream has stopped
-  Origin origin = Origin::kHardware;
+};
+
+enum class ForceKind { kNet, kDaq, kDigital };  // a row each in bench/config/config_force.cpp
+
+struct ForceOptions : FtOptions {
+  ForceKind kind = ForceKind::kNet;
+  int records = 50;  // averaged into one reading
+  NetFtOptions net;
+  std::string calibration_file;  // DAQ: the .cal file
+  DaqFtOptions daq;
+  DaqmxGaugesOptions gauges;
+  SerialAddress address;  // Digital
+  DigitalFtOptions digital;
 };
 
 }  // namespace tactbench::devices

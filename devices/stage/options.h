@@ -41,7 +41,10 @@ struct ZaberStageOptions {
   Origin origin = Origin::kHardware;
 };
 
+enum class StageKind { kZaber };  // a row each in bench/config/config_stage.cpp
+
 struct StageOptions {
+  StageKind kind = StageKind::kZaber;
   SerialAddress address;  // the dead-man opens it for the driver
   ZaberStageOptions options;
   [[nodiscard]] const AxisOptions& axis(std::size_t i) const { return options.axes.at(i); }  // x, y, z

@@ -111,7 +111,7 @@ void DaqmxScanner::read_row(ScanSet& set, int row) {
   set_relays(row);
   clock_.wait_until(clock_.now() + options_.settle);
   const std::chrono::duration<double> duration(options_.samples_per_row / options_.sample_rate_hz);
-  const Nanoseconds timeout = options_.timeout + std::chrono::duration_cast<Nanoseconds>(duration);
+  const Nanoseconds timeout = options_.frame_timeout + std::chrono::duration_cast<Nanoseconds>(duration);
   ++exchanges_;
   inputs_.start();
   try {

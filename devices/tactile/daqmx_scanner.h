@@ -35,7 +35,7 @@ class DaqmxScanner final : public TactileArray {
   [[nodiscard]] std::uint64_t exchanges() const override { return exchanges_; }
   [[nodiscard]] Identity identity() const override;
   // Number of times each row's relay has closed since construction; relays wear out.
-  [[nodiscard]] const std::vector<std::uint64_t>& relay_operations() const { return relay_operations_; }
+  [[nodiscard]] std::vector<std::uint64_t> relay_operations() const override { return relay_operations_; }
   [[nodiscard]] const std::vector<std::string>& warnings() const { return api_.warnings(); }
 
  private:

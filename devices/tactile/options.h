@@ -13,42 +13,46 @@
 
 namespace tactbench::devices {
 
-struct HidScannerOptions {
-  std::string model = "tactbench HID scanner";
-  std::string expected_serial;  // empty: any; otherwise another serial is Fault TB-SCANNER-SERIAL
+struct ArrayOptions {           // of every kind
+  std::string expected_serial;  // of an NI card hexadecimal; empty: any; otherwise another is Fault TB-SCANNER-SERIAL
   int rows = 16;
   int columns = 16;
-  Nanoseconds frame_timeout = std::chrono::milliseconds(500);  // per scan
-  Origin origin = Origin::kHardware;
+  // Per scan; of an NI card per row, beyond the time that the samples take; of a frame source per answer.
+  Nanoseconds frame_timeout = std::chrono::milliseconds(500);
+  Origin origin = Origin::kHardware;  // an NI card that its driver simulates is kSimulated anyway
 };
 
-struct DaqmxScannerOptions {
+struct HidScannerOptions : ArrayOptions {
+  std::string model = "tactbench HID scanner";
+};
+
+struct DaqmxScannerOptions : ArrayOptions {
   std::string library;  // empty: NI's own (daqmx_api.h)
   std::string device = "Dev1";
-  std::string expected_serial;  // hexadecimal; empty: any
   std::string column_channels = "Dev1/ai0:15";
   std::string row_lines = "Dev1/port0/line0:15";
-  int rows = 16;
-  int columns = 16;
   DaqmxTerminal terminal = DaqmxTerminal::kRse;
-  Volts range{10.0};                                     // inputs measure -range to +range; counts cover 0 to range
-  bool relays_active_low = false;                        // a relay closes on 0
-  double sample_rate_hz = 10'000;                        // samples of all columns per second
-  double convert_rate_hz = 0;                            // from column to column; 0: the driver chooses
-  int samples_per_row = 10;                              // averaged
-  Nanoseconds settle = std::chrono::milliseconds(5);     // from closing a relay to the first sample
-  Nanoseconds timeout = std::chrono::milliseconds(500);  // per row, beyond the time that the samples take
-  Origin origin = Origin::kHardware;                     // a device that NI's driver simulates is kSimulated anyway
+  Volts range{10.0};                                  // inputs measure -range to +range; counts cover 0 to range
+  bool relays_active_low = false;                     // a relay closes on 0
+  double sample_rate_hz = 10'000;                     // samples of all columns per second
+  double convert_rate_hz = 0;                         // from column to column; 0: the driver chooses
+  int samples_per_row = 10;                           // averaged
+  Nanoseconds settle = std::chrono::milliseconds(5);  // from closing a relay to the first sample
 };
 
-struct FrameSourceOptions {
+struct FrameSourceOptions : ArrayOptions {
   std::string address = "tcp:127.0.0.1:5800";  // or "unix:PATH" (stream_link.h)
-  std::string expected_serial;                 // empty: any; otherwise another serial is Fault TB-SCANNER-SERIAL
-  int rows = 16;
-  int columns = 16;
   Nanoseconds connect_timeout = std::chrono::seconds(2);
-  Nanoseconds frame_timeout = std::chrono::milliseconds(500);  // per answer
-  Origin origin = Origin::kHardware;
+};
+
+enum class ScannerKind { kHid, kDaqmx, kFrameSource };  // a row each in bench/config/config_scanner.cpp
+
+struct ScannerOptions : HidScannerOptions {  // geometry, serial and timeout count for every kind
+  ScannerKind kind = ScannerKind::kHid;
+  HidAddress address;
+  std::string socket;  // HID reports over a local socket instead: a simulated scanner in another process
+  DaqmxScannerOptions daqmx;
+  FrameSourceOptions frame_source;
 };
 
 struct SimulatedScannerFaults {  // test and nightly switches, all off by default

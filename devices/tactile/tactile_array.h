@@ -32,6 +32,8 @@ class TactileArray {
   // volts = counts * volts_per_count.
   [[nodiscard]] virtual Volts volts_per_count() const = 0;
   [[nodiscard]] virtual std::uint64_t exchanges() const = 0;
+  // How often each row's relay closed since it was opened; empty where the scanner does not count.
+  [[nodiscard]] virtual std::vector<std::uint64_t> relay_operations() const { return {}; }
   [[nodiscard]] virtual Identity identity() const = 0;
 };
 

@@ -40,18 +40,13 @@ class HostedRig {
     document.remove("simulation");
     document.set({"bench.simulator", quoted("external")});
     if (config_.regulator_kind == bench::RegulatorKind::kSerial) {
-      document.set({"regulator.port", quoted(config_.controller_address.port)});
       document.set({"reference.gauge.port", fmt::format("{}", config_.reference_gauge->endpoint.port)});
     } else if (const auto& endpoint = config_.module.endpoint; endpoint.serial_port.empty()) {
       document.set({"module.port", fmt::format("{}", endpoint.port)});
     } else {
       document.set({"module.serial_port", quoted(endpoint.serial_port)});
     }
-    document.set({"scanner.socket", quoted(config_.scanner_socket)});
-    document.set({"stage.port", quoted(config_.stage->address.port)});
-    document.set({"force.host", quoted(config_.force->net.host)});
-    document.set({"force.port", fmt::format("{}", config_.force->net.port)});
-    document.set({"force.http_port", fmt::format("{}", config_.force->net.http_port)});
+    for (const sequences::Override& address : rig_.addresses()) document.set(address);
     write_file(folder.path("bench.toml"), document.to_text());
   }
   HostedRig(const HostedRig&) = delete;

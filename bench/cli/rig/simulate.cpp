@@ -28,7 +28,7 @@ struct SimulateOptions {
 std::string quoted(const std::string& text) { return fmt::format("\"{}\"", text); }
 
 // A bench file for clients of this rig: the one it was made from, with the addresses that the wires got.
-std::string client_bench(const SimulateOptions& options, const BenchConfig& config) {
+std::string client_bench(const SimulateOptions& options, const BenchConfig& config, const SimulatedRig& rig) {
   sequences::TomlDocument document = sequences::TomlDocument::from_file(find_config(options.bench));
   for (const sequences::Override& override_value : split_overrides(options.set).bench) document.set(override_value);
   document.remove("simulation");
@@ -46,23 +46,7 @@ std::string client_bench(const SimulateOptions& options, const BenchConfig& conf
   if (config.reference_gauge && config.reference_gauge->own_line) {
     set_endpoint("reference.gauge", config.reference_gauge->endpoint);
   }
-  if (config.regulator_kind == RegulatorKind::kSerial) {
-    document.set({"regulator.port", quoted(config.controller_address.port)});
-  }
-  if (config.scanner_kind == ScannerKind::kFrameSource) {
-    document.set({"scanner.address", quoted(config.frame_source.address)});
-  } else {
-    document.set({"scanner.socket", quoted(config.scanner_socket)});
-  }
-  if (config.stage) document.set({"stage.port", quoted(config.stage->address.port)});
-  if (config.force && config.force->kind == ForceKind::kNet) {
-    document.set({"force.host", quoted(config.force->net.host)});
-    document.set({"force.port", fmt::format("{}", config.force->net.port)});
-    document.set({"force.http_port", fmt::format("{}", config.force->net.http_port)});
-  }
-  if (config.force && config.force->kind == ForceKind::kDigital) {
-    document.set({"force.port", quoted(config.force->address.port)});
-  }
+  for (const sequences::Override& address : rig.addresses()) document.set(address);
   return fmt::format("# Written by `tactbench simulate`: a client of that process, while it lives.\n{}\n",
                      document.to_text());
 }
@@ -96,7 +80,8 @@ void simulate(const SimulateOptions& options, const Session& session) {
   const devices::SteadyClock clock(options.rate);
   const StopRequest stop;
   SimulatedRig rig(config, clock, true);
-  if (!options.write_bench.empty()) write_output(options.write_bench, client_bench(options, config), session.replace);
+  if (!options.write_bench.empty())
+    write_output(options.write_bench, client_bench(options, config, rig), session.replace);
   print_served(rig, session, options);
   std::fflush(stdout);
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(options.for_s);

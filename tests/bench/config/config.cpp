@@ -242,11 +242,11 @@ TEST_CASE("config: the example file of the paper rig is read without errors, and
   CHECK(config.origin == devices::Origin::kHardware);
   CHECK_FALSE(config.in_process);
   CHECK_FALSE(config.simulation);
-  CHECK(config.scanner_kind == ScannerKind::kDaqmx);
+  CHECK(config.scanner.kind == devices::ScannerKind::kDaqmx);
   REQUIRE(config.stage);
   CHECK(config.stage->options.axes[2].device_id == 5082);
   REQUIRE(config.force);
-  CHECK(config.force->kind == ForceKind::kNet);
+  CHECK(config.force->kind == devices::ForceKind::kNet);
   CHECK(config.force->net.port == 49152);
 }
 
@@ -463,27 +463,27 @@ TEST_CASE("config values: milliseconds, bar and counts are converted to the unit
   CHECK(line.module.endpoint.stop_bits == 2);
   CHECK(line.watchdog_s == 0.0);
   const BenchConfig card = hardware_bench({{"scanner.kind", "daqmx"}, {"scanner.settle_ms", "7"}});
-  CHECK(card.daqmx_scanner.settle == 7ms);
-  CHECK(card.daqmx_scanner.timeout == 500ms);
+  CHECK(card.scanner.daqmx.settle == 7ms);
+  CHECK(card.scanner.daqmx.frame_timeout == 500ms);
 }
 
 TEST_CASE("config values: kinds of instruments and terminals are read by name") {
-  CHECK(simulated_bench({{"scanner.kind", "frame-source"}}).scanner_kind == ScannerKind::kFrameSource);
-  CHECK(simulated_bench().scanner_kind == ScannerKind::kHid);
+  CHECK(simulated_bench({{"scanner.kind", "frame-source"}}).scanner.kind == devices::ScannerKind::kFrameSource);
+  CHECK(simulated_bench().scanner.kind == devices::ScannerKind::kHid);
   const auto terminal = [](const char* word) {
-    return hardware_bench({{"scanner.kind", "daqmx"}, {"scanner.terminal", word}}).daqmx_scanner.terminal;
+    return hardware_bench({{"scanner.kind", "daqmx"}, {"scanner.terminal", word}}).scanner.daqmx.terminal;
   };
   CHECK(terminal("rse") == devices::DaqmxTerminal::kRse);
   CHECK(terminal("nrse") == devices::DaqmxTerminal::kNrse);
   CHECK(terminal("differential") == devices::DaqmxTerminal::kDifferential);
-  CHECK(simulated_bench({{"force.kind", "net"}}).force->kind == ForceKind::kNet);
-  CHECK(simulated_bench({{"force.kind", "digital"}}).force->kind == ForceKind::kDigital);
+  CHECK(simulated_bench({{"force.kind", "net"}}).force->kind == devices::ForceKind::kNet);
+  CHECK(simulated_bench({{"force.kind", "digital"}}).force->kind == devices::ForceKind::kDigital);
   CHECK(simulated_bench({{"force.kind", "digital"}, {"force.parity", "O"}}).force->address.parity == 'O');
   const BenchConfig daq = hardware_bench({{"force.kind", "daq"},
                                           {"force.calibration_file", "f.cal"},
                                           {"force.range_v", "5"},
                                           {"force.tool.displacement_mm", "[1, 2, 3]"}});
-  CHECK(daq.force->kind == ForceKind::kDaq);
+  CHECK(daq.force->kind == devices::ForceKind::kDaq);
   CHECK(daq.force->daq.tool.displacement_mm == std::array<double, 3>{1, 2, 3});
   CHECK(daq.force->daq.tool.rotation_deg == std::array<double, 3>{0, 0, 0});
   CHECK(daq.force->daq.converter_limit.value() == 5.0);

@@ -169,7 +169,7 @@ TEST_CASE("device records: instruments are those stated in the bench file, those
                            "stage z|Zaber T-NA08A50|||simulated; ");
   config.force.emplace();
   config.force->model = "F";
-  config.force->serial = "f";
+  config.force->expected_serial = "f";
   CHECK(heads(true).ends_with("|||simulated; force sensor|F|f||simulated; "));
   CHECK(heads(false) == reference);
 }

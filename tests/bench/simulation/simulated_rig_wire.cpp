@@ -97,7 +97,7 @@ TEST_CASE("simulated rig: its socket folder is removed with it") {
     bench::BenchConfig config = small_request().bench;
     devices::ManualClock clock;
     const bench::SimulatedRig rig(config, clock, false);
-    folder = std::filesystem::path(config.scanner_socket).parent_path();
+    folder = std::filesystem::path(config.scanner.socket).parent_path();
     CHECK(std::filesystem::is_directory(folder));
     CHECK((std::filesystem::status(folder).permissions() & std::filesystem::perms::all) ==
           std::filesystem::perms::owner_all);

@@ -129,7 +129,7 @@ struct SmallCard : DaqmxCard {
     options.samples_per_row = 4;
     options.sample_rate_hz = 100;
     options.range = Volts(8.0);
-    options.timeout = 200ms;
+    options.frame_timeout = 200ms;
     options.settle = 3ms;
   }
   [[nodiscard]] std::string opened() {
