@@ -42,12 +42,14 @@ static inline int32_t tb_signed(uint16_t low, uint16_t high) {
   return ((int32_t)high - (high & 0x8000U ? 0x10000 : 0)) * 0x10000 + (int32_t)low;
 }
 
-/* FNV-1a over words of 16 bits. */
-#define TB_HASH_START 2166136261U
+/* CRC-32 (zlib's crc32) of words of 16 bits, the low byte first; of several parts one after another, from TB_HASH_START. */
+#define TB_HASH_START 0U
 static inline uint32_t tb_hash(uint32_t hash, const uint16_t* words, uint32_t count) {
-  uint32_t i;
-  for (i = 0; i < count; ++i) hash = (hash ^ words[i]) * 16777619U;
-  return hash;
+  uint32_t i, bit;
+  hash = ~hash;
+  for (i = 0; i < count; ++i)
+    for (hash ^= words[i], bit = 0; bit < 16; ++bit) hash = hash & 1 ? (hash >> 1) ^ 0xEDB88320U : hash >> 1;
+  return ~hash;
 }
 
 /* A linear piece of a branch: inputs x over outputs u, low < u < high; elsewhere the nearer end. */

@@ -1,5 +1,5 @@
 // ELAM in integers, one taxel after another: the steps of tb_fixed.h and tb_elam.h, whose names and numbers of equations stand here.
-// One product, one restoring divider of 4 bits a cycle. Words are loaded in the order of tb_elam_hash and read back for the hash.
+// One product, one restoring divider of twice two bits a cycle; the states stand in tb_steps.vh. Words are loaded in the order of tb_elam_hash and read back for the hash.
 `include "tb_model.vh"
 module tb_elam #(
     parameter TAXELS = `TB_TAXELS,              // 1 to 256
@@ -16,7 +16,7 @@ module tb_elam #(
     output load_ready,
     input [15:0] load_word,
     output reg loaded,
-    output reg [31:0] hash,
+    output [31:0] hash,
     // TAXELS counts a frame, row by row. Event 0: a frame; 1: a lost one, of whatever count; 2: tare.
     input in_valid,
     output in_ready,
@@ -38,17 +38,22 @@ module tb_elam #(
   localparam [1:0] HELD = 0, BACK = 1, AHEAD = 2, TURNED = 3;
   localparam [1:0] HERE = 0, WAY = 1, FIND = 2;  // what a piece is searched for
 
-  localparam [6:0] LOAD = 0, H0 = 1, H1 = 2, H2 = 3, H3 = 4, H4 = 5, IN0 = 6, IN1 = 7, IN2 = 8, ST0 = 9, ST1 = 10, ST2 = 11,
-                   ST3 = 12, IDLE = 13, B1 = 14, B2 = 15, B3 = 16, B4 = 17, B5 = 18, B7 = 19, B6 = 20, CL = 21, CL2 = 22,
-                   R1 = 23, R2 = 24, T1 = 25, T2 = 26, T3 = 27, T4 = 28, T5 = 29, HI1 = 30, HI2 = 31, HI3 = 32, HI4 = 33,
-                   HI5 = 34, FO1 = 35, FO2 = 36, FO3 = 37, FO4 = 38, FO5 = 39, FO6 = 40, Z0 = 41, Z1 = 42, Z2 = 43, Z3 = 44,
-                   Z4 = 45, Z5 = 46, Q0 = 47, Q1 = 48, W0 = 49, W1 = 50, WA = 51, WB = 52, L0 = 53, L1 = 54, L2 = 55, F0 = 56,
-                   A0 = 57, A1 = 58, A2 = 59, A3 = 60, A4 = 61, A5 = 62, A6 = 63, A7 = 64, A8 = 65, D0 = 66, D1 = 67, D2 = 68,
-                   D3 = 69, D4 = 70, D5 = 71, D6 = 72, D7 = 73, SH1 = 74, SH2 = 75, OU = 76, OU2 = 77, RE = 78, RD = 79,
-                   RX = 80, RF = 81, RG = 82, P0 = 83, P1 = 84, P2 = 85, SL = 86, K1 = 87, K2 = 88, E0 = 89, E1 = 90, E2 = 91,
-                   EX0 = 92, EX1 = 93, EX2 = 94, CX2 = 95, CU = 96, CUT = 97, AL = 98, AL2 = 99, DIV = 100, MUL = 101,
-                   MAP = 102, OUT = 103;
-  reg [6:0] state, after;  // `after` the map
+  // One bit a state.
+  localparam STATES = 112;
+  localparam LOAD = 0, H0 = 1, H1 = 2, H2 = 3, IN0 = 4, IN1 = 5, IN2 = 6, ST0 = 7, ST1 = 8, ST2 = 9, ST3 = 10, IDLE = 11,
+             B1 = 12, B2 = 13, B3 = 14, B4 = 15, B5 = 16, B7 = 17, B6 = 18, CL = 19, CL2 = 20, R1 = 21, R2 = 22, T1 = 23,
+             T2 = 24, T3 = 25, T4 = 26, T5 = 27, HI1 = 28, HI2 = 29, HI3 = 30, HI4 = 31, HI5 = 32, FO1 = 33, FO2 = 34, FO3 = 35,
+             FO4 = 36, FO5 = 37, FO6 = 38, Z0 = 39, Z1 = 40, Z2 = 41, Z3 = 42, Z4 = 43, Z5 = 44, Q0 = 45, Q1 = 46, W0 = 47,
+             W1 = 48, WA = 49, WB = 50, L0 = 51, L1 = 52, L2 = 53, F0 = 54, A0 = 55, A1 = 56, A2 = 57, A3 = 58, A4 = 59,
+             A5 = 60, A6 = 61, A7 = 62, A8 = 63, D0 = 64, D1 = 65, D2 = 66, D3 = 67, D5 = 68, D6 = 69, D7 = 70, SH1 = 71,
+             SH2 = 72, OU = 73, OU2 = 74, RE = 75, RD = 76, RX = 77, RF = 78, RG = 79, P0 = 80, P1 = 81, P2 = 82, SL = 83,
+             K1 = 84, K2 = 85, E0 = 86, E1 = 87, E2 = 88, EX0 = 89, EX1 = 90, EX2 = 91, CX2 = 92, CU = 93, CUT = 94, AL = 95,
+             AL2 = 96, DIV = 97, MUL = 98, MAP = 99, OUT = 100, PR = 101, PT = 102, PS = 103, CEIL = 104, E3 = 105, DIV0 = 106,
+             Q2 = 107, W2 = 108, RE2 = 109, P3 = 110, L3 = 111;
+  function [STATES-1:0] only(input integer number);
+    only = {{STATES - 1{1'b0}}, 1'b1} << number;
+  endfunction
+  reg [STATES-1:0] state, after;  // `after` the map
 
   // A taxel and its state.
   reg [7:0] taxel;
@@ -70,19 +75,22 @@ module tb_elam #(
   wire [26:0] product_high = factor[26:16] * by;
   reg [31:0] whole;  // a cycle later
   reg [26:0] whole_high;
+  reg [15:0] taken;  // of a negative factor
   /* verilator lint_off UNUSEDSIGNAL */
-  wire [26:0] m = whole_high + {11'd0, whole[31:16]};  // M(factor, by)
+  wire [26:0] m = whole_high + {11'd0, whole[31:16]} - {taken, 11'd0};  // M(factor, by)
   /* verilator lint_on UNUSEDSIGNAL */
   always @(posedge clk) begin
     whole <= product_low;
-    whole_high <= product_high - (factor[26] ? {by, 11'd0} : 27'd0);
+    whole_high <= product_high;
+    taken <= factor[26] ? by : 16'd0;
   end
 
   // Memories.
   reg [1:0] phase;  // of the loader: x, words, patterns
+  reg [31:0] crc;
   reg [4:0] item;
   reg falls_;
-  wire loads = state == LOAD && load_valid, hashes = state == LOAD || state == H0 || state == H1;
+  wire loads = state[LOAD] && load_valid, hashes = state[LOAD] || state[H0] || state[H1];
   reg [4:0] knot_at, word_at;
   reg [3:0] point_at;
   wire [15:0] pattern, x_knot, word_;
@@ -93,33 +101,52 @@ module tb_elam #(
   tb_memory #(16, 14, "huge") parameters_ (clk, loads && phase == 1, {1'b0, taxel, word_at}, load_word, word_);
   wire far = off[26] ? !(&off[26:11]) || off[10:0] == 0 : |off[26:11];  // beyond 2047
   wire [10:0] size = off[26] ? -off[10:0] : off[10:0];
-  // One threshold of the rule at a time.
+  // One threshold or factor of the rule at a time, a state ahead.
   wire noisy = samples == LONGEST_MEAN && extreme_samples != LONGEST_MEAN;  // came to rest so near that the extreme was noise
+  wire [2:0] more = moving || jumps ? 3'd0 : samples != LONGEST_MEAN ? samples + 3'd1 : samples;
   wire [2:0] fewer = samples < extreme_samples ? samples : extreme_samples;
-  wire [10:0] threshold = state == FO2 ? jump_of(samples) : state == Z3 ? band_of(fewer) : state != Z4 ? BAND : noisy ? REST : {2'd0, hold_of(fewer)};
+  reg [5:0] rule_at;
+  reg [15:0] rule;
+  always @* begin
+    (* parallel_case *) case (1'b1)
+      state[FO1]: rule_at = {JUMP, samples};
+      state[FO2]: rule_at = {STEP_SHARE, samples};
+      state[FO3]: rule_at = {PART, more};
+      state[Z0]: rule_at = {LEAD, extreme_samples};
+      state[Z2]: rule_at = {BAND, fewer};
+      state[Z3]: rule_at = noisy ? REST : {HOLD, fewer};
+      state[B5]: rule_at = TOO_FAR;
+      state[CL2], state[R2]: rule_at = NEAR_TOP;
+      state[FO5]: rule_at = WINDOW;
+      state[D0]: rule_at = SPLIT_FADE;
+      default: rule_at = WIDEST_BAND;
+    endcase
+  end
+  always @(posedge clk) rule <= rules[{2'd0, rule_at}];
+  wire [10:0] threshold = rule[10:0];
   wire exceeds = far || size > threshold, behind = !off[26] && exceeds;
   wire near_band = !behind;
   wire at_zero = low_zone || !off[26];  // in HI4, where a history that is not known begins anew
-  wire puts_point = state == WB || (state == HI4 && at_zero) || state == ST3, forgets_points = state != WB;
+  wire puts_point = state[WB] || (state[HI4] && at_zero) || state[ST3], forgets_points = !state[WB];
   tb_memory #(16, 14, "huge") points_x (clk, puts_point, {2'd0, taxel, point_at}, forgets_points ? 16'd0 : mapped, point[15:0]);
   tb_memory #(16, 14, "huge") points_u (clk, puts_point, {2'd0, taxel, point_at}, forgets_points ? 16'd0 : along_u, point[31:16]);
 
   wire [101:0] kept;
-  tb_memory #(102, 8, "block") core (clk, state == OUT || state == ST3, taxel,
+  tb_memory #(102, 8, "block") core (clk, state[OUT] || state[ST3], taxel,
     {mean, extreme, steps, samples, extreme_samples, spikes, below, pressure, rises, begun, not_known, searched, has_here,
      has_there}, kept);
   wire [26:0] kept_zero;
   wire [15:0] kept_high, kept_low;
-  tb_memory #(59, 8, "block") limits (clk, state == ST2, taxel, {zero, limit_high, sum_word}, {kept_zero, kept_high, kept_low});
+  tb_memory #(59, 8, "block") limits (clk, state[ST3], taxel, {zero, limit_high, limit}, {kept_zero, kept_high, kept_low});
   reg [15:0] p_low, p_high, p_x_low, p_x_high;  // the piece
   wire [63:0] kept_piece;
   reg [1:0] goal;
   wire is_there = goal == FIND;
-  tb_memory #(64, 9, "block") pieces (clk, state == AL, {is_there, taxel}, {p_low, p_high, p_x_low, p_x_high}, kept_piece);
+  tb_memory #(64, 9, "block") pieces (clk, state[AL], {is_there, taxel}, {p_low, p_high, p_x_low, p_x_high}, kept_piece);
   reg known;
   reg [15:0] split, turn_x, reach;  // tb_elam_shape
   wire [15:0] kept_split, kept_turn_x, kept_reach;
-  tb_memory #(48, 8, "block") shapes (clk, state == P0 && !known && goal != FIND, taxel, {split, turn_x, reach},
+  tb_memory #(48, 8, "block") shapes (clk, state[P0] && !known && goal != FIND, taxel, {split, turn_x, reach},
     {kept_split, kept_turn_x, kept_reach});
 
   // A branch: end, split; the part on which the output lies.
@@ -137,29 +164,31 @@ module tb_elam #(
   // The search of a knot.
   reg [4:0] k, left_knots;
   reg [15:0] unsought;  // the complement of what is sought
-  reg on_x;
-  reg [6:0] found;
+  reg on_x, rounds_up, remains;  // of the map: both roundings up; the last division left something
+  reg [STATES-1:0] found;
   wire [4:0] half = left_knots >> 1, next_left = left_knots - half;
   wire [15:0] knot_of = on_x ? x_knot : pattern, knot_to = on_x ? pattern : x_knot;
   /* verilator lint_off UNUSEDSIGNAL */
-  wire [16:0] compared = {1'b0, knot_of} + {1'b0, unsought};  // carries: the knot is above
+  wire [17:0] compared = {1'b0, knot_of, 1'b1} + {1'b0, unsought, strict};  // carries: the knot is above, or `strict` and the same
   /* verilator lint_on UNUSEDSIGNAL */
-  wire [4:0] next_k = compared[16] ? k : k + half;
-  reg both, low_0, high_0, low_1, high_1, low_e, high_e, has_low, has_high, ends_knots, ends_low;
-  wire rises_to = low_e || (!high_e && !beyond);  // in E2: the knot's output is below
-  wire next_low = ends_knots ? ends_low : rises_to || has_low;
-  wire [4:0] probe_k = rises_to && !ends_knots ? k + half : k;
-  reg [15:0] at_0, at_1, at_e;
+  wire [4:0] next_k = compared[17] ? k : k + half;
+  reg both, low_0, high_0, low_1, high_1, strict;
+  reg [15:0] at_0, at_1;
 
   // tb_map and tb_along.
   reg [15:0] v, v_low, v_high, to_low, to_high;
   reg [15:0] rest, over, rise, quotient, mapped;
+  reg [17:0] over_thrice;
   reg [1:0] turns;
-  wire goes_along = state == W1 || state == WA || state == Q1 || state == AL, is_x = state == EX0 || state == EX1;
+  wire goes_along = state[W1] || state[WA] || state[Q1] || state[AL], is_x = state[EX0] || state[EX1];
   wire [16:0] past = {1'b0, v} - {1'b0, v_low}, room = {1'b0, v_high} - {1'b0, v_low}, climb = {1'b0, to_high} - {1'b0, to_low};
   wire at_low = v == v_low, under = past[16] || at_low, beyond = v >= v_high, between = !under && !beyond, same = v_low == to_low && v_high == to_high;
-  wire x_under = state == EX0 ? low_0 : low_1, x_beyond = state == EX0 ? high_0 : high_1, x_same = !er && y_low == 0;
+  wire x_under = state[EX0] ? low_0 : low_1, x_beyond = state[EX0] ? high_0 : high_1, x_same = !er && y_low == 0;
   reg takes_low, takes_high, takes_v;
+  // A cycle later, beside the first of the divider: what is decided by comparing.
+  reg is_taken, is_high, is_v, is_under, is_beyond, is_between, falls_off, passes;
+  wire divides = state[DIV0] || state[Q2] || state[W2] || state[RE2] || state[P3];
+  wire moves = state[A1] || state[A4] || state[A6] || state[D2] || state[P1];
   always @* begin
     takes_low = under;
     takes_high = beyond && !under;
@@ -174,49 +203,63 @@ module tb_elam #(
       takes_high = x_beyond && !x_under;
       takes_v = !x_under && !x_beyond;
     end
-    if ((state == E1 && !scaled) || state == A1 || state == A4 || state == A6 || state == D2) begin
+    if ((state[E1] || state[E3]) && !scaled) begin
       takes_low = 0;
       takes_high = 0;
       takes_v = 1;
     end
   end
   /* verilator lint_off UNUSEDSIGNAL */  // of carries
-  wire [16:0] mapping = {mapped, 1'b1} + {negative ? ~whole[31:16] : whole[31:16], negative};
-  function [16:0] divided(input [15:0] from, input [15:0] less);  // one bit of the quotient, and what is left; the complement of by what
-    reg [17:0] minus;
+  wire [15:0] addition = divides ? (is_high ? rise : is_v ? rest : 16'd0) : negative ? ~whole[31:16] : whole[31:16];
+  wire [16:0] mapping = {mapped, 1'b1} + {addition, !divides && (negative || (rounds_up && |whole[15:0]))};
+  function [17:0] divided(input [15:0] from, input [15:0] less, input [17:0] less_thrice);  // two bits of the quotient, and what is left
+    reg [19:0] once, twice, thrice;
+    reg [1:0] digit;
     begin
-      minus = {from, 2'b01} + {1'b1, less, 1'b1};
-      divided = minus[17] ? {1'b0, from[14:0], 1'b0} : {1'b1, minus[16:1]};
+      once = {1'b0, from, 3'b001} + {3'b011, less, 1'b1};
+      twice = {1'b0, from, 3'b001} + {2'b01, less, 2'b11};
+      thrice = {1'b0, from, 3'b001} + {1'b0, less_thrice, 1'b1};
+      digit = {twice[19], thrice[19] || (once[19] && !twice[19])};
+      case (digit)
+        0: divided = {digit, from[13:0], 2'b00};
+        1: divided = {digit, once[16:1]};
+        2: divided = {digit, twice[16:1]};
+        3: divided = {digit, thrice[16:1]};
+      endcase
     end
   endfunction
   /* verilator lint_on UNUSEDSIGNAL */
-  wire [16:0] bit_3 = divided(rest, over), bit_2 = divided(bit_3[15:0], over), bit_1 = divided(bit_2[15:0], over),
-              bit_0 = divided(bit_1[15:0], over);
+  wire [17:0] digit_1 = divided(rest, over, over_thrice), digit_0 = divided(digit_1[15:0], over, over_thrice);
   always @* begin
     {v, v_low, v_high, to_low, to_high} = 80'bx;
-    case (state)
-      K2: {v, v_low, v_high, to_low, to_high} = {~unsought, at_0, knot_of, at_1, knot_to};
-      OU: {v, v_low, v_high, to_low, to_high} = {split, er ? lo_x : 16'd0, Y, 16'd0, hi_u};
-      RE: {v, v_low, v_high, to_low, to_high} =
+    (* parallel_case *) case (1'b1)
+      state[K2]: {v, v_low, v_high, to_low, to_high} = {~unsought, at_0, knot_of, at_1, knot_to};
+      state[OU]: {v, v_low, v_high, to_low, to_high} = {split, er ? lo_x : 16'd0, Y, 16'd0, hi_u};
+      state[RE]: {v, v_low, v_high, to_low, to_high} =
           er ? {hi_x, lo_x, split_x, turn_x, split} : {lo_x, split_x, hi_x, split_x, X};
-      RD: {v, v_low, v_high, to_low, to_high} = {hi_x, split_x, X, split, X};
-      RF: {v, v_low, v_high, to_low, to_high} = end_above ? {mapped, split, Y, split_y, hi_u} : {mapped, 16'd0, split, 16'd0, split_y};
-      P0, L2: {v, v_low, v_high, to_low, to_high} = {along_u, lo_u, hi_u, of_low, of_high};
-      E0: {v, v_low, v_high, to_low, to_high} = {pattern, first, last, y_low, y_high};
-      E1: {v, v_low, v_high, to_low, to_high} = {mapped, of_low, of_high, lo_u, hi_u};
-      E2: {v, v_high} = {mapped, along_u};
-      EX0, EX1:
-        {v, v_low, v_high, to_low, to_high} = {state == EX0 ? at_0 : at_1, er ? own_low : part_low, er ? own_high : X, part_low, part_high};
-      W1, WA, Q1, AL: {v, v_low, v_high, to_low, to_high} = {along_u, p_low, p_high, p_x_low, p_x_high};
-      A0: {v_low, v_high} = {lo_u, Y};
-      A2: {v, v_low} = {word_, at_e};
-      D6: {v, v_high} = {whole[31:16], hi_x};
-      P1: {v, v_low} = {mapped, split_y};
-      CU: {v, v_low, v_high} = {er ? hi_u : lo_u, p_low, p_high};
-      B1: {v, v_low, v_high} = {count, kept_low, kept_high};
-      A1: v = lo_u;
-      A4: v = at_e;
-      EX2, CX2, CUT, A6, D2: {v, v_low, v_high} = {state == EX2 || state == A6 || (state == CUT && !er) ? lo_x : hi_x, p_x_low, p_x_high};
+      state[RD]: {v, v_low, v_high, to_low, to_high} = {hi_x, split_x, X, split, X};
+      state[RF]: {v, v_low, v_high, to_low, to_high} = end_above ? {mapped, split, Y, split_y, hi_u} : {mapped, 16'd0, split, 16'd0, split_y};
+      state[P0], state[PR], state[L2]: {v, v_low, v_high, to_low, to_high} = {along_u, lo_u, hi_u, of_low, of_high};
+      state[PT]: {v, v_low, v_high, to_low, to_high} = {mapped, y_low, y_high, first, last};
+      state[E0], state[E2]: {v, v_low, v_high, to_low, to_high} = {pattern, first, last, y_low, y_high};
+      state[E1], state[E3]: {v, v_low, v_high, to_low, to_high} = {mapped, of_low, of_high, lo_u, hi_u};
+      state[EX0], state[EX1]:
+        {v, v_low, v_high, to_low, to_high} = {state[EX0] ? at_0 : at_1, er ? own_low : part_low, er ? own_high : X, part_low, part_high};
+      state[W1], state[WA], state[Q1], state[AL]: {v, v_low, v_high, to_low, to_high} = {along_u, p_low, p_high, p_x_low, p_x_high};
+      state[A0]: {v_low, v_high} = {lo_u, Y};
+      state[D0]: {v, v_low} = {hi_u, Y - 16'd1228};
+      state[A2]: {v, v_low} = {word_, at_0};
+      state[D6]: {v, v_high} = {whole[31:16], hi_x};
+      state[P1]: {v, v_low} = {mapped, split_y};
+      state[CU]: {v, v_low, v_high} = {er ? hi_u : lo_u, p_low, p_high};
+      state[B1]: {v, v_low, v_high} = {count, kept_low, kept_high};
+      state[A1], state[SH1]: v = lo_u;
+      state[A8]: v = split_y;
+      state[D7]: v = split_x;
+      state[RX], state[PS]: v = mapped;
+      state[RE2]: v = lo_x;
+      state[A4]: v = at_0;
+      state[EX2], state[CX2], state[CUT], state[A6], state[D2]: {v, v_low, v_high} = {state[EX2] || state[A6] || (state[CUT] && !er) ? lo_x : hi_x, p_x_low, p_x_high};
       default: ;
     endcase
   end
@@ -227,26 +270,24 @@ module tb_elam #(
   always @* begin
     factor = 27'bx;
     by = 16'bx;
-    case (state)
-      H2: {factor, by} = {11'd0, hash[15:0], 16'h0193};
-      H3: {factor, by} = {11'd0, hash[31:16], 16'h0193};
-      B2: {factor, by} = {off, word_};
-      T1: {factor, by} = {top[25], top, 16'd13107};
-      HI1: {factor, by} = {top[25], top, 16'd655};
-      FO2: {factor, by} = {16'd0, cut, 5'd0, cut};
-      FO3: {factor, by} = {5'd0, whole[21:0], step_share_of(samples)};
-      FO4: {factor, by} = {off, part_of(samples)};
-      FO6: {factor, by} = {off, WINDOW};
-      Z1: {factor, by} = {mean_shifted, word_};
-      Z2: {factor, by} = {turn_shifted, word_};
-      A1: {factor, by} = {11'd0, ~over, word_};
-      A4: {factor, by} = {11'd0, ~lo_x, share};
-      A6: {factor, by} = {11'd0, ~lo_x, mapped};
-      D1: {factor, by} = {11'd0, share, 16'd106};
-      D2: {factor, by} = {11'd0, ~hi_x, whole[15:0]};
-      D5: {factor, by} = {11'd0, share, word_};
-      D6: {factor, by} = {11'd0, hi_u, word_};
-      MUL: {factor, by} = {11'd0, rise, quotient};
+    (* parallel_case *) case (1'b1)
+      state[B2]: {factor, by} = {off, word_};
+      state[T1]: {factor, by} = {top[25], top, rule};
+      state[HI1]: {factor, by} = {top[25], top, rule};
+      state[FO2]: {factor, by} = {16'd0, cut, 5'd0, cut};
+      state[FO3]: {factor, by} = {5'd0, whole[21:0], rule};
+      state[FO4]: {factor, by} = {off, rule};
+      state[FO6]: {factor, by} = {off, rule};
+      state[Z1]: {factor, by} = {mean_shifted, word_};
+      state[Z2]: {factor, by} = {turn_shifted, word_};
+      state[A1]: {factor, by} = {11'd0, ~over, word_};
+      state[A4]: {factor, by} = {11'd0, ~lo_x, share};
+      state[A6]: {factor, by} = {11'd0, ~lo_x, mapped};
+      state[D1]: {factor, by} = {11'd0, share, rule};
+      state[D2]: {factor, by} = {11'd0, ~hi_x, whole[15:0]};
+      state[D5]: {factor, by} = {11'd0, mapped, word_};
+      state[D6]: {factor, by} = {11'd0, hi_u, word_};
+      state[MUL]: {factor, by} = {11'd0, rise, quotient};
       default: ;
     endcase
   end
@@ -260,66 +301,65 @@ module tb_elam #(
   wire signed [26:0] as_zero = {11'd0, count} << COUNT_SHIFT;
   wire [26:0] long_top = {top[25], top}, long_y = {y[25], y}, long_mean = {mean[25], mean},
               long_extreme = {extreme[25], extreme}, long_turn = {turn[25], turn};
-  wire [26:0] lead = {19'd0, lead_of(extreme_samples)};
+  wire [26:0] lead = {19'd0, rule[7:0]};
   always @* begin
     augend = 27'bx;
     addend = 27'bx;
     plus = 1;
-    case (state)
-      B1: {augend, addend} = {as_zero, ~kept_zero};
-      B6: {augend, addend} = {long_top, ~off};
-      CL: {augend, addend} = {off, ~long_y};
-      CL2: {augend, addend} = {long_y, ~long_turn};
-      R1: {augend, addend} = above ? {long_top, ~long_mean} : {long_mean, 27'h7FFFFFF};
-      T1, HI1: {augend, addend} = {long_y, 27'h7FFFFFF};
-      T3, HI3: {augend, addend} = {long_turn, ~long_y};
-      T4: {augend, addend, plus} = {long_y, ~long_turn, 1'b0};
-      HI4: {augend, addend} = {long_top, ~long_y};
-      FO1: {augend, addend} = {long_y, ~long_mean};
-      FO5: {augend, addend} = {long_turn, 11'h7FF, ~steps};
-      FO6: {augend, addend, plus} = {long_turn, long_mean, 1'b0};
-      Z0: {augend, addend} = rises ? {long_mean, ~long_extreme} : {long_extreme, ~long_mean};
-      Z1: {augend, addend, plus} = {long_extreme, rises ? ~lead : lead, rises};
-      Z2: {augend, addend} = rises ? {long_turn, ~long_mean} : {long_mean, ~long_turn};
-      ST0: {augend, addend, plus} = {zero, 27'd1 << COUNT_SHIFT >> 1, 1'b0};
-      ST1: {augend, addend, plus} = {off, 11'd0, word_, 1'b0};
-      ST2: {augend, addend} = {off, 11'h7FF, ~word_};
+    (* parallel_case *) case (1'b1)
+      state[B1]: {augend, addend} = {as_zero, ~kept_zero};
+      state[B6]: {augend, addend} = {long_top, ~off};
+      state[CL]: {augend, addend} = {off, ~long_y};
+      state[CL2]: {augend, addend} = {long_y, ~long_turn};
+      state[R1]: {augend, addend} = above ? {long_top, ~long_mean} : {long_mean, 27'h7FFFFFF};
+      state[T1], state[HI1]: {augend, addend} = {long_y, 27'h7FFFFFF};
+      state[T3], state[HI3]: {augend, addend} = {long_turn, ~long_y};
+      state[T4]: {augend, addend, plus} = {long_y, ~long_turn, 1'b0};
+      state[HI4]: {augend, addend} = {long_top, ~long_y};
+      state[FO1]: {augend, addend} = {long_y, ~long_mean};
+      state[FO5]: {augend, addend} = {long_turn, 11'h7FF, ~steps};
+      state[FO6]: {augend, addend, plus} = {long_turn, long_mean, 1'b0};
+      state[Z0]: {augend, addend} = rises ? {long_mean, ~long_extreme} : {long_extreme, ~long_mean};
+      state[Z1]: {augend, addend, plus} = {long_extreme, rises ? ~lead : lead, rises};
+      state[Z2]: {augend, addend} = rises ? {long_turn, ~long_mean} : {long_mean, ~long_turn};
+      state[ST0]: {augend, addend, plus} = {zero, 27'd1 << COUNT_SHIFT >> 1, 1'b0};
+      state[ST1]: {augend, addend, plus} = {off, 11'd0, word_, 1'b0};
+      state[ST2]: {augend, addend} = {off, 11'h7FF, ~word_};
       default: ;
     endcase
   end
-  wire [15:0] sum_word = sum[26] ? 16'd0 : |sum[25:16] ? 16'd65535 : sum[15:0];
+  wire [15:0] limit = turn[25] ? 16'd0 : |turn[24:16] ? 16'd65535 : turn[15:0];
 
   // Addresses.
   always @* begin
-    case (state)
-      LOAD, H0: knot_at = item;
-      SL: knot_at = next_left > 1 ? next_k + (next_left >> 1) : next_k;
-      K1: knot_at = k + 5'd1;
-      E2: knot_at = ends_knots || next_left <= 1 ? (next_low ? probe_k + 5'd1 : probe_k) : probe_k + (next_left >> 1);
+    (* parallel_case *) case (1'b1)
+      state[LOAD], state[H0]: knot_at = item;
+      state[SL]: knot_at = next_left > 1 ? next_k + (next_left >> 1) : next_k;
+      state[K1], state[DIV0], state[MAP]: knot_at = k + 5'd1;
       default: knot_at = LAST_KNOT >> 1;
     endcase
-    case (state)
-      LOAD, H0: word_at = item;
-      IN0: word_at = ZERO;
-      IN1: word_at = ZERO + 1;
-      ST0: word_at = UP;
-      ST1: word_at = DOWN;
-      B2: word_at = TOP;
-      B3: word_at = TOP + 1;
-      B4: word_at = LIMIT;
-      B5: word_at = LIMIT + 1;
-      Z0, Z1: word_at = PLACE;
-      F0: word_at = er ? SPLIT_SHORT : ALPHA_D;
-      A0: word_at = BETA_A;
-      A1: word_at = SPLIT_LONG;
-      D0, D1, D2, D3, D4: word_at = ALPHA_D;
-      D5: word_at = BETA_D;
+    (* parallel_case *) case (1'b1)
+      state[LOAD], state[H0]: word_at = item;
+      state[IN0]: word_at = ZERO;
+      state[IN1]: word_at = ZERO + 1;
+      state[ST0]: word_at = UP;
+      state[ST1]: word_at = DOWN;
+      state[B2]: word_at = TOP;
+      state[B3]: word_at = TOP + 1;
+      state[B4]: word_at = LIMIT;
+      state[B5]: word_at = LIMIT + 1;
+      state[Z0], state[Z1]: word_at = PLACE;
+      state[F0]: word_at = er ? SPLIT_SHORT : ALPHA_D;
+      state[A0]: word_at = BETA_A;
+      state[A1]: word_at = SPLIT_LONG;
+      state[D0], state[D1], state[D2], state[D3]: word_at = ALPHA_D;
+      state[D5]: word_at = BETA_D;
       default: word_at = GAIN;
     endcase
-    case (state)
-      L0: point_at = left - 4'd1;
-      L2: point_at = goal == FIND && !was_left ? 4'd15 : left;
-      WB: point_at = zone == TURNED ? next_left_turns : 4'd15;
+    (* parallel_case *) case (1'b1)
+      state[L0]: point_at = left - 4'd1;
+      state[L3]: point_at = passes ? left - 4'd3 : goal == FIND && !was_left ? 4'd15 : left;
+      state[WB]: point_at = zone == TURNED ? next_left_turns : 4'd15;
       default: point_at = 0;
     endcase
   end
@@ -346,12 +386,11 @@ module tb_elam #(
 
   wire [15:0] counted = in_count ^ FLIP;
   wire [3:0] next_left_turns = (rises ? &mapped : mapped == 0) ? 4'd0 : below + 4'd1 < POINTS ? below + 4'd1 : below - 4'd1;
-  reg turned, passed, jumps, moving, fresh, is_known;
+  reg turned, passed, jumps, moving, renews, fresh, is_known;
   reg below_low, above;
   wire [15:0] step = |m[21:20] || m[19:4] > CEILING ? CEILING : m[19:4];
   wire ends = er ? left == 0 || point[15:0] == X : left == 0 || point[15:0] == 0;
   wire [15:0] next_end_x = !ends ? point[15:0] : er ? X : 16'd0, next_end_u = !ends ? point[31:16] : er ? Y : 16'd0;
-  wire passes = looks_left && left >= 2 && (er ? beyond && v != v_high : past[16]);
   wire crossed = both && room[16];
   wire [15:0] cut_x = under || crossed ? p_x_low : beyond ? p_x_high : v;
   task forget(input knows);
@@ -378,20 +417,24 @@ module tb_elam #(
       has_there <= 0;
     end
   endtask
-  task map(input [6:0] to);
+  task map(input [STATES-1:0] to);
     begin
-      state <= takes_low || takes_high || takes_v ? to : DIV;
+      state <= only(DIV0);
       after <= to;
     end
   endtask
-  task seek(input [15:0] what, input by_x, input [6:0] to);
+  task go_on;
+    state <= is_taken ? after : only(DIV);
+  endtask
+  task seek(input by_x, input [STATES-1:0] to);  // of v
     begin
-      unsought <= ~what;
+      unsought <= ~v;
+      strict <= 0;
       on_x <= by_x;
       found <= to;
       k <= 0;
       left_knots <= LAST_KNOT;
-      state <= SL;
+      state <= only(SL);
     end
   endtask
   task search(input [1:0] why);
@@ -399,547 +442,15 @@ module tb_elam #(
       goal <= why;
       er <= rises;
       left <= below;
-      state <= L0;
+      state <= only(L0);
     end
   endtask
-  assign load_ready = state == LOAD;
-  assign in_ready = state == IDLE;
-  assign out_valid = state == OUT;
+  assign hash = ~crc;
+  assign load_ready = state[LOAD];
+  assign in_ready = state[IDLE];
+  assign out_valid = state[OUT];
   assign out_pressure = pressure;
   assign out_status = status | {1'b0, not_known && !status[3], 5'd0};
 
-  always @(posedge clk) begin
-    if (state == DIV) begin
-      rest <= bit_0[15:0];
-      quotient <= {quotient[11:0], bit_3[16], bit_2[16], bit_1[16], bit_0[16]};
-      turns <= turns + 2'd1;
-    end else if (state != MUL) begin
-      rest <= past[15:0];
-      over <= ~room[15:0];
-      rise <= climb[15:0];
-      mapped <= takes_high ? to_high : takes_v ? v : to_low;
-      if (state == MAP || state == A2 || state == A5 || state == A7 || state == D3) mapped <= mapping[16:1];
-      turns <= 0;
-    end
-    case (state)
-      LOAD:
-      if (load_valid) begin
-        next_word;
-        if (last_word) state <= H0;
-      end
-      H0: state <= H1;
-      H1: begin
-        hash <= hash ^ {16'd0, phase == 0 ? x_knot : phase == 1 ? word_ : pattern};
-        state <= H2;
-      end
-      H2: state <= H3;
-      H3: begin  // times 2^24 + 0x193
-        hash[15:0] <= whole[15:0];
-        share <= whole[31:16] + {hash[7:0], 8'd0};
-        state <= H4;
-      end
-      H4: begin
-        hash[31:16] <= share + whole[15:0];
-        next_word;
-        state <= last_word ? IN0 : H0;
-      end
-      IN0: state <= IN1;
-      IN1: begin
-        zero[15:0] <= word_;
-        state <= IN2;
-      end
-      IN2: begin
-        zero[26:16] <= word_[10:0];
-        is_known <= 0;
-        state <= ST0;
-      end
-      ST0: begin
-        forget(is_known);
-        pressure <= 0;
-        off <= sum >>> COUNT_SHIFT;
-        state <= ST1;
-      end
-      ST1: begin
-        limit_high <= sum_word;
-        state <= ST2;
-      end
-      ST2: state <= ST3;
-      ST3:
-      if (loaded) state <= OUT;
-      else begin
-        taxel <= last_taxel ? 8'd0 : taxel + 8'd1;
-        loaded <= last_taxel;
-        state <= last_taxel ? IDLE : IN0;
-      end
-
-      IDLE: begin
-        count <= counted;
-        event_ <= in_event;
-        if (in_valid) begin
-          if (taxel == 0) gap <= in_event != 1 ? 4'd0 : gap <= LONGEST_GAP ? gap + 4'd1 : gap;
-          state <= B1;
-        end
-      end
-      B1: begin
-        {mean, extreme, steps, samples, extreme_samples, spikes, below, pressure} <= kept[101:6];
-        {rises, begun, not_known, searched, has_here, has_there} <= kept[5:0];
-        zero <= kept_zero;
-        off <= sum;
-        below_low <= past[16];
-        above <= beyond && v != v_high;
-        status <= 8;
-        state <= word_ == 0 ? OUT : B2;
-      end
-      B2: state <= B3;
-      B3: begin
-        top[15:0] <= word_;
-        y <= m[25:0];
-        state <= B4;
-      end
-      B4: begin
-        top[25:16] <= word_[9:0];
-        state <= B5;
-      end
-      B5: begin
-        off[15:0] <= word_;  // the limit
-        is_known <= 0;
-        status <= 64;
-        case (event_)
-          0: state <= below_low || above ? R1 : B7;
-          1: begin
-            steps <= CEILING;
-            state <= gap > LONGEST_GAP ? ST0 : OUT;
-          end
-          default: state <= T1;
-        endcase
-      end
-      T1: begin
-        off <= sum;
-        state <= T2;
-      end
-      T2: begin
-        turn <= m[25:0];
-        state <= T3;
-      end
-      T3: begin
-        off <= sum;
-        turn <= ~turn;
-        state <= T4;
-      end
-      T4: begin
-        off[26] <= off[26] || sum[26];
-        state <= T5;
-      end
-      T5: begin
-        is_known <= !off[26];
-        if (!off[26]) zero <= as_zero;
-        status <= off[26] ? 7'd4 : 7'd1;
-        state <= ST0;
-      end
-      B7: begin
-        off[26:16] <= word_[10:0];
-        state <= B6;
-      end
-      B6: begin
-        turn <= sum[25:0];
-        state <= CL;
-      end
-      CL: begin
-        if (sum[26]) y <= off[25:0];
-        spikes <= 0;
-        status <= 1;
-        state <= CL2;
-      end
-      CL2: begin
-        if (sum[26] && y[25]) y <= turn;
-        state <= HI1;
-      end
-      R1: begin  // how far the mean lies before the end
-        off <= sum;
-        status <= 4;
-        state <= R2;
-      end
-      R2:
-      if (!(begun && near_band) && spikes < LONGEST_SPIKE) begin
-        spikes <= spikes + 2'd1;
-        state <= OUT;
-      end else begin
-        y <= begun && off[26] ? mean : above ? top : 26'sd0;
-        state <= HI1;
-      end
-      HI1: begin
-        off <= sum;
-        state <= not_known ? HI2 : FO1;
-      end
-      HI2: begin
-        turn <= m[25:0];
-        low_zone <= near_band;
-        state <= HI3;
-      end
-      HI3: begin
-        off <= sum;
-        state <= HI4;
-      end
-      HI4: begin
-        if (at_zero) forget(1'b1);
-        off <= sum;
-        state <= at_zero ? FO1 : HI5;
-      end
-      HI5: begin
-        if (near_band) not_known <= 0;
-        state <= FO1;
-      end
-
-      FO1: begin
-        off <= sum;
-        moving <= steps > MOVING;
-        begun <= 1;
-        fresh <= !begun;
-        if (!begun) mean <= y;
-        state <= begun ? FO2 : Z0;
-      end
-      FO2: begin
-        jumps <= exceeds;
-        state <= FO3;
-      end
-      FO3: begin
-        if (moving || jumps) samples <= 0;
-        else if (samples != LONGEST_MEAN) samples <= samples + 3'd1;
-        state <= FO4;
-      end
-      FO4: begin
-        turn <= {10'd0, step};
-        state <= FO5;
-      end
-      FO5: begin
-        off <= sum;
-        turn <= m[25:0];
-        state <= FO6;
-      end
-      FO6: begin
-        mean <= moving || jumps ? y : sum[25:0];
-        state <= Z0;
-      end
-      Z0: begin
-        if (!fresh) steps <= steps + m[15:0];
-        passed <= sum[26] && !fresh;
-        state <= Z1;
-      end
-      Z1: begin
-        turn <= sum[25:0];
-        state <= Z2;
-      end
-      Z2: begin  // how far behind the turn the mean is
-        off <= sum;
-        goal <= HERE;
-        u <= mean[25] ? 16'd0 : m[19:4];
-        state <= Z3;
-      end
-      Z3: begin
-        turn_u <= turn[25] ? 16'd0 : m[19:4];
-        turned <= passed && behind;
-        state <= Z4;
-      end
-      Z4: begin
-        {p_low, p_high, p_x_low, p_x_high} <= kept_piece;
-        along_u <= turned ? turn_u : u;
-        state <= turned ? W1 : Q1;
-        if (turned) zone <= TURNED;
-        else if (passed && (!noisy || behind)) begin
-          zone <= behind ? BACK : HELD;
-          if (behind) begin
-            goal <= FIND;
-            state <= Z5;
-          end
-        end else begin
-          take_extreme;
-          zone <= AHEAD;
-        end
-      end
-      Z5: state <= Q0;
-      Q0: begin
-        {p_low, p_high, p_x_low, p_x_high} <= kept_piece;
-        goal <= HERE;
-        state <= Q1;
-      end
-      Q1: begin
-        looks_left <= zone == AHEAD;
-        if (between && (zone == BACK ? has_there : has_here)) map(AL2);
-        else if (zone == BACK) begin
-          along_u <= turn_u;
-          state <= W0;
-        end else search(HERE);
-      end
-      W0: begin
-        {p_low, p_high, p_x_low, p_x_high} <= kept_piece;
-        state <= W1;
-      end
-      W1: begin
-        looks_left <= 0;
-        if (between && has_here) map(WB);
-        else search(WAY);
-      end
-      WA: map(WB);
-      WB: begin
-        along_u <= u;
-        left <= next_left_turns;
-        er <= !rises;
-        looks_left <= 1;
-        was_left <= 0;
-        goal <= FIND;
-        if (zone == TURNED) begin
-          goal <= HERE;
-          below <= next_left_turns;
-          rises <= !rises;
-          searched <= 0;
-          has_here <= 0;
-          take_extreme;
-        end
-        state <= L0;
-      end
-
-      L0: state <= L1;
-      L1: begin
-        if (er) {hi_u, hi_x} <= {next_end_u, next_end_x};
-        else {lo_u, lo_x} <= {next_end_u, next_end_x};
-        state <= L2;
-      end
-      L2:
-      if (passes) begin
-        left <= left - 4'd2;
-        was_left <= 1;
-        state <= L0;
-      end else state <= F0;
-      F0: begin
-        if (er) {lo_u, lo_x} <= {point[31:16] > Y ? Y : point[31:16], point[15:0]};
-        else {hi_u, hi_x} <= point;
-        known <= searched && (goal == WAY || (goal == HERE && left == below));
-        if (goal == HERE && left != below) begin
-          below <= left;
-          searched <= 0;
-        end
-        negative <= 0;
-        both <= 0;
-        state <= er ? A0 : D0;
-      end
-      A0: begin
-        if (known) {split, turn_x, reach} <= {kept_split, kept_turn_x, kept_reach};
-        at_e <= word_;
-        outer <= EXACT_OUTER && lo_x <= NEAR_END;
-        state <= A1;
-      end
-      A1: state <= A2;
-      A2: begin
-        {negative, share} <= past;
-        state <= A3;
-      end
-      A3: begin
-        split_y <= mapped;  // (22)
-        if (negative) share <= -share;
-        state <= A4;
-      end
-      A4: state <= A5;
-      A5: state <= A6;
-      A6: begin
-        negative <= 0;
-        state <= A7;
-      end
-      A7: state <= A8;
-      A8: begin
-        split_x <= mapped;  // (21)
-        if (known) state <= OU;
-        else seek(split_y, 1'b0, SH1);
-      end
-      D0: begin
-        if (known) {split, turn_x, reach} <= {kept_split, kept_turn_x, kept_reach};
-        {low_zone, share} <= {1'b0, hi_u} - (Y - 16'd1228);
-        state <= D1;
-      end
-      D1: begin
-        high_zone <= share >= 614;
-        state <= D2;
-      end
-      D2: state <= D3;
-      D3: state <= D4;
-      D4: begin
-        share <= low_zone ? hi_x : high_zone ? X : mapped;
-        state <= D5;
-      end
-      D5: state <= D6;
-      D6: begin
-        outer <= EXACT_OUTER && X - share <= NEAR_END;
-        split_x <= beyond ? hi_x : whole[31:16];  // (14)
-        state <= D7;
-      end
-      D7: begin
-        split_y <= whole[31:16];  // (15)
-        if (known) state <= OU;
-        else seek(split_x, 1'b1, SH1);
-      end
-
-      SH1: begin
-        split <= mapped;
-        if (er) seek(lo_u, 1'b0, SH2);
-        else state <= OU;
-      end
-      SH2: begin
-        turn_x <= mapped;
-        state <= OU;
-      end
-      OU: begin
-        if (outer && er) split_x <= under ? lo_x : split;
-        if (outer && !er) map(OU2);
-        else state <= known ? P0 : RE;
-      end
-      OU2: begin
-        split_y <= mapped;
-        state <= known ? P0 : RE;
-      end
-      RE: begin  // (16) to (19), (23) to (26)
-        end_above <= !under || at_low;
-        if (er ? &hi_x : lo_x == 0) begin
-          reach <= er ? Y : 16'd0;
-          state <= P0;
-        end else if (er ? under : beyond) begin
-          reach <= er ? lo_u : hi_u;
-          state <= P0;
-        end else if (er && beyond) state <= RD;
-        else if (er || !under || at_low) map(RX);
-        else seek(lo_x, 1'b1, RF);
-      end
-      RD: map(RX);
-      RX: seek(mapped, 1'b1, er ? RG : RF);
-      RF: map(RG);
-      RG: begin
-        reach <= mapped;
-        state <= P0;
-      end
-
-      P0: begin
-        if (goal != FIND) searched <= 1;
-        scaled <= !same;
-        {p_low, p_high, p_x_low, p_x_high} <= {lo_u, hi_u, lo_x, hi_x};
-        flat <= room[16];  // a turn beyond the end
-        low_zone <= room[16] && er ? !beyond || v == v_high : under;
-        if (under || beyond) state <= P2;
-        else if (climb[16] || climb[15:0] == 0) state <= CU;
-        else map(P1);
-      end
-      P2: begin
-        if (low_zone) begin
-          if (!(flat && er)) p_high <= p_low;
-          p_low <= 0;
-          p_x_high <= p_x_low;
-        end else begin
-          if (!(flat && !er)) p_low <= p_high;
-          p_high <= 65535;
-          p_x_low <= p_x_high;
-        end
-        state <= CU;
-      end
-      P1: begin
-        upper <= !under || (at_low && !er);
-        k <= 0;
-        left_knots <= LAST_KNOT;
-        {has_low, has_high, ends_knots} <= 0;
-        state <= E0;
-      end
-      SL: begin
-        k <= next_k;
-        left_knots <= next_left;
-        if (next_left <= 1) state <= K1;
-      end
-      K1: begin
-        at_0 <= knot_of;
-        at_1 <= knot_to;
-        state <= K2;
-      end
-      K2: map(found);
-      // The knots between whose outputs on the curve it lies, by halving: the same as by steps from a guess.
-      E0: begin
-        {at_e, low_e, high_e} <= {x_knot, under, beyond};
-        map(E1);
-      end
-      E1: map(E2);
-      E2: begin
-        if (ends_knots ? ends_low : rises_to) begin
-          p_low <= mapped;
-          {at_0, low_0, high_0} <= {at_e, low_e, high_e};
-          has_low <= 1;
-        end else begin
-          p_high <= mapped;
-          {at_1, low_1, high_1} <= {at_e, low_e, high_e};
-          has_high <= 1;
-        end
-        k <= probe_k;
-        left_knots <= next_left;
-        state <= E0;
-        if (ends_knots) state <= EX0;
-        else if (next_left <= 1) begin
-          ends_knots <= 1;
-          ends_low <= !next_low;
-          if (next_low && (has_high || !rises_to)) state <= EX0;
-        end
-      end
-      EX0: map(EX1);
-      EX1: begin
-        p_x_low <= mapped;
-        map(EX2);
-      end
-      EX2: begin
-        p_x_high <= mapped;
-        if (!under) p_x_low <= lo_x;
-        both <= 1;
-        state <= CX2;
-      end
-      CX2: begin
-        if (!beyond) p_x_high <= hi_x;
-        state <= CU;
-      end
-      CU: begin  // the output from which another branch goes on ends the piece
-        cuts <= left >= 2 && (er ? !beyond : !under);
-        state <= CUT;
-      end
-      CUT: begin
-        if (crossed) p_x_high <= p_x_low;
-        if (cuts && er) begin
-          p_high <= hi_u;
-          p_x_high <= cut_x;
-        end
-        if (cuts && !er) begin
-          p_low <= lo_u;
-          p_x_low <= cut_x;
-        end
-        state <= goal == WAY ? WA : AL;
-      end
-      AL: begin
-        if (goal == HERE) has_here <= 1;
-        else has_there <= 1;
-        map(AL2);
-      end
-      AL2: begin
-        pressure <= mapped;
-        state <= OUT;
-      end
-      DIV: if (turns == 3) state <= MUL;
-      MUL: state <= MAP;
-      MAP: state <= after;
-      OUT:
-      if (out_ready) begin
-        taxel <= last_taxel ? 8'd0 : taxel + 8'd1;
-        state <= IDLE;
-      end
-      default: state <= LOAD;
-    endcase
-    if (reset) begin
-      state <= LOAD;
-      phase <= 0;
-      item <= 0;
-      falls_ <= 0;
-      taxel <= 0;
-      gap <= 0;
-      hash <= 32'd2166136261;
-      loaded <= 0;
-    end
-  end
+  `include "tb_steps.vh"
 endmodule

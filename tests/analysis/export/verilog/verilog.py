@@ -24,10 +24,11 @@ import device  # noqa: E402  the same runs, models and streams
 HERE = pathlib.Path(__file__).resolve().parent
 SOURCES = ["tb_elam.v", "tb_memory.v"]
 CELLS, TAXELS = 5280, 256
-SYNTHESIS = "read_verilog tb_pins.v {}; synth_ice40 -top tb_pins -dsp -abc2 -spram -device u -json pins.json".format(" ".join(SOURCES))
+SYNTHESIS = ("read_verilog tb_pins.v {}; hierarchy -top tb_pins; proc; flatten; opt_expr -mux_undef; opt -full; "
+             "synth_ice40 -top tb_pins -dsp -abc2 -spram -device u -json pins.json").format(" ".join(SOURCES))
 FAULTS = {"rounding": (r"whole_high \+ \{11'd0, whole\[31:16\]\}", "whole_high + {11'd0, whole[31:16]} + {26'd0, whole[15]}"),
           "clamp": (r" u <= mean\[25\] \? 16'd0 : m\[19:4\];", " u <= m[19:4];"),
-          "turn": (r"band_of\(fewer\) :", "band_of(fewer) + 11'd512 :"),
+          "turn": (r"\{BAND, fewer\}", "{HOLD, fewer}"),
           "stack": (r"left <= left - 4'd2;", "left <= left - 4'd1;"),
           "packing": (r"top\[15:0\] <= word_;", "top[15:0] <= {word_[7:0], word_[15:8]};")}
 
@@ -115,10 +116,13 @@ def faults(program, folder, work):
     for _, _, _, v_folder in measured(program, device.SPECIMENS[:1], folder):
         for fault, (pattern, by) in FAULTS.items():
             shutil.copytree(v_folder, broken, dirs_exist_ok=True)
-            text, places = re.subn(pattern, by, (broken / "tb_elam.v").read_text())
+            places = 0
+            for source in ("tb_elam.v", "tb_steps.vh"):
+                text, found = re.subn(pattern, by, (broken / source).read_text())
+                (broken / source).write_text(text)
+                places += found
             if places != 1:
                 sys.exit(f"{fault}: {places} such places")
-            (broken / "tb_elam.v").write_text(text)
             said = verilated(broken)()
             if "\nFAILED" not in said or re.search(r"^\d+ readings, [1-9]\d* differ", said, re.M) is None:
                 sys.exit(f"the fault in {fault} is not seen: {said}")
