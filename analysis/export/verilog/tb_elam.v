@@ -39,17 +39,17 @@ module tb_elam #(
   localparam [1:0] HERE = 0, WAY = 1, FIND = 2;  // what a piece is searched for
 
   // One bit a state.
-  localparam STATES = 112;
+  localparam STATES = 113;
   localparam LOAD = 0, H0 = 1, H1 = 2, H2 = 3, IN0 = 4, IN1 = 5, IN2 = 6, ST0 = 7, ST1 = 8, ST2 = 9, ST3 = 10, IDLE = 11,
-             B1 = 12, B2 = 13, B3 = 14, B4 = 15, B5 = 16, B7 = 17, B6 = 18, CL = 19, CL2 = 20, R1 = 21, R2 = 22, T1 = 23,
-             T2 = 24, T3 = 25, T4 = 26, T5 = 27, HI1 = 28, HI2 = 29, HI3 = 30, HI4 = 31, HI5 = 32, FO1 = 33, FO2 = 34, FO3 = 35,
-             FO4 = 36, FO5 = 37, FO6 = 38, Z0 = 39, Z1 = 40, Z2 = 41, Z3 = 42, Z4 = 43, Z5 = 44, Q0 = 45, Q1 = 46, W0 = 47,
-             W1 = 48, WA = 49, WB = 50, L0 = 51, L1 = 52, L2 = 53, F0 = 54, A0 = 55, A1 = 56, A2 = 57, A3 = 58, A4 = 59,
-             A5 = 60, A6 = 61, A7 = 62, A8 = 63, D0 = 64, D1 = 65, D2 = 66, D3 = 67, D5 = 68, D6 = 69, D7 = 70, SH1 = 71,
-             SH2 = 72, OU = 73, OU2 = 74, RE = 75, RD = 76, RX = 77, RF = 78, RG = 79, P0 = 80, P1 = 81, P2 = 82, SL = 83,
-             K1 = 84, K2 = 85, E0 = 86, E1 = 87, E2 = 88, EX0 = 89, EX1 = 90, EX2 = 91, CX2 = 92, CU = 93, CUT = 94, AL = 95,
-             AL2 = 96, DIV = 97, MUL = 98, MAP = 99, OUT = 100, PR = 101, PT = 102, PS = 103, CEIL = 104, E3 = 105, DIV0 = 106,
-             Q2 = 107, W2 = 108, RE2 = 109, P3 = 110, L3 = 111;
+             B1 = 12, B2 = 13, B3 = 14, B4 = 15, B5 = 16, T1 = 17, T2 = 18, T3 = 19, T4 = 20, T5 = 21, B7 = 22, B6 = 23,
+             CL = 24, CL2 = 25, R1 = 26, R2 = 27, HI1 = 28, HI2 = 29, HI3 = 30, HI4 = 31, HI5 = 32, FO1 = 33, FO2 = 34,
+             FO3 = 35, FO4 = 36, FO5 = 37, FO6 = 38, Z0 = 39, Z1 = 40, Z2 = 41, Z3 = 42, Z4 = 43, Z5 = 44, Q0 = 45, Q1 = 46,
+             Q2 = 47, W0 = 48, W1 = 49, W2 = 50, WA = 51, WB = 52, L0 = 53, L1 = 54, L2 = 55, L3 = 56, F0 = 57, A0 = 58,
+             A1 = 59, A2 = 60, A3 = 61, A4 = 62, A5 = 63, A6 = 64, A7 = 65, A8 = 66, D0 = 67, D1 = 68, D2 = 69, D3 = 70,
+             D5 = 71, D6 = 72, D7 = 73, SH1 = 74, SH2 = 75, OU = 76, OU2 = 77, RE = 78, RE2 = 79, RD = 80, RX = 81, RF = 82,
+             RG = 83, P0 = 84, P3 = 85, P2 = 86, P1 = 87, PR = 88, PT = 89, PS = 90, SL = 91, K1 = 92, K2 = 93, E0 = 94,
+             E1 = 95, E2 = 96, E3 = 97, EX0 = 98, EX1 = 99, EX2 = 100, CX2 = 101, CU = 102, CUT = 103, CUT2 = 104, AL = 105,
+             AL2 = 106, DIV0 = 107, DIV = 108, CEIL = 109, MUL = 110, MAP = 111, OUT = 112;
   function [STATES-1:0] only(input integer number);
     only = {{STATES - 1{1'b0}}, 1'b1} << number;
   endfunction
@@ -259,7 +259,7 @@ module tb_elam #(
       state[RX], state[PS]: v = mapped;
       state[RE2]: v = lo_x;
       state[A4]: v = at_0;
-      state[EX2], state[CX2], state[CUT], state[A6], state[D2]: {v, v_low, v_high} = {state[EX2] || state[A6] || (state[CUT] && !er) ? lo_x : hi_x, p_x_low, p_x_high};
+      state[EX2], state[CX2], state[CUT], state[CUT2], state[A6], state[D2]: {v, v_low, v_high} = {state[EX2] || state[A6] || ((state[CUT] || state[CUT2]) && !er) ? lo_x : hi_x, p_x_low, p_x_high};
       default: ;
     endcase
   end
@@ -391,8 +391,8 @@ module tb_elam #(
   wire [15:0] step = |m[21:20] || m[19:4] > CEILING ? CEILING : m[19:4];
   wire ends = er ? left == 0 || point[15:0] == X : left == 0 || point[15:0] == 0;
   wire [15:0] next_end_x = !ends ? point[15:0] : er ? X : 16'd0, next_end_u = !ends ? point[31:16] : er ? Y : 16'd0;
-  wire crossed = both && room[16];
-  wire [15:0] cut_x = under || crossed ? p_x_low : beyond ? p_x_high : v;
+  reg crossed;
+  wire [15:0] cut_x = is_under || crossed ? p_x_low : is_beyond ? p_x_high : v;
   task forget(input knows);
     begin
       mean <= 0;

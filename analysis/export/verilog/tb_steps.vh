@@ -518,6 +518,10 @@
         state <= only(CUT);
       end
       state[CUT]: begin
+        crossed <= both && room[16];
+        state <= only(CUT2);
+      end
+      state[CUT2]: begin
         if (crossed) p_x_high <= p_x_low;
         if (cuts && er) begin
           p_high <= hi_u;
