@@ -1,10 +1,7 @@
 # The compensator for robots: models, their inverses and the streams; static, and shared for its C API. Of libraries it
 # takes headers alone.
-set(COMPENSATOR_SOURCES compensate/elam_curve compensate/preisach_curve compensate/make_compensator
-  compensate/frame_compensator compensate/document compensate/compensator_c models/elam models/elam_hysteresis
-  models/gpi models/linearised models/model models/model_json models/monotone models/mpi
-  models/pattern_curve models/poly models/preisach)
-list(TRANSFORM COMPENSATOR_SOURCES REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/analysis/\\1.cpp")
+file(GLOB COMPENSATOR_SOURCES CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/analysis/compensate/*.cpp
+  ${PROJECT_SOURCE_DIR}/analysis/models/*.cpp)
 set(sources ${COMPENSATOR_SOURCES})
 if(TACTBENCH_MUTANTS)
   tactbench_put_mutants(sources)

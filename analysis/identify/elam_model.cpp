@@ -101,9 +101,7 @@ ModelFit as_model_fit(ElamFit fit, const std::vector<TaxelBranch>& branches) {
   return out;
 }
 
-}  // namespace
-
-ModelFit identify_elam(const FitData& data, const IdentifyOptions& options) {
+ModelFit identified(const FitData& data, const IdentifyOptions& options) {
   const bool paper = !options.free_run && !options.memory && options.splits == 1;
   if (options.splits < 1 || options.splits > kMaxSplits)
     throw std::invalid_argument(
@@ -145,6 +143,48 @@ ModelFit identify_elam(const FitData& data, const IdentifyOptions& options) {
   fit.samples = best.samples;
   fit.model = std::move(model);
   return fit;
+}
+
+// ELAM has nothing that inputs alone decide.
+class ElamIdentifier final : public Identifier {
+ public:
+  explicit ElamIdentifier(const IdentifyOptions& options) : options_(options) {}
+  [[nodiscard]] ModelFit fit(const FitData& data) const override { return identified(data, options_); }
+
+ private:
+  IdentifyOptions options_;
+};
+
+}  // namespace
+
+std::unique_ptr<Identifier> ElamHysteresis::prepare(const FitData& /*like*/, const IdentifyOptions& options) {
+  if (options.genetic && !has_genetic()) throw std::invalid_argument(kNoGenetic);
+  return std::make_unique<ElamIdentifier>(options);
+}
+
+// Patterns of the paper's shape at 31 pressures.
+KnownModel ElamHysteresis::known() {
+  constexpr double kSpanPsi = 60.0;
+  constexpr double kFull = 2.812897313573669, kBend = 1.3829440636103729, kGap = 0.20164693731064747;
+  constexpr double kFall = 0.019262829601589903, kSplitLow = 0.56051751541486483, kSplitHigh = 0.1535427633368237;
+  std::vector<double> x, up, down;
+  for (int i = 0; i <= 30; ++i) {
+    const double share = i / 30.0, rise = std::pow(std::sin(1.5707963 * std::pow(share, 0.8)), kBend);
+    x.push_back(kSpanPsi * share);
+    up.push_back(kFull * rise);
+    down.push_back(kFull *
+                   std::min(rise + kGap * std::sin(3.1415927 * share) * (1.0 - share) + kGap * share * (1 - rise),
+                            1.0 - kFall * std::pow((1.0 - share) * 6.0, 1.3)));
+  }
+  down.front() = up.front();
+  down.back() = up.back();
+  const ElamModel elam = {
+      PatternCurve(x, up, up.front(), up.back()),
+      PatternCurve(x, down, up.front(), up.back()),
+      {0.81963407492294863, 0.98152362703107, (kSplitHigh - kSplitLow) / kSpanPsi, kSplitLow, 0.30542499913911907},
+      {}};
+  return {std::make_unique<ElamHysteresis>(elam),
+          {0.0, 2.10077920147374, 2.81289731357367, 2.38296550145603, 1.01073107822528, 2.47883974152128}};
 }
 
 }  // namespace tactbench::analysis

@@ -2,6 +2,7 @@
 #include "analysis/identify/fit_models.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -11,10 +12,10 @@
 #include <stdexcept>
 
 #include "analysis/error.h"
-#include "analysis/identify/elam/genetic.h"
 #include "analysis/identify/linearised_identifier.h"
 #include "analysis/identify/residuals.h"
 #include "analysis/identify/sensor_model.h"
+#include "analysis/models/all_models.h"
 #include "analysis/workers.h"
 
 namespace tactbench::analysis {
@@ -190,64 +191,44 @@ SensorModel fit_array(const Dataset& dataset, const FitOptions& options) {
 
 namespace {
 
-using Prepare = std::unique_ptr<Identifier> (*)(const FitData&, const IdentifyOptions&);
-
-// ELAM has nothing that inputs alone decide.
-class ElamIdentifier final : public Identifier {
- public:
-  explicit ElamIdentifier(const IdentifyOptions& options) : options_(options) {}
-  [[nodiscard]] ModelFit fit(const FitData& data) const override { return identify_elam(data, options_); }
-
- private:
-  IdentifyOptions options_;
-};
-
-std::unique_ptr<Identifier> prepare_elam(const FitData& /*like*/, const IdentifyOptions& options) {
-  if (options.genetic && !has_genetic()) throw std::invalid_argument(kNoGenetic);
-  return std::make_unique<ElamIdentifier>(options);
+template <class... Models>
+constexpr auto rows_of(ModelList<Models...> /*of*/) {
+  return std::array{ModelKind{Models::kName, Models::kOfLoop, Models::kFitShare, Models::prepare, Models::known}...};
 }
 
-constexpr std::array<const char*, 6> kModelNames = {"elam", "gpi", "mpi", "poly", "preisach", "monotone"};
-constexpr std::array<Prepare, 6> kPrepare = {prepare_elam, prepare_gpi,      prepare_mpi,
-                                             prepare_poly, prepare_preisach, prepare_monotone};
+constexpr std::array kModelKinds = rows_of(AllModels());
 
 }  // namespace
 
-std::span<const char* const> model_names() { return kModelNames; }
+std::span<const ModelKind> model_kinds() { return kModelKinds; }
+
+std::vector<std::string> model_names() {
+  std::vector<std::string> names;
+  for (const ModelKind& kind : kModelKinds) names.emplace_back(kind.name);
+  return names;
+}
 
 std::unique_ptr<Identifier> prepare(const std::string& name, const FitData& like, const IdentifyOptions& options) {
-  const auto found = std::ranges::find(kModelNames, name);
-  if (found == kModelNames.end()) throw std::invalid_argument("there is no model named \"" + name + "\"");
-  if (!like.no_loop.empty() && (name == "elam" || name == "poly"))
+  const auto* const kind = std::ranges::find(kModelKinds, name, &ModelKind::name);
+  if (kind == kModelKinds.end()) throw std::invalid_argument("there is no model named \"" + name + "\"");
+  if (!like.no_loop.empty() && kind->of_loop) {
+    std::vector<const char*> others;
+    for (const ModelKind& other : kModelKinds)
+      if (!other.of_loop) others.push_back(other.name);
     throw AnalysisError("TB-ANALYSIS-NO-LOOP", name + " is made of the external loop: " + like.no_loop,
-                        "measure from the lowest to the highest and back without a turn, or fit a model that needs no "
-                        "external loop: --model gpi,mpi,preisach,monotone");
-  const Prepare own = kPrepare[static_cast<std::size_t>(found - kModelNames.begin())];
-  if (!options.linearise) return own(like, options);
+                        fmt::format("measure from the lowest to the highest and back without a turn, or fit a model "
+                                    "that needs no external loop: --model {}",
+                                    fmt::join(others, ",")));
+  }
+  if (!options.linearise) return kind->prepare(like, options);
   // The congruency test is about Preisach's kind of model, and tells of it what held branches would: there errors are
   // more of weights that the others leave open.
-  return prepare_linearised(like, options.free_run, name != "preisach",
-                            [&](const FitData& data) { return own(data, options); });
+  return prepare_linearised(like, options.free_run, name != PreisachModel::kName,
+                            [&](const FitData& data) { return kind->prepare(data, options); });
 }
 
 ModelFit identify(const std::string& name, const FitData& data, const IdentifyOptions& options) {
   return prepare(name, data, options)->fit(data);
-}
-
-ModelFit identify_gpi(const FitData& data, const IdentifyOptions& options) {
-  return prepare_gpi(data, options)->fit(data);
-}
-ModelFit identify_mpi(const FitData& data, const IdentifyOptions& options) {
-  return prepare_mpi(data, options)->fit(data);
-}
-ModelFit identify_poly(const FitData& data, const IdentifyOptions& options) {
-  return prepare_poly(data, options)->fit(data);
-}
-ModelFit identify_preisach(const FitData& data, const IdentifyOptions& options) {
-  return prepare_preisach(data, options)->fit(data);
-}
-ModelFit identify_monotone(const FitData& data, const IdentifyOptions& options) {
-  return prepare_monotone(data, options)->fit(data);
 }
 
 bool begins_falling(const History& history) {

@@ -1,6 +1,7 @@
 // Input of every identification: histories of one taxel (or one table), their branches and external loop.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <span>
 #include <string>
@@ -60,19 +61,28 @@ struct ModelFit {
   std::vector<std::string> undetermined = {};
 };
 
-// One a model, in the model's own file; deterministic. Throw std::invalid_argument when the data cannot carry the model
-// (the message states what is missing).
-ModelFit identify_elam(const FitData& data, const IdentifyOptions& options);
-ModelFit identify_gpi(const FitData& data, const IdentifyOptions& options);
-ModelFit identify_mpi(const FitData& data, const IdentifyOptions& options);
-ModelFit identify_poly(const FitData& data, const IdentifyOptions& options);
-ModelFit identify_preisach(const FitData& data, const IdentifyOptions& options);
-ModelFit identify_monotone(const FitData& data, const IdentifyOptions& options);
+// One row a kind of model, of AllModels (analysis/models/all_models.h).
+struct ModelKind {
+  const char* name;
+  bool of_loop;      // made of the external loop
+  double fit_share;  // time of a fit over ELAM's
+  std::unique_ptr<Identifier> (*prepare)(const FitData& like, const IdentifyOptions& options);
+  KnownModel (*known)();  // null: none is known
+};
+std::span<const ModelKind> model_kinds();
+std::vector<std::string> model_names();
 
-// By name: elam, gpi, mpi, poly, preisach, monotone. Throws AnalysisError TB-ANALYSIS-NO-LOOP, too: elam and poly are
-// made of the external loop.
-std::span<const char* const> model_names();
+// Identification of the model of this name; deterministic. Throws std::invalid_argument when there is none, or the data
+// cannot carry it (the message states what is missing), and AnalysisError TB-ANALYSIS-NO-LOOP.
 ModelFit identify(const std::string& name, const FitData& data, const IdentifyOptions& options = {});
+
+// A model of known parameters and its outputs, in V, at kKnownInputs, as another program, in Python, worked them out of
+// the equations.
+inline constexpr std::array kKnownInputs = {0.0, 30.0, 60.0, 30.0, 10.0, 40.0};  // psi
+struct KnownModel {
+  std::unique_ptr<HysteresisModel> model;
+  std::array<double, kKnownInputs.size()> volts;
+};
 
 // Walks `model` along a history. Without free_run each branch starts at its measured ordinate, external ones at the
 // patterns' ends (where the model has such a notion).
@@ -85,18 +95,11 @@ class Identifier {
  public:
   virtual ~Identifier() = default;
   // From any thread. Throws std::invalid_argument when the inputs or branches are not those it was prepared for, or as
-  // identify_* does.
+  // identify does.
   [[nodiscard]] virtual ModelFit fit(const FitData& data) const = 0;
 };
 
-// Throw as identify_* does. Only inputs, branches and the patterns' range of `like` are used.
-std::unique_ptr<Identifier> prepare_gpi(const FitData& like, const IdentifyOptions& options);
-std::unique_ptr<Identifier> prepare_mpi(const FitData& like, const IdentifyOptions& options);
-std::unique_ptr<Identifier> prepare_poly(const FitData& like, const IdentifyOptions& options);
-std::unique_ptr<Identifier> prepare_preisach(const FitData& like, const IdentifyOptions& options);
-std::unique_ptr<Identifier> prepare_monotone(const FitData& like, const IdentifyOptions& options);
-
-// By name, as identify(): from the `no_loop` of `like`, too.
+// Throws as identify does. Only inputs, branches, the patterns' range and `no_loop` of `like` are used.
 std::unique_ptr<Identifier> prepare(const std::string& name, const FitData& like, const IdentifyOptions& options = {});
 
 }  // namespace tactbench::analysis

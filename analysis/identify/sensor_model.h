@@ -80,7 +80,7 @@ struct ModelTaxel {
 };
 
 struct SensorModel {
-  std::string model;  // elam, gpi, mpi, poly, preisach, monotone; dynamic: preisach, with dynamics
+  std::string model;  // of model_names(), or dynamic: preisach, with dynamics
   IdentifyOptions options;
   std::int64_t run = 0;  // that it was fitted on; 0: a table, or not known
   std::int64_t fit = 0;  // its number in the store; 0: not stored

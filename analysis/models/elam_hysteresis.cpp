@@ -257,4 +257,43 @@ std::unique_ptr<ModelState> ElamHysteresis::state() const {
   return std::make_unique<ElamState>(model_, pieces_, memory_);
 }
 
+namespace {
+
+constexpr std::array<const char*, 4> kSideMembers = {"pieces/descending_low", "pieces/descending_high",
+                                                     "pieces/ascending_low", "pieces/ascending_high"};
+
+}  // namespace
+
+ModelMembers ElamHysteresis::members() const {
+  const auto list = [](std::span<const double> values) { return std::vector(values.begin(), values.end()); };
+  ModelMembers members = {{"x", list(model_.ascending.x())},
+                          {"ascending", list(model_.ascending.y())},
+                          {"descending", list(model_.descending.y())}};
+  const std::vector<ModelParameter> all = parameters();
+  for (std::size_t i = 0; i < kElamParameterNames.size(); ++i)
+    members.emplace_back("parameters/" + all[i].name, all[i].value);
+  const int splits = pieces_.splits();
+  members.emplace_back("options/exact_outer", model_.options.exact_outer);
+  members.emplace_back("options/memory", memory_);
+  members.emplace_back("options/splits", splits);
+  for (std::size_t i = 0; splits > 1 && i < kElamSides.size(); ++i)
+    members.emplace_back(kSideMembers[i], pieces_.*kElamSides[i]);
+  return members;
+}
+
+std::unique_ptr<HysteresisModel> ElamHysteresis::from(const ModelSource& source) {
+  const auto p = [&](const char* name) { return source.parameter(name); };
+  ElamPieces pieces;
+  const double splits = source.number("options/splits");
+  for (std::size_t i = 0; splits != 1.0 && i < kElamSides.size(); ++i)
+    pieces.*kElamSides[i] = source.numbers(kSideMembers[i]);
+  if (splits != pieces.splits())
+    throw std::invalid_argument("model: \"splits\" is not the number of split points in \"pieces\"");
+  ElamModel model{curve_from(source, "ascending"),
+                  curve_from(source, "descending"),
+                  {p("alpha_d"), p("beta_d"), p("alpha_a1"), p("alpha_a0"), p("beta_a")},
+                  {source.flag("options/exact_outer")}};
+  return std::make_unique<ElamHysteresis>(std::move(model), source.flag("options/memory"), std::move(pieces));
+}
+
 }  // namespace tactbench::analysis

@@ -19,11 +19,18 @@ inline constexpr std::array<std::vector<double> ElamPieces::*, 4> kElamSides = {
 
 class ElamHysteresis final : public HysteresisModel {
  public:
+  static constexpr const char* kName = "elam";
+  static constexpr bool kOfLoop = true;
+  static std::unique_ptr<HysteresisModel> from(const ModelSource& source);
+  static std::unique_ptr<Identifier> prepare(const FitData& like, const IdentifyOptions& options);
+  static KnownModel known();
+
   // Throws std::invalid_argument when the patterns do not share their grid and ends, a parameter is not finite, or
   // `pieces` have more than kMaxSplits split points or another number of them down than up.
   explicit ElamHysteresis(ElamModel model, bool memory = false, ElamPieces pieces = {});
 
-  [[nodiscard]] std::string name() const override { return "elam"; }
+  [[nodiscard]] std::string name() const override { return kName; }
+  [[nodiscard]] ModelMembers members() const override;
   // alpha_d, beta_d, beta_a: 0..1, Eqs (14), (15), (22). alpha_a1 (1/x), alpha_a0: Eq. (21); identification keeps
   // alpha_a1 L + alpha_a0 in 0..1 for every branch length L up to X = xu - x0, so alpha_a0 is in 0..1 and alpha_a1 in
   // -1/X..1/X. Further split points add log_d1.. and log_a1.., the numbers of ElamPieces, low side first.

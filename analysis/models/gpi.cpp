@@ -104,4 +104,13 @@ double GpiModel::output(const Operators& operators) const {
   return y;
 }
 
+ModelMembers GpiModel::members() const { return range_and_parameters(*this, y_low_); }
+
+std::unique_ptr<HysteresisModel> GpiModel::from(const ModelSource& source) {
+  const auto p = [&](const char* name) { return source.parameter(name); };
+  return std::make_unique<GpiModel>(GpiParameters{p("a0"), p("a1"), p("a2"), p("a3"), p("b0"), p("b1"), p("b2"),
+                                                  p("b3"), p("alpha"), p("rho"), p("tau")},
+                                    source.number("x_low"), source.number("x_high"), source.number("y_low"));
+}
+
 }  // namespace tactbench::analysis

@@ -23,17 +23,23 @@ struct GpiParameters {
 
 class GpiModel final : public HysteresisModel {
  public:
+  static constexpr const char* kName = "gpi";
+  static constexpr double kFitShare = 85.0;
+  static std::unique_ptr<HysteresisModel> from(const ModelSource& source);
+  static std::unique_ptr<Identifier> prepare(const FitData& like, const IdentifyOptions& options);
+  static KnownModel known();
+
   // Throws std::invalid_argument when a number is not finite, not positive where it must be, or x_low >= x_high.
   GpiModel(const GpiParameters& parameters, double x_low, double x_high, double y_low);
 
-  [[nodiscard]] std::string name() const override { return "gpi"; }
+  [[nodiscard]] std::string name() const override { return kName; }
+  [[nodiscard]] ModelMembers members() const override;
   [[nodiscard]] std::vector<ModelParameter> parameters() const override;
   [[nodiscard]] double x_low() const override { return x_low_; }
   [[nodiscard]] double x_high() const override { return x_high_; }
   [[nodiscard]] int operations_per_sample() const override;
   [[nodiscard]] std::unique_ptr<ModelState> state() const override;
 
-  [[nodiscard]] double y_low() const { return y_low_; }
   using Operators = std::array<double, kGpiOperators>;
   [[nodiscard]] Operators moved(const Operators& before, double x) const;  // Eq. (3) for each operator
   [[nodiscard]] double output(const Operators& operators) const;           // Eq. (2)

@@ -14,6 +14,9 @@ class LinearisedModel final : public HysteresisModel {
   LinearisedModel(Divider divider, std::shared_ptr<const HysteresisModel> inner);
 
   [[nodiscard]] std::string name() const override { return inner_->name(); }
+  [[nodiscard]] ModelMembers members() const override {  // without the inner model
+    return {{"zero", divider_.zero}, {"per_amplitude", divider_.per_amplitude}};
+  }
   [[nodiscard]] std::vector<ModelParameter> parameters() const override;  // "c" and the inner model's
   [[nodiscard]] double x_low() const override { return inner_->x_low(); }
   [[nodiscard]] double x_high() const override { return inner_->x_high(); }

@@ -11,6 +11,13 @@ bool ModelParameter::at_bound() const {
   return value - low <= kNear * distance || high - value <= kNear * distance;
 }
 
+ModelMembers range_and_parameters(const HysteresisModel& model, double y_low) {
+  ModelMembers members = {{"x_low", model.x_low()}, {"x_high", model.x_high()}, {"y_low", y_low}};
+  for (const ModelParameter& parameter : model.parameters())
+    members.emplace_back("parameters/" + parameter.name, parameter.value);
+  return members;
+}
+
 std::vector<double> predict(const HysteresisModel& model, std::span<const double> inputs) {
   const auto state = model.state();
   std::vector<double> outputs;

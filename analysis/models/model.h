@@ -5,6 +5,8 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 namespace tactbench::analysis {
@@ -17,6 +19,19 @@ struct ModelParameter {
   double high = 0.0;
   bool fixed = false;                   // set by convention, not identified: another parameter takes its part
   [[nodiscard]] bool at_bound() const;  // within 1e-9 of their distance
+};
+
+// What makes a model again, bit for bit, in the order of its document; "parameters/a1" is the member a1 of parameters.
+using ModelMembers = std::vector<std::pair<std::string, std::variant<int, bool, double, std::vector<double>>>>;
+
+// They come back from here. Throws std::invalid_argument where a member is missing, of another kind or not finite.
+class ModelSource {
+ public:
+  virtual ~ModelSource() = default;
+  [[nodiscard]] virtual double number(const std::string& member) const = 0;
+  [[nodiscard]] virtual std::vector<double> numbers(const std::string& member) const = 0;
+  [[nodiscard]] virtual bool flag(const std::string& member) const = 0;
+  [[nodiscard]] double parameter(const std::string& name) const { return number("parameters/" + name); }
 };
 
 // A model's memory along one history. Outputs do not fall when the input rises, in any state.
@@ -38,10 +53,23 @@ class ModelState {
   [[nodiscard]] virtual std::unique_ptr<ModelState> clone() const = 0;
 };
 
+class Identifier;  // of analysis/identify/fit_models.h, and what it takes and gives
+struct FitData;
+struct IdentifyOptions;
+struct KnownModel;
+
 class HysteresisModel {
  public:
+  // Of each kind of model (all_models.h), beside its kName and its
+  //   static std::unique_ptr<HysteresisModel> from(const ModelSource& source);
+  //   static std::unique_ptr<Identifier> prepare(const FitData& like, const IdentifyOptions& options);
+  static constexpr bool kOfLoop = false;    // it is made of the external loop
+  static constexpr double kFitShare = 1.0;  // time of a fit over ELAM's: the demonstration's run, 256 taxels, two cores
+  static constexpr KnownModel (*known)() = nullptr;  // one whose outputs are known, for `selfcheck`
+
   virtual ~HysteresisModel() = default;
-  [[nodiscard]] virtual std::string name() const = 0;  // elam, gpi, mpi, poly, preisach, monotone
+  [[nodiscard]] virtual std::string name() const = 0;  // kName
+  [[nodiscard]] virtual ModelMembers members() const = 0;
   [[nodiscard]] virtual std::vector<ModelParameter> parameters() const = 0;
   [[nodiscard]] virtual double x_low() const = 0;
   [[nodiscard]] virtual double x_high() const = 0;
@@ -49,6 +77,9 @@ class HysteresisModel {
   [[nodiscard]] virtual int operations_per_sample() const = 0;
   [[nodiscard]] virtual std::unique_ptr<ModelState> state() const = 0;  // keeps a pointer to the model
 };
+
+// The range, `y_low` and the parameters.
+ModelMembers range_and_parameters(const HysteresisModel& model, double y_low);
 
 // Outputs along inputs, and inputs along outputs, from a virgin state. Throw std::invalid_argument when a value is not
 // finite.

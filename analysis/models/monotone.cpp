@@ -38,4 +38,13 @@ std::vector<ModelParameter> MonotoneModel::parameters() const {
 
 std::unique_ptr<ModelState> MonotoneModel::state() const { return std::make_unique<MonotoneState>(curve_); }
 
+ModelMembers MonotoneModel::members() const {
+  return {{"x", std::vector(curve_.x().begin(), curve_.x().end())},
+          {"y", std::vector(curve_.y().begin(), curve_.y().end())}};
+}
+
+std::unique_ptr<HysteresisModel> MonotoneModel::from(const ModelSource& source) {
+  return std::make_unique<MonotoneModel>(curve_from(source, "y"));
+}
+
 }  // namespace tactbench::analysis

@@ -128,4 +128,12 @@ std::vector<double> MpiModel::monotone_pieces(const Operators& operators, double
   return pieces;
 }
 
+ModelMembers MpiModel::members() const { return range_and_parameters(*this, y_low_); }
+
+std::unique_ptr<HysteresisModel> MpiModel::from(const ModelSource& source) {
+  const auto p = [&](const char* name) { return source.parameter(name); };
+  return std::make_unique<MpiModel>(MpiParameters{p("a1"), p("a2"), p("a3"), p("rho"), p("tau")},
+                                    source.number("x_low"), source.number("x_high"), source.number("y_low"));
+}
+
 }  // namespace tactbench::analysis

@@ -27,17 +27,23 @@ struct MpiParameters {
 // the FIRST input that gives it: outputs are always met, an input beyond a fall is read as the one before it.
 class MpiModel final : public HysteresisModel {
  public:
+  static constexpr const char* kName = "mpi";
+  static constexpr double kFitShare = 4.0;
+  static std::unique_ptr<HysteresisModel> from(const ModelSource& source);
+  static std::unique_ptr<Identifier> prepare(const FitData& like, const IdentifyOptions& options);
+  static KnownModel known();
+
   // Throws std::invalid_argument when a number is not finite, rho < 0, or x_low >= x_high.
   MpiModel(const MpiParameters& parameters, double x_low, double x_high, double y_low);
 
-  [[nodiscard]] std::string name() const override { return "mpi"; }
+  [[nodiscard]] std::string name() const override { return kName; }
+  [[nodiscard]] ModelMembers members() const override;
   [[nodiscard]] std::vector<ModelParameter> parameters() const override;
   [[nodiscard]] double x_low() const override { return x_low_; }
   [[nodiscard]] double x_high() const override { return x_high_; }
   [[nodiscard]] int operations_per_sample() const override;
   [[nodiscard]] std::unique_ptr<ModelState> state() const override;
 
-  [[nodiscard]] double y_low() const { return y_low_; }
   using Operators = std::array<double, kMpiOperators>;                                                 // of u
   static constexpr double threshold(std::size_t i) { return static_cast<double>(i) / kMpiOperators; }  // i from 0
   // e^(-tau (n r_i - 1)^2) / n: the factor of rho.

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "analysis/models/interval.h"
+#include "analysis/models/model.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -104,6 +105,13 @@ CurvePiece PatternCurve::piece(double y) const {
 double PatternCurve::slope(double x) const {
   const std::size_t i = segment(std::clamp(x, x_.front(), x_.back()));
   return (y_[i + 1] - y_[i]) / (x_[i + 1] - x_[i]);
+}
+
+PatternCurve curve_from(const ModelSource& source, const std::string& outputs) {
+  const std::vector<double> x = source.numbers("x"), y = source.numbers(outputs);
+  if (y.empty() || y.size() != x.size())
+    throw std::invalid_argument("model: \"" + outputs + "\" does not hold a number for each of \"x\"");
+  return {x, y, y.front(), y.back()};
 }
 
 }  // namespace tactbench::analysis

@@ -4,11 +4,14 @@
 
 #include <cstddef>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "analysis/models/piece.h"
 
 namespace tactbench::analysis {
+
+class ModelSource;
 
 class PatternCurve {
  public:
@@ -29,5 +32,8 @@ class PatternCurve {
   [[nodiscard]] std::size_t segment(double x) const;
   std::vector<double> x_, y_;
 };
+
+// Through a model's member "x" and that of its outputs. Throws std::invalid_argument.
+PatternCurve curve_from(const ModelSource& source, const std::string& outputs);
 
 }  // namespace tactbench::analysis

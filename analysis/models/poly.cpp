@@ -164,4 +164,27 @@ PolyModel::Turn PolyModel::external(bool ascending) const {
   return ascending ? Turn{true, x_low_, y_low_} : Turn{false, x_high_, y_high_};
 }
 
+ModelMembers PolyModel::members() const {
+  return {{"x_low", x_low_},
+          {"x_high", x_high_},
+          {"y_low", y_low_},
+          {"y_high", y_high_},
+          {"a", std::vector(p_.a.begin(), p_.a.end())},
+          {"b", std::vector(p_.b.begin(), p_.b.end())}};
+}
+
+std::unique_ptr<HysteresisModel> PolyModel::from(const ModelSource& source) {
+  PolyParameters polynomials;
+  const auto take = [&](const char* name, std::span<double> into) {
+    const std::vector<double> numbers = source.numbers(name);
+    if (numbers.size() != into.size())
+      throw std::invalid_argument(std::string("model: \"") + name + "\" does not hold 7 numbers");
+    std::ranges::copy(numbers, into.begin());
+  };
+  take("a", polynomials.a);
+  take("b", polynomials.b);
+  return std::make_unique<PolyModel>(polynomials, source.number("x_low"), source.number("x_high"),
+                                     source.number("y_low"), source.number("y_high"));
+}
+
 }  // namespace tactbench::analysis

@@ -28,11 +28,19 @@ struct PolyParameters {
 // the one before it.
 class PolyModel final : public HysteresisModel {
  public:
+  static constexpr const char* kName = "poly";
+  static constexpr bool kOfLoop = true;
+  static constexpr double kFitShare = 4.0;
+  static std::unique_ptr<HysteresisModel> from(const ModelSource& source);
+  static std::unique_ptr<Identifier> prepare(const FitData& like, const IdentifyOptions& options);
+  static KnownModel known();
+
   // Throws std::invalid_argument when a number is not finite, a polynomial is the same at both ends, x_low >= x_high
   // or y_low >= y_high.
   PolyModel(const PolyParameters& parameters, double x_low, double x_high, double y_low, double y_high);
 
-  [[nodiscard]] std::string name() const override { return "poly"; }
+  [[nodiscard]] std::string name() const override { return kName; }
+  [[nodiscard]] ModelMembers members() const override;
   [[nodiscard]] std::vector<ModelParameter> parameters() const override;
   [[nodiscard]] double x_low() const override { return x_low_; }
   [[nodiscard]] double x_high() const override { return x_high_; }
@@ -49,7 +57,6 @@ class PolyModel final : public HysteresisModel {
   // Places where f_ra or f_rd changes direction, in 0..1 of a branch from its low end, rising.
   [[nodiscard]] std::vector<double> extremes(bool ascending) const;
   [[nodiscard]] Turn external(bool ascending) const;
-  [[nodiscard]] const PolyParameters& polynomials() const { return p_; }
 
  private:
   using Shape = std::array<double, kPolyOrder>;  // F(t) = sum of shape[k] t^(k+1); its sum is 1

@@ -119,4 +119,13 @@ double PreisachModel::everett(double high, double low) const {
   return rows + row * on + column * (1.0 - off) + corner;
 }
 
+ModelMembers PreisachModel::members() const {
+  return {{"x_low", x_low_}, {"x_high", x_high_}, {"y_low", y_low_}, {"weights", weights_}};
+}
+
+std::unique_ptr<HysteresisModel> PreisachModel::from(const ModelSource& source) {
+  return std::make_unique<PreisachModel>(source.number("x_low"), source.number("x_high"), source.number("y_low"),
+                                         source.numbers("weights"));
+}
+
 }  // namespace tactbench::analysis

@@ -13,11 +13,17 @@ namespace tactbench::analysis {
 // the output is continuous and piecewise linear in the input, and cells on the diagonal are reversible.
 class PreisachModel final : public HysteresisModel {
  public:
+  static constexpr const char* kName = "preisach";
+  static constexpr double kFitShare = 5.0;
+  static std::unique_ptr<HysteresisModel> from(const ModelSource& source);
+  static std::unique_ptr<Identifier> prepare(const FitData& like, const IdentifyOptions& options);
+
   // weights[i (i + 1) / 2 + j] >= 0 of cell (i, j), in y. Throws std::invalid_argument when their number is not that
   // of a triangle, one is negative or not finite, or x_low >= x_high.
   PreisachModel(double x_low, double x_high, double y_low, std::vector<double> weights);
 
-  [[nodiscard]] std::string name() const override { return "preisach"; }
+  [[nodiscard]] std::string name() const override { return kName; }
+  [[nodiscard]] ModelMembers members() const override;
   [[nodiscard]] std::vector<ModelParameter> parameters() const override;  // "w(i,j)": those above 0, in y
   [[nodiscard]] double x_low() const override { return x_low_; }
   [[nodiscard]] double x_high() const override { return x_high_; }

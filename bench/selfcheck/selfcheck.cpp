@@ -14,8 +14,6 @@
 #include "analysis/identify/fit_models.h"
 #include "analysis/models/elam_hysteresis.h"
 #include "analysis/models/gpi.h"
-#include "analysis/models/mpi.h"
-#include "analysis/models/poly.h"
 #include "bench/common/utc.h"
 #include "bench/config/config.h"
 #include "bench/reporting/evaluation.h"
@@ -50,71 +48,6 @@ SelfcheckLine checked(const std::string& area, const std::string& what, const st
 }
 
 constexpr double kSpanPsi = 60.0, kTopV = 3.49;
-constexpr std::array kKnownInputs = {0.0, 30.0, 60.0, 30.0, 10.0, 40.0};  // psi
-
-// Volts at kKnownInputs.
-struct KnownModel {
-  std::unique_ptr<HysteresisModel> model;
-  std::array<double, kKnownInputs.size()> volts;
-};
-
-// Patterns of the paper's shape at 31 pressures.
-ElamModel known_elam() {
-  constexpr double kFull = 2.812897313573669, kBend = 1.3829440636103729, kGap = 0.20164693731064747;
-  constexpr double kFall = 0.019262829601589903, kSplitLow = 0.56051751541486483, kSplitHigh = 0.1535427633368237;
-  std::vector<double> x, up, down;
-  for (int i = 0; i <= 30; ++i) {
-    const double share = i / 30.0, rise = std::pow(std::sin(1.5707963 * std::pow(share, 0.8)), kBend);
-    x.push_back(kSpanPsi * share);
-    up.push_back(kFull * rise);
-    down.push_back(kFull *
-                   std::min(rise + kGap * std::sin(3.1415927 * share) * (1.0 - share) + kGap * share * (1 - rise),
-                            1.0 - kFall * std::pow((1.0 - share) * 6.0, 1.3)));
-  }
-  down.front() = up.front();
-  down.back() = up.back();
-  return {PatternCurve(x, up, up.front(), up.back()),
-          PatternCurve(x, down, up.front(), up.back()),
-          {0.81963407492294863, 0.98152362703107, (kSplitHigh - kSplitLow) / kSpanPsi, kSplitLow, 0.30542499913911907},
-          {}};
-}
-
-PolyModel known_poly() {
-  const std::array<double, 6> up{1.6, -1.0, 0.5, -0.2, 0.06, 0.04}, down{2.2, -1.9, 0.6, 0.2, -0.1, 0.0};
-  PolyParameters parameters;
-  for (std::size_t k = 0; k < kPolyOrder; ++k) {
-    const double power = std::pow(kSpanPsi, static_cast<double>(k + 1));
-    parameters.a[kPolyOrder - 1 - k] = kTopV * up[k] / power;
-    parameters.b[kPolyOrder - 1 - k] = kTopV * down[k] / power;
-  }
-  return {parameters, 0.0, kSpanPsi, 0.0, kTopV};
-}
-
-std::vector<KnownModel> known_models() {
-  const GpiParameters gpi{.a0 = 0.62,
-                          .a1 = 0.047,
-                          .a2 = 1.05,
-                          .a3 = 1.55,
-                          .b0 = 11.0,
-                          .b1 = 0.091,
-                          .b2 = -1.8,
-                          .b3 = 1.6,
-                          .alpha = 0.33,
-                          .rho = 1.6,
-                          .tau = 3.9};
-  const MpiParameters mpi{.a1 = 0.1, .a2 = -0.001, .a3 = 5e-6, .rho = 3.0, .tau = 0.7};
-  std::vector<KnownModel> models;
-  models.push_back({std::make_unique<ElamHysteresis>(known_elam()),
-                    {0.0, 2.10077920147374, 2.81289731357367, 2.38296550145603, 1.01073107822528, 2.47883974152128}});
-  models.push_back(
-      {std::make_unique<GpiModel>(gpi, 0.0, kSpanPsi, 0.0),
-       {-0.349260432699923, 2.19584686504441, 2.91544955531854, 2.91544955531854, 1.99337208204905, 2.65185898820238}});
-  models.push_back({std::make_unique<MpiModel>(mpi, 0.0, kSpanPsi, 0.3),
-                    {0.3, 2.77788416581076, 4.33125876620215, 2.84337460039139, 1.30779153371512, 3.36567569952589}});
-  models.push_back({std::make_unique<PolyModel>(known_poly()),
-                    {0.0, 2.102725, 3.49, 2.47571875, 1.10566036522634, 2.74754486831276}});
-  return models;
-}
 
 double largest_difference(const std::vector<double>& a, std::span<const double> b) {
   double worst = 0.0;
@@ -146,7 +79,7 @@ FitData data_made_by(const HysteresisModel& model) {
   if (const auto* elam = dynamic_cast<const ElamHysteresis*>(&model)) {
     data.ascending = elam->elam().ascending;
     data.descending = elam->elam().descending;
-  } else if (model.name() == "gpi") {  // it does not end where it starts: its own loop would move its origin
+  } else if (model.name() == GpiModel::kName) {  // it does not end where it starts: its own loop would move its origin
     const std::vector<double> ends{0.0, kSpanPsi}, volts{0.0, kTopV};
     data.ascending = data.descending = PatternCurve(ends, volts, 0.0, kTopV);
   }
@@ -183,9 +116,11 @@ RunResult short_run(db::RunStore& store) {
 
 SelfcheckLines check_models() {
   SelfcheckLines lines;
-  for (const KnownModel& known : known_models()) {
+  for (const ModelKind& kind : model_kinds()) {
+    if (kind.known == nullptr) continue;
+    const KnownModel known = kind.known();
     const HysteresisModel& model = *known.model;
-    const std::string name = model.name();
+    const std::string name = kind.name;
     const std::vector<double> inputs(kKnownInputs.begin(), kKnownInputs.end());
     lines.push_back(
         checked("model", name + ": outputs at 0, 30, 60, 30, 10, 40 psi", "those of another program, within 1e-12 V",

@@ -15,8 +15,8 @@ struct SelfcheckLine {
 };
 using SelfcheckLines = std::vector<SelfcheckLine>;
 
-// ELAM, GPI, MPI and POLY of known parameters: outputs as another program, in Python, worked them out of the equations;
-// the inverse; and a fit to such outputs along both sequences of Table 1, which gives them again.
+// Models of known parameters: their outputs (KnownModel of analysis/identify/fit_models.h); the inverse; and a fit to
+// such outputs along both sequences of Table 1, which gives them again.
 SelfcheckLines check_models();
 // A short run of the simulated rig over loopback wires, its store in `folder`, which exists; fitted and verified from
 // its raw frames; and again: the same seed gives the same content.

@@ -82,7 +82,7 @@ class MonotoneIdentifier final : public Identifier {
 
 }  // namespace
 
-std::unique_ptr<Identifier> prepare_monotone(const FitData& like, const IdentifyOptions& /*options*/) {
+std::unique_ptr<Identifier> MonotoneModel::prepare(const FitData& like, const IdentifyOptions& /*options*/) {
   return std::make_unique<MonotoneIdentifier>(like);
 }
 

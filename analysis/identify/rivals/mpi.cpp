@@ -139,8 +139,14 @@ class MpiIdentifier final : public Identifier {
 
 }  // namespace
 
-std::unique_ptr<Identifier> prepare_mpi(const FitData& like, const IdentifyOptions& /*options*/) {
+std::unique_ptr<Identifier> MpiModel::prepare(const FitData& like, const IdentifyOptions& /*options*/) {
   return std::make_unique<MpiIdentifier>(like);
+}
+
+KnownModel MpiModel::known() {
+  return {std::make_unique<MpiModel>(MpiParameters{.a1 = 0.1, .a2 = -0.001, .a3 = 5e-6, .rho = 3.0, .tau = 0.7}, 0.0,
+                                     60.0, 0.3),
+          {0.3, 2.77788416581076, 4.33125876620215, 2.84337460039139, 1.30779153371512, 3.36567569952589}};
 }
 
 }  // namespace tactbench::analysis

@@ -186,8 +186,21 @@ class PolyIdentifier final : public Identifier {
 
 }  // namespace
 
-std::unique_ptr<Identifier> prepare_poly(const FitData& like, const IdentifyOptions& options) {
+std::unique_ptr<Identifier> PolyModel::prepare(const FitData& like, const IdentifyOptions& options) {
   return std::make_unique<PolyIdentifier>(like, options.free_run);
+}
+
+KnownModel PolyModel::known() {
+  constexpr double kSpanPsi = 60.0, kTopV = 3.49;
+  const std::array<double, 6> up{1.6, -1.0, 0.5, -0.2, 0.06, 0.04}, down{2.2, -1.9, 0.6, 0.2, -0.1, 0.0};
+  PolyParameters parameters;
+  for (std::size_t k = 0; k < kPolyOrder; ++k) {
+    const double power = std::pow(kSpanPsi, static_cast<double>(k + 1));
+    parameters.a[kPolyOrder - 1 - k] = kTopV * up[k] / power;
+    parameters.b[kPolyOrder - 1 - k] = kTopV * down[k] / power;
+  }
+  return {std::make_unique<PolyModel>(parameters, 0.0, kSpanPsi, 0.0, kTopV),
+          {0.0, 2.102725, 3.49, 2.47571875, 1.10566036522634, 2.74754486831276}};
 }
 
 }  // namespace tactbench::analysis

@@ -162,7 +162,7 @@ class PreisachIdentifier final : public Identifier {
 
 }  // namespace
 
-std::unique_ptr<Identifier> prepare_preisach(const FitData& like, const IdentifyOptions& options) {
+std::unique_ptr<Identifier> PreisachModel::prepare(const FitData& like, const IdentifyOptions& options) {
   if (options.cells < 1 || options.cells > static_cast<int>(kMostIntervals))
     throw std::invalid_argument(
         fmt::format("Preisach: {} intervals; 1 to {} are possible", options.cells, kMostIntervals));

@@ -405,8 +405,8 @@ void add_calibrate(CLI::App& app, Session& session) {
       ->capture_default_str();
   profile.add(*verb, "--lab", ProfileKey::kLab, options->lab,
               "laboratory file: facts for the report that no instrument knows");
-  std::vector<std::string> models = {analysis::kDynamicModel};
-  std::ranges::copy(analysis::model_names(), std::back_inserter(models));
+  std::vector<std::string> models = analysis::model_names();
+  models.insert(models.begin(), analysis::kDynamicModel);
   verb->add_option("--model", options->model,
                    "kind of model; elam is the paper's [dynamic; elam of what that does not take]")
       ->check(CLI::IsMember(models));

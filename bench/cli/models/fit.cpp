@@ -28,8 +28,8 @@ struct FitOptions {
 };
 
 std::vector<std::string> models_of(const std::string& list) {
-  const std::span<const char* const> known = analysis::model_names();
-  if (list == "all") return {known.begin(), known.end()};
+  const std::vector<std::string> known = analysis::model_names();
+  if (list == "all") return known;
   std::vector<std::string> models = split_list(list);
   for (const std::string& model : models) {
     if (std::ranges::find(known, model) != known.end() || model == analysis::kDynamicModel) continue;
@@ -137,9 +137,11 @@ void add_fit(CLI::App& app, Session& session) {
   verb->add_option("source", options->models.source, "run number, several (1-400,412), or a table (see runs import)")
       ->required();
   verb->add_option("--model", options->model_list,
-                   "dynamic: Preisach on the linearised output, creep undone, and lag where --rate and --creep name "
-                   "runs, or both as a table with time_s shows them (ours); or elam (the paper's), gpi, mpi, poly, "
-                   "preisach, monotone [dynamic; elam of tables and of what the dynamic model does not take]");
+                   fmt::format("dynamic: Preisach on the linearised output, creep undone, and lag where --rate and "
+                               "--creep name runs, or both as a table with time_s shows them (ours); or one of {}; "
+                               "elam is the paper's [dynamic; elam of tables and of what the dynamic model does not "
+                               "take]",
+                               fmt::join(analysis::model_names(), ", ")));
   verb->add_option("--rate", options->models.rate_run, "dynamic: run of recipe rate, which the lag is taken from")
       ->check(CLI::PositiveNumber);
   verb->add_option("--creep", options->models.creep_run,
@@ -171,12 +173,12 @@ void add_compare(CLI::App& app, Session& session) {
   options->model_list = "all";
   options->models.verb = "compare";
   CLI::App* verb = app.add_subcommand("compare",
-                                      "kinds of models side by side: elam, gpi, mpi, poly, ...\n"
+                                      "kinds of models side by side\n"
                                       "Each is fitted on a run or table, stored where it is a run, and scored on what "
                                       "was not fitted.");
   verb->add_option("source", options->models.source, "run number, or a table (see runs import)")->required();
   verb->add_option("--models", options->model_list,
-                   "some of elam, gpi, mpi, poly, preisach, monotone with commas between, or all")
+                   fmt::format("some of {} with commas between, or all", fmt::join(analysis::model_names(), ", ")))
       ->capture_default_str();
   verb->add_option("--html", options->models.html, "write the comparison as a page");
   verb->add_option("--plot", options->models.plot, "draw the measured loop and the models over it: an SVG file");
@@ -205,11 +207,10 @@ bool without_inner_branches(const analysis::SensorModel& dynamic) {
   });
 }
 
-// Shares of the time as on the demonstration's runs, 256 taxels, two cores; they only divide the time left.
+// Shares of the time: they only divide the time left.
 std::vector<WorkStage> fit_stages(const std::vector<std::string>& models) {
-  const std::map<std::string, double> shares = {
-      {analysis::kElamFit, 1.0},      {"gpi", 85.0}, {"mpi", 4.0}, {"poly", 4.0}, {"preisach", 5.0}, {"monotone", 0.5},
-      {analysis::kDynamicModel, 10.0}};
+  std::map<std::string, double> shares = {{analysis::kDynamicModel, 10.0}};
+  for (const analysis::ModelKind& kind : analysis::model_kinds()) shares[kind.name] = kind.fit_share;
   const std::vector<std::string> either = {analysis::kDynamicModel, analysis::kElamFit};
   std::vector<WorkStage> stages = {{"reading the data", 1.0}};
   for (const std::string& model : models.empty() ? either : models)

@@ -70,7 +70,7 @@ TEST_CASE("ELAM: memory reduces the error on random reversals that were not fitt
     held_out.push_back(history_of(turns, 100 + trial));
   }
   const auto mean_error = [&](const IdentifyOptions& options) {
-    const ModelFit fit = identify_elam(data, options);
+    const ModelFit fit = identify("elam", data, options);
     double sum = 0.0, count = 0.0;
     for (const History& history : held_out) {
       const auto state = fit.model->state();
@@ -104,7 +104,7 @@ int elam_samples(double from, double to, const IdentifyOptions& options = {}) {
     for (const double psi : x) history.y.push_back(plant(psi));
     data.histories.push_back(std::move(history));
   }
-  return identify_elam(data, options).samples;
+  return identify("elam", data, options).samples;
 }
 
 }  // namespace
@@ -134,15 +134,15 @@ TEST_CASE("ELAM: branches with unknown turning point are used if one direction w
   Plant plant(truth);
   for (const double psi : x) history.y.push_back(plant(psi));
   data.histories = {history};
-  CHECK(identify_elam(data, {}).samples == 4);
-  for (const int splits : {1, 2, 8}) CHECK_NOTHROW(identify_elam(data, {.splits = splits}));
+  CHECK(identify("elam", data, {}).samples == 4);
+  for (const int splits : {1, 2, 8}) CHECK_NOTHROW(identify("elam", data, {.splits = splits}));
 }
 
 TEST_CASE("ELAM: a direction whose branches all start at an end stays undetermined, at the pattern's middle") {
   for (const double noise : {0.0, 0.003}) {
     CAPTURE(noise);
     const FitData falls = paper_data(kDescendingTurns, noise), rises = paper_data(kAscendingTurns, noise);
-    const ModelFit down = identify_elam(falls, {}), up = identify_elam(rises, {});
+    const ModelFit down = identify("elam", falls, {}), up = identify("elam", rises, {});
     CHECK(down.undetermined == std::vector<std::string>{"alpha_a1", "alpha_a0", "beta_a"});
     CHECK(down.model->parameters()[2].value == 0.0);
     CHECK(down.model->parameters()[3].value == 0.5);

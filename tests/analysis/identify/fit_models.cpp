@@ -62,7 +62,7 @@ TEST_CASE("identification: noiseless data return the model that made them") {
   SECTION("MPI") {
     for (const double low : {0.0, 5.0}) {
       const MpiModel truth({.a1 = 0.1, .a2 = -0.001, .a3 = 5e-6, .rho = 3.0, .tau = 0.7}, low, low + 60.0, 0.3);
-      const ModelFit fit = identify_mpi(data_from(truth, {kDescendingTurns, kAscendingTurns}), {});
+      const ModelFit fit = identify("mpi", data_from(truth, {kDescendingTurns, kAscendingTurns}), {});
       CHECK(fit.j < 1e-12);
       CHECK(fit.model->parameters()[4].value == Approx(0.7).epsilon(1e-4));
       CHECK(fit.model->parameters()[3].value == Approx(3.0).epsilon(1e-4));
@@ -73,7 +73,8 @@ TEST_CASE("identification: noiseless data return the model that made them") {
   SECTION("POLY") {
     for (const bool free_run : {false, true}) {
       const PolyModel truth = rising_poly();
-      const ModelFit fit = identify_poly(data_from(truth, {kDescendingTurns, kAscendingTurns}), {.free_run = free_run});
+      const ModelFit fit =
+          identify("poly", data_from(truth, {kDescendingTurns, kAscendingTurns}), {.free_run = free_run});
       CHECK(fit.j < 1e-16);
       CHECK(largest_difference(truth, *fit.model) < 1e-8);
     }
@@ -86,7 +87,7 @@ TEST_CASE("identification: noiseless data return the model that made them") {
       const std::vector<double> inputs = random_inputs(random, 40, 0.0, 60.0, 4);
       data.histories.push_back({"random", inputs, predict(truth, inputs), branches_along(inputs), {}, {}});
     }
-    const ModelFit fit = identify_preisach(data, {});
+    const ModelFit fit = identify("preisach", data, {});
     CHECK(fit.max_error < 1e-5);
     CHECK(largest_difference(truth, *fit.model) < 1e-3);
   }
@@ -96,7 +97,7 @@ TEST_CASE("identification: noiseless data return the model that made them") {
     // The printed model does not start where its loop ends: its own loop as the pattern would move its origin.
     const PatternCurve pattern({std::vector<double>{0, 60}}, {std::vector<double>{0, 3.49}}, 0.0, 3.49);
     data.ascending = data.descending = pattern;
-    const ModelFit fit = identify_gpi(data, {});
+    const ModelFit fit = identify("gpi", data, {});
     CHECK(fit.j < 1e-6);
     CHECK(fit.starts == 16);
     CHECK(fit.model->parameters()[1].value == Approx(0.0524).epsilon(0.02));  // the same whatever the scale
@@ -104,7 +105,7 @@ TEST_CASE("identification: noiseless data return the model that made them") {
   }
   SECTION("monotone") {
     const MonotoneModel truth(PatternCurve(std::vector<double>{0, 20, 60}, std::vector<double>{0, 2, 3}, 0.0, 3.0));
-    const ModelFit fit = identify_monotone(data_from(truth, {kDescendingTurns}), {});
+    const ModelFit fit = identify("monotone", data_from(truth, {kDescendingTurns}), {});
     CHECK(fit.j < 1e-20);
     CHECK(largest_difference(truth, *fit.model) < 1e-12);
   }

@@ -216,7 +216,7 @@ TEST_CASE("linearised: documents store and read back the divider, those of plain
   const FitData data = two_sequences(plant());
   IdentifyOptions options;
   options.linearise = true;
-  for (const char* const name : model_names()) {
+  for (const std::string& name : model_names()) {
     const SensorModel sensor = sensor_of(name, identify(name, data, options), data);
     CHECK(label_of(sensor) == std::string(name) + ", linearised");
     const std::string text = to_text(sensor);

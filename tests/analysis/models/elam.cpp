@@ -382,11 +382,11 @@ TEST_CASE("ELAM splits: more splits fit data that one split cannot, and never fi
     const ElamHysteresis plant(model_of(paper_loop(), kPrinted), false, any_pieces(random, 3, 0.7));
     FitData data = paper_both();
     for (History& history : data.histories) history.y = predict(plant, history.x);
-    const double one = identify_elam(data, {}).j;
+    const double one = identify("elam", data, {}).j;
     for (const int splits : {2, 3, 5}) {
       IdentifyOptions options;
       options.splits = splits;
-      const ModelFit fit = identify_elam(data, options);
+      const ModelFit fit = identify("elam", data, options);
       INFO("trial " << trial << ", " << splits << " splits, J " << fit.j << ", with one " << one);
       CHECK(fit.j <= one * (1.0 + 1e-9));
       if (splits == 3) CHECK(fit.j < 0.05 * one);
@@ -394,11 +394,11 @@ TEST_CASE("ELAM splits: more splits fit data that one split cannot, and never fi
     }
   }
   const FitData noisy = paper_both(0.03, 0.02);
-  const double one = identify_elam(noisy, {}).j;
+  const double one = identify("elam", noisy, {}).j;
   for (int splits = 2; splits <= kMaxSplits; ++splits) {
     IdentifyOptions options;
     options.splits = splits;
-    const ModelFit fit = identify_elam(noisy, options);
+    const ModelFit fit = identify("elam", noisy, options);
     INFO(splits << " splits");
     CHECK(fit.j <= one * (1.0 + 1e-9));
     const auto again = model_from_json(model_json(*fit.model));
@@ -411,7 +411,7 @@ TEST_CASE("ELAM splits: an invalid number of splits and inconsistent pieces are 
   const FitData data = paper_both();
   IdentifyOptions options;
   for (options.splits = 0; options.splits < 10; options.splits += 9)
-    CHECK_THROWS_AS(identify_elam(data, options), std::invalid_argument);
+    CHECK_THROWS_AS(identify("elam", data, options), std::invalid_argument);
   const ElamModel model = model_of(paper_loop(), kPrinted);
   CHECK_THROWS_AS(ElamHysteresis(model, false, {{0.1}, {}, {}, {}}), std::invalid_argument);
   CHECK_THROWS_AS(ElamHysteresis(model, false, {{2.1}, {}, {0.0}, {}}), std::invalid_argument);

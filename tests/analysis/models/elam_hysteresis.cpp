@@ -154,9 +154,9 @@ TEST_CASE("ELAM: a joint free-run fit has a smaller free-run error than the sepa
   data.histories.push_back(history_through(levels_of({0, 60, 0, 50, 10, 40, 20, 50, 0, 60, 20, 50, 30, 60, 0}), truth));
   for (double& y : data.histories[0].y) y += noise(engine);
   IdentifyOptions options;
-  const ModelFit separate = identify_elam(data, options);
+  const ModelFit separate = identify("elam", data, options);
   options.free_run = true;
-  const ModelFit joint = identify_elam(data, options);
+  const ModelFit joint = identify("elam", data, options);
   const auto state = separate.model->state();
   double j = 0.0;
   const History& history = data.histories[0];

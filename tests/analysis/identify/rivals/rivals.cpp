@@ -33,7 +33,7 @@ double one_weight(const FitData& data, bool by_input, const std::vector<std::str
   IdentifyOptions options;
   options.cells = 1;
   options.by_input = by_input;
-  const ModelFit fit = identify_preisach(data, options);
+  const ModelFit fit = identify("preisach", data, options);
   CHECK(fit.undetermined == open);
   REQUIRE(fit.model->parameters().size() == 1);
   return fit.model->parameters()[0].value;
@@ -78,12 +78,12 @@ TEST_CASE("Preisach: one cell's weight is the least squares of its shares, with 
   CHECK_NOTHROW(one_weight(few_samples({0, 10, 0.125, 10, 0}, {0, 6, 0, 6, 0}), false, {}));
   CHECK_NOTHROW(one_weight(few_samples({0, 9.875, 0, 10, 0}, {0, 6, 0, 6, 0}), false, {}));
   // Outputs that fall have no weight.
-  const ModelFit none = identify_preisach(few_samples({0, 5, 10, 5, 0}, {0, -2, -6, -5, 0}), {.cells = 1});
+  const ModelFit none = identify("preisach", few_samples({0, 5, 10, 5, 0}, {0, -2, -6, -5, 0}), {.cells = 1});
   CHECK(none.model->parameters().empty());
   CHECK(none.max_error == 6.0);
   CHECK(none.mean_error == Approx(13.0 / 4.0));
   CHECK(none.j == Approx(4.0 + 36.0 + 25.0));
-  for (const int cells : {0, 101}) CHECK_THROWS_AS(identify_preisach(loop, {.cells = cells}), std::invalid_argument);
+  for (const int cells : {0, 101}) CHECK_THROWS_AS(identify("preisach", loop, {.cells = cells}), std::invalid_argument);
   CHECK_NOTHROW(prepare("preisach", loop, {.cells = 100, .by_input = true}));
 }
 
