@@ -13,6 +13,8 @@ std::array<double, 5> values_of(const ElamParameters& p) {
 
 // A curve that rises less than this share of the span between two points cannot be scaled to others: linear [A12].
 constexpr double kSmallestRise = 1e-6;
+constexpr std::array<const char*, 4> kSideMembers = {"pieces/descending_low", "pieces/descending_high",
+                                                     "pieces/ascending_low", "pieces/ascending_high"};
 
 bool beyond(bool ascending, double value, double end) { return ascending ? value > end : value < end; }
 
@@ -256,13 +258,6 @@ int ElamHysteresis::operations_per_sample() const { return pieces_.splits() == 1
 std::unique_ptr<ModelState> ElamHysteresis::state() const {
   return std::make_unique<ElamState>(model_, pieces_, memory_);
 }
-
-namespace {
-
-constexpr std::array<const char*, 4> kSideMembers = {"pieces/descending_low", "pieces/descending_high",
-                                                     "pieces/ascending_low", "pieces/ascending_high"};
-
-}  // namespace
 
 ModelMembers ElamHysteresis::members() const {
   const auto list = [](std::span<const double> values) { return std::vector(values.begin(), values.end()); };

@@ -376,17 +376,7 @@ std::unique_ptr<Identifier> GpiModel::prepare(const FitData& like, const Identif
 }
 
 KnownModel GpiModel::known() {
-  const GpiParameters parameters{.a0 = 0.62,
-                                 .a1 = 0.047,
-                                 .a2 = 1.05,
-                                 .a3 = 1.55,
-                                 .b0 = 11.0,
-                                 .b1 = 0.091,
-                                 .b2 = -1.8,
-                                 .b3 = 1.6,
-                                 .alpha = 0.33,
-                                 .rho = 1.6,
-                                 .tau = 3.9};
+  const GpiParameters parameters{0.62, 0.047, 1.05, 1.55, 11.0, 0.091, -1.8, 1.6, 0.33, 1.6, 3.9};
   return {
       std::make_unique<GpiModel>(parameters, 0.0, 60.0, 0.0),
       {-0.349260432699923, 2.19584686504441, 2.91544955531854, 2.91544955531854, 1.99337208204905, 2.65185898820238}};
