@@ -5,13 +5,10 @@
 #include <array>
 #include <cctype>
 #include <cstdio>
-#include <initializer_list>
 #include <string>
 #include <utility>
 
 #include "bench/cli/help.h"
-#include "bench/cli/rig/init.h"
-#include "bench/cli/rig/page.h"
 #include "bench/cli/session.h"
 #include "bench/common/build_info.h"
 #include "bench/common/error_table.h"
@@ -113,13 +110,6 @@ Error usage_error(const CLI::App& app, const CLI::ParseError& error) {
           near.empty() ? fmt::format("{} --help lists what is taken", words) : fmt::format("did you mean '{}'?", near)};
 }
 
-// Verbs that talk to instruments, or to a run that uses them.
-bool may_touch_devices(const std::string& verb) {
-  constexpr std::array kVerbs{"run",   "calibrate", "resume", "devices",  "live",    "demo",
-                              "pause", "stop",      "panic",  "simulate", "dead-man"};
-  return std::find(kVerbs.begin(), kVerbs.end(), verb) != kVerbs.end();
-}
-
 // The first word that is neither an option nor its value.
 std::string verb_of(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
@@ -140,30 +130,25 @@ int report(const Error& error, const Session& session, bool devices) {
 }
 
 void add_verbs(CLI::App& app, Session& session) {
-  const auto group = [&](const char* name, std::initializer_list<void (*)(CLI::App&, Session&)> verbs) {
+  for (const auto& [group, verbs] : kVerbs) {
     const std::size_t before = app.get_subcommands({}).size();
-    for (const auto add : verbs) add(app, session);
+    for (AddVerb* const add : verbs) add(app, session);
     const std::vector<CLI::App*> all = app.get_subcommands({});
     for (std::size_t i = before; i < all.size(); ++i)
-      if (!all[i]->get_group().empty()) all[i]->group(name);
-  };
-  group("Every day", {add_demo, add_init, add_calibrate, add_page, add_status, add_report, add_runs});
-  group("Measure", {add_plan, add_run, add_live, add_devices, add_simulate});
-  group("A live run", {add_control});
-  group("Models", {add_fit, add_judge, add_compare, add_predict, add_model});
-  group("Store", {add_sensors, add_verify, add_db, add_fleet});
-  group("Laboratory", {add_trend, add_nightly, add_config, add_selfcheck});
-  add_key_reference(app);
-  add_dead_man(app, session);
-  add_error_reference(app);
+      if (!all[i]->get_group().empty()) all[i]->group(group);
+  }
 }
 
 }  // namespace
 
+void add_subverbs(CLI::App& verb, Session& session) {
+  for (AddVerb* const add : kSubverbs.at(verb.get_name())) add(verb, session);
+}
+
 int run_command_line(int argc, char** argv) {
   open_standard_descriptors();
   const std::string verb = verb_of(argc, argv);
-  const bool devices = may_touch_devices(verb);
+  const bool devices = std::ranges::find(kDeviceVerbs, verb) != kDeviceVerbs.end();
   if (devices) drop_unwritable_output();
   db::set_warning_handler(
       [](const std::string& text) { tty::print(stderr, "warning: {}\n", one_line(text, kMaxTextLength)); });
@@ -217,7 +202,7 @@ std::string sentence(std::string_view clause) {
 
 }  // namespace
 
-void add_error_reference(CLI::App& app) {
+void add_error_reference(CLI::App& app, Session& /*session*/) {
   CLI::App* verb = app.add_subcommand("reference-errors", "docs/reference-errors.md, for the documents")->group("");
   verb->callback([] {
     tty::print("{}",

@@ -15,12 +15,9 @@
 #include "analysis/pressure_unit.h"
 #include "analysis/report/document/document.h"
 #include "bench/cli/profile_options.h"
+#include "bench/cli/verbs.h"
 #include "bench/common/error.h"
 #include "bench/common/terminal_safe.h"
-
-namespace CLI {
-class App;
-}
 
 namespace tactbench::bench {
 
@@ -71,45 +68,6 @@ std::string shown_verdict(analysis::Verdict verdict, const std::string& origin);
 nlohmann::ordered_json verdicts_json(const std::vector<analysis::JudgedFigure>& figures, const std::string& origin);
 
 nlohmann::ordered_json evaluation_json(const NamedEvaluation& named);
-
-// One file a verb.
-void add_init(CLI::App& app, Session& session);
-void add_plan(CLI::App& app, Session& session);
-void add_run(CLI::App& app, Session& session);
-void add_calibrate(CLI::App& app, Session& session);
-void add_control(CLI::App& app, Session& session);
-void add_status(CLI::App& app, Session& session);
-void add_fit(CLI::App& app, Session& session);
-void add_import(CLI::App& runs, Session& session);
-void add_judge(CLI::App& app, Session& session);
-void add_compare(CLI::App& app, Session& session);
-void add_rig_check(CLI::App& devices, Session& session);
-void add_predict(CLI::App& app, Session& session);
-void add_model(CLI::App& app, Session& session);
-void add_report(CLI::App& app, Session& session);
-void add_runs(CLI::App& app, Session& session);
-void add_db(CLI::App& app, Session& session);
-void add_verify(CLI::App& app, Session& session);
-void add_sensors(CLI::App& app, Session& session);
-void add_demo(CLI::App& app, Session& session);
-void add_devices(CLI::App& app, Session& session);
-void add_run_remarks(CLI::App& runs, Session& session);
-void add_run_export(CLI::App& runs, Session& session);
-void add_run_copy(CLI::App& runs, Session& session);
-void add_run_merge(CLI::App& runs, Session& session);
-void add_db_prune(CLI::App& db, Session& session);
-void add_run_diff(CLI::App& runs, Session& session);
-void add_calibrate_reference(CLI::App& devices, Session& session);
-void add_simulate(CLI::App& app, Session& session);
-void add_live(CLI::App& app, Session& session);
-void add_nightly(CLI::App& app, Session& session);
-void add_baseline(CLI::App& trend, Session& session);
-void add_trend(CLI::App& app, Session& session);
-void add_config(CLI::App& app, Session& session);
-void add_selfcheck(CLI::App& app, Session& session);
-void add_error_reference(CLI::App& app);
-void add_dead_man(CLI::App& app, Session& session);
-void add_fleet(CLI::App& app, Session& session);
 
 // Throws Error TB-USAGE for an empty or blank name.
 void check_operator(const std::string& name);

@@ -61,9 +61,7 @@ void add_fleet(CLI::App& app, Session& session) {
   CLI::App* migrate = group->add_subcommand("migrate", "make the fleet's tables, views and roles in a database");
   add_fleet_option(*migrate, "--to", *to, session);
   migrate->callback([to, &session] { migrate_fleet(*to, session); });
-  add_fleet_push(*group, session);
-  add_fleet_status(*group, session);
-  add_fleet_readers(*group, session);
+  add_subverbs(*group, session);
 }
 
 // fleet push: brings ended runs to the fleet.

@@ -1,4 +1,4 @@
-// The subcommands of `fleet`, one function per source file.
+// Shared by the verbs of `fleet`.
 #pragma once
 
 #include <string>
@@ -6,10 +6,6 @@
 #include "bench/cli/session.h"
 
 namespace tactbench::bench {
-
-void add_fleet_push(CLI::App& fleet, Session& session);
-void add_fleet_status(CLI::App& fleet, Session& session);
-void add_fleet_readers(CLI::App& fleet, Session& session);  // runs, show, trend
 
 // Option that names the fleet: --to where a verb writes, --from where it reads; otherwise TACTBENCH_FLEET or
 // tactbench.toml.

@@ -18,7 +18,6 @@
 #include "analysis/json_fields.h"
 #include "analysis/statistics/sensor/drift.h"
 #include "bench/cli/models/fit_models.h"
-#include "bench/cli/models/model_export.h"
 #include "bench/cli/models/model_table.h"
 #include "bench/cli/runs/source.h"
 #include "bench/common/build_info.h"
@@ -218,7 +217,6 @@ void add_model(CLI::App& app, Session& session) {
   diff_verb->add_option("second", *second, what)->required();
   add_void_too(*diff_verb, session);
   diff_verb->callback([first, second, &session] { diff_models(*first, *second, session); });
-  add_model_export(*model, session);
   auto options = std::make_shared<AdjustOptions>();
   CLI::App* adjust_verb =
       model->add_subcommand("adjust", "a child of a model, its zero (and gain) moved to what a short run shows");
@@ -231,6 +229,7 @@ void add_model(CLI::App& app, Session& session) {
   add_table_options(*adjust_verb, options->table);
   add_void_too(*adjust_verb, session);
   adjust_verb->callback([options, &session] { adjust(*options, session); });
+  add_subverbs(*model, session);
 }
 
 using analysis::ModelParameter;

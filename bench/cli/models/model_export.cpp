@@ -1,5 +1,3 @@
-#include "bench/cli/models/model_export.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -10,6 +8,7 @@
 #include "analysis/export/write_export.h"
 #include "bench/cli/models/fixed_options.h"
 #include "bench/cli/runs/source.h"
+#include "bench/cli/session.h"
 #include "bench/common/build_info.h"
 #include "bench/common/output_file.h"
 

@@ -390,7 +390,7 @@ void add_report(CLI::App& app, Session& session) {
     if (signed_one->signed_by.empty()) throw Error("TB-USAGE", "nobody is named who signs", "report sign", "--by NAME");
     report_runs(*signed_one, session);
   });
-  add_reports_list(*verb, session);
+  add_subverbs(*verb, session);
 }
 
 ModelReference parse_model_reference(const std::string& text, std::int64_t run) {

@@ -43,7 +43,4 @@ void record_signed_file(const std::string& path, const std::string& number, std:
 // file goes without a store, too.
 void verify_report(const std::string& named, const std::string& root, Session& session);
 
-// The verbs list and verify of `report`.
-void add_reports_list(CLI::App& report, Session& session);
-
 }  // namespace tactbench::bench

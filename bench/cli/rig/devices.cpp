@@ -119,8 +119,7 @@ void add_devices(CLI::App& app, Session& session) {
   reset_verb->callback([options, &session] { reset(*options, session); });
   for (CLI::App* each : {check_verb, reset_verb})
     each->add_option("--set", options->set, "override table.key=value of the bench file")->take_all();
-  add_rig_check(*verb, session);
-  add_calibrate_reference(*verb, session);
+  add_subverbs(*verb, session);
 }
 
 namespace {

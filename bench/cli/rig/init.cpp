@@ -226,7 +226,8 @@ std::string with_key_comments(const std::string& toml, const std::vector<KeyFact
   return text;
 }
 
-void add_key_reference(CLI::App& app) {
+// For tests/docs/reference.py.
+void add_key_reference(CLI::App& app, Session& /*session*/) {
   app.add_subcommand("reference-keys", "docs/reference-keys.md, for the documents")->group("")->callback([] {
     tty::print("{}", key_reference());
   });

@@ -26,6 +26,4 @@ std::string key_reference();
 // = 1").
 std::string with_key_comments(const std::string& toml, const std::vector<sequences::KeyFacts>& keys);
 
-void add_key_reference(CLI::App& app);  // the hidden verb reference-keys, for tests/docs/reference.py
-
 }  // namespace tactbench::bench

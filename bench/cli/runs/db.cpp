@@ -47,7 +47,7 @@ void add_db(CLI::App& app, Session& session) {
   group->require_subcommand(1);
   CLI::App* migrate = group->add_subcommand("migrate", "bring an older store to this program's schema; keeps a backup");
   migrate->callback([&session] { migrate_db(session); });
-  add_db_prune(*group, session);
+  add_subverbs(*group, session);
 }
 
 // db prune: removes frames of old nights.

@@ -360,12 +360,7 @@ void add_runs(CLI::App& app, Session& session) {
   show_verb->add_flag("--events", *all_events, "all events, also commands to actuators and readings");
   add_all(*show_verb, session);
   show_verb->callback([number, all_events, &session] { show_run(*number, session, *all_events); });
-  add_run_remarks(*runs, session);
-  add_run_export(*runs, session);
-  add_import(*runs, session);
-  add_run_copy(*runs, session);
-  add_run_merge(*runs, session);
-  add_run_diff(*runs, session);
+  add_subverbs(*runs, session);
 }
 
 namespace {

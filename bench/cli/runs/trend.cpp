@@ -182,7 +182,7 @@ void add_trend(CLI::App& app, Session& session) {
   verb->callback([options, verb, &session] {
     if (verb->get_subcommands().empty()) trend(*options, session);
   });
-  add_baseline(*verb, session);
+  add_subverbs(*verb, session);
 }
 
 namespace {

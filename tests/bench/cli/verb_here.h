@@ -54,7 +54,7 @@ std::string printed_by(const Print& print) {
   return out.text();
 }
 
-using AddVerb = void (*)(CLI::App&, bench::Session&);
+using bench::AddVerb;
 
 // The verb that `add` adds, with its name first. An error stands in `err` as the program prints it.
 Finished verb_here(AddVerb add, std::vector<std::string> words);
