@@ -47,8 +47,6 @@ void HashChain::raw(char kind, std::uint64_t value) {
   bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
 }
 
-void HashChain::add(std::int64_t value) { raw('i', static_cast<std::uint64_t>(value)); }
-
 void HashChain::add(double value) {
   if (value == 0.0) value = 0.0;
   if (std::isnan(value)) value = std::numeric_limits<double>::quiet_NaN();
@@ -71,54 +69,27 @@ void HashChain::add(const std::vector<double>& values) {
 
 Digest HashChain::header(const RunRecord& run) {
   begin("tactbench run 1");
-  for (const std::string* text :
-       {&run.origin, &run.operator_name, &run.purpose, &run.sensor_serial, &run.scanner_serial, &run.bench_id,
-        &run.bench_toml, &run.bench_sha256, &run.sensor_toml, &run.sensor_sha256, &run.overrides_json,
-        &run.program_version, &run.git_commit, &run.build_id}) {
-    add(*text);
-  }
-  add(std::int64_t{run.git_dirty});
-  add(run.seed);
-  add(run.sensor_seed);
-  add(static_cast<std::int64_t>(run.sequences.size()));
-  for (const SequenceRecord& sequence : run.sequences) {
-    add(std::int64_t{sequence.sequence});
-    add(sequence.name);
-    add(sequence.recipe_toml);
-    add(sequence.recipe_sha256);
-    add(std::int64_t{sequence.repeats});
-    add(std::int64_t{sequence.frames_per_repeat});
-  }
-  add(static_cast<std::int64_t>(run.devices.size()));
-  for (const DeviceRecord& device : run.devices) {
-    for (const std::string* text :
-         {&device.role, &device.model, &device.serial, &device.firmware, &device.origin, &device.calibration_json}) {
-      add(*text);
-    }
-  }
+  add(run.content());
+  add(run.sequences.size());
+  for (const SequenceRecord& sequence : run.sequences) add(sequence.row());
+  add(run.devices.size());
+  for (const DeviceRecord& device : run.devices) add(device.row());
   return finish();
 }
 
 void HashChain::place(const BranchRecord& branch) {
-  for (const int number : {branch.sequence, branch.repeat, branch.ordinal, branch.attempt}) add(std::int64_t{number});
+  add(std::tie(branch.sequence, branch.repeat, branch.ordinal, branch.attempt));
 }
 
 Digest HashChain::frame(const Digest& before, const BranchRecord& branch, const FrameRecord& frame) {
   begin("frame");
   add(std::span(before));
   place(branch);
-  add(std::int64_t{frame.ordinal});
-  for (const double pressure : {frame.setpoint_psi, frame.feedback_psi, frame.reference_psi}) add(pressure);
-  for (const std::int32_t counts : {frame.setpoint_counts, frame.feedback_counts, frame.reference_counts}) {
-    add(std::int64_t{counts});
-  }
-  for (const std::int64_t time : {frame.time_ns, frame.since_command_ns, frame.in_band_ns, frame.device_time_us}) {
-    add(time);
-  }
+  add(std::tie(frame.ordinal, frame.setpoint_psi, frame.feedback_psi, frame.reference_psi, frame.setpoint_counts,
+               frame.feedback_counts, frame.reference_counts, frame.time_ns, frame.since_command_ns, frame.in_band_ns,
+               frame.device_time_us));
   add("uint16le");
-  for (const int number : {frame.status, frame.exchanges, frame.rows, frame.columns, frame.scans}) {
-    add(std::int64_t{number});
-  }
+  add(std::tie(frame.status, frame.exchanges, frame.rows, frame.columns, frame.scans));
   const std::size_t size = frame.counts.size() * sizeof(std::uint16_t);
   raw('b', size);
   const std::size_t start = bytes_.size();
@@ -147,20 +118,12 @@ Digest HashChain::close(const Digest& before, std::int64_t frames, const RunEnd&
   begin("end");
   add(std::span(before));
   add(frames);
-  add(static_cast<std::int64_t>(run_end.events.size()));
-  for (const EventRecord& event : run_end.events) {
-    add(event.time_ns);
-    add(event.kind);
-    add(event.id);
-    add(event.detail);
-  }
-  add(static_cast<std::int64_t>(run_end.branches.size()));
+  add(run_end.events.size());
+  for (const EventRecord& event : run_end.events) add(event.row());
+  add(run_end.branches.size());
   for (const BranchRecord& branch : run_end.branches) {
     place(branch);
-    add(std::int64_t{branch.is_void});
-    add(branch.void_reason);
-    add(branch.from_psi);
-    add(branch.to_psi);
+    add(std::tie(branch.is_void, branch.void_reason, branch.from_psi, branch.to_psi));
     if (branch.from_n || branch.to_n) {
       add("force");
       add(branch.from_n.value_or(std::numeric_limits<double>::quiet_NaN()));
@@ -169,25 +132,17 @@ Digest HashChain::close(const Digest& before, std::int64_t frames, const RunEnd&
   }
   if (!run_end.checks.empty()) {
     add("checks");
-    add(static_cast<std::int64_t>(run_end.checks.size()));
+    add(run_end.checks.size());
     for (const CheckRecord& check : run_end.checks) {
-      add(check.time_ns);
-      add(check.kind);
-      add(check.verdict);
-      add(check.detail_json);
-      add(static_cast<std::int64_t>(check.data.size()));
+      add(std::tie(check.time_ns, check.kind, check.verdict, check.detail_json));
+      add(check.data.size());
       for (const double value : check.data) add(value);
     }
   }
   if (!run_end.series.empty()) {
     add("series");
-    add(static_cast<std::int64_t>(run_end.series.size()));
-    for (const SeriesRecord& series : run_end.series) {
-      add(std::int64_t{series.sequence});
-      add(std::int64_t{series.taxel});
-      add(series.input);
-      add(series.output);
-    }
+    add(run_end.series.size());
+    for (const SeriesRecord& series : run_end.series) add(series.row());
   }
   add(to_string(run_end.outcome));
   add(run_end.reason);

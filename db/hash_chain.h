@@ -57,11 +57,18 @@ class HashChain {
   // Each value is one letter for its kind, then 8 bytes little-endian: an integer, the bits of a double, or the length
   // of the bytes that follow. Different contents therefore never have the same bytes.
   void begin(std::string_view name);
-  void add(std::int64_t value);
+  template <std::integral Value>
+  void add(Value value) {
+    raw('i', static_cast<std::uint64_t>(static_cast<std::int64_t>(value)));
+  }
   void add(double value);  // -0.0 as 0.0 and every NaN as one, since SQLite does not distinguish them
   void add(std::string_view text);
   void add(std::span<const std::uint8_t> bytes);
   void add(const std::vector<double>& values);
+  template <class... Values>
+  void add(const std::tuple<Values&...>& row) {
+    std::apply([&](const auto&... values) { (add(values), ...); }, row);
+  }
   void raw(char kind, std::uint64_t value);
   void place(const BranchRecord& branch);
   [[nodiscard]] Digest finish() { return digest(bytes_); }

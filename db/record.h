@@ -1,5 +1,7 @@
 // The rows of the run store as plain structs, written by the sequencer and read by the analysis. Units are in the
 // names; times are process time in nanoseconds since the run's start unless called utc. The schema is in schema.cpp.
+// kColumns names columns of it, and row() ties the members that hold them, in the same order: all that is written, read
+// and, of what has a hash, hashed (hash_chain.h).
 #pragma once
 
 #include <array>
@@ -9,7 +11,14 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
+
+#define TACTBENCH_ROW_AS(row, columns, names, ...)   \
+  auto row() { return std::tie(__VA_ARGS__); }       \
+  auto row() const { return std::tie(__VA_ARGS__); } \
+  static constexpr const char* columns = names
+#define TACTBENCH_ROW(row, columns, ...) TACTBENCH_ROW_AS(row, columns, #__VA_ARGS__, __VA_ARGS__)
 
 namespace tactbench::db {
 
@@ -29,11 +38,13 @@ struct SensorRecord {
   std::string scanner_serial;  // a model is bound to sensor and scanner
   std::string note;
   std::string added_utc;
+  TACTBENCH_ROW(row, kColumns, serial, type, type_toml, type_sha256, scanner_serial, note, added_utc);
 };
 
 struct DeviceRecord {
   std::string role, model, serial, firmware, origin;
   std::string calibration_json;  // spans, certificate, due date: everything that scales the raw counts of this device
+  TACTBENCH_ROW(row, kColumns, role, model, serial, firmware, origin, calibration_json);
 };
 
 struct SequenceRecord {
@@ -43,6 +54,7 @@ struct SequenceRecord {
   std::string recipe_sha256;
   int repeats = 0;
   int frames_per_repeat = 0;
+  TACTBENCH_ROW(row, kColumns, sequence, name, recipe_toml, recipe_sha256, repeats, frames_per_repeat);
 };
 
 struct RunRecord {
@@ -70,6 +82,16 @@ struct RunRecord {
   std::vector<SequenceRecord> sequences;
   std::vector<DeviceRecord> devices;
   double lowest_psi = 0.0, highest_psi = 0.0;  // of its branches; not written, and not in lists of runs
+  // Of its content, in the order of the hash; of what else is known when it begins; of what comes later.
+  TACTBENCH_ROW_AS(content, kContent,
+                   "origin, operator, purpose, sensor_serial, scanner_serial, bench_id, bench_toml, bench_sha256, "
+                   "sensor_toml, sensor_sha256, overrides_json, program_version, git_commit, build_id, git_dirty, "
+                   "seed, sensor_seed",
+                   origin, operator_name, purpose, sensor_serial, scanner_serial, bench_id, bench_toml, bench_sha256,
+                   sensor_toml, sensor_sha256, overrides_json, program_version, git_commit, build_id, git_dirty, seed,
+                   sensor_seed);
+  TACTBENCH_ROW(begun, kBegun, uuid, state, reason, host, time_zone, started_utc);
+  TACTBENCH_ROW(later, kLater, ended_utc, content_sha256, seen_utc, rest_s, notes, void_reason, void_by, void_utc);
 };
 
 struct BranchRecord {
@@ -83,6 +105,9 @@ struct BranchRecord {
   double from_psi = 0.0;
   double to_psi = 0.0;
   std::optional<double> from_n = {}, to_n = {};  // of a branch of force; then the pressures are 0
+  TACTBENCH_ROW_AS(row, kColumns,
+                   "sequence, repeat, ordinal, attempt, void, void_reason, from_psi, to_psi, from_n, to_n", sequence,
+                   repeat, ordinal, attempt, is_void, void_reason, from_psi, to_psi, from_n, to_n);
 };
 
 // Data of a frame taken under an indenter.
@@ -92,6 +117,7 @@ struct WrenchRecord {
   std::array<double, 6> wrench{};    // at frame time: Fx Fy Fz N, Tx Ty Tz N mm, in the sensor's frame
   std::array<double, 6> raw{};       // as read: counts or volts
   std::array<double, 3> place_mm{};  // x, y, z of the stage
+  static constexpr const char* kColumns = "target_n, force_start_n, wrench, wrench_raw, place_mm";
 };
 
 // One poll of the pressures between two frames.
@@ -116,6 +142,9 @@ struct FrameRecord {
   std::string flags;                  // keywords separated by spaces: why the frame is not comparable; empty: it is
   std::vector<TracePoint> trace;      // since the previous frame
   std::optional<WrenchRecord> wrench;
+  TACTBENCH_ROW(row, kColumns, branch, ordinal, setpoint_psi, feedback_psi, reference_psi, setpoint_counts,
+                feedback_counts, reference_counts, time_ns, since_command_ns, in_band_ns, device_time_us, status,
+                exchanges, rows, columns, scans, counts, flags, trace);
 };
 
 inline bool has_consistent_shape(const FrameRecord& frame) {
@@ -134,6 +163,7 @@ struct CheckRecord {
   std::string verdict;  // pass | fail | warning
   std::string detail_json;
   std::vector<double> data;  // its meaning depends on the kind
+  TACTBENCH_ROW(row, kColumns, time_ns, kind, verdict, detail_json, data);
 };
 
 // An imported run has series instead of frames: the samples of one taxel in one sequence, in the order of the table's
@@ -142,6 +172,7 @@ struct SeriesRecord {
   int sequence = 0;
   int taxel = 0;
   std::vector<double> input, output;  // of equal length
+  TACTBENCH_ROW(row, kColumns, sequence, taxel, input, output);
 };
 
 struct TimedSequence {  // identifies the work of a stored sequence, for comparison with a planned one
@@ -167,6 +198,7 @@ struct EventRecord {
   std::string kind;  // state | fault | safe | note | conditioning
   std::string id;    // stable identifier if it is a fault
   std::string detail;
+  TACTBENCH_ROW(row, kColumns, time_ns, kind, id, detail);
 };
 
 // A fit of one run: the models of all taxels of a sensor, or of their mean. The document holds all of it; model, stands
@@ -181,6 +213,7 @@ struct FitRecord {
   std::string made_by;   // build and class of processor, for who recomputes it; empty: not known
   std::string program_version;
   std::string created_utc;
+  TACTBENCH_ROW(row, kColumns, stands, fitted, model, document, made_by, program_version, created_utc);
 };
 
 struct VerdictRecord {
@@ -198,6 +231,11 @@ struct VerdictRecord {
   std::string direction = "both";                              // both | up | down
   double share = 1.0;                                          // of the taxels, that the figure is to hold for
   double expanded = std::numeric_limits<double>::quiet_NaN();  // U of the value; NaN: not known
+  TACTBENCH_ROW_AS(row, kColumns,
+                   "criterion, scope_kind, direction, unit, rule, verdict, limits_toml, limits_sha256, low_psi, "
+                   "high_psi, taxel_share, value, expanded, limit_value",
+                   criterion, scope_kind, direction, unit, rule, verdict, limits_toml, limits_sha256, low_psi, high_psi,
+                   share, value, expanded, limit);
 };
 
 // A figure of a subject, followed over time; from a run's analysis.
@@ -216,6 +254,7 @@ struct BaselineRecord {
   std::int64_t baseline = 0;  // assigned by the store
   std::string subject, reason, accepted_by, accepted_utc;
   std::vector<std::int64_t> runs;
+  TACTBENCH_ROW(row, kColumns, subject, reason, accepted_by, accepted_utc);
 };
 
 // A report that someone signed for. content_sha256: of the report's data.
@@ -231,6 +270,7 @@ struct ReportRecord {
     std::string content_sha256;
   };
   std::vector<Evidence> evidence = {};
+  TACTBENCH_ROW(row, kColumns, number, content_sha256, approved_by, approved_utc, replaces);
 };
 
 // A night, or one part of several of it (shard K of N), with what each of its scenarios gave.
@@ -240,6 +280,7 @@ struct NightResultRecord {
   std::string json;   // the scenario's result as measured, before it was compared with anything; numbers of runs are
                       // those of this store
   std::int64_t first_run = 0;  // 0: it made none
+  TACTBENCH_ROW_AS(row, kColumns, "position, label, first_run, result_json", position, label, first_run, json);
 };
 struct NightRecord {
   std::int64_t night = 0;  // assigned by the store
@@ -248,6 +289,8 @@ struct NightRecord {
   int shard = 1, shards = 1;   // 1 of 1: all of it
   std::string begun_utc, ended_utc, program;
   std::vector<NightResultRecord> results;  // by position
+  TACTBENCH_ROW(row, kColumns, suite, suite_file, suite_toml, selection_json, shard, shards, begun_utc, ended_utc,
+                program);
 };
 
 // What is left of a run's frames after they were removed by a rule.
@@ -257,6 +300,7 @@ struct PrunedRecord {
   std::array<std::uint8_t, 32> header{}, chain{};  // first link of the hash chain, and the one of the last frame
   std::string frames_sha256;                       // hash_chain.h
   std::string rule, pruned_utc;
+  TACTBENCH_ROW(row, kColumns, run, frames, bytes, header, chain, frames_sha256, rule, pruned_utc);
 };
 
 }  // namespace tactbench::db

@@ -113,40 +113,17 @@ void RunStore::add_sensor(const SensorRecord& sensor) {
                                              path(), sensor.serial, known->type),
                      "register it under a serial of its own: models are bound to sensor, type and scanner");
   }
-  sqlite::Statement(connection,
-                    "INSERT INTO sensors (serial, type, type_toml, type_sha256, scanner_serial, note, added_utc) "
-                    "VALUES (?, ?, ?, ?, ?, ?, ?)")
-      .bind(sensor.serial, sensor.type, sensor.type_toml, sensor.type_sha256, sensor.scanner_serial, sensor.note,
-            sensor.added_utc)
-      .run();
+  sqlite::Statement(connection, sqlite::insert_into("sensors", SensorRecord::kColumns)).bind(sensor.row()).run();
   transaction.commit();
 }
 
-namespace {
-
-constexpr const char* kSensorColumns =
-    "SELECT serial, type, type_toml, type_sha256, scanner_serial, note, added_utc FROM sensors";
-
-SensorRecord sensor_of(const sqlite::Statement& row) {
-  SensorRecord sensor;
-  row.read(sensor.serial, sensor.type, sensor.type_toml, sensor.type_sha256, sensor.scanner_serial, sensor.note,
-           sensor.added_utc);
-  return sensor;
-}
-
-}  // namespace
-
 std::optional<SensorRecord> RunStore::sensor(const std::string& serial) const {
-  sqlite::Statement rows(database_->connection, std::string(kSensorColumns) + " WHERE serial = ?");
-  rows.bind(serial);
-  return rows.step() ? std::optional(sensor_of(rows)) : std::nullopt;
+  const auto found = sqlite::read_all<SensorRecord>(database_->connection, "sensors WHERE serial = ?", serial);
+  return found.empty() ? std::nullopt : std::optional(found.front());
 }
 
 std::vector<SensorRecord> RunStore::sensors() const {
-  sqlite::Statement rows(database_->connection, std::string(kSensorColumns) + " ORDER BY serial");
-  std::vector<SensorRecord> sensors;
-  while (rows.step()) sensors.push_back(sensor_of(rows));
-  return sensors;
+  return sqlite::read_all<SensorRecord>(database_->connection, "sensors ORDER BY serial");
 }
 
 std::string new_uuid() {

@@ -226,14 +226,8 @@ std::string RunStore::why_not_pruned(std::int64_t number) const {
 }
 
 std::optional<PrunedRecord> RunStore::pruned(std::int64_t run) const {
-  sqlite::Statement row(database_->connection,
-                        "SELECT run, frames, bytes, header, chain, frames_sha256, rule, pruned_utc FROM pruned "
-                        "WHERE run = ?");
-  if (!row.bind(run).step()) return std::nullopt;
-  PrunedRecord pruned;
-  row.read(pruned.run, pruned.frames, pruned.bytes, pruned.header, pruned.chain, pruned.frames_sha256, pruned.rule,
-           pruned.pruned_utc);
-  return pruned;
+  const auto found = sqlite::read_all<PrunedRecord>(database_->connection, "pruned WHERE run = ?", run);
+  return found.empty() ? std::nullopt : std::optional(found.front());
 }
 
 PrunedRecord RunStore::prune_frames(std::int64_t run, const std::string& rule, const std::string& utc) {
@@ -265,11 +259,7 @@ PrunedRecord RunStore::prune_frames(std::int64_t run, const std::string& rule, c
   sqlite::Statement(connection, "DELETE FROM frames WHERE frame > ? AND frame < ?")
       .bind(frames_above(run), frames_below(run))
       .run();
-  sqlite::Statement(connection,
-                    "INSERT INTO pruned (run, frames, bytes, header, chain, frames_sha256, rule, pruned_utc) "
-                    "VALUES (?, ?, ?, ?, ?, ?, ?, ?)")
-      .bind(run, pruned.frames, pruned.bytes, pruned.header, pruned.chain, pruned.frames_sha256, rule, utc)
-      .run();
+  sqlite::Statement(connection, sqlite::insert_into("pruned", PrunedRecord::kColumns)).bind(pruned.row()).run();
   transaction.commit();
   return pruned;
 }
@@ -283,10 +273,7 @@ Digest HashChain::fits(const std::vector<FitRecord>& fits) {
   begin("fits");
   for (const FitRecord& fit : fits) {
     add(fit.fit);
-    add(std::int64_t{fit.stands});
-    add(std::int64_t{fit.fitted});
-    for (const std::string* text : {&fit.model, &fit.document, &fit.made_by, &fit.program_version, &fit.created_utc})
-      add(*text);
+    add(fit.row());
   }
   return finish();
 }
@@ -295,11 +282,7 @@ Digest HashChain::verdicts(const std::vector<VerdictRecord>& verdicts) {
   begin("verdicts");
   for (const VerdictRecord& v : verdicts) {
     add(v.fit);
-    for (const std::string* text :
-         {&v.criterion, &v.scope_kind, &v.direction, &v.unit, &v.rule, &v.verdict, &v.limits_toml, &v.limits_sha256}) {
-      add(*text);
-    }
-    for (const double number : {v.low_psi, v.high_psi, v.share, v.value, v.expanded, v.limit}) add(number);
+    add(v.row());
   }
   return finish();
 }
@@ -307,9 +290,7 @@ Digest HashChain::verdicts(const std::vector<VerdictRecord>& verdicts) {
 Digest HashChain::approvals(const std::vector<ReportRecord>& reports) {
   begin("approvals");
   for (const ReportRecord& r : reports) {
-    for (const std::string* text : {&r.number, &r.content_sha256, &r.approved_by, &r.approved_utc, &r.replaces}) {
-      add(*text);
-    }
+    add(r.row());
     if (!r.reason.empty()) add("reason: " + r.reason);  // no number begins so
     for (const ReportRecord::Evidence& one : r.evidence) add("evidence: " + one.content_sha256);
   }
@@ -318,7 +299,7 @@ Digest HashChain::approvals(const std::vector<ReportRecord>& reports) {
 
 Digest HashChain::voided(const RunRecord& run) {
   begin("void");
-  for (const std::string* text : {&run.void_reason, &run.void_by, &run.void_utc}) add(*text);
+  add(std::tie(run.void_reason, run.void_by, run.void_utc));
   return finish();
 }
 

@@ -1,11 +1,14 @@
 // Internals of a RunStore: its connection, the statements used at every frame, and the chain of each open run.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cmath>
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -48,6 +51,7 @@ class RunStore::Database {
   void preallocate_log();
   void insert_devices(std::int64_t run, const std::vector<DeviceRecord>& devices);
   void insert_event(std::int64_t run, const EventRecord& event);
+  std::int64_t insert_baseline(const BaselineRecord& baseline, const std::set<std::int64_t>& runs);
   // The last update of the run's row. Part of the caller's transaction.
   void close_run(std::int64_t run, Outcome outcome, const std::string& reason, SafeState safe, const std::string& utc);
 
@@ -73,24 +77,19 @@ class RunStore::Database {
 template <class Take>
 void RunStore::Database::for_each_frame(std::int64_t run, Take take) {
   sqlite::Statement rows(connection,
-                         "SELECT branch, ordinal, setpoint_psi, feedback_psi, reference_psi, setpoint_counts, "
-                         "feedback_counts, reference_counts, time_ns, since_command_ns, in_band_ns, device_time_us, "
-                         "status, exchanges, \"rows\", columns, scans, counts, flags, trace, target_n, "
-                         "force_start_n, wrench, wrench_raw, place_mm FROM frames "
-                         "WHERE frame > ? AND frame < ? ORDER BY frame");
+                         fmt::format("SELECT {}, {} FROM frames WHERE frame > ? AND frame < ? ORDER BY frame",
+                                     FrameRecord::kColumns, WrenchRecord::kColumns));
   rows.bind(frames_above(run), frames_below(run));
   FrameRecord f;
   while (rows.step()) {
     double target_n = 0.0;
-    rows.read(f.branch, f.ordinal, f.setpoint_psi, f.feedback_psi, f.reference_psi, f.setpoint_counts,
-              f.feedback_counts, f.reference_counts, f.time_ns, f.since_command_ns, f.in_band_ns, f.device_time_us,
-              f.status, f.exchanges, f.rows, f.columns, f.scans, f.counts, f.flags, f.trace, target_n);
+    rows.read(f.row(), target_n);
     if (std::isnan(target_n)) {
       f.wrench.reset();
     } else {
       WrenchRecord& w = f.wrench.emplace();
       w.target_n = target_n;
-      rows.read_from(21, w.force_start_n, w.wrench, w.raw, w.place_mm);
+      rows.read_from(std::tuple_size_v<decltype(f.row())> + 1, w.force_start_n, w.wrench, w.raw, w.place_mm);
     }
     take(f);
   }

@@ -12,13 +12,13 @@ namespace tactbench::db {
 
 namespace {
 
-constexpr const char* kFitColumns =
-    "SELECT fit, run, model, stands, fitted, document, made_by, program_version, created_utc FROM fits";
+std::string select_fits(const std::string& rest) {
+  return fmt::format("SELECT fit, run, {} FROM fits {}", FitRecord::kColumns, rest);
+}
 
 FitRecord fit_of(const sqlite::Statement& row) {
   FitRecord fit;
-  row.read(fit.fit, fit.run, fit.model, fit.stands, fit.fitted, fit.document, fit.made_by, fit.program_version,
-           fit.created_utc);
+  row.read(fit.fit, fit.run, fit.row());
   return fit;
 }
 
@@ -28,10 +28,8 @@ std::int64_t RunStore::add_fit(const FitRecord& fit) {
   sqlite::Connection& connection = database_->connection;
   sqlite::Transaction transaction(connection);
   database_->require_run(fit.run);
-  sqlite::Statement(connection,
-                    "INSERT INTO fits (run, model, stands, fitted, document, made_by, program_version, created_utc) "
-                    "VALUES (?, ?, ?, ?, ?, ?, ?, ?)")
-      .bind(fit.run, fit.model, fit.stands, fit.fitted, fit.document, fit.made_by, fit.program_version, fit.created_utc)
+  sqlite::Statement(connection, sqlite::insert_into("fits", fmt::format("run, {}", FitRecord::kColumns)))
+      .bind(fit.run, fit.row())
       .run();
   const std::int64_t number = connection.last_row();
   seal(fit.run, "fits");
@@ -41,13 +39,12 @@ std::int64_t RunStore::add_fit(const FitRecord& fit) {
 
 std::optional<FitRecord> RunStore::default_fit(std::int64_t run) const {
   database_->require_run(run);
-  sqlite::Statement row(database_->connection,
-                        std::string(kFitColumns) + " WHERE run = ? ORDER BY stands DESC, fit DESC LIMIT 1");
+  sqlite::Statement row(database_->connection, select_fits("WHERE run = ? ORDER BY stands DESC, fit DESC LIMIT 1"));
   return row.bind(run).step() ? std::optional(fit_of(row)) : std::nullopt;
 }
 
 FitRecord RunStore::fit(std::int64_t fit) const {
-  sqlite::Statement row(database_->connection, std::string(kFitColumns) + " WHERE fit = ?");
+  sqlite::Statement row(database_->connection, select_fits("WHERE fit = ?"));
   if (row.bind(fit).step()) return fit_of(row);
   std::string there;
   sqlite::Statement rows(database_->connection, "SELECT fit, run FROM fits ORDER BY fit");
@@ -62,7 +59,7 @@ FitRecord RunStore::fit(std::int64_t fit) const {
 
 std::vector<FitRecord> RunStore::fits(std::int64_t run) const {
   database_->require_run(run);
-  sqlite::Statement rows(database_->connection, std::string(kFitColumns) + " WHERE run = ? ORDER BY fit");
+  sqlite::Statement rows(database_->connection, select_fits("WHERE run = ? ORDER BY fit"));
   rows.bind(run);
   std::vector<FitRecord> fits;
   while (rows.step()) fits.push_back(fit_of(rows));
@@ -85,14 +82,8 @@ void RunStore::replace_verdicts(std::int64_t run, std::int64_t fit, const std::v
   for (const VerdictRecord& v : verdicts) limits.insert(v.limits_sha256);
   for (const std::string& sha256 : limits) before.bind(run, sha256, fit).run();
   sqlite::Statement row(connection,
-                        "INSERT INTO verdicts (run, fit, criterion, scope_kind, low_psi, high_psi, direction, "
-                        "taxel_share, value, expanded, limit_value, unit, rule, verdict, limits_toml, limits_sha256) "
-                        "VALUES (?, nullif(?, 0), ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
-  for (const VerdictRecord& v : verdicts) {
-    row.bind(run, fit, v.criterion, v.scope_kind, v.low_psi, v.high_psi, v.direction, v.share, v.value, v.expanded,
-             v.limit, v.unit, v.rule, v.verdict, v.limits_toml, v.limits_sha256)
-        .run();
-  }
+                        sqlite::insert_into("verdicts", fmt::format("run, fit, {}", VerdictRecord::kColumns), "fit"));
+  for (const VerdictRecord& v : verdicts) row.bind(run, fit, v.row()).run();
   seal(run, "verdicts");
   transaction.commit();
 }
@@ -101,17 +92,14 @@ namespace {
 
 std::vector<VerdictRecord> verdict_rows(sqlite::Connection& connection, const char* where, std::int64_t run) {
   sqlite::Statement rows(connection,
-                         fmt::format("SELECT v.run, v.fit, v.criterion, v.scope_kind, v.low_psi, v.high_psi, "
-                                     "v.direction, v.taxel_share, v.value, v.expanded, v.limit_value, v.unit, v.rule, "
-                                     "v.verdict, v.limits_toml, v.limits_sha256, coalesce(f.run, 0) FROM verdicts v "
+                         fmt::format("SELECT v.run, v.fit, f.run, {} FROM verdicts v "
                                      "LEFT JOIN fits f ON f.fit = v.fit WHERE {} = ? ORDER BY v.verdict_row",
-                                     where));
+                                     VerdictRecord::kColumns, where));
   rows.bind(run);
   std::vector<VerdictRecord> verdicts;
   while (rows.step()) {
     VerdictRecord& v = verdicts.emplace_back();
-    rows.read(v.run, v.fit, v.criterion, v.scope_kind, v.low_psi, v.high_psi, v.direction, v.share, v.value, v.expanded,
-              v.limit, v.unit, v.rule, v.verdict, v.limits_toml, v.limits_sha256, v.model_run);
+    rows.read(v.run, v.fit, v.model_run, v.row());
   }
   return verdicts;
 }
@@ -133,18 +121,12 @@ std::vector<VerdictRecord> RunStore::verdicts_of_models(std::int64_t run) const 
 std::int64_t RunStore::add_night(const NightRecord& night) {
   sqlite::Connection& connection = database_->connection;
   sqlite::Transaction transaction(connection);
-  sqlite::Statement(connection,
-                    "INSERT INTO nights (suite, suite_file, suite_toml, selection_json, shard, shards, begun_utc, "
-                    "ended_utc, program) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)")
-      .bind(night.suite, night.suite_file, night.suite_toml, night.selection_json, night.shard, night.shards,
-            night.begun_utc, night.ended_utc, night.program)
-      .run();
+  sqlite::Statement(connection, sqlite::insert_into("nights", NightRecord::kColumns)).bind(night.row()).run();
   const std::int64_t number = connection.last_row();
-  sqlite::Statement row(connection,
-                        "INSERT INTO night_results (night, position, label, first_run, result_json) "
-                        "VALUES (?, ?, ?, nullif(?, 0), ?)");
-  for (const NightResultRecord& result : night.results)
-    row.bind(number, result.position, result.label, result.first_run, result.json).run();
+  sqlite::Statement row(
+      connection,
+      sqlite::insert_into("night_results", fmt::format("night, {}", NightResultRecord::kColumns), "first_run"));
+  for (const NightResultRecord& result : night.results) row.bind(number, result.row()).run();
   transaction.commit();
   return number;
 }
@@ -152,23 +134,14 @@ std::int64_t RunStore::add_night(const NightRecord& night) {
 std::vector<NightRecord> RunStore::nights() const {
   std::vector<NightRecord> nights;
   sqlite::Statement rows(database_->connection,
-                         "SELECT night, suite, suite_file, suite_toml, selection_json, shard, shards, begun_utc, "
-                         "ended_utc, program FROM nights ORDER BY night");
+                         fmt::format("SELECT night, {} FROM nights ORDER BY night", NightRecord::kColumns));
   while (rows.step()) {
-    NightRecord& n = nights.emplace_back();
-    rows.read(n.night, n.suite, n.suite_file, n.suite_toml, n.selection_json, n.shard, n.shards, n.begun_utc,
-              n.ended_utc, n.program);
+    NightRecord& night = nights.emplace_back();
+    rows.read(night.night, night.row());
   }
-  for (NightRecord& night : nights) {
-    sqlite::Statement results(database_->connection,
-                              "SELECT position, label, coalesce(first_run, 0), result_json FROM night_results "
-                              "WHERE night = ? ORDER BY position");
-    results.bind(night.night);
-    while (results.step()) {
-      NightResultRecord& r = night.results.emplace_back();
-      results.read(r.position, r.label, r.first_run, r.json);
-    }
-  }
+  for (NightRecord& night : nights)
+    night.results = sqlite::read_all<NightResultRecord>(database_->connection,
+                                                        "night_results WHERE night = ? ORDER BY position", night.night);
   return nights;
 }
 
@@ -213,27 +186,28 @@ std::map<std::string, double> RunStore::figures_of(std::int64_t run, const std::
   return figures;
 }
 
-std::int64_t RunStore::copy_baseline(const BaselineRecord& baseline) {
-  sqlite::Connection& connection = database_->connection;
-  sqlite::Transaction transaction(connection);
-  sqlite::Statement(connection,
-                    "INSERT INTO baselines (subject, reason, accepted_by, accepted_utc) VALUES (?, ?, ?, ?)")
-      .bind(baseline.subject, baseline.reason, baseline.accepted_by, baseline.accepted_utc)
-      .run();
+std::int64_t RunStore::Database::insert_baseline(const BaselineRecord& baseline, const std::set<std::int64_t>& runs) {
+  sqlite::Statement(connection, sqlite::insert_into("baselines", BaselineRecord::kColumns)).bind(baseline.row()).run();
   const std::int64_t number = connection.last_row();
   sqlite::Statement row(connection, "INSERT INTO baseline_runs (baseline, run) VALUES (?, ?)");
-  for (const std::int64_t run : baseline.runs) row.bind(number, run).run();
+  for (const std::int64_t run : runs) row.bind(number, run).run();
+  return number;
+}
+
+std::int64_t RunStore::copy_baseline(const BaselineRecord& baseline) {
+  sqlite::Transaction transaction(database_->connection);
+  const std::int64_t number = database_->insert_baseline(baseline, {baseline.runs.begin(), baseline.runs.end()});
   transaction.commit();
   return number;
 }
 
 std::optional<BaselineRecord> RunStore::last_baseline(const std::string& subject) const {
-  sqlite::Statement row(database_->connection,
-                        "SELECT baseline, subject, reason, accepted_by, accepted_utc FROM baselines WHERE subject = ? "
-                        "ORDER BY accepted_utc DESC, baseline DESC LIMIT 1");
+  sqlite::Statement row(database_->connection, fmt::format("SELECT baseline, {} FROM baselines WHERE subject = ? "
+                                                           "ORDER BY accepted_utc DESC, baseline DESC LIMIT 1",
+                                                           BaselineRecord::kColumns));
   if (!row.bind(subject).step()) return std::nullopt;
   BaselineRecord baseline;
-  row.read(baseline.baseline, baseline.subject, baseline.reason, baseline.accepted_by, baseline.accepted_utc);
+  row.read(baseline.baseline, baseline.row());
   sqlite::Statement runs(database_->connection, "SELECT run FROM baseline_runs WHERE baseline = ? ORDER BY run");
   runs.bind(baseline.baseline);
   while (runs.step()) runs.read(baseline.runs.emplace_back());

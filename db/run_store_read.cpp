@@ -12,21 +12,15 @@ namespace tactbench::db {
 
 namespace {
 
-constexpr const char* kRunColumns =
-    "SELECT run, uuid, origin, state, outcome, reason, safe_state, operator, purpose, sensor_serial, scanner_serial, "
-    "bench_id, bench_toml, bench_sha256, sensor_toml, sensor_sha256, overrides_json, program_version, git_commit, "
-    "git_dirty, build_id, host, time_zone, seed, sensor_seed, started_utc, ended_utc, content_sha256, seen_utc, "
-    "rest_s, "
-    "tags, notes, void_reason, void_by, void_utc FROM runs";
+std::string select_runs(const std::string& rest) {
+  return fmt::format("SELECT run, {}, {}, {}, outcome, safe_state, tags FROM runs {}", RunRecord::kContent,
+                     RunRecord::kBegun, RunRecord::kLater, rest);
+}
 
 RunRecord run_of(const sqlite::Statement& row) {
   RunRecord r;
   std::string outcome, safe_state, tags;
-  row.read(r.run, r.uuid, r.origin, r.state, outcome, r.reason, safe_state, r.operator_name, r.purpose, r.sensor_serial,
-           r.scanner_serial, r.bench_id, r.bench_toml, r.bench_sha256, r.sensor_toml, r.sensor_sha256, r.overrides_json,
-           r.program_version, r.git_commit, r.git_dirty, r.build_id, r.host, r.time_zone, r.seed, r.sensor_seed,
-           r.started_utc, r.ended_utc, r.content_sha256, r.seen_utc, r.rest_s, tags, r.notes, r.void_reason, r.void_by,
-           r.void_utc);
+  row.read(r.run, r.content(), r.begun(), r.later(), outcome, safe_state, tags);
   std::istringstream words(tags);
   for (std::string tag; words >> tag;) r.tags.push_back(tag);
   const auto known_outcome = outcome_from(outcome);
@@ -72,25 +66,11 @@ void RunStore::Database::require_run(std::int64_t run) {
 
 RunRecord RunStore::Database::run(std::int64_t number) {
   require_run(number);
-  sqlite::Statement row(connection, std::string(kRunColumns) + " WHERE run = ?");
+  sqlite::Statement row(connection, select_runs("WHERE run = ?"));
   if (!row.bind(number).step()) require_run(number);
   RunRecord run = run_of(row);
-  sqlite::Statement sequences(connection,
-                              "SELECT sequence, name, recipe_toml, recipe_sha256, repeats, frames_per_repeat "
-                              "FROM sequences WHERE run = ? ORDER BY sequence");
-  sequences.bind(number);
-  while (sequences.step()) {
-    SequenceRecord& s = run.sequences.emplace_back();
-    sequences.read(s.sequence, s.name, s.recipe_toml, s.recipe_sha256, s.repeats, s.frames_per_repeat);
-  }
-  sqlite::Statement devices(connection,
-                            "SELECT role, model, serial, firmware, origin, calibration_json "
-                            "FROM devices WHERE run = ? ORDER BY position");
-  devices.bind(number);
-  while (devices.step()) {
-    DeviceRecord& d = run.devices.emplace_back();
-    devices.read(d.role, d.model, d.serial, d.firmware, d.origin, d.calibration_json);
-  }
+  run.sequences = sqlite::read_all<SequenceRecord>(connection, "sequences WHERE run = ? ORDER BY sequence", number);
+  run.devices = sqlite::read_all<DeviceRecord>(connection, "devices WHERE run = ? ORDER BY position", number);
   sqlite::Statement extremes(connection,
                              "SELECT coalesce(min(min(from_psi, to_psi)), 0.0), coalesce(max(max(from_psi, to_psi)), "
                              "0.0) FROM branches WHERE run = ?");
@@ -100,38 +80,31 @@ RunRecord RunStore::Database::run(std::int64_t number) {
 
 std::vector<BranchRecord> RunStore::Database::branches(std::int64_t run) {
   require_run(run);
-  sqlite::Statement rows(connection,
-                         "SELECT branch, sequence, \"repeat\", ordinal, attempt, void, void_reason, from_psi, to_psi, "
-                         "from_n, to_n FROM branches WHERE run = ? ORDER BY branch");
+  sqlite::Statement rows(
+      connection, fmt::format("SELECT branch, {} FROM branches WHERE run = ? ORDER BY branch", BranchRecord::kColumns));
   rows.bind(run);
   std::vector<BranchRecord> branches;
   while (rows.step()) {
     BranchRecord& b = branches.emplace_back();
-    rows.read(b.branch, b.sequence, b.repeat, b.ordinal, b.attempt, b.is_void, b.void_reason, b.from_psi, b.to_psi,
-              b.from_n, b.to_n);
+    rows.read(b.branch, b.row());
   }
   return branches;
 }
 
 std::vector<EventRecord> RunStore::Database::events(std::int64_t run) {
   require_run(run);
-  sqlite::Statement rows(connection, "SELECT time_ns, kind, id, detail FROM events WHERE run = ? ORDER BY event");
-  rows.bind(run);
-  std::vector<EventRecord> events;
-  while (rows.step()) {
-    EventRecord& event = events.emplace_back();
-    rows.read(event.time_ns, event.kind, event.id, event.detail);
-  }
-  return events;
+  return sqlite::read_all<EventRecord>(connection, "events WHERE run = ? ORDER BY event", run);
 }
 
 namespace {
 
-constexpr const char* kCheckColumns = "SELECT c.run, c.time_ns, c.kind, c.verdict, c.detail_json, c.data FROM checks c";
+std::string select_checks(const std::string& rest) {
+  return fmt::format("SELECT c.run, {} FROM checks c {}", CheckRecord::kColumns, rest);
+}
 
 CheckRecord check_of(const sqlite::Statement& row) {
   CheckRecord c;
-  row.read(c.run, c.time_ns, c.kind, c.verdict, c.detail_json, c.data);
+  row.read(c.run, c.row());
   return c;
 }
 
@@ -139,7 +112,7 @@ CheckRecord check_of(const sqlite::Statement& row) {
 
 std::vector<CheckRecord> RunStore::Database::checks(std::int64_t run) {
   require_run(run);
-  sqlite::Statement rows(connection, std::string(kCheckColumns) + " WHERE c.run = ? ORDER BY c.check_row");
+  sqlite::Statement rows(connection, select_checks("WHERE c.run = ? ORDER BY c.check_row"));
   rows.bind(run);
   std::vector<CheckRecord> checks;
   while (rows.step()) checks.push_back(check_of(rows));
@@ -148,15 +121,7 @@ std::vector<CheckRecord> RunStore::Database::checks(std::int64_t run) {
 
 std::vector<SeriesRecord> RunStore::Database::series(std::int64_t run) {
   require_run(run);
-  sqlite::Statement rows(connection,
-                         "SELECT sequence, taxel, input, output FROM series WHERE run = ? ORDER BY sequence, taxel");
-  rows.bind(run);
-  std::vector<SeriesRecord> series;
-  while (rows.step()) {
-    SeriesRecord& s = series.emplace_back();
-    rows.read(s.sequence, s.taxel, s.input, s.output);
-  }
-  return series;
+  return sqlite::read_all<SeriesRecord>(connection, "series WHERE run = ? ORDER BY sequence, taxel", run);
 }
 
 std::vector<SeriesRecord> RunStore::series(std::int64_t run) const { return database_->series(run); }
@@ -165,9 +130,9 @@ std::vector<CheckRecord> RunStore::checks(std::int64_t run) const { return datab
 std::optional<CheckRecord> RunStore::last_check(const std::string& sensor_serial, const std::string& kind,
                                                 const std::string& verdict, std::int64_t before_run) const {
   sqlite::Statement rows(database_->connection,
-                         std::string(kCheckColumns) +
-                             " JOIN runs r ON r.run = c.run WHERE r.sensor_serial = ? AND c.kind = ? AND "
-                             "c.verdict = ? AND c.run < ? AND r.void_utc = '' ORDER BY c.check_row DESC LIMIT 1");
+                         select_checks("JOIN runs r ON r.run = c.run WHERE r.sensor_serial = ? AND c.kind = ? AND "
+                                       "c.verdict = ? AND c.run < ? AND r.void_utc = '' "
+                                       "ORDER BY c.check_row DESC LIMIT 1"));
   rows.bind(sensor_serial, kind, verdict, before_run);
   return rows.step() ? std::optional(check_of(rows)) : std::nullopt;
 }
@@ -193,7 +158,7 @@ std::vector<RunRecord> RunStore::runs(const RunFilter& filter) const {
     values.push_back(*value);
   }
   values.resize(3);
-  sqlite::Statement rows(database_->connection, std::string(kRunColumns) + where + " ORDER BY run");
+  sqlite::Statement rows(database_->connection, select_runs(where + " ORDER BY run"));
   const auto bound = [&](std::size_t i) { return values[i].empty() ? std::optional<std::string>() : values[i]; };
   rows.bind(bound(0), bound(1), bound(2));
   std::vector<RunRecord> runs;
@@ -207,11 +172,11 @@ std::vector<EventRecord> RunStore::events(std::int64_t run) const { return datab
 
 void RunStore::newest_events(std::int64_t run, const std::function<bool(const EventRecord&)>& see) const {
   sqlite::Statement rows(database_->connection,
-                         "SELECT time_ns, kind, id, detail FROM events WHERE run = ? ORDER BY event DESC");
+                         fmt::format("SELECT {} FROM events WHERE run = ? ORDER BY event DESC", EventRecord::kColumns));
   rows.bind(run);
   EventRecord event;
   while (rows.step()) {
-    rows.read(event.time_ns, event.kind, event.id, event.detail);
+    rows.read(event.row());
     if (!see(event)) return;
   }
 }
@@ -367,28 +332,22 @@ std::int64_t RunStore::add_baseline(const BaselineRecord& baseline) {
                        named.size(), repeated.begin()->first, repeated.begin()->second),
            "accept runs that were measured separately, simulated ones with seeds of their own (--seed)");
   }
-  sqlite::Statement(connection,
-                    "INSERT INTO baselines (subject, reason, accepted_by, accepted_utc) VALUES (?, ?, ?, ?)")
-      .bind(baseline.subject, baseline.reason, baseline.accepted_by, baseline.accepted_utc)
-      .run();
-  const std::int64_t number = connection.last_row();
-  sqlite::Statement row(connection, "INSERT INTO baseline_runs (baseline, run) VALUES (?, ?)");
-  for (const std::int64_t run : named) row.bind(number, run).run();
+  const std::int64_t number = database_->insert_baseline(baseline, named);
   transaction.commit();
   return number;
 }
 
 std::vector<BaselineRecord> RunStore::baselines() const {
-  sqlite::Statement rows(database_->connection,
-                         "SELECT b.baseline, subject, reason, accepted_by, accepted_utc, r.run FROM baselines b "
-                         "JOIN baseline_runs r ON r.baseline = b.baseline "
-                         "ORDER BY accepted_utc, b.baseline, r.run");
+  sqlite::Statement rows(database_->connection, fmt::format("SELECT r.run, b.baseline, {} FROM baselines b "
+                                                            "JOIN baseline_runs r ON r.baseline = b.baseline "
+                                                            "ORDER BY accepted_utc, b.baseline, r.run",
+                                                            BaselineRecord::kColumns));
   std::vector<BaselineRecord> baselines;
   while (rows.step()) {
     BaselineRecord row;
-    rows.read(row.baseline, row.subject, row.reason, row.accepted_by, row.accepted_utc);
+    rows.read_from(1, row.baseline, row.row());
     if (baselines.empty() || baselines.back().baseline != row.baseline) baselines.push_back(row);
-    baselines.back().runs.push_back(rows.value<std::int64_t>(5));
+    baselines.back().runs.push_back(rows.value<std::int64_t>(0));
   }
   return baselines;
 }
@@ -422,10 +381,8 @@ void RunStore::add_report(const ReportRecord& report) {
   std::string evidence;
   for (const auto& [run, content] : report.evidence) evidence += fmt::format("{} {}\n", run, content);
   sqlite::Statement(database_->connection,
-                    "INSERT INTO reports (run, number, content_sha256, approved_by, approved_utc, replaces, reason, "
-                    "evidence) VALUES (?, ?, ?, ?, ?, ?, ?, ?)")
-      .bind(report.run, report.number, report.content_sha256, report.approved_by, report.approved_utc, report.replaces,
-            report.reason, evidence)
+                    sqlite::insert_into("reports", fmt::format("run, reason, evidence, {}", ReportRecord::kColumns)))
+      .bind(report.run, report.reason, evidence, report.row())
       .run();
   seal(report.run, "approvals");
   transaction.commit();
@@ -433,15 +390,16 @@ void RunStore::add_report(const ReportRecord& report) {
 
 namespace {
 
-constexpr const char* kReportColumns =
-    "SELECT run, number, content_sha256, approved_by, approved_utc, replaces, reason, evidence FROM reports";
+std::string select_reports(const std::string& rest) {
+  return fmt::format("SELECT run, reason, evidence, {} FROM reports {}", ReportRecord::kColumns, rest);
+}
 
 std::vector<ReportRecord> report_rows(sqlite::Statement& rows) {
   std::vector<ReportRecord> reports;
   while (rows.step()) {
     ReportRecord& r = reports.emplace_back();
     std::string evidence;
-    rows.read(r.run, r.number, r.content_sha256, r.approved_by, r.approved_utc, r.replaces, r.reason, evidence);
+    rows.read(r.run, r.reason, evidence, r.row());
     std::istringstream lines(evidence);
     for (ReportRecord::Evidence one; lines >> one.run >> one.content_sha256;) r.evidence.push_back(one);
   }
@@ -452,13 +410,13 @@ std::vector<ReportRecord> report_rows(sqlite::Statement& rows) {
 
 std::vector<ReportRecord> RunStore::reports(std::int64_t run) const {
   database_->require_run(run);
-  sqlite::Statement rows(database_->connection, std::string(kReportColumns) + " WHERE run = ? ORDER BY report_row");
+  sqlite::Statement rows(database_->connection, select_reports("WHERE run = ? ORDER BY report_row"));
   rows.bind(run);
   return report_rows(rows);
 }
 
 std::vector<ReportRecord> RunStore::reports() const {
-  sqlite::Statement rows(database_->connection, std::string(kReportColumns) + " ORDER BY report_row");
+  sqlite::Statement rows(database_->connection, select_reports("ORDER BY report_row"));
   return report_rows(rows);
 }
 

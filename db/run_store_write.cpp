@@ -15,13 +15,13 @@ StoreError conflict(const std::string& message, const std::string& remedy) {
   return {"TB-STORE-CONFLICT", message, remedy};
 }
 
-constexpr const char* kInsertFrame =
-    "INSERT INTO frames (frame, branch, ordinal, setpoint_psi, feedback_psi, reference_psi, setpoint_counts, "
-    "feedback_counts, reference_counts, time_ns, since_command_ns, in_band_ns, device_time_us, status, exchanges, "
-    "dtype, \"rows\", columns, scans, counts, chain, flags, trace, target_n, force_start_n, wrench, wrench_raw, "
-    "place_mm) "
-    "SELECT ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, 'uint16le', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ? "
-    "WHERE EXISTS (SELECT 1 FROM runs WHERE run = ? AND state <> 'ended')";
+std::string insert_frame() {
+  const std::string columns = fmt::format("frame, chain, {}, {}", FrameRecord::kColumns, WrenchRecord::kColumns);
+  return fmt::format(
+      "INSERT INTO frames ({}, dtype) SELECT {}, 'uint16le' "
+      "WHERE EXISTS (SELECT 1 FROM runs WHERE run = ? AND state <> 'ended')",
+      columns, sqlite::parameters(columns));
+}
 
 void check_shape(const FrameRecord& frame) {
   if (has_consistent_shape(frame)) return;
@@ -91,18 +91,17 @@ const BranchRecord& RunStore::Database::branch_of(std::int64_t run, std::int64_t
 
 void RunStore::Database::insert_devices(std::int64_t run, const std::vector<DeviceRecord>& devices) {
   sqlite::Statement row(connection,
-                        "INSERT INTO devices (run, position, role, model, serial, firmware, origin, calibration_json) "
-                        "VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
+                        sqlite::insert_into("devices", fmt::format("run, position, {}", DeviceRecord::kColumns)));
   int position = 0;
   for (const DeviceRecord& d : devices) {
     check_device(d);
-    row.bind(run, position++, d.role, d.model, d.serial, d.firmware, d.origin, d.calibration_json).run();
+    row.bind(run, position++, d.row()).run();
   }
 }
 
 void RunStore::Database::insert_event(std::int64_t run, const EventRecord& event) {
-  sqlite::Statement(connection, "INSERT INTO events (run, time_ns, kind, id, detail) VALUES (?, ?, ?, ?, ?)")
-      .bind(run, event.time_ns, event.kind, event.id, event.detail)
+  sqlite::Statement(connection, sqlite::insert_into("events", fmt::format("run, {}", EventRecord::kColumns)))
+      .bind(run, event.row())
       .run();
 }
 
@@ -136,33 +135,20 @@ std::int64_t RunStore::begin_run(const RunRecord& run) {
   database_->preallocate_log();
   sqlite::Connection& connection = database_->connection;
   sqlite::Transaction transaction(connection);
-  std::optional<std::string> sensor_serial;
-  if (!run.sensor_serial.empty()) {
-    if (!sensor(run.sensor_serial)) {
-      throw conflict(fmt::format("store {}: sensor '{}' is not registered", path(), run.sensor_serial),
-                     "register it: tactbench sensors add");
-    }
-    sensor_serial = run.sensor_serial;
+  if (!run.sensor_serial.empty() && !sensor(run.sensor_serial)) {
+    throw conflict(fmt::format("store {}: sensor '{}' is not registered", path(), run.sensor_serial),
+                   "register it: tactbench sensors add");
   }
-  sqlite::Statement(
-      connection,
-      "INSERT INTO runs (uuid, origin, state, outcome, reason, safe_state, operator, purpose, sensor_serial, "
-      "scanner_serial, bench_id, bench_toml, bench_sha256, sensor_toml, sensor_sha256, overrides_json, "
-      "program_version, git_commit, git_dirty, build_id, host, time_zone, seed, sensor_seed, started_utc, ended_utc, "
-      "content_sha256) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, '', '')")
-      .bind(run.uuid.empty() ? new_uuid() : run.uuid, run.origin, run.state, to_string(Outcome::kIncomplete),
-            run.reason, to_string(run.safe_state), run.operator_name, run.purpose, sensor_serial, run.scanner_serial,
-            run.bench_id, run.bench_toml, run.bench_sha256, run.sensor_toml, run.sensor_sha256, run.overrides_json,
-            run.program_version, run.git_commit, run.git_dirty, run.build_id, run.host, run.time_zone, run.seed,
-            run.sensor_seed, run.started_utc)
+  RunRecord begun = run;
+  if (begun.uuid.empty()) begun.uuid = new_uuid();
+  const std::string columns =
+      fmt::format("{}, {}, outcome, safe_state, ended_utc, content_sha256", RunRecord::kContent, RunRecord::kBegun);
+  sqlite::Statement(connection, sqlite::insert_into("runs", columns, "sensor_serial"))
+      .bind(begun.content(), begun.begun(), to_string(Outcome::kIncomplete), to_string(begun.safe_state), "", "")
       .run();
   const std::int64_t number = connection.last_row();
-  sqlite::Statement row(connection,
-                        "INSERT INTO sequences (run, sequence, name, recipe_toml, recipe_sha256, repeats, "
-                        "frames_per_repeat) VALUES (?, ?, ?, ?, ?, ?, ?)");
-  for (const SequenceRecord& s : run.sequences) {
-    row.bind(number, s.sequence, s.name, s.recipe_toml, s.recipe_sha256, s.repeats, s.frames_per_repeat).run();
-  }
+  sqlite::Statement row(connection, sqlite::insert_into("sequences", fmt::format("run, {}", SequenceRecord::kColumns)));
+  for (const SequenceRecord& s : run.sequences) row.bind(number, s.row()).run();
   database_->insert_devices(number, run.devices);
   sqlite::Statement sealed(connection, "INSERT INTO seals (run, kind, count, sha256) VALUES (?, ?, 0, '')");
   for (const char* kind : kSealed) sealed.bind(number, kind).run();
@@ -197,10 +183,8 @@ std::int64_t RunStore::begin_branch(std::int64_t run, const BranchRecord& b) {
   sqlite::Transaction transaction(database_->connection);
   database_->require_open(run);
   sqlite::Statement(database_->connection,
-                    "INSERT INTO branches (run, sequence, \"repeat\", ordinal, attempt, void, void_reason, from_psi, "
-                    "to_psi, from_n, to_n) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
-      .bind(run, b.sequence, b.repeat, b.ordinal, b.attempt, b.is_void, b.void_reason, b.from_psi, b.to_psi, b.from_n,
-            b.to_n)
+                    sqlite::insert_into("branches", fmt::format("run, {}", BranchRecord::kColumns)))
+      .bind(run, b.row())
       .run();
   const std::int64_t branch = database_->connection.last_row();
   transaction.commit();
@@ -234,15 +218,13 @@ void RunStore::append_frame(std::int64_t run, const FrameRecord& f) {
   if (!open.chain) open.chain = database.header_digest(run);
   const Digest chain = database.hasher.frame(*open.chain, branch, f);
   if (!database.frame_statement) {
-    database.frame_statement = std::make_unique<sqlite::Statement>(database.connection, kInsertFrame);
+    database.frame_statement = std::make_unique<sqlite::Statement>(database.connection, insert_frame());
   }
   const auto of = [&](auto member) { return f.wrench ? std::optional(*f.wrench.*member) : std::nullopt; };
   database.frame_statement
-      ->bind(frames_above(run) + open.frames + 1, f.branch, f.ordinal, f.setpoint_psi, f.feedback_psi, f.reference_psi,
-             f.setpoint_counts, f.feedback_counts, f.reference_counts, f.time_ns, f.since_command_ns, f.in_band_ns,
-             f.device_time_us, f.status, f.exchanges, f.rows, f.columns, f.scans, f.counts, chain, f.flags, f.trace,
-             of(&WrenchRecord::target_n), of(&WrenchRecord::force_start_n), of(&WrenchRecord::wrench),
-             of(&WrenchRecord::raw), of(&WrenchRecord::place_mm), run)
+      ->bind(frames_above(run) + open.frames + 1, chain, f.row(), of(&WrenchRecord::target_n),
+             of(&WrenchRecord::force_start_n), of(&WrenchRecord::wrench), of(&WrenchRecord::raw),
+             of(&WrenchRecord::place_mm), run)
       .run();
   if (database.connection.changes() != 1) {
     database.require_open(run);
@@ -266,8 +248,8 @@ void RunStore::append_series(std::int64_t run, const std::vector<SeriesRecord>& 
   sqlite::Transaction transaction(database_->connection);
   database_->require_open(run);
   sqlite::Statement row(database_->connection,
-                        "INSERT INTO series (run, sequence, taxel, input, output) VALUES (?, ?, ?, ?, ?)");
-  for (const SeriesRecord& s : series) row.bind(run, s.sequence, s.taxel, s.input, s.output).run();
+                        sqlite::insert_into("series", fmt::format("run, {}", SeriesRecord::kColumns)));
+  for (const SeriesRecord& s : series) row.bind(run, s.row()).run();
   transaction.commit();
 }
 
@@ -275,9 +257,8 @@ void RunStore::append_check(std::int64_t run, const CheckRecord& c) {
   database_->open_run(run);
   sqlite::Transaction transaction(database_->connection);
   database_->require_open(run);
-  sqlite::Statement(database_->connection,
-                    "INSERT INTO checks (run, time_ns, kind, verdict, detail_json, data) VALUES (?, ?, ?, ?, ?, ?)")
-      .bind(run, c.time_ns, c.kind, c.verdict, c.detail_json, c.data)
+  sqlite::Statement(database_->connection, sqlite::insert_into("checks", fmt::format("run, {}", CheckRecord::kColumns)))
+      .bind(run, c.row())
       .run();
   transaction.commit();
 }

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <limits>
 #include <new>
+#include <sstream>
 
 #include "db/run_store.h"
 #include "db/store_file.h"
@@ -198,6 +199,18 @@ std::int64_t Connection::last_row() const { return sqlite3_last_insert_rowid(han
 std::int64_t Connection::changes() const { return sqlite3_changes64(handle_); }
 bool Connection::in_transaction() const { return sqlite3_get_autocommit(handle_) == 0; }
 bool Connection::is_read_only() const { return sqlite3_db_readonly(handle_, "main") == 1; }
+
+std::string parameters(const std::string& columns, std::string_view nullable) {
+  std::string list;
+  std::istringstream names(columns);
+  for (std::string name; std::getline(names >> std::ws, name, ',');)
+    list += fmt::format("{}{}", list.empty() ? "" : ", ", name == nullable ? "nullif(nullif(?, 0), '')" : "?");
+  return list;
+}
+
+std::string insert_into(const std::string& table, const std::string& columns, std::string_view nullable) {
+  return fmt::format("INSERT INTO {} ({}) VALUES ({})", table, columns, parameters(columns, nullable));
+}
 
 Statement::Statement(Connection& connection, std::string_view sql) : connection_(connection) {
   const int code = sqlite3_prepare_v2(connection.handle(), sql.data(), static_cast<int>(sql.size()), &handle_, nullptr);

@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <type_traits>
 #include <vector>
 
@@ -68,8 +69,14 @@ class Connection {
   mutable std::int64_t longest_ = 0;  // bytes
 };
 
-// Values go in with bind(...) and come out with read(...), in the order of the SQL text. Vectors and arrays of numbers
-// are blobs. A double that is not a number is NULL in the file and comes back as NaN.
+// "?, ?, ?": a parameter for each of the columns; that of `nullable` is stored as NULL where it is 0 or "".
+std::string parameters(const std::string& columns, std::string_view nullable = {});
+// "INSERT INTO table (columns) VALUES (parameters)".
+std::string insert_into(const std::string& table, const std::string& columns, std::string_view nullable = {});
+
+// Values go in with bind(...) and come out with read(...), in the order of the SQL text; a tuple of references stands
+// for its values. Vectors and arrays of numbers are blobs. A double that is not a number is NULL in the file and comes
+// back as NaN.
 class Statement {
  public:
   Statement(Connection& connection, std::string_view sql);
@@ -81,19 +88,14 @@ class Statement {
   template <class... Values>
   Statement& bind(const Values&... values) {
     int index = 0;
-    (put(++index, values), ...);
+    (put(index, values), ...);
     return *this;
-  }
-  // One parameter, from 1, where their number is not known before. The same holds for blobs.
-  template <class Value>
-  void bind_at(int index, const Value& value) {
-    put(index, value);
   }
   [[nodiscard]] bool step();  // true: a row is available
   void run();                 // to the end; then ready to be bound again
   void reset();               // ready to be bound again
   template <class... Values>
-  void read(Values&... values) const {
+  void read(Values&&... values) const {
     read_from(0, values...);
   }
   template <class Value>
@@ -109,52 +111,61 @@ class Statement {
   }
   [[nodiscard]] bool is_null(int column) const;
   template <class... Values>
-  void read_from(int column, Values&... values) const {
-    (get(column++, values), ...);
+  void read_from(int column, Values&&... values) const {
+    (get(column, values), ...);
   }
 
  private:
+  // The next parameter or column.
   template <class T>
-  void put(int index, const T& value) {
+  void put(int& index, const T& value) {
     if constexpr (std::integral<T>) {
-      put_integer(index, static_cast<std::int64_t>(value));
+      put_integer(++index, static_cast<std::int64_t>(value));
     } else if constexpr (std::floating_point<T>) {
-      put_real(index, value);
+      put_real(++index, value);
     } else if constexpr (std::convertible_to<T, std::string_view>) {
-      put_text(index, value);
+      put_text(++index, value);
     } else {
-      put_blob(index, std::as_bytes(std::span(value)));
+      put_blob(++index, std::as_bytes(std::span(value)));
     }
   }
   template <class T>
-  void put(int index, const std::optional<T>& value) {
-    if (value) put(index, *value);  // an unbound parameter is NULL
+  void put(int& index, const std::optional<T>& value) {
+    value ? put(index, *value) : void(++index);  // an unbound parameter is NULL
+  }
+  template <class... Values>
+  void put(int& index, const std::tuple<Values&...>& row) {
+    std::apply([&](const auto&... values) { (put(index, values), ...); }, row);
   }
   template <class T>
-  void get(int column, T& value) const {
+  void get(int& column, T& value) const {
     if constexpr (std::same_as<T, bool>) {
-      value = get_integer(column) != 0;
+      value = get_integer(column++) != 0;
     } else if constexpr (std::integral<T>) {
-      value = static_cast<T>(get_integer(column));
+      value = static_cast<T>(get_integer(column++));
     } else if constexpr (std::floating_point<T>) {
-      value = get_real(column);
+      value = get_real(column++);
     } else {
-      value = get_text(column);
+      value = get_text(column++);
     }
   }
   template <class T>
-  void get(int column, std::optional<T>& value) const {
+  void get(int& column, std::optional<T>& value) const {
     value.reset();
-    if (!is_null(column)) get(column, value.emplace());
+    is_null(column) ? void(++column) : get(column, value.emplace());
   }
   template <class T>
-  void get(int column, std::vector<T>& value) const {
+  void get(int& column, std::vector<T>& value) const {
     value.resize(blob_size(column) / sizeof(T));
-    get_blob(column, std::as_writable_bytes(std::span(value)));
+    get_blob(column++, std::as_writable_bytes(std::span(value)));
   }
   template <class T, std::size_t N>
-  void get(int column, std::array<T, N>& value) const {
-    get_blob(column, std::as_writable_bytes(std::span(value)));
+  void get(int& column, std::array<T, N>& value) const {
+    get_blob(column++, std::as_writable_bytes(std::span(value)));
+  }
+  template <class... Values>
+  void get(int& column, std::tuple<Values&...>& row) const {
+    std::apply([&](auto&... values) { (get(column, values), ...); }, row);
   }
   void put_integer(int index, std::int64_t value);
   void put_real(int index, double value);
@@ -169,6 +180,16 @@ class Statement {
   Connection& connection_;
   sqlite3_stmt* handle_ = nullptr;
 };
+
+// "SELECT columns FROM rest", as records of this kind (db/record.h).
+template <class Record, class... Values>
+std::vector<Record> read_all(Connection& connection, const std::string& rest, const Values&... values) {
+  Statement rows(connection, std::string("SELECT ") + Record::kColumns + " FROM " + rest);
+  rows.bind(values...);
+  std::vector<Record> records;
+  while (rows.step()) rows.read(records.emplace_back().row());
+  return records;
+}
 
 // Takes the write lock at once; rolls back unless committed. Refused on a file that is not in its place, unless that
 // was told before: then it is what a run still has to say before the store is saved (RunStore::rescue).
