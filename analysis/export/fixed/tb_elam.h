@@ -41,178 +41,200 @@ typedef struct {
   tb_elam_shape shape;             /* of the present branch */
 } tb_elam_taxel;
 
-/* A branch from `from` to `end`, where it closes its loop or ends: the curve of Eqs (31)-(38) from `from` on, its
- * outputs scaled so that it meets `end`. */
-typedef struct {
-  tb_point from, end;
-  uint32_t split_x, split_y;
-  tb_elam_shape shape;
-} tb_elam_curve;
-
-/* v from one range to another, both rising; ranges that are the same: v itself. */
+/* v from one range to another that is not the same, both rising. */
+TB_INLINE uint32_t tb_scale(uint32_t v, uint32_t low, uint32_t high, uint32_t to_low, uint32_t to_high) {
+  const uint32_t way = v - low, whole = high - low;
+  if (way >= whole) return v <= low ? to_low : to_high;
+  return to_low + (((to_high - to_low) * tb_r16(way, whole)) >> 16);
+}
+/* The same; of ranges that are the same, v itself. */
 static inline uint32_t tb_map(uint32_t v, uint32_t low, uint32_t high, uint32_t to_low, uint32_t to_high) {
-  if (v <= low) return to_low;
-  if (v >= high) return to_high;
+  const uint32_t way = v - low, whole = high - low;
+  if (way >= whole) return v <= low ? to_low : to_high;
   if (low == to_low && high == to_high) return v;
-  return to_low + (((to_high - to_low) * (((v - low) << 16) / (high - low))) >> 16);
+  return to_low + (((to_high - to_low) * tb_r16(way, whole)) >> 16);
 }
-/* The last of n knots, but for the very last, that is not above v; else the first. */
-static inline uint32_t tb_interval(const uint16_t* knots, uint32_t n, uint32_t v) {
-  uint32_t first = 0, left = n - 1;
-  while (left > 1) {
-    const uint32_t half = left / 2;
-    if (knots[first + half] <= v) first += half;
-    left -= half;
-  }
-  return first;
+/* Of `*left` intervals the last `size`, where they are more and v lies there, or else the first. */
+TB_INLINE const uint16_t* tb_halve(const uint16_t* from, uint32_t* left, uint32_t size, uint32_t v) {
+  const uint32_t over = *left - size;
+  if (*left <= size) return from;
+  *left = size;
+  return from[over] <= v ? from + over : from;
 }
-/* The pattern's input of an output, and its output at an input, whose interval is guessed: the knots are even, or
- * nearly. */
+/* The last of n knots, but for the very last, that is not above v; else the first. No loop for up to 65: where their
+ * number is a constant, as in an exported model, four instructions a step. */
+TB_INLINE uint32_t tb_interval(const uint16_t* knots, uint32_t n, uint32_t v) {
+  const uint16_t* at = knots;
+  uint32_t left = n - 1;
+  while (left > 64) at = tb_halve(at, &left, left - left / 2, v);
+  at = tb_halve(at, &left, 32, v);
+  at = tb_halve(at, &left, 16, v);
+  at = tb_halve(at, &left, 8, v);
+  at = tb_halve(at, &left, 4, v);
+  at = tb_halve(at, &left, 2, v);
+  at = tb_halve(at, &left, 1, v);
+  return (uint32_t)(at - knots);
+}
+/* The pattern's input of an output, and its output at an input. */
 static inline uint32_t tb_elam_input(const tb_elam_model* m, const uint16_t* pattern, uint32_t y) {
   const uint32_t k = tb_interval(pattern, m->knots, y);
   return tb_map(y, pattern[k], pattern[k + 1], m->x[k], m->x[k + 1]);
 }
 static inline uint32_t tb_elam_output(const tb_elam_model* m, const uint16_t* pattern, uint32_t x) {
-  uint32_t k = (x * (m->knots - 1U)) >> 16;
-  while (k > 0 && m->x[k] > x) --k;
-  while (k + 2 < m->knots && m->x[k + 1] <= x) ++k;
+  const uint32_t k = tb_interval(m->x, m->knots, x);
   return tb_map(x, m->x[k], m->x[k + 1], pattern[k], pattern[k + 1]);
 }
 
-static inline const uint16_t* tb_elam_pattern(const tb_elam_model* m, uint32_t number, int rises) {
-  return m->patterns + (2 * number + (rises ? 0U : 1U)) * m->knots;
+/* A point of a branch's curve: output, input, and its place on the pattern, which is the input there of a rising
+ * branch, the output of a falling one. */
+typedef struct {
+  uint32_t u, x, place;
+} tb_elam_mark;
+
+/* A knot of the pattern, or the nearer end of the part where it lies outside: its output and its input on the curve. */
+TB_INLINE uint32_t tb_elam_output_of(int rises, uint32_t knot, tb_elam_mark low, tb_elam_mark high) {
+  if (rises) return knot <= low.u ? low.u : knot >= high.u ? high.u : knot; /* (36), (38) */
+  return tb_map(knot, low.place, high.place, low.u, high.u);                /* (31) to (34) */
+}
+TB_INLINE uint32_t tb_elam_input_of(int rises, uint32_t knot, uint32_t at, tb_elam_mark low, tb_elam_mark high) {
+  if (knot <= (rises ? low.u : low.place)) return low.x;
+  if (knot >= (rises ? high.u : high.place)) return high.x;
+  if (rises) return tb_map(at, low.place, high.place, low.x, high.x);
+  return low.u == 0 ? at : tb_map(at, low.x, TB_ELAM_X, low.x, high.x);
 }
 
-/* `known`: what was searched before; else it is searched. */
-TB_INLINE void tb_elam_curve_of(const tb_elam_model* m, uint32_t number, int rises, tb_point from, tb_point end,
-                                const tb_elam_shape* known, tb_elam_curve* c) {
+/* The last knot, but for the very last, whose output is below y: for where an output on the pattern tells little of it,
+ * as on a curve that hardly rises. */
+static inline uint32_t tb_elam_search(const uint16_t* pattern, uint32_t n, int rises, uint32_t y, tb_elam_mark under,
+                                      tb_elam_mark over, uint32_t of_low, uint32_t of_high, uint32_t low,
+                                      uint32_t high) {
+  uint32_t bottom = 0, top = n - 1;
+  while (top - bottom > 1) {
+    const uint32_t k = (bottom + top) / 2, knot = pattern[k];
+    if (knot <= (rises ? under.u : under.place) ||
+        (knot < (rises ? over.u : over.place) &&
+         tb_map(tb_elam_output_of(rises, knot, under, over), of_low, of_high, low, high) < y))
+      bottom = k;
+    else
+      top = k;
+  }
+  return bottom;
+}
+
+/* A branch from `from` to `end`, where it closes its loop or ends: the curve of Eqs (31)-(38) from `from` on, its
+ * outputs scaled so that it meets `end`. The piece with output y: between two knots of the pattern, or their images,
+ * low < y <= high; what closes a loop cuts it. `shape` is searched where it is not known. */
+TB_INLINE void tb_elam_branch(const tb_elam_model* m, uint32_t number, int rises, tb_point from, tb_point end,
+                              int closes, uint32_t y, int known, tb_elam_shape* shape, tb_piece* p) {
   const tb_elam_words* const w = &m->words[number];
-  const uint16_t* const pattern = tb_elam_pattern(m, number, rises);
-  const uint32_t x = from.x, e = end.x, y = rises && from.u > TB_ELAM_Y ? TB_ELAM_Y : from.u, near_end = 655; /* 0.01 */
-  int outer = m->exact_outer;
-  c->from.x = from.x;
-  c->from.u = (uint16_t)y;
-  c->end = end;
+  const uint16_t* const pattern = m->patterns + (2 * number + (rises ? 0U : 1U)) * m->knots;
+  const uint32_t near_end = 655; /* 0.01 */
+  uint32_t low, high, of_low, of_high, x_low, x_high, k, of_curve;
+  tb_elam_mark begin, split, edge, under, over;
+  int outer = m->exact_outer, scaled;
+  begin.u = rises && from.u > TB_ELAM_Y ? TB_ELAM_Y : from.u;
+  begin.x = from.x;
+  edge.u = rises ? TB_ELAM_Y : 0U;
+  edge.x = edge.place = rises ? TB_ELAM_X : 0U;
   if (rises) {
-    const uint32_t length = TB_ELAM_X - x;
+    const uint32_t length = TB_ELAM_X - begin.x;
     const uint32_t share = w->split_long >= w->split_short
                                ? w->split_short + ((length * (uint32_t)(w->split_long - w->split_short)) >> 16)
                                : w->split_short - ((length * (uint32_t)(w->split_short - w->split_long)) >> 16);
-    c->split_x = x + ((length * share) >> 16);              /* (21) */
-    c->split_y = y + (((TB_ELAM_Y - y) * w->beta_a) >> 16); /* (22) */
-    outer = outer && x <= near_end;
+    split.x = begin.x + ((length * share) >> 16);                    /* (21) */
+    split.u = begin.u + (((TB_ELAM_Y - begin.u) * w->beta_a) >> 16); /* (22) */
+    outer = outer && begin.x <= near_end;
   } else {
     /* Near the top the split is that of a turn at the highest input: within 0.01 of the span, fading out to 0.02. */
-    const uint32_t below = y < TB_ELAM_Y ? TB_ELAM_Y - y : 0U;
-    const uint32_t x_split = below >= 1228  ? x
+    const uint32_t below = begin.u < TB_ELAM_Y ? TB_ELAM_Y - begin.u : 0U;
+    const uint32_t x_split = below >= 1228  ? begin.x
                              : below <= 614 ? TB_ELAM_X
-                                            : x + (((TB_ELAM_X - x) * ((1228U - below) * 106U)) >> 16);
-    c->split_x = (x_split * w->alpha_d) >> 16; /* (14) */
-    if (c->split_x > x) c->split_x = x;
-    c->split_y = (y * w->beta_d) >> 16; /* (15) */
+                                            : begin.x + (((TB_ELAM_X - begin.x) * ((1228U - below) * 106U)) >> 16);
+    split.x = (x_split * w->alpha_d) >> 16; /* (14) */
+    if (split.x > begin.x) split.x = begin.x;
+    split.u = (begin.u * w->beta_d) >> 16; /* (15) */
     outer = outer && TB_ELAM_X - x_split <= near_end;
   }
-  if (known) {
-    c->shape = *known;
+  if (!known) {
+    shape->split = (uint16_t)(rises ? tb_elam_input(m, pattern, split.u) : tb_elam_output(m, pattern, split.x));
+    if (rises) shape->turn = (uint16_t)tb_elam_input(m, pattern, begin.u);
+  }
+  split.place = shape->split;
+  begin.place = rises ? shape->turn : TB_ELAM_Y;
+  if (outer && rises) split.x = split.place > begin.x ? split.place : begin.x;
+  if (outer && !rises) split.u = tb_map(split.place, 0, TB_ELAM_Y, 0, begin.u);
+  if (!known) { /* (16) to (19), (23) to (26) */
+    uint32_t reach;
+    if (rises ? end.x >= TB_ELAM_X : end.x == 0)
+      reach = edge.u;
+    else if (rises ? end.x <= begin.x : end.x >= begin.x)
+      reach = begin.u;
+    else if (rises)
+      reach = tb_elam_output(m, pattern,
+                             end.x <= split.x ? tb_map(end.x, begin.x, split.x, begin.place, split.place)
+                                              : tb_map(end.x, split.x, TB_ELAM_X, split.place, TB_ELAM_X));
+    else if (end.x >= split.x)
+      reach = tb_map(tb_elam_output(m, pattern, tb_map(end.x, split.x, begin.x, split.x, TB_ELAM_X)), split.place,
+                     TB_ELAM_Y, split.u, begin.u);
+    else
+      reach = tb_map(tb_elam_output(m, pattern, end.x), 0, split.place, 0, split.u);
+    shape->reach = (uint16_t)reach;
+  }
+  low = rises && begin.u < end.u ? begin.u : end.u; /* a turn beyond the end: flat */
+  high = !rises && begin.u > end.u ? begin.u : end.u;
+  of_low = rises ? begin.u : shape->reach;
+  of_high = rises ? shape->reach : begin.u;
+  x_low = rises ? from.x : end.x;
+  x_high = rises ? end.x : from.x;
+  if (y <= low || y >= high || of_high <= of_low) {
+    p->low = (uint16_t)low;
+    p->high = (uint16_t)high;
+    p->x_low = (uint16_t)x_low;
+    p->x_high = (uint16_t)x_high;
+    if (y <= low) {
+      p->low = (uint16_t)(closes && !rises ? low : 0U);
+      p->high = (uint16_t)low;
+      p->x_high = (uint16_t)x_low;
+    } else if (y >= high) {
+      p->low = (uint16_t)high;
+      p->high = (uint16_t)(closes && rises ? high : 65535U);
+      p->x_low = (uint16_t)x_high;
+    } /* else it rises too little to be scaled: linear [A12] */
+    return;
+  }
+  scaled = low != of_low || high != of_high;
+  of_curve = scaled ? tb_scale(y, low, high, of_low, of_high) : y;
+  if (of_curve > split.u || (of_curve == split.u && !rises)) {
+    under = split;
+    over = rises ? edge : begin;
   } else {
-    c->shape.split = (uint16_t)(rises ? tb_elam_input(m, pattern, c->split_y) : tb_elam_output(m, pattern, c->split_x));
-    c->shape.turn = rises ? (uint16_t)tb_elam_input(m, pattern, y) : from.x;
+    under = rises ? begin : edge;
+    over = split;
   }
-  if (outer && rises) c->split_x = c->shape.split > x ? c->shape.split : x;
-  if (outer && !rises) c->split_y = tb_map(c->shape.split, 0, TB_ELAM_Y, 0, y);
-  if (known) return;
-  /* (16) to (19), (23) to (26) */
-  if (rises ? e >= TB_ELAM_X : e == 0)
-    c->shape.reach = (uint16_t)(rises ? TB_ELAM_Y : 0U);
-  else if (rises ? e <= x : e >= x)
-    c->shape.reach = (uint16_t)y;
-  else if (rises)
-    c->shape.reach =
-        (uint16_t)tb_elam_output(m, pattern,
-                                 e <= c->split_x ? tb_map(e, x, c->split_x, c->shape.turn, c->shape.split)
-                                                 : tb_map(e, c->split_x, TB_ELAM_X, c->shape.split, TB_ELAM_X));
-  else if (e >= c->split_x)
-    c->shape.reach = (uint16_t)tb_map(tb_elam_output(m, pattern, tb_map(e, c->split_x, x, c->split_x, TB_ELAM_X)),
-                                      c->shape.split, TB_ELAM_Y, c->split_y, y);
-  else
-    c->shape.reach = (uint16_t)tb_map(tb_elam_output(m, pattern, e), 0, c->shape.split, 0, c->split_y);
-}
-
-/* The piece with output y. Between two knots of the pattern, or their images, low < y <= high. */
-TB_INLINE tb_piece tb_elam_piece(const tb_elam_model* m, const uint16_t* pattern, int rises, const tb_elam_curve* c,
-                                 uint32_t y) {
-  const uint32_t from = rises == (c->from.u < c->end.u) ? c->from.u : c->end.u; /* a turn beyond the end: flat */
-  const uint32_t low = rises ? from : c->end.u, high = rises ? c->end.u : from;
-  const uint32_t of_low = rises ? c->from.u : c->shape.reach, of_high = rises ? c->shape.reach : c->from.u;
-  const uint16_t x_low = rises ? c->from.x : c->end.x, x_high = rises ? c->end.x : c->from.x;
-  const int scaled = low != of_low || high != of_high;
-  uint32_t k, of_curve, y_low, y_high, part_low, part_high, p_low, p_high; /* of the part: outputs, x, on the pattern */
-  tb_piece p;
-  p.low = (uint16_t)low;
-  p.high = (uint16_t)high;
-  p.x_low = x_low;
-  p.x_high = x_high;
-  if (y <= low) {
-    p.low = 0;
-    p.high = (uint16_t)low;
-    p.x_high = x_low;
-    return p;
-  }
-  if (y >= high) {
-    p.low = (uint16_t)high;
-    p.high = 65535U;
-    p.x_low = x_high;
-    return p;
-  }
-  if (of_high <= of_low) return p; /* rises too little to be scaled: linear [A12] */
-  of_curve = scaled ? tb_map(y, low, high, of_low, of_high) : y;
-  if (of_curve > c->split_y || (of_curve == c->split_y && !rises)) {
-    y_low = c->split_y;
-    part_low = c->split_x;
-    y_high = rises ? TB_ELAM_Y : c->from.u;
-    part_high = rises ? TB_ELAM_X : c->from.x;
-    p_low = c->shape.split;
-    p_high = rises ? TB_ELAM_X : TB_ELAM_Y;
-  } else {
-    y_low = rises ? c->from.u : 0U;
-    part_low = rises ? c->from.x : 0U;
-    y_high = c->split_y;
-    part_high = c->split_x;
-    p_low = rises ? c->shape.turn : 0U;
-    p_high = c->shape.split;
-  }
-  k = tb_interval(pattern, m->knots, rises ? of_curve : tb_map(of_curve, y_low, y_high, p_low, p_high));
+  k = tb_interval(pattern, m->knots, rises ? of_curve : tb_map(of_curve, under.u, over.u, under.place, over.place));
   for (;;) {
-    uint32_t own[2], x[2], end;
-    for (end = 0; end < 2; ++end) {
-      const uint32_t knot = pattern[k + end], at = m->x[k + end], first = rises ? y_low : p_low;
-      if (knot <= first) {
-        own[end] = y_low;
-        x[end] = part_low;
-      } else if (knot >= (rises ? y_high : p_high)) {
-        own[end] = y_high;
-        x[end] = part_high;
-      } else if (rises) { /* (36), (38) */
-        own[end] = knot;
-        x[end] = tb_map(at, p_low, p_high, part_low, part_high);
-      } else { /* (31) to (34) */
-        own[end] = tb_map(knot, p_low, p_high, y_low, y_high);
-        x[end] = y_low == 0 ? at : tb_map(at, part_low, TB_ELAM_X, part_low, part_high);
-      }
-      if (scaled) own[end] = tb_map(own[end], of_low, of_high, low, high);
+    const uint32_t knot = pattern[k], next = pattern[k + 1];
+    uint32_t u_low = tb_elam_output_of(rises, knot, under, over), u_high = tb_elam_output_of(rises, next, under, over);
+    if (scaled) {
+      u_low = tb_scale(u_low, of_low, of_high, low, high);
+      u_high = tb_scale(u_high, of_low, of_high, low, high);
     }
-    if (y <= own[0] && k > 0 && pattern[k] > (rises ? y_low : p_low)) {
-      --k;
-    } else if (y > own[1] && k + 2 < m->knots && pattern[k + 1] < (rises ? y_high : p_high)) {
-      ++k;
-    } else {
-      p.low = (uint16_t)own[0];
-      p.high = (uint16_t)own[1];
-      p.x_low = (uint16_t)(x[0] > x_low ? x[0] : x_low);
-      p.x_high = (uint16_t)(x[1] < x_high ? x[1] : x_high);
-      if (p.x_high < p.x_low) p.x_high = p.x_low;
-      return p;
+    if (y <= u_low ? k == 0 || knot <= (rises ? under.u : under.place)
+                   : y <= u_high || k + 2 >= m->knots || next >= (rises ? over.u : over.place)) {
+      uint32_t x = tb_elam_input_of(rises, knot, m->x[k], under, over);
+      if (x > x_low) x_low = x;
+      x = tb_elam_input_of(rises, next, m->x[k + 1], under, over);
+      if (x < x_high) x_high = x;
+      if (x_high < x_low) x_high = x_low;
+      if (closes && rises && u_high > high) u_high = high;
+      if (closes && !rises && u_low < low) u_low = low;
+      p->low = (uint16_t)u_low;
+      p->high = (uint16_t)u_high;
+      p->x_low = (uint16_t)x_low;
+      p->x_high = (uint16_t)x_high;
+      return;
     }
+    k = tb_elam_search(pattern, m->knots, rises, y, under, over, of_low, of_high, low, high);
   }
 }
 
@@ -236,49 +258,36 @@ static inline unsigned tb_elam_left(const tb_elam_taxel* t, unsigned below, int 
   }
   return below;
 }
-/* Of the branch from `from` that `below` turns are before, none of them passed; `known`: its shape, where it was
- * searched. */
-TB_INLINE tb_piece tb_elam_branch(const tb_elam_model* m, uint32_t number, const tb_elam_taxel* t, unsigned below,
-                                  int rises, tb_point from, uint32_t y, const tb_elam_shape* known,
-                                  tb_elam_shape* searched) {
+static inline void tb_elam_rising(const tb_elam_model* m, uint32_t number, tb_point from, tb_point end, int closes,
+                                  uint32_t y, int known, tb_elam_shape* shape, tb_piece* p) {
+  tb_elam_branch(m, number, 1, from, end, closes, y, known, shape, p);
+}
+static inline void tb_elam_falling(const tb_elam_model* m, uint32_t number, tb_point from, tb_point end, int closes,
+                                   uint32_t y, int known, tb_elam_shape* shape, tb_piece* p) {
+  tb_elam_branch(m, number, 0, from, end, closes, y, known, shape, p);
+}
+/* Of the branch from `from` that `below` turns are before, none of them passed. */
+static inline void tb_elam_find(const tb_elam_model* m, uint32_t number, const tb_elam_taxel* t, unsigned below,
+                                int rises, tb_point from, uint32_t y, int known, tb_elam_shape* shape, tb_piece* p) {
   const tb_point end = tb_elam_end(t, below, rises);
-  tb_elam_curve curve;
-  tb_piece p;
-  tb_elam_curve_of(m, number, rises, from, end, known, &curve);
-  *searched = curve.shape;
-  p = tb_elam_piece(m, tb_elam_pattern(m, number, rises), rises, &curve, y);
-  if (below >= 2) tb_cut(&p, rises, end);
-  return p;
-}
-static inline tb_piece tb_elam_rising(const tb_elam_model* m, uint32_t number, const tb_elam_taxel* t, unsigned below,
-                                      tb_point from, uint32_t y, const tb_elam_shape* known, tb_elam_shape* searched) {
-  return tb_elam_branch(m, number, t, below, 1, from, y, known, searched);
-}
-static inline tb_piece tb_elam_falling(const tb_elam_model* m, uint32_t number, const tb_elam_taxel* t, unsigned below,
-                                       tb_point from, uint32_t y, const tb_elam_shape* known, tb_elam_shape* searched) {
-  return tb_elam_branch(m, number, t, below, 0, from, y, known, searched);
+  if (rises)
+    tb_elam_rising(m, number, from, end, below >= 2, y, known, shape, p);
+  else
+    tb_elam_falling(m, number, from, end, below >= 2, y, known, shape, p);
 }
 /* Of the present branch, whose shape is searched once. */
-static inline tb_piece tb_elam_here(const tb_elam_model* m, uint32_t number, tb_elam_taxel* t, uint32_t y) {
-  const tb_elam_shape* const known = t->at.flags & TB_SEARCHED ? &t->shape : 0;
+static inline void tb_elam_here(const tb_elam_model* m, uint32_t number, tb_elam_taxel* t, uint32_t y, tb_piece* p) {
+  const int known = t->at.flags & TB_SEARCHED;
   t->at.flags |= TB_SEARCHED;
-  return (t->at.flags & TB_RISES ? tb_elam_rising : tb_elam_falling)(m, number, t, t->at.below, t->points[t->at.below],
-                                                                     y, known, &t->shape);
-}
-/* Of the branch from `from`, which `below` turns are before. */
-static inline tb_piece tb_elam_find(const tb_elam_model* m, uint32_t number, const tb_elam_taxel* t, unsigned below,
-                                    int rises, tb_point from, uint32_t y) {
-  const unsigned left = tb_elam_left(t, below, rises, y);
-  tb_elam_shape shape = {0, 0, 0};
-  return (rises ? tb_elam_rising : tb_elam_falling)(m, number, t, left, left == below ? from : t->points[left], y, 0,
-                                                    &shape);
+  tb_elam_find(m, number, t, t->at.below, t->at.flags & TB_RISES, t->points[t->at.below], y, known, &t->shape, p);
 }
 /* The branch that turns at y: where it begins, and how many turns are before it. */
 static inline unsigned tb_elam_way(const tb_elam_model* m, uint32_t number, tb_elam_taxel* t, uint32_t y,
                                    tb_point* from) {
   const int rises = t->at.flags & TB_RISES;
-  const tb_piece on = tb_inside(&t->at.here, y) ? t->at.here : tb_elam_here(m, number, t, y);
   const unsigned below = t->at.below + 1U;
+  tb_piece on = t->at.here;
+  if (!tb_inside(&on, y)) tb_elam_here(m, number, t, y, &on);
   from->x = (uint16_t)tb_along(&on, y);
   from->u = (uint16_t)y;
   if (rises ? from->x >= TB_ELAM_X : from->x == 0) return 0;
@@ -290,7 +299,7 @@ static inline uint32_t tb_elam_place(const tb_elam_model* m, const tb_elam_words
 }
 
 /* How the history begins: at rest, or not known. */
-static inline void tb_elam_start(const tb_elam_model* m, const tb_elam_words* w, tb_elam_taxel* t, int known) {
+TB_OUTLINE void tb_elam_start(const tb_elam_model* m, const tb_elam_words* w, tb_elam_taxel* t, int known) {
   tb_forget(&t->at, known);
   t->at.pressure = 0;
   t->points[0].x = t->points[0].u = 0;
@@ -326,7 +335,11 @@ static inline uint16_t tb_elam_step(const tb_elam_model* m, uint32_t number, tb_
     if (!tb_inside(&t->at.there, u)) {
       tb_point from;
       const unsigned below = tb_elam_way(m, number, t, tb_elam_place(m, w, tb_turn(&t->at)), &from);
-      t->at.there = tb_elam_find(m, number, t, below, !(t->at.flags & TB_RISES), from, u);
+      const int rises = !(t->at.flags & TB_RISES);
+      const unsigned left = tb_elam_left(t, below, rises, u);
+      tb_elam_shape shape = {0, 0, 0};
+      if (left != below) from = t->points[left];
+      tb_elam_find(m, number, t, left, rises, from, u, 0, &shape, &t->at.there);
     }
     t->at.pressure = (uint16_t)tb_along(&t->at.there, u);
   } else {
@@ -338,7 +351,7 @@ static inline uint16_t tb_elam_step(const tb_elam_model* m, uint32_t number, tb_
           t->at.flags = (uint8_t)(t->at.flags & ~TB_SEARCHED);
         }
       }
-      t->at.here = tb_elam_here(m, number, t, u);
+      tb_elam_here(m, number, t, u, &t->at.here);
     }
     t->at.pressure = (uint16_t)tb_along(&t->at.here, u);
   }

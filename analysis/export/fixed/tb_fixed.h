@@ -1,5 +1,5 @@
-/* The compensator in integers, first part: arithmetic, noise, direction. C99 and C++11; no library, no allocation, no
- * 64-bit type. What a device compiles and what `tactbench compensate --as fixed` runs; words and order of steps:
+/* The compensator in integers, first part: arithmetic, noise, direction. C99 and C++11; no library, no allocation. What
+ * a device compiles and what `tactbench compensate --as fixed` runs; words and order of steps:
  * analysis/export/README.md. */
 #ifndef TB_FIXED_H
 #define TB_FIXED_H
@@ -20,18 +20,57 @@ enum {
   TB_LOST = 64         /* no frame: the last pressure again */
 };
 
-/* Functions that are called with a constant, for which they become short. */
+/* Functions that are called with a constant, for which they become short; and those that are not to be copied. */
 #if defined(__GNUC__)
 #define TB_INLINE static inline __attribute__((always_inline))
+#define TB_OUTLINE static __attribute__((noinline, unused))
 #else
 #define TB_INLINE static inline
+#define TB_OUTLINE static inline
 #endif
 
-/* floor(a b / 65536), b below 65536; two products of 16 bits. */
-static inline int32_t tb_m(int32_t a, uint32_t b) {
+/* Processors that do not divide or have no product of 64 bits: a quotient by products, these by products of 32. */
+#if defined(__ARM_ARCH_6M__) || defined(__ARM_ARCH_8M_BASE__)
+#define TB_SHORT 1
+#else
+#define TB_SHORT 0
+#endif
+
+/* 2^31 / b in the middle of each of 128 intervals of b from 2^15 to 2^16. */
+static const uint16_t tb_inverse[128] = {
+    65280, 64776, 64280, 63791, 63310, 62836, 62368, 61908, 61455, 61008, 60567, 60133, 59705, 59283, 58867, 58457,
+    58052, 57653, 57260, 56871, 56488, 56111, 55738, 55370, 55007, 54648, 54295, 53946, 53601, 53261, 52924, 52593,
+    52265, 51941, 51622, 51306, 50994, 50686, 50382, 50081, 49784, 49490, 49200, 48913, 48629, 48349, 48072, 47798,
+    47527, 47259, 46995, 46733, 46474, 46218, 45964, 45714, 45466, 45221, 44979, 44739, 44501, 44267, 44034, 43804,
+    43577, 43351, 43129, 42908, 42690, 42473, 42259, 42048, 41838, 41630, 41425, 41221, 41020, 40820, 40622, 40427,
+    40233, 40041, 39850, 39662, 39475, 39290, 39107, 38926, 38746, 38568, 38391, 38216, 38043, 37871, 37701, 37532,
+    37365, 37200, 37035, 36873, 36711, 36551, 36393, 36235, 36080, 35925, 35772, 35620, 35469, 35320, 35172, 35025,
+    34879, 34735, 34592, 34450, 34309, 34169, 34030, 33893, 33756, 33621, 33487, 33354, 33222, 33091, 32961, 32832};
+/* floor(a 65536 / b), a < b < 65536: both twice as large until b has 16 bits, 1 / b by a step of Newton from the table,
+ * below by so little that the quotient is a few too small. */
+TB_OUTLINE uint32_t tb_r_short(uint32_t a, uint32_t b) {
+  uint32_t inverse, ratio, rest;
+  if (b < 0x100U) b <<= 8, a <<= 8;
+  if (b < 0x1000U) b <<= 4, a <<= 4;
+  if (b < 0x4000U) b <<= 2, a <<= 2;
+  if (b < 0x8000U) b <<= 1, a <<= 1;
+  inverse = tb_inverse[(b >> 8) - 128U];
+  inverse += (uint32_t)(((int32_t)(0x80000000U - inverse * b) >> 9) * (int32_t)inverse >> 22);
+  ratio = (a * inverse) >> 15;
+  for (rest = (a << 16) - ratio * b; rest >= b; rest -= b) ++ratio;
+  return ratio;
+}
+static inline int32_t tb_m_short(int32_t a, uint32_t b) {
   return (a >> 16) * (int32_t)b + (int32_t)((((uint32_t)a & 0xFFFFU) * b) >> 16);
 }
-/* floor(a 65536 / b), 0 <= a < b < 2^20. */
+
+/* floor(a b / 65536), b below 65536. */
+static inline int32_t tb_m(int32_t a, uint32_t b) {
+  return TB_SHORT ? tb_m_short(a, b) : (int32_t)(((int64_t)a * (int32_t)b) >> 16);
+}
+/* floor(a 65536 / b), 0 <= a < b < 65536. */
+static inline uint32_t tb_r16(uint32_t a, uint32_t b) { return TB_SHORT ? tb_r_short(a, b) : (a << 16) / b; }
+/* The same of b < 2^20. */
 static inline uint32_t tb_r(uint32_t a, uint32_t b) {
   uint32_t first;
   if (a < 0x10000U) return (a << 16) / b;
@@ -64,7 +103,7 @@ static inline int tb_inside(const tb_piece* p, uint32_t u) { return u > p->low &
 static inline uint32_t tb_along(const tb_piece* p, uint32_t u) {
   if (u >= p->high) return p->x_high;
   if (u <= p->low) return p->x_low;
-  return p->x_low + (((uint32_t)(p->x_high - p->x_low) * tb_r(u - p->low, (uint32_t)(p->high - p->low))) >> 16);
+  return p->x_low + (((uint32_t)(p->x_high - p->x_low) * tb_r16(u - p->low, (uint32_t)(p->high - p->low))) >> 16);
 }
 /* The output from which another branch goes on ends the piece. */
 static inline void tb_cut(tb_piece* p, int rises, tb_point at) {
@@ -119,7 +158,7 @@ typedef struct {
 } tb_taxel;
 
 /* At rest at the lowest input, or, not known, anywhere. */
-static inline void tb_forget(tb_taxel* t, int known) {
+TB_OUTLINE void tb_forget(tb_taxel* t, int known) {
   const tb_piece none = {0, 0, 0, 0};
   t->mean = t->extreme = 0;
   t->steps = TB_STEP_CEILING;
