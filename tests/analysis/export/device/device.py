@@ -113,21 +113,28 @@ def words(frames):
     return made
 
 
-def on_host(compiler, folder, source, data, work):
+def on_host(compiler, folder, source, work):
+    """Compiles a program, which takes input and gives what it says."""
     program = work / "host"
     run([*compiler, "-Wall", "-Wextra", "-Werror", "-I", folder, "-x", "c++" if compiler[0] == "c++" else "c", source, "-o", program])
-    done = subprocess.run([program], input=data, capture_output=True, timeout=300)
-    return done.stdout.decode() + done.stderr.decode()
+    return lambda data: said_by([program], work, input=data)
 
 
-def on_board(cpu, options, folder, source, data, work):
-    program = work / "board.elf"
+def on_board(cpu, options, folder, source, work):
+    program = work / f"{cpu}.elf"
     run(["arm-none-eabi-gcc", f"-mcpu={cpu}", "-mthumb", "-std=c99", *options, "-nostartfiles", "--specs=rdimon.specs", "-T",
          HERE / "board.ld", "-I", folder, "-x", "c", source, HERE / "board.c", "-o", program])
-    (work / "input").write_bytes(data)
     command = ["qemu-system-arm", "-M", BOARDS[cpu], "-display", "none", "-monitor", "none", "-serial", "none",
                "-semihosting-config", "enable=on,target=native", "-kernel", program, "-icount", "shift=0"]
-    done = subprocess.run(command if "-DCOST" in options else command[:-2], cwd=work, capture_output=True, timeout=300)
+
+    def emulated(data):
+        (work / "input").write_bytes(data)
+        return said_by(command if "-DCOST" in options else command[:-2], work)
+    return emulated
+
+
+def said_by(command, work, **options):
+    done = subprocess.run(command, cwd=work, capture_output=True, timeout=300, **options)
     return done.stdout.decode() + done.stderr.decode()
 
 
@@ -164,24 +171,26 @@ def vectors(bench, work):
         folder = bench.folder / name
         example, rows = folder / f"{name}.ino", (folder / "vectors.csv").read_bytes().splitlines(keepends=True)
         for compiler in HOST:
-            said = on_host(compiler, folder, example, b"".join(rows), work)
+            said = on_host(compiler, folder, example, work)(b"".join(rows))
             if not none_differ(said):
                 sys.exit(f"{name}, {' '.join(compiler)}: {said}")
         run(["c++", "-std=c++11", "-Wall", "-Wextra", "-Werror", "-DARDUINO=10819", "-include", HERE / "arduino.h", "-I", folder,
              "-fsyntax-only", "-x", "c++", example])  # as a sketch
         for cpu in BOARDS:
             for option in ("-O0", "-Os"):
-                said = on_board(cpu, [option], folder, example, b"".join(rows[:44]), work)
+                said = on_board(cpu, [option], folder, example, work)(b"".join(rows[:44]))
                 if not none_differ(said):
                     sys.exit(f"{name}, {cpu} {option}: {said}")
         streams, taxels = streams_of(bench, specimen)
+        host = on_host([*HOST[0], "-DALL"], folder, HERE / "readings.c", work)
+        boards = {cpu: on_board(cpu, ["-Os"], folder, HERE / "readings.c", work) for cpu in BOARDS}
         for what, data in streams.items():
-            *seen, last = on_host([*HOST[0], "-DALL"], folder, HERE / "readings.c", data.tobytes(), work).splitlines()
+            *seen, last = host(data.tobytes()).splitlines()
             again = recomputed(bench, document, per_count, data, taxels)
             if not seen or seen != again:
                 sys.exit(f"{name}, {what}: {sum(a != b for a, b in zip(seen, again))} of {len(seen)} readings differ")
-            for cpu in BOARDS:
-                said = on_board(cpu, ["-Os"], folder, HERE / "readings.c", data.tobytes(), work)
+            for cpu, board in boards.items():
+                said = board(data.tobytes())
                 if said.strip() != last:
                     sys.exit(f"{name}, {what}, {cpu}: {said}, and the host {last}")
             print(f"{name}, {what}: {len(seen)} readings, the same by host, boards and --as fixed")
@@ -199,7 +208,7 @@ def faults(bench, work):
             if places == 0:
                 sys.exit(f"{fault}: {header.name} has no such place")
             header.write_text(text)
-            said = on_host(["cc", "-std=c99", "-O2", "-Wno-error"], broken, broken / f"{name}.ino", rows, work)
+            said = on_host(["cc", "-std=c99", "-O2", "-Wno-error"], broken, broken / f"{name}.ino", work)(rows)
             if not re.search(r"^\d+ readings, [1-9]\d* differ$", said, re.M):
                 sys.exit(f"{name}: the fault in {fault} is not seen: {said}")
             print(f"{name}, {fault}: {said.strip()}")
@@ -209,29 +218,35 @@ def faults(bench, work):
         place = table.index(",", table.index("tb_table[]") + len(table) // 2) + 1
         digits = re.compile(r"\s*(\d+)").match(table, place)
         header.write_text(table[:digits.start(1)] + str(int(digits[1]) ^ 1) + table[digits.end(1):])
-        said = on_host(HOST[0], broken, broken / f"{name}.ino", rows, work)
+        said = on_host(HOST[0], broken, broken / f"{name}.ino", work)(rows)
         if "readings" in said:
             sys.exit(f"{name}: a changed word is not seen: {said}")
         print(f"{name}, a word of the table: {said.strip()}")
+
+
+def costs_of(name, folder, streams, taxels, cpu, work):
+    """Instructions a taxel: of a stream, of the worst frame; bytes of code and tables at -Os, of state, of the former at -O2."""
+    board = on_board(cpu, ["-O2", "-DCOST"], folder, HERE / "readings.c", work)
+    found = [int(board(streams[what].tobytes()).split()[place])
+             for what, place in (("a dense noisy stream", 0), ("stored reversals", 1))]
+    sizes = {}
+    for option in ("-Os", "-O2"):
+        run(["arm-none-eabi-gcc", f"-mcpu={cpu}", "-mthumb", "-std=c99", option, "-I", folder, "-c", HERE / "readings.c", "-o",
+             work / "size.o"])
+        sizes[option], _, bss = map(int, run(["arm-none-eabi-size", work / "size.o"]).splitlines()[1].split()[:3])
+    found += [sizes["-Os"], bss - 6 * taxels, sizes["-O2"]]
+    print(f"{name}, {cpu}: {found[0]} instructions a taxel of a stream, {found[1]} of the worst frame; {found[2]} bytes of code "
+          f"and tables, {found[4]} at -O2, {found[3]} of state")
+    return found
 
 
 def cost(bench, work):
     bench.measure(SPECIMENS[0])
     over = []
     for specimen, kind, document, name, per_count in bench.models:
-        folder = bench.folder / name
         streams, taxels = streams_of(bench, specimen)
         for cpu in BOARDS:
-            found = []
-            for what, place in (("a dense noisy stream", 0), ("stored reversals", 1)):
-                said = on_board(cpu, ["-O2", "-DCOST"], folder, HERE / "readings.c", streams[what].tobytes(), work)
-                found.append(int(said.split()[place]))
-            run(["arm-none-eabi-gcc", f"-mcpu={cpu}", "-mthumb", "-std=c99", "-Os", "-I", folder, "-c", HERE / "readings.c", "-o",
-                 work / "size.o"])
-            code, data, bss = map(int, run(["arm-none-eabi-size", work / "size.o"]).splitlines()[1].split()[:3])
-            found += [code, bss - 6 * taxels]
-            print(f"{name}, {cpu}: {found[0]} instructions a taxel of a stream, {found[1]} of the worst frame; {code} bytes of code "
-                  f"and tables, {found[3]} of state")
+            found = costs_of(name, bench.folder / name, streams, taxels, cpu, work)
             over += [f"{name}, {cpu}: {own} above {most}" for own, most in zip(found, LIMITS[kind, cpu]) if own > most]
     if over:
         sys.exit("\n".join(over))
