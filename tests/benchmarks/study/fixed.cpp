@@ -13,6 +13,7 @@
 #include "analysis/identify/compensators.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/scanner_scale.h"
+#include "bench/simulation/counter_noise.h"
 #include "db/run_store.h"
 
 namespace tactbench::bench {
@@ -43,7 +44,7 @@ std::string study_fixed(const FixedStudyOptions& options) {
     const auto stream = compensator_of(model, taxel, noisier);
     stream->work(options.conditioned_s);
     FixedTaxel integers(fixed, t);
-    std::mt19937 random(static_cast<unsigned>(t) + 1);
+    std::mt19937 random(static_cast<unsigned>(hash_of(options.seed, 701, t)));
     std::normal_distribution<double> noise(0.0, noisier * taxel.noise);
     std::size_t j = 0;
     for (double now = samples.front()->time_s; now < samples.back()->time_s; now += 1.0 / options.rate_hz) {

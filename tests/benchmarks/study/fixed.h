@@ -1,6 +1,7 @@
 // A model in a device's integers against its stream in doubles, on a stored run's outputs made a dense noisy stream.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 namespace tactbench::bench {
@@ -8,6 +9,7 @@ namespace tactbench::bench {
 struct FixedStudyOptions {
   std::string model, store;  // files
   int run = 1, every = 16;   // taxels
+  std::uint64_t seed = 1;    // of the noise
   double rate_hz = 76.0, conditioned_s = 70.0;
 };
 

@@ -62,6 +62,9 @@ int main(int count, char** words) try {
   integers->add_option("--run", fixed.run, "whose outputs are made a dense noisy stream")->required();
   integers->add_option("--rate", fixed.rate_hz, "frames a second")->capture_default_str();
   integers->add_option("--every", fixed.every, "taxels")->check(CLI::Range(1, 256));
+  std::string fixed_seed;
+  integers->add_option("--seed", fixed_seed,
+                       "of the noise, hexadecimal; of the last commit to code where none is given");
   CLI::App* charts = app.add_subcommand("charts", "false alarms and power of the charts of trend and nightly");
   charts->add_option("--draws", draws, "histories a case")->check(CLI::Range(100, 10000000))->capture_default_str();
   CLI11_PARSE(app, count, words);
@@ -78,6 +81,7 @@ int main(int count, char** words) try {
     return 0;
   }
   if (*integers) {
+    fixed.seed = draw_seed(fixed_seed).seed;
     fmt::print("{}", study_fixed(fixed));
     return 0;
   }

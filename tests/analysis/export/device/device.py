@@ -224,7 +224,7 @@ def faults(bench, work):
         print(f"{name}, a word of the table: {said.strip()}")
 
 
-def costs_of(name, folder, streams, taxels, cpu, work):
+def costs_of(folder, streams, taxels, cpu, work):
     """Instructions a taxel: of a stream, of the worst frame; bytes of code and tables at -Os, of state, of the former at -O2."""
     board = on_board(cpu, ["-O2", "-DCOST"], folder, HERE / "readings.c", work)
     found = [int(board(streams[what].tobytes()).split()[place])
@@ -234,10 +234,7 @@ def costs_of(name, folder, streams, taxels, cpu, work):
         run(["arm-none-eabi-gcc", f"-mcpu={cpu}", "-mthumb", "-std=c99", option, "-I", folder, "-c", HERE / "readings.c", "-o",
              work / "size.o"])
         sizes[option], _, bss = map(int, run(["arm-none-eabi-size", work / "size.o"]).splitlines()[1].split()[:3])
-    found += [sizes["-Os"], bss - 6 * taxels, sizes["-O2"]]
-    print(f"{name}, {cpu}: {found[0]} instructions a taxel of a stream, {found[1]} of the worst frame; {found[2]} bytes of code "
-          f"and tables, {found[4]} at -O2, {found[3]} of state")
-    return found
+    return [*found, sizes["-Os"], bss - 6 * taxels, sizes["-O2"]]
 
 
 def cost(bench, work):
@@ -246,7 +243,9 @@ def cost(bench, work):
     for specimen, kind, document, name, per_count in bench.models:
         streams, taxels = streams_of(bench, specimen)
         for cpu in BOARDS:
-            found = costs_of(name, bench.folder / name, streams, taxels, cpu, work)
+            found = costs_of(bench.folder / name, streams, taxels, cpu, work)
+            print(f"{name}, {cpu}: {found[0]} instructions a taxel of a stream, {found[1]} of the worst frame; {found[2]} bytes of code "
+                  f"and tables, {found[4]} at -O2, {found[3]} of state")
             over += [f"{name}, {cpu}: {own} above {most}" for own, most in zip(found, LIMITS[kind, cpu]) if own > most]
     if over:
         sys.exit("\n".join(over))
