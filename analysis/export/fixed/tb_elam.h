@@ -103,22 +103,14 @@ TB_INLINE uint32_t tb_elam_input_of(int rises, uint32_t knot, uint32_t at, tb_el
   return low.u == 0 ? at : tb_map(at, low.x, TB_ELAM_X, low.x, high.x);
 }
 
-/* The last knot, but for the very last, whose output is below y: for where an output on the pattern tells little of it,
- * as on a curve that hardly rises. */
-static inline uint32_t tb_elam_search(const uint16_t* pattern, uint32_t n, int rises, uint32_t y, tb_elam_mark under,
-                                      tb_elam_mark over, uint32_t of_low, uint32_t of_high, uint32_t low,
-                                      uint32_t high) {
-  uint32_t bottom = 0, top = n - 1;
-  while (top - bottom > 1) {
-    const uint32_t k = (bottom + top) / 2, knot = pattern[k];
-    if (knot <= (rises ? under.u : under.place) ||
-        (knot < (rises ? over.u : over.place) &&
-         tb_map(tb_elam_output_of(rises, knot, under, over), of_low, of_high, low, high) < y))
-      bottom = k;
-    else
-      top = k;
-  }
-  return bottom;
+/* v, low < v < high, as tb_scale() has it, and the least of the other range that tb_scale() back brings to v or above:
+ * the same with both roundings up. */
+TB_INLINE uint32_t tb_scale_both(uint32_t v, uint32_t low, uint32_t high, uint32_t to_low, uint32_t to_high,
+                                 uint32_t* least) {
+  const uint32_t way = v - low, whole = high - low, ratio = tb_r16(way, whole), range = to_high - to_low;
+  const uint32_t up = ratio * range;
+  *least = to_low + ((up + (ratio * whole == way << 16 ? 0U : range) + 65535U) >> 16);
+  return to_low + (up >> 16);
 }
 
 /* A branch from `from` to `end`, where it closes its loop or ends: the curve of Eqs (31)-(38) from `from` on, its
@@ -129,7 +121,7 @@ TB_INLINE void tb_elam_branch(const tb_elam_model* m, uint32_t number, int rises
   const tb_elam_words* const w = &m->words[number];
   const uint16_t* const pattern = m->patterns + (2 * number + (rises ? 0U : 1U)) * m->knots;
   const uint32_t near_end = 655; /* 0.01 */
-  uint32_t low, high, of_low, of_high, x_low, x_high, k, of_curve;
+  uint32_t low, high, of_low, of_high, x_low, x_high, k, of_curve, first, last, least, knot, u, x;
   tb_elam_mark begin, split, edge, under, over;
   int outer = m->exact_outer, scaled;
   begin.u = rises && from.u > TB_ELAM_Y ? TB_ELAM_Y : from.u;
@@ -203,7 +195,8 @@ TB_INLINE void tb_elam_branch(const tb_elam_model* m, uint32_t number, int rises
     return;
   }
   scaled = low != of_low || high != of_high;
-  of_curve = scaled ? tb_scale(y, low, high, of_low, of_high) : y;
+  of_curve = least = y;
+  if (scaled) of_curve = tb_scale_both(y, low, high, of_low, of_high, &least);
   if (of_curve > split.u || (of_curve == split.u && !rises)) {
     under = split;
     over = rises ? edge : begin;
@@ -211,31 +204,32 @@ TB_INLINE void tb_elam_branch(const tb_elam_model* m, uint32_t number, int rises
     under = rises ? begin : edge;
     over = split;
   }
-  k = tb_interval(pattern, m->knots, rises ? of_curve : tb_map(of_curve, under.u, over.u, under.place, over.place));
-  for (;;) {
-    const uint32_t knot = pattern[k], next = pattern[k + 1];
-    uint32_t u_low = tb_elam_output_of(rises, knot, under, over), u_high = tb_elam_output_of(rises, next, under, over);
-    if (scaled) {
-      u_low = tb_scale(u_low, of_low, of_high, low, high);
-      u_high = tb_scale(u_high, of_low, of_high, low, high);
-    }
-    if (y <= u_low ? k == 0 || knot <= (rises ? under.u : under.place)
-                   : y <= u_high || k + 2 >= m->knots || next >= (rises ? over.u : over.place)) {
-      uint32_t x = tb_elam_input_of(rises, knot, m->x[k], under, over);
-      if (x > x_low) x_low = x;
-      x = tb_elam_input_of(rises, next, m->x[k + 1], under, over);
-      if (x < x_high) x_high = x;
-      if (x_high < x_low) x_high = x_low;
-      if (closes && rises && u_high > high) u_high = high;
-      if (closes && !rises && u_low < low) u_low = low;
-      p->low = (uint16_t)u_low;
-      p->high = (uint16_t)u_high;
-      p->x_low = (uint16_t)x_low;
-      p->x_high = (uint16_t)x_high;
-      return;
-    }
-    k = tb_elam_search(pattern, m->knots, rises, y, under, over, of_low, of_high, low, high);
-  }
+  /* The last knot of the pattern whose output is below y, or that lies before the part. */
+  first = rises ? under.u : under.place;
+  last = rises ? over.u : over.place;
+  if (least <= under.u)
+    least = 0;
+  else if (least >= over.u)
+    least = last;
+  else if (!rises && (under.u != under.place || over.u != over.place))
+    (void)tb_scale_both(least, under.u, over.u, under.place, over.place, &least);
+  k = tb_interval(pattern, m->knots, least > first ? least - 1U : first);
+  knot = pattern[k];
+  u = tb_elam_output_of(rises, knot, under, over);
+  x = tb_elam_input_of(rises, knot, m->x[k], under, over);
+  if (scaled) u = tb_scale(u, of_low, of_high, low, high);
+  if (closes && !rises && u < low) u = low;
+  if (x > x_low) x_low = x;
+  p->low = (uint16_t)u;
+  p->x_low = (uint16_t)x_low;
+  knot = pattern[k + 1];
+  u = tb_elam_output_of(rises, knot, under, over);
+  x = tb_elam_input_of(rises, knot, m->x[k + 1], under, over);
+  if (scaled) u = tb_scale(u, of_low, of_high, low, high);
+  if (closes && rises && u > high) u = high;
+  if (x > x_high) x = x_high;
+  p->high = (uint16_t)u;
+  p->x_high = (uint16_t)(x < x_low ? x_low : x);
 }
 
 /* Where branch number `below` ends: the turn before, of the external loop its own end. */
